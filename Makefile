@@ -1,0 +1,65 @@
+# Needs Python >= 3.11 and make, nothing else. The environment .venv is made by the first target that wants it.
+#
+#   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
+#   make test             run the tests                                    (ARGS="--slow -k order": more for pytest)
+#   make lint             check style, format and types
+#   make bench            measure the time per disc and step
+#   make lock             fix the newest versions of all dependencies in requirements.lock
+#   make clean            remove the environment and the caches; report/ and results/ stay
+#
+# PYTHON=python3.12 chooses the interpreter .venv is made with.
+
+PYTHON ?= python3
+BIN := .venv/bin
+PIP := $(BIN)/python -m pip --disable-pip-version-check
+PIP_TOOLS := pip-tools==7.6.2
+COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade --extra dev --allow-unsafe --strip-extras \
+	--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --annotation-style line
+
+# The tests run in two processes: a library that starts threads of its own would only take turns with them.
+ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+
+.PHONY: report test lint bench lock clean
+.DELETE_ON_ERROR:
+
+report: .venv/installed
+	$(BIN)/verification report $(if $(filter-out 0,$(FULL)),--full)
+
+test: .venv/installed
+	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 -q $(ARGS)
+
+lint: .venv/installed
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy dincl
+
+bench: .venv/installed
+	$(BIN)/verification bench
+
+# Each stamp is touched last, so an install that broke off is made again from the start.
+.venv/locked: requirements.lock
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { \
+		echo 'Python >= 3.11 is needed, but PYTHON=$(PYTHON) is missing or older; try: make PYTHON=python3.12' >&2; exit 1; }
+	@$(PYTHON) -c 'import ensurepip, venv' || { \
+		echo 'PYTHON=$(PYTHON) comes without venv; on Debian and Ubuntu: apt install python3-venv' >&2; exit 1; }
+	rm -rf .venv
+	$(PYTHON) -m venv .venv
+	$(PIP) install --quiet -r requirements.lock
+	@touch $@
+
+.venv/installed: .venv/locked pyproject.toml
+	$(PIP) install --quiet --no-deps --no-build-isolation --editable .
+	@touch $@
+
+# The lock is made with the oldest Python supported: newer ones take the same versions, but not the other way round.
+lock:
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info[:2] != (3, 11))' || { \
+		echo 'make lock needs Python 3.11, the oldest supported; try: make lock PYTHON=python3.11' >&2; exit 1; }
+	$(PYTHON) -m venv --clear .venv-lock
+	.venv-lock/bin/python -m pip --disable-pip-version-check install --quiet $(PIP_TOOLS)
+	CUSTOM_COMPILE_COMMAND='make lock' $(COMPILE) --output-file requirements.lock pyproject.toml
+	rm -rf .venv-lock
+
+clean:
+	rm -rf .venv .venv-lock build *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	find . -name __pycache__ -type d -prune -exec rm -rf {} +
