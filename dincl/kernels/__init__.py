@@ -1,0 +1,22 @@
+"""Compiled loops on plain arrays, loaded on first use so that importing ``dincl`` does not import numba.
+
+Every kernel is stateless: arrays in, arrays out. Each has a plain Python twin in :mod:`dincl.kernels.twins` that does
+the same floating-point operations in the same order, so that both agree bit for bit.
+"""
+
+from importlib import import_module
+from types import ModuleType
+
+SUBMODULES = ("neighbours", "sweeps", "twins")
+
+
+def __getattr__(name: str) -> ModuleType:
+    """Import a submodule when it is first asked for (PEP 562)."""
+    if name in SUBMODULES:
+        return import_module(f"{__name__}.{name}")
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Names this package offers."""
+    return sorted(SUBMODULES)

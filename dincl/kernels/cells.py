@@ -1,0 +1,61 @@
+"""What all grids share: discs sorted by cell, the comparison of two of them, and a list of pairs that can grow."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dincl.kernels._numba import Axes, Floats, Indices, kernel
+
+# A grid spans at most so many axes; distances always use all of them.
+GRID_AXES = 3
+# Room for so many pairs per disc to begin with.
+PAIRS_PER_DISC = 4
+
+
+class Sorted(NamedTuple):
+    """Discs in the order of their cells, so that those of one cell lie side by side."""
+
+    first: Indices  # (cells + 1,): cell c holds the places first[c] ... first[c + 1] - 1
+    disc: Indices  # (n,): the disc at each place, ascending in each cell
+    x: Floats  # (n, d)
+    reach: Floats  # (n,)
+
+
+@kernel
+def sort_by_cell(cell: Indices, cells: int, x: Floats, reach: Floats, axes: Axes) -> Sorted:
+    """Sort the discs by the number of their cell, each in 0 .. cells - 1: a counting sort."""
+    first = np.zeros(cells + 2, np.int32)
+    for i in range(cell.size):
+        first[cell[i] + 2] += 1
+    for c in range(2, first.size):
+        first[c] += first[c - 1]
+    disc = np.empty(cell.size, np.int32)
+    x_sorted = np.empty_like(x)
+    reach_sorted = np.empty_like(reach)
+    for i in range(cell.size):
+        place = first[cell[i] + 1]
+        first[cell[i] + 1] = place + 1
+        disc[place] = i
+        reach_sorted[place] = reach[i]
+        for k in range(len(axes)):
+            x_sorted[place, k] = x[i, k]
+    return Sorted(first[: cells + 1], disc, x_sorted, reach_sorted)
+
+
+@kernel
+def is_near(x: Floats, reach: Floats, i: int, j: int, axes: Axes) -> bool:
+    """Whether |X_i - X_j| <= reach_i + reach_j, compared by their squares."""
+    square = 0.0
+    for k in range(len(axes)):
+        difference = x[i, k] - x[j, k]
+        square += difference * difference
+    limit = reach[i] + reach[j]
+    return bool(square <= limit * limit)
+
+
+@kernel
+def longer(pairs: Indices, count: int, more: int) -> Indices:
+    """Copy pairs[:count] into a list with room for `more` others, twice over."""
+    copied = np.empty((2 * (count + more), 2), np.int32)
+    copied[:count] = pairs[:count]
+    return copied
