@@ -25,6 +25,12 @@ def same(found: Pairs, expected: Pairs) -> bool:
     return all(np.array_equal(a, b) and a.dtype == b.dtype for a, b in zip(found, expected, strict=True))
 
 
+def as_set(pairs: Pairs) -> set[tuple[int, int]]:
+    """Write the lists as a set of pairs (i, j)."""
+    start, partner = pairs
+    return {(i, int(j)) for i in range(len(start) - 1) for j in partner[start[i] : start[i + 1]]}
+
+
 def by_grid(x: Array, reach: Array) -> Pairs:
     """List near pairs in one grid, which must fit."""
     shape, low, cell = grid_shape(x, reach)
@@ -114,6 +120,16 @@ def test_lattice_distances_exactly_at_the_limit(unit: float, rng: np.random.Gene
     expected = twins.near_pairs(x, reach)
     assert same(by_grid(x, reach), expected)
     assert same(by_hierarchy(x, reach), expected)
+
+
+@pytest.mark.parametrize("lost", [0, 57, 119])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
+def test_a_disc_lost_at_infinity_is_near_none(lost: int, value: float, rng: np.random.Generator) -> None:
+    x, reach = cloud(rng, 120, 2), np.full(120, 0.6)
+    rest = np.delete(np.arange(120), lost)
+    expected = {(rest[i], rest[j]) for i, j in as_set(twins.near_pairs(x[rest], reach[rest]))}
+    x[lost, 1] = value
+    assert as_set(neighbours.near_pairs(x, reach)) == expected
 
 
 @given(

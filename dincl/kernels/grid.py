@@ -7,7 +7,7 @@ from dincl.kernels.cells import GRID_AXES, PAIRS_PER_DISC, is_near, longer, sort
 from dincl.kernels.rows import rows_of_pairs
 
 # A grid is used while the largest reach is at most this many times the smallest, ...
-SPREAD_LIMIT = 2.0
+SPREAD_LIMIT = 3.0
 # ... and while it has at most this many cells per disc, where a few discs may have as many as this hundred.
 CELLS_PER_DISC = 8.0
 FEW_DISCS = 100

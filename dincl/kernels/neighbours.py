@@ -23,7 +23,7 @@ def near_pairs(x: Floats, reach: Floats) -> tuple[Offsets, Indices]:
     Parameters
     ----------
     x : (n, d), C-contiguous
-        Centres [length]; finite, any d >= 1.
+        Centres [length], any d >= 1. A disc whose centre is not a number is near none.
     reach : (n,)
         Reaches [length]; between 1e-150 and 1e150 so that squares neither vanish nor overflow.
 

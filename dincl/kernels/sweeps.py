@@ -1,9 +1,26 @@
-"""Gauss-Seidel sweeps: one constraint after the other is met by the shortest move, in a fixed order, in place."""
+"""Gauss-Seidel sweeps: one constraint after the other is met by the shortest move, in a fixed order, in place.
+
+Here those on distances; the ones on affine rows come from ``affine``.
+"""
 
 import numpy as np
 
 from dincl.kernels._numba import Axes, Floats, Indices, Offsets, axes_of, kernel
+from dincl.kernels.affine import dual_sweeps, sweep_affine, sweep_half_space
 
+__all__ = [
+    "COINCIDENT",
+    "OK",
+    "STALE",
+    "drifted",
+    "dual_sweeps",
+    "sweep_affine",
+    "sweep_distance",
+    "sweep_half_space",
+    "sweep_pairs",
+]
+
+# How a sweep ended.
 OK = 0
 COINCIDENT = 1
 STALE = 2
@@ -171,113 +188,3 @@ def _sweep_distance(
                 x[other, k] -= move
         corrections += 1
     return corrections, OK, -1
-
-
-@kernel
-def sweep_affine(x_flat: Floats, indptr: Indices, indices: Indices, data: Floats, bound: Floats, norm2: Floats) -> int:
-    """Project onto a.x >= b, row after row:  x += (b - a.x) / |a|^2 a  where a.x < b; returns the rows moved.
-
-    Parameters
-    ----------
-    x_flat : (n,)
-        Point, changed in place.
-    indptr, indices, data : (m + 1,), (k,), (k,)
-        The rows a in compressed sparse row form.
-    bound : (m,)
-        The right-hand sides b.
-    norm2 : (m,)
-        The squares |a|^2 > 0.
-    """
-    corrections = 0
-    for row in range(bound.size):
-        missing = bound[row]
-        for p in range(indptr[row], indptr[row + 1]):
-            missing -= data[p] * x_flat[indices[p]]
-        if missing > 0.0:
-            step = missing / norm2[row]
-            for p in range(indptr[row], indptr[row + 1]):
-                x_flat[indices[p]] += step * data[p]
-            corrections += 1
-    return corrections
-
-
-@kernel
-def sweep_half_space(x: Floats, normal: Floats, bound: Floats) -> int:
-    """Project all X_i onto normal.X_i >= bound_i:  X_i += (bound_i - normal.X_i) normal; returns the discs moved.
-
-    Parameters
-    ----------
-    x : (n, d)
-        Centres [length], changed in place.
-    normal : (d,)
-        Unit normal into the allowed side.
-    bound : (n,)
-        Least heights [length] over the plane through the origin.
-    """
-    corrections = 0
-    for i in range(x.shape[0]):
-        height = 0.0
-        for k in range(normal.size):
-            height += normal[k] * x[i, k]
-        if height < bound[i]:
-            for k in range(normal.size):
-                x[i, k] += (bound[i] - height) * normal[k]
-            corrections += 1
-    return corrections
-
-
-@kernel
-def dual_sweeps(
-    z: Floats,
-    indptr: Indices,
-    indices: Indices,
-    data: Floats,
-    bound: Floats,
-    norm2: Floats,
-    multipliers: Floats,
-    max_sweeps: int,
-    tol: float,
-) -> tuple[int, float]:
-    """Minimise 1/2 |z - y|^2 subject to a_k.z >= b_k by projected Gauss-Seidel on the multipliers (Hildreth).
-
-    Row after row: delta = max(-lambda_k, (b_k - a_k.z) / |a_k|^2), lambda_k += delta, z += delta a_k.
-
-    Parameters
-    ----------
-    z : (n,)
-        y + A^T multipliers at the start, the nearest point at the end; changed in place.
-    indptr, indices, data : (m + 1,), (k,), (k,)
-        The rows a_k in compressed sparse row form.
-    bound, norm2 : (m,), (m,)
-        The right-hand sides b_k and the squares |a_k|^2 > 0.
-    multipliers : (m,)
-        The multipliers lambda >= 0, changed in place.
-    max_sweeps : int
-        Sweeps allowed.
-    tol : float
-        Stop once no row of a whole sweep moved z by more than this.
-
-    Returns
-    -------
-    sweeps : int
-        Sweeps done.
-    residual : float
-        Longest move |delta_k| |a_k| in the last sweep; inf if none was done.
-    """
-    residual = np.inf
-    for sweep in range(max_sweeps):
-        residual = 0.0
-        for row in range(bound.size):
-            missing = bound[row]
-            for p in range(indptr[row], indptr[row + 1]):
-                missing -= data[p] * z[indices[p]]
-            delta = max(-multipliers[row], missing / norm2[row])
-            if delta == 0.0:
-                continue
-            multipliers[row] += delta
-            for p in range(indptr[row], indptr[row + 1]):
-                z[indices[p]] += delta * data[p]
-            residual = max(residual, abs(delta) * np.sqrt(norm2[row]))
-        if residual <= tol:
-            return sweep + 1, residual
-    return max_sweeps, residual

@@ -13,7 +13,10 @@ from dincl.kernels.sweeps import COINCIDENT, OK, STALE
 
 def _square_distance(a: Floats, b: Floats) -> float:
     """Sum (a_k - b_k)^2 over the axes in their order."""
-    return sum(((p - q) * (p - q) for p, q in zip(a.tolist(), b.tolist(), strict=True)), 0.0)
+    total = 0.0  # sum() would compensate for rounding, from Python 3.12 on
+    for p, q in zip(a.tolist(), b.tolist(), strict=True):
+        total += (p - q) * (p - q)
+    return total
 
 
 def _dot(a: Floats, b: Floats) -> float:
@@ -132,6 +135,8 @@ def dual_sweeps(
             for p in entries:
                 missing -= float(data[p] * z[indices[p]])
             delta = max(-float(multipliers[row]), missing / float(norm2[row]))
+            if delta == 0.0:
+                continue
             multipliers[row] += delta
             for p in entries:
                 z[indices[p]] += delta * data[p]

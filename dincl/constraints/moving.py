@@ -1,0 +1,61 @@
+"""A set that is carried along a path: Moreau's sweeping process."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from dincl.callables import call, numbers
+from dincl.checks import describe
+from dincl.constraints.base import Constraint
+from dincl.errors import InvalidProblem
+from dincl.status import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from dincl.constraints.rows import RowsOfOneKind
+    from dincl.sweepers import Sweeper
+
+
+@dataclass(frozen=True, eq=False)
+class Moving(Constraint):
+    """S(t) = S + path(t): x is feasible at time t when x - path(t) is feasible for ``constraint``  (1.16).
+
+    Parameters
+    ----------
+    constraint
+        The set at rest, any Constraint but another Moving.
+    path
+        t -> displacement of shape (d,) [length], the same for all particles.
+    """
+
+    constraint: Constraint
+    path: Callable[[float], Any]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.constraint, Constraint) or isinstance(self.constraint, Moving):
+            raise InvalidProblem(
+                f"constraint = {describe(self.constraint)}: must be a Constraint that is not itself Moving"
+            )
+        if not callable(self.path):
+            raise InvalidProblem(f"path = {describe(self.path)}: must be a callable of t that returns shape (d,)")
+
+    def check(self, count: int, d: int) -> None:
+        self.constraint.check(count, d)
+        shift = self.displacement(0.0)
+        if shift.shape != (d,):
+            raise InvalidProblem(f"path(0.0) of shape {shift.shape}: must have shape ({d},)")
+
+    def displacement(self, t: float) -> NDArray[np.float64]:
+        return numbers("path", Status.CONSTRAINT_FAILED, call("path", Status.CONSTRAINT_FAILED, self.path, t))
+
+    def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
+        """The near rows of the set at rest; x is given relative to the displacement."""
+        return self.constraint.select(x, reach)
+
+    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
+        return self.constraint.sweeper(x)

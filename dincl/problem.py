@@ -1,0 +1,109 @@
+"""The problem: drift, constraints, start."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dincl.callables import call, numbers
+from dincl.checks import array, describe
+from dincl.constraints.base import Constraint
+from dincl.constraints.rows import RowsTogether
+from dincl.errors import InvalidProblem, StepFailure
+from dincl.status import Status
+
+# A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
+START_TOLERANCE = 1e-9
+
+Drift = Callable[[float, NDArray[np.float64]], Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """The differential inclusion x' in F(t, x) - N(S, x), x(0) = x0  (1.24), (1.25).
+
+    Parameters
+    ----------
+    x0
+        Start, shape (N, d), N, d >= 1, feasible to 1e-9 of its largest coordinate [length].
+    drift
+        F: (t, x) -> velocity of the unconstrained particles, (N, d) -> (N, d) [length / time]. x is read-only.
+    constraints
+        The sets whose intersection is S, in the order in which PBD projects onto them.
+
+    Raises
+    ------
+    InvalidProblem
+        For wrong shapes, numbers that are not finite, a start that is not feasible, a drift that fails at the start.
+    """
+
+    x0: NDArray[np.float64]
+    drift: Drift
+    constraints: Sequence[Constraint] = ()
+
+    def __init__(self, x0: ArrayLike, drift: Drift, constraints: Sequence[Constraint] = ()) -> None:
+        object.__setattr__(self, "x0", _start(x0))
+        if not callable(drift):
+            raise InvalidProblem(f"drift = {describe(drift)}: must be a callable (t, x) -> velocity of the shape of x")
+        object.__setattr__(self, "drift", drift)
+        object.__setattr__(self, "constraints", _families(constraints))
+        self._check()
+
+    def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """F(t, x), checked: shape (N, d), finite; StepFailure otherwise."""
+        seen = x.view()
+        seen.flags.writeable = False
+        return numbers("drift", Status.DRIFT_FAILED, call("drift", Status.DRIFT_FAILED, self.drift, t, seen), x.shape)
+
+    def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
+        """All rows that can be violated at time t once every particle moved by at most ``reach`` from x."""
+        blocks = []
+        for constraint in self.constraints:
+            shift = constraint.displacement(t)
+            rows = constraint.select(x if shift is None else x - shift, reach)
+            blocks.append(rows if shift is None else rows.shifted(shift))
+        return RowsTogether(tuple(blocks), self.x0.size)
+
+    def violation(self, t: float, x: NDArray[np.float64]) -> float:
+        """max_k max(0, -g_k(x)) at time t, over all constraints [units of g]."""
+        return max(0.0, float(np.max(-self.rows_within(t, x, 0.0).values(x), initial=0.0)))
+
+    def _check(self) -> None:
+        try:
+            for constraint in self.constraints:
+                constraint.check(*self.x0.shape)
+                shift = constraint.displacement(0.0)
+                _check_feasible(constraint, self.x0 if shift is None else self.x0 - shift)
+            self.velocity(0.0, self.x0)
+        except StepFailure as failure:
+            name = "drift" if failure.status is Status.DRIFT_FAILED else "constraints"
+            raise InvalidProblem(f"{name}: {failure.detail} {failure.status.value}") from failure
+
+
+def _start(x0: ArrayLike) -> NDArray[np.float64]:
+    checked = array("x0", x0)
+    if checked.ndim != 2 or 0 in checked.shape:
+        raise InvalidProblem(f"x0 of shape {checked.shape}: must have shape (N, d) with N, d >= 1")
+    return checked
+
+
+def _families(constraints: Sequence[Constraint]) -> tuple[Constraint, ...]:
+    families = tuple(constraints) if isinstance(constraints, Iterable) else ()
+    if not isinstance(constraints, Iterable) or not all(isinstance(family, Constraint) for family in families):
+        raise InvalidProblem(f"constraints = {describe(constraints)}: must be a list of dincl constraints")
+    return families
+
+
+def _check_feasible(constraint: Constraint, x: NDArray[np.float64]) -> None:
+    rows = constraint.select(x, 0.0)
+    values = rows.values(x)
+    allowed = START_TOLERANCE * float(np.abs(x).max())
+    if values.min(initial=0.0) < -allowed:
+        worst = rows.label(int(values.argmin()), x.shape[1])
+        raise InvalidProblem(
+            f"x0 violates {type(constraint).__name__} by {-values.min():.3g} at {worst}: allowed is {allowed:.1g}"
+        )

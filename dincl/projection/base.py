@@ -1,0 +1,133 @@
+"""What a projection is, and the certificate that it must earn."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from dincl.checks import number
+from dincl.errors import StepFailure
+from dincl.projection.refine import on_active_rows
+from dincl.status import Status
+
+# Completions on the active rows; on curved rows each shortens the error by about overlap / radius.
+MOST_COMPLETIONS = 20
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dincl.constraints.rows import AffineRows, Rows
+    from dincl.problem import Problem
+
+
+@dataclass(frozen=True)
+class Projected:
+    """The nearest point of {x : g(x) >= 0} to y, with residuals recomputed from y and g alone.
+
+    Attributes
+    ----------
+    point
+        x, shape (N, d).
+    multipliers
+        Shape (m,): x - y = sum_k multipliers_k grad g_k(x).
+    violation
+        max_k max(0, -g_k(x)).
+    stationarity
+        max |x - y - J(x)^T multipliers|.
+    complementarity
+        max_k |min(multipliers_k, g_k(x))|, which is zero just when both are >= 0 and one of them is zero.
+    iterations, back_end
+        What the back end reports of its work, and its name.
+    """
+
+    point: NDArray[np.float64]
+    multipliers: NDArray[np.float64]
+    violation: float
+    stationarity: float
+    complementarity: float
+    iterations: int
+    back_end: str
+
+    @property
+    def residual(self) -> float:
+        """The largest of the three residuals."""
+        return max(self.violation, self.stationarity, self.complementarity)
+
+
+@dataclass(frozen=True)
+class Projection(ABC):
+    """A way to compute nearest points, to the tolerance ``tol`` > 0 on the residual of Projected [length]."""
+
+    tol: float
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
+
+    def check(self, problem: Problem) -> None:
+        """Raise InvalidProblem if this projection cannot serve the problem's constraints."""
+
+    @abstractmethod
+    def solver(self) -> Solver:
+        """A solver for one run; it may keep warm starts and compiled problems."""
+
+
+class Solver(ABC):
+    """A back end at work."""
+
+    name: ClassVar[str]
+
+    def __init__(self, tol: float) -> None:
+        self.tol = tol
+
+    def nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        """The nearest point to y (N, d) of {rows >= 0}, searched from ``guess``; StepFailure when not found to ``tol``."""
+        values = rows.values(y)
+        if not (values < 0).any():
+            return Projected(y, np.zeros(len(values)), 0.0, 0.0, 0.0, 0, "none")
+        found = self._nearest(rows, y, guess)
+        if not found.residual <= self.tol:
+            raise StepFailure(
+                Status.NOT_CONVERGED,
+                f"{self.name} left a residual of {found.residual:.2g}, asked for was {self.tol:.2g}.",
+            )
+        return found
+
+    @abstractmethod
+    def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        """The same for a y that violates a row; the certificate may miss ``tol``, which the caller then reports."""
+
+    def certify(
+        self, linear: AffineRows, y: NDArray[np.float64], x: NDArray[np.float64], lam: NDArray[np.float64], work: int
+    ) -> Projected:
+        """The certificate of x with multipliers ``lam``, from the linearisation of the rows at x itself."""
+        values = linear.values(x)
+        misfit = (x - y).ravel() - linear.matrix.transposed_times(lam)
+        return Projected(
+            point=x,
+            multipliers=lam,
+            violation=float(np.max(-values, initial=0.0)),
+            stationarity=float(np.max(np.abs(misfit), initial=0.0)),
+            complementarity=float(np.max(np.abs(np.minimum(lam, values)), initial=0.0)),
+            iterations=work,
+            back_end=self.name,
+        )
+
+    def completed(self, rows: Rows, y: NDArray[np.float64], found: Projected) -> Projected:
+        """The answer of an interior point, put exactly onto its active rows until it reaches ``tol`` or gets no better.
+
+        Only a smaller certified residual is taken.
+        """
+        for _ in range(MOST_COMPLETIONS):
+            if found.residual <= self.tol:
+                break
+            linear = rows.linearised(found.point)
+            active = found.multipliers > linear.values(found.point)
+            point, lam = on_active_rows(linear, y, found.multipliers, active)
+            better = self.certify(rows.linearised(point), y, point, lam, found.iterations)
+            if not better.residual < found.residual:
+                break
+            found = better
+        return found

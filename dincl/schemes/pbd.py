@@ -1,0 +1,71 @@
+"""First-order position based dynamics."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from dincl.checks import integer
+from dincl.schemes.base import Scheme, State, Stepper
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from dincl.problem import Problem
+
+
+@dataclass(frozen=True)
+class PBD(Scheme):
+    """x_{k+1} = P_{S_M} ... P_{S_1} (x_k + dt F(t_k, x_k))  (Method 2.3).
+
+    Parameters
+    ----------
+    dt
+        Step [time].
+    sweeps
+        How often the row of projections is run through in a step; the method has one.
+
+    The S_j come in the order of the problem's constraints and, within one of them, of its rows: for NonOverlap i
+    ascending, then j < i ascending; particles, pairs, links of a chain as numbered or given. Each P_{S_j} is exact.
+    """
+
+    sweeps: int = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1))
+
+    def stepper(self, problem: Problem) -> Stepper:
+        return _PBDStepper(problem, self.sweeps)
+
+
+class _PBDStepper(Stepper):
+    def __init__(self, problem: Problem, sweeps: int) -> None:
+        super().__init__(problem)
+        self._projections = SweepThrough(problem, sweeps)
+
+    def step(self, t: float, h: float, state: State) -> State:
+        x = state.x + h * self.velocity(t, state.x)
+        self._projections.apply(t + h, x, self)
+        return State(x)
+
+
+class SweepThrough:
+    """P_{S_M} ... P_{S_1} for all constraints of a problem, ``sweeps`` times."""
+
+    def __init__(self, problem: Problem, sweeps: int) -> None:
+        self._sweeps = sweeps
+        self._families = [(family, family.sweeper(problem.x0)) for family in problem.constraints]
+
+    def apply(self, t: float, x: NDArray[np.float64], stepper: Stepper) -> None:
+        """Project x in place onto the sets at time t, counting the work of ``stepper``."""
+        for _ in range(self._sweeps):
+            for family, sweeper in self._families:
+                shift = family.displacement(t)
+                if shift is None:
+                    sweeper.sweep(x, stepper.work)
+                else:
+                    x -= shift
+                    sweeper.sweep(x, stepper.work)
+                    x += shift

@@ -1,0 +1,184 @@
+"""Every family: its rows against the formula, its derivative, its near rows, its exact projections."""
+
+import numpy as np
+import pytest
+
+import dincl
+from dincl.constraints.rows import AffineRows
+from dincl.work import Work
+
+RADII = np.array([0.3, 0.5, 0.4, 0.2, 0.35, 0.45])
+PAIRS = [(0, 1), (4, 2), (3, 5)]
+
+
+def quadratic(x):
+    return np.array([x[0] @ x[0] - 0.5, x[1] @ x[2] + 0.1])
+
+
+def quadratic_jacobian(x):
+    rows = np.zeros((2, *x.shape))
+    rows[0, 0] = 2 * x[0]
+    rows[1, 1], rows[1, 2] = x[2], x[1]
+    return rows
+
+
+FAMILIES = {
+    "NonOverlap": lambda d: dincl.NonOverlap(RADII),
+    "HalfSpace": lambda d: dincl.HalfSpace(np.arange(1, d + 1), offset=0.1, radius=RADII),
+    "MaxDistance": lambda d: dincl.MaxDistance(PAIRS, [0.5, 1.0, 1.5]),
+    "Ordered": lambda d: dincl.Ordered([2, 0, 5, 1], axis=d - 1),
+    "OutsideBall": lambda d: dincl.OutsideBall(np.full(d, 0.1), 0.7 + RADII),
+    "InsideBall": lambda d: dincl.InsideBall(np.full(d, 0.1), 0.7),
+    "Smooth": lambda d: dincl.Smooth(quadratic, quadratic_jacobian),
+}
+
+
+def expected(name, x):
+    """g(x) typed from the definitions, row by row."""
+    n, d = x.shape
+    gap = lambda i, j: np.linalg.norm(x[i] - x[j])  # noqa: E731
+    if name == "NonOverlap":
+        return [gap(i, j) - RADII[i] - RADII[j] for i in range(n) for j in range(i)]
+    if name == "HalfSpace":
+        normal = np.arange(1, d + 1) / np.linalg.norm(np.arange(1, d + 1))
+        return [normal @ x[i] - 0.1 - RADII[i] for i in range(n)]
+    if name == "MaxDistance":
+        return [length - gap(i, j) for (i, j), length in zip(PAIRS, [0.5, 1.0, 1.5], strict=True)]
+    if name == "Ordered":
+        return [x[0, -1] - x[2, -1], x[5, -1] - x[0, -1], x[1, -1] - x[5, -1]]
+    if name == "OutsideBall":
+        return [np.linalg.norm(x[i] - 0.1) - 0.7 - RADII[i] for i in range(n)]
+    if name == "InsideBall":
+        return [0.7 - np.linalg.norm(x[i] - 0.1) for i in range(n)]
+    return list(quadratic(x))
+
+
+cases = pytest.mark.parametrize(("name", "d"), [(name, d) for name in FAMILIES for d in (1, 2, 3)])
+
+
+@cases
+def test_rows_are_the_definition(name, d, rng):
+    x = rng.normal(size=(6, d))
+    rows = FAMILIES[name](d).select(x, 100.0)
+    assert rows.values(x) == pytest.approx(expected(name, x), abs=1e-14)
+
+
+@cases
+def test_jacobian_is_the_derivative(name, d, rng):
+    x, h = rng.normal(size=(6, d)), 1e-6
+    rows = FAMILIES[name](d).select(x, 100.0)
+    jacobian = rows.jacobian(x).dense()
+    for k in range(x.size):
+        e = np.zeros(x.size)
+        e[k] = h
+        e = e.reshape(x.shape)
+        central = (rows.values(x + e) - rows.values(x - e)) / (2 * h)
+        assert jacobian[:, k] == pytest.approx(central, abs=1e-8)
+
+
+@cases
+def test_no_row_left_out_can_be_reached(name, d, rng):
+    family, x, reach = FAMILIES[name](d), 2 * rng.normal(size=(6, d)), 0.25
+    near = family.select(x, reach)
+    everything = family.select(x, 1e3)
+    for _ in range(200):
+        move = rng.normal(size=x.shape)
+        z = x + reach * move / np.linalg.norm(move, axis=1, keepdims=True)
+        worst = everything.values(z).min()
+        assert min(near.values(z).min(initial=0.0), 0.0) == pytest.approx(min(worst, 0.0), abs=1e-15)
+
+
+@cases
+def test_linearisation_touches(name, d, rng):
+    x = rng.normal(size=(6, d))
+    rows = FAMILIES[name](d).select(x, 100.0)
+    linear = rows.linearised(x)
+    assert isinstance(linear, AffineRows)
+    assert linear.values(x) == pytest.approx(rows.values(x), abs=1e-13)
+    assert linear.jacobian(x).dense() == pytest.approx(rows.jacobian(x).dense())
+
+
+@cases
+def test_a_carried_set_is_the_same_set_elsewhere(name, d, rng):
+    x, shift = rng.normal(size=(6, d)), rng.normal(size=d)
+    rows = FAMILIES[name](d).select(x, 100.0)
+    assert rows.shifted(shift).values(x + shift) == pytest.approx(rows.values(x), abs=1e-13)
+    assert rows.shifted(shift).jacobian(x + shift).dense() == pytest.approx(rows.jacobian(x).dense(), abs=1e-12)
+
+
+@cases
+def test_taking_rows_keeps_their_order(name, d, rng):
+    x = rng.normal(size=(6, d))
+    rows = FAMILIES[name](d).select(x, 100.0)
+    keep = np.arange(len(rows.values(x))) % 2 == 0
+    assert rows.take(keep).values(x).tolist() == rows.values(x)[keep].tolist()
+    assert rows.take(keep).jacobian(x).dense().tolist() == rows.jacobian(x).dense()[keep].tolist()
+
+
+@cases
+def test_a_sweep_is_one_exact_projection_after_another(name, d, rng):
+    """The nearest point of {g_k >= 0} satisfies x - y = multiplier grad g_k(x), multiplier >= 0, g_k(x) = 0."""
+    work = Work()
+    for y in starts(name, d, rng):
+        family = FAMILIES[name](d)
+        rows = family.select(y, 100.0)
+        swept = y.copy()
+        family.sweeper(y).sweep(swept, work)
+        x, count = y.copy(), len(rows.values(y))
+        for k in range(count):
+            row = rows.take(np.arange(count) == k)
+            x, before = _nearest_point(row, x), x
+            gradient = row.jacobian(x).dense()[0]
+            multiplier = gradient @ (x - before).ravel() / (gradient @ gradient)
+            assert (x - before).ravel() == pytest.approx(multiplier * gradient, abs=1e-10)
+            assert multiplier >= 0
+            assert row.values(x)[0] >= -1e-10
+        assert swept == pytest.approx(x, abs=1e-9)
+    assert work.constraint_projections > 5
+
+
+def starts(name, d, rng):
+    """Random states; for the curved g of Smooth those not deep outside, where its nearest point is a fixed point."""
+    drawn = rng.normal(size=(400, 6, d))
+    if name == "Smooth":
+        lack = np.array([quadratic(y).min() for y in drawn])
+        drawn = drawn[(lack > -0.15) & (lack < 0)]
+    return drawn[:20]
+
+
+def _nearest_point(row, y):
+    """Fixed point of x = y + lambda grad g(x), g(x) = 0, found by plain iteration, independent of the sweepers."""
+    if row.values(y)[0] >= 0:
+        return y
+    x = y
+    for _ in range(500):
+        gradient = row.jacobian(x).dense()[0]
+        lack = gradient @ (x - y).ravel() - row.values(x)[0]
+        x, last = y + (max(lack, 0.0) / (gradient @ gradient) * gradient).reshape(y.shape), x
+        if np.abs(x - last).max() < 1e-13:
+            break
+    return x
+
+
+def test_sparse_jacobians_of_smooth_constraints(rng):
+    from scipy.sparse import csc_array
+
+    x = rng.normal(size=(6, 2))
+    dense = dincl.Smooth(quadratic, quadratic_jacobian).select(x, 0.0).jacobian(x).dense()
+    sparse = dincl.Smooth(quadratic, lambda x: csc_array(quadratic_jacobian(x).reshape(2, -1))).select(x, 0.0)
+    assert sparse.jacobian(x).dense().tolist() == dense.tolist()
+
+
+def test_normals_are_made_unit_vectors_and_offsets_stay():
+    wall = dincl.HalfSpace(normal=(0, 4), offset=1.0, radius=0.5)
+    assert wall.normal.tolist() == [0.0, 1.0]
+    assert wall.select(np.array([[0.0, 3.0]]), 10.0).values(np.array([[0.0, 3.0]])).tolist() == [1.5]
+
+
+def test_checked_arrays_cannot_be_changed_later():
+    radius = np.array([0.5, 0.5])
+    family = dincl.NonOverlap(radius)
+    radius[0] = -1.0
+    assert family.radii(2).tolist() == [0.5, 0.5]
+    with pytest.raises(ValueError, match="read-only"):
+        family.radius[0] = -1.0

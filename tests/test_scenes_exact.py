@@ -1,0 +1,254 @@
+"""The exact solutions of scenes solve their inclusions, and time steps converge to them."""
+
+import itertools
+import math
+from collections.abc import Callable
+from typing import Any, NamedTuple
+
+import mpmath
+import numpy as np
+import pytest
+from scipy.optimize import isotonic_regression
+
+import dincl
+from dincl import scenes
+from dincl.projection.daqp import Daqp
+from dincl.scenes.sliding_disc import SLIDE as PAST_FIXED
+from dincl.scenes.stack import RADII
+from dincl.scenes.two_disks import SLIDE as PAST_OTHER
+
+STEPS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
+Gap = Callable[..., Any]
+
+
+def stack_events(x0: np.ndarray, packed: np.ndarray) -> list[tuple[float, int]]:
+    """March from contact to contact: a cluster of touching intervals obeys m' = -m for its middle, the wall stops it.
+
+    Returns the times, and the interval that meets its left neighbour (or the wall: 0).
+    """
+    # Each cluster is (first interval, size, middle at the present time); the wall is a cluster without a middle.
+    clusters = [(i, 1, float(x)) for i, x in enumerate(x0)]
+    t, at_wall, events = 0.0, 0, []
+    while clusters:
+        waits = []
+        for k, (first, size, middle) in enumerate(clusters):
+            rest = packed[first : first + size].mean()
+            if k == 0:
+                waits.append(math.log(middle / rest))
+            else:
+                left_first, left_size, left_middle = clusters[k - 1]
+                left_rest = packed[left_first : left_first + left_size].mean()
+                waits.append(math.log((middle - left_middle) / (rest - left_rest)))
+        k = int(np.argmin(waits))
+        t += waits[k]
+        clusters = [(first, size, middle * math.exp(-waits[k])) for first, size, middle in clusters]
+        first, size, middle = clusters.pop(k)
+        events.append((t, first))
+        if k == 0:
+            at_wall += size
+        else:
+            left_first, left_size, left_middle = clusters[k - 1]
+            total = left_size + size
+            clusters[k - 1] = (left_first, total, (left_size * left_middle + size * middle) / total)
+    assert at_wall == len(x0)
+    return events
+
+
+PACKED = np.cumsum(2 * np.array(RADII)) - RADII
+STACK_EVENTS = stack_events(scenes.stack().x0[:, 0], PACKED)
+
+
+class Case(NamedTuple):
+    """An exact scene, told once more: drift and gaps g(t, flat x) >= 0 with all digits, and when contacts change."""
+
+    scene: scenes.Scene
+    drift: Callable[[list[Any]], list[Any]]
+    gaps: list[Gap]
+    events: list[float]
+
+
+CASES = [
+    Case(
+        scenes.sliding_disc(),
+        lambda x: [0, -1],
+        [lambda t, x, y: mpmath.hypot(x, y) - 1],
+        [float(t) for t in PAST_FIXED.events()],
+    ),
+    Case(
+        scenes.two_disks(),
+        lambda x: [1, mpmath.mpf(-0.25), 0, 0],
+        [lambda t, a, b, c, d: mpmath.hypot(a - c, b - d) - mpmath.mpf(1.25)],
+        [float(t) for t in PAST_OTHER.events()],
+    ),
+    Case(
+        scenes.stack(),
+        lambda x: [-c for c in x],
+        [lambda t, *x: x[0] - RADII[0]]
+        + [lambda t, *x, i=i: x[i + 1] - x[i] - (RADII[i] + RADII[i + 1]) for i in range(len(RADII) - 1)],
+        [t for t, _ in STACK_EVENTS],
+    ),
+    Case(scenes.step_inclusion(), lambda x: [-1], [lambda t, x: x], [math.sqrt(0.5)]),
+    Case(
+        scenes.sweeping_interval(),
+        lambda x: [0],
+        [lambda t, x: x - mpmath.sin(t), lambda t, x: mpmath.sin(t) + mpmath.mpf(0.5) - x],
+        [math.asin(0.2)] + [math.pi * k / 6 for k in (3, 5, 9, 11, 15, 17, 21)],
+    ),
+]
+exact_cases = pytest.mark.parametrize("case", CASES, ids=lambda case: case.scene.name)
+
+
+def between(events: list[float]) -> list[float]:
+    """Times that are no events: two in each interval, and one after all."""
+    edges = [0.0, *events, events[-1] + 0.7]
+    return [a + part * (b - a) for a, b in itertools.pairwise(edges) for part in (0.31, 0.83)]
+
+
+@exact_cases
+def test_exact_solution_starts_at_the_start_and_is_rounded_once(case: Case) -> None:
+    exact = case.scene.exact
+    assert np.array_equal(exact(0), case.scene.x0)
+    times = between(case.events)
+    assert exact(times).shape == (len(times), *case.scene.x0.shape)
+    with mpmath.workdps(60):
+        finer = np.array([exact.digits(t) for t in times])
+    assert np.array_equal(exact(times), finer.astype(np.float64))
+    coarser = np.array([exact.digits(t) for t in times])
+    assert np.abs(finer - coarser).max() < 1e-26
+
+
+@exact_cases
+def test_exact_solution_is_feasible_and_has_the_velocity_of_the_inclusion(case: Case) -> None:
+    """x' - F = sum lambda_k grad g_k with lambda >= 0, over the closed gaps, everywhere between the events."""
+    pressed = 0
+    with mpmath.workdps(60):
+        step = mpmath.mpf(10) ** -15
+        for t in map(mpmath.mpf, between(case.events)):
+            place = list(case.scene.exact.digits(t).flat)
+            assert min(gap(t, *place) for gap in case.gaps) > -1e-25
+            velocity = (case.scene.exact.digits(t + step) - case.scene.exact.digits(t - step)).ravel() / (2 * step)
+            reaction = mpmath.matrix(list(velocity - case.drift(place)))
+            closed = [gap for gap in case.gaps if gap(t, *place) < 1e-25]
+            if not closed:
+                assert mpmath.norm(reaction) < 1e-15
+                continue
+            gradients = mpmath.matrix([gradient(gap, t, place) for gap in closed]).T
+            multipliers = mpmath.lu_solve(gradients, reaction)
+            assert mpmath.norm(gradients * multipliers - reaction) < 1e-15
+            assert min(multipliers) > -1e-15
+            pressed += max(multipliers) > 0.01
+    assert pressed >= 2  # it is not all free fall
+
+
+def gradient(gap: Gap, t: Any, place: list[Any]) -> list[Any]:
+    size = len(place)
+    return [mpmath.diff(gap, (t, *place), tuple(int(k == i + 1) for k in range(size + 1))) for i in range(size)]
+
+
+@exact_cases
+def test_exact_solution_is_continuous(case: Case) -> None:
+    """Across an event x moves by at most the greatest speed, which is below 20, times the time between."""
+    for event in case.events:
+        before, after = case.scene.exact([event - 1e-9, event + 1e-9])
+        assert np.abs(after - before).max() < 20 * 2e-9
+
+
+@pytest.mark.parametrize("case", CASES[:2], ids=lambda case: case.scene.name)
+def test_a_disc_lands_with_a_bend_and_leaves_without(case: Case) -> None:
+    bends = []
+    for event in case.events:
+        before, at, after = case.scene.exact([event - 1e-6, event, event + 1e-6])
+        bends.append(np.abs(after - 2 * at + before).max() / 1e-6)
+    assert bends[0] > 0.1
+    assert bends[1] < 1e-5
+
+
+@exact_cases
+@pytest.mark.parametrize("t", [-1e-9, math.nan, math.inf, [0.0, -1.0], "soon", None])
+def test_exact_solution_refuses_times_that_are_none(case: Case, t: Any) -> None:
+    with pytest.raises(dincl.InvalidProblem, match=r"^t\b"):
+        case.scene.exact(t)
+
+
+@exact_cases
+def test_exact_solution_of_late_times(case: Case) -> None:
+    late = case.scene.exact(1e9)
+    assert np.isfinite(late).all()
+    assert case.scene.violation(1e9, late) <= 1e-15 * max(1.0, np.abs(late).max())
+
+
+def errors(case: Case, times: list[float]) -> np.ndarray:
+    """Return the errors of one sweep of exact projections, (steps, times): for a single constraint this is catch-up."""
+    runs = [dincl.solve(case.scene, dincl.PBD(dt=dt), t=times).x for dt in STEPS]
+    return np.abs(np.array(runs) - case.scene.exact(times)).max(axis=(2, 3))
+
+
+def slope(error: np.ndarray) -> float:
+    return float(np.polyfit(np.log(STEPS), np.log(error), 1)[0])
+
+
+@pytest.mark.parametrize(("case", "bounds"), [(CASES[0], (0.2, 0.65)), (CASES[1], (0.1, 0.35))])
+def test_catch_up_converges_with_order_one_past_a_disc(case: Case, bounds: tuple[float, float]) -> None:
+    """While sliding and after leaving; ``bounds`` are those of error / dt."""
+    found = errors(case, list(case.scene.times))
+    for error, bound in zip(found.T, bounds, strict=True):
+        assert abs(slope(error) - 1) < 0.1
+        assert bound / 2 < error[-1] / STEPS[-1] < bound
+
+
+def stack_by_catch_up(dt: float, times: list[float]) -> np.ndarray:
+    """Return catch-up states of the stack, where P_S is isotonic regression of x - c, cut off at 0, by scipy."""
+    states = [scenes.stack().x0[:, 0]]
+    for _ in range(round(times[-1] / dt)):
+        states.append(PACKED + np.maximum(isotonic_regression((1 - dt) * states[-1] - PACKED).x, 0))
+    return np.array([states[round(t / dt)] for t in times])[:, :, None]
+
+
+def test_catch_up_converges_with_order_one_for_the_stack() -> None:
+    """The error is mostly that of Euler's method for x' = -x, (t/2) e^{-t} x(0) dt, which is largest at t = 1."""
+    farthest = scenes.stack().x0.max() / (2 * math.e)
+    times = [0.5, 1.0, 1.2]
+    runs = np.array([stack_by_catch_up(dt, times) for dt in STEPS])
+    found = np.abs(runs - scenes.stack().exact(times)).max(axis=(2, 3))
+    for error in found.T:
+        assert abs(slope(error) - 1) < 0.1
+        assert error[-1] < 1.01 * farthest * STEPS[-1]
+
+
+def test_catch_up_makes_the_steps_of_the_stack() -> None:
+    times = [0.5, 1.0, 1.5]
+    scheme = dincl.CatchUp(dt=0.01, projection=Daqp(tol=1e-11))
+    path = dincl.solve(scenes.stack(), scheme, t=times)
+    assert np.abs(path.x - stack_by_catch_up(0.01, times)).max() < 1e-9
+    assert np.abs(path.final - scenes.stack().exact(1.5)).max() < 1e-9  # all at rest in a corner of S: no error is left
+
+
+def test_stack_agrees_with_the_march_from_contact_to_contact() -> None:
+    """The gap in front of each interval closes at the event, not before, and stays closed."""
+    assert sorted(first for _, first in STACK_EVENTS) == list(range(len(RADII)))
+    times = [t for t, _ in STACK_EVENTS]
+    assert np.diff(times).min() > 0.1
+    assert [first for _, first in STACK_EVENTS].index(0) == 3  # clusters form before the wall stops anything
+    for t, first in STACK_EVENTS:
+        before, after, late = (x[:, 0] - PACKED for x in scenes.stack().exact([t - 1e-9, t + 1e-9, t + 0.5]))
+        assert np.diff(before, prepend=0)[first] > 1e-10
+        assert abs(np.diff(after, prepend=0)[first]) < 1e-14
+        assert abs(np.diff(late, prepend=0)[first]) < 1e-14
+
+
+def test_a_single_fall_is_exact() -> None:
+    """Euler's steps add up without error and the projection onto the half line is exact: only rounding is left."""
+    found = errors(CASES[3], [0.5, 1.0])
+    assert found[:, 0].max() < 1e-13
+    assert found[:, 1].max() == 0
+
+
+def test_sweeping_errs_by_missed_reversals_only() -> None:
+    """Steps are exact while the interval moves one way; a reversal inside of a step is missed by at most h^2 / 8."""
+    scene = scenes.sweeping_interval()
+    rest, moved = errors(CASES[4], [2.0, 4.0]).T
+    assert (rest <= np.square(STEPS) / 8 + 1e-15).all()
+    assert rest.max() > 1e-6
+    assert moved.max() < 1e-15
+    on_grid = dincl.solve(scene, dincl.PBD(dt=math.pi / 2 / 50), t=[math.pi / 2, math.pi * 0.7])
+    assert np.abs(on_grid.x - scene.exact([math.pi / 2, math.pi * 0.7])).max() < 1e-15
