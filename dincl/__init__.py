@@ -12,22 +12,39 @@ from dincl.constraints import (
     OutsideBall,
     Smooth,
 )
-from dincl.errors import InvalidProblem, StepFailed
+from dincl.errors import InvalidProblem, ProjectionFailed
 from dincl.problem import Problem
-from dincl.projection import Projected, Projection
+from dincl.projection import (
+    Clarabel,
+    ClosedForm,
+    CvxpyQP,
+    Daqp,
+    GaussSeidel,
+    Ipopt,
+    Piqp,
+    Projected,
+    Projection,
+)
+from dincl.projection.project import project
 from dincl.schemes import PBD, CatchUp, LinearisedCatchUp, Penalty, Scheme, SecondOrderPBD
 from dincl.solve import solve
 from dincl.status import Status
-from dincl.trajectory import Trajectory
+from dincl.trajectory import StepFailed, Trajectory
 from dincl.work import Work
 
 __all__ = [
     "PBD",
     "CatchUp",
+    "Clarabel",
+    "ClosedForm",
     "Constraint",
+    "CvxpyQP",
+    "Daqp",
+    "GaussSeidel",
     "HalfSpace",
     "InsideBall",
     "InvalidProblem",
+    "Ipopt",
     "LinearisedCatchUp",
     "MaxDistance",
     "Moving",
@@ -35,9 +52,11 @@ __all__ = [
     "Ordered",
     "OutsideBall",
     "Penalty",
+    "Piqp",
     "Problem",
     "Projected",
     "Projection",
+    "ProjectionFailed",
     "Scheme",
     "SecondOrderPBD",
     "Smooth",
@@ -45,6 +64,7 @@ __all__ = [
     "StepFailed",
     "Trajectory",
     "Work",
+    "project",
     "scenes",
     "solve",
 ]

@@ -1,4 +1,4 @@
-"""The errors of this package: two for the user, one that travels between a step and the loop around it."""
+"""The errors of this package; ``trajectory.StepFailed`` is the one that carries a result."""
 
 from __future__ import annotations
 
@@ -6,19 +6,18 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from dincl.status import Status
-    from dincl.trajectory import Trajectory
 
 
 class InvalidProblem(ValueError):
     """Input that cannot be right; the message names the argument, its value and what is allowed."""
 
 
-class StepFailed(RuntimeError):
-    """A run that ended early; ``trajectory`` holds all that was computed until then, with its Status."""
+class ProjectionFailed(RuntimeError):
+    """A single projection that found no point; ``status`` says why and what to try."""
 
-    def __init__(self, trajectory: Trajectory) -> None:
-        super().__init__(f"{trajectory.status.value} {trajectory.detail}".rstrip())
-        self.trajectory = trajectory
+    def __init__(self, status: Status, detail: str) -> None:
+        super().__init__(f"{status.value} {detail}".rstrip())
+        self.status = status
 
 
 class StepFailure(Exception):

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import array, describe
-from dincl.errors import InvalidProblem, StepFailed, StepFailure
+from dincl.errors import InvalidProblem, StepFailure
 from dincl.problem import Problem
 from dincl.schemes.base import Scheme
 from dincl.status import Status
 from dincl.stepping import grid, iterate
-from dincl.trajectory import Mark, Trajectory
+from dincl.trajectory import Mark, StepFailed, Trajectory
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

@@ -22,7 +22,6 @@ class Status(Enum):
         "A constraint could not be evaluated: g, its jacobian and the path of a moving set must return finite numbers."
     )
     COINCIDENT_CENTRES = "Two centres coincide, so no direction separates them: use a smaller dt."
-    UNSUPPORTED = "This projection has no formula for the constraints that met here: use an iterative projection."
 
     def __bool__(self) -> bool:
         return self is Status.SUCCESS

@@ -7,7 +7,7 @@ keep a neighbour list, on which its result does not depend.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -53,40 +53,46 @@ class PairSweeper(Sweeper):
         self._skin = FIRST_SKIN * smallest
         self._widest = WIDEST_SKIN * smallest
         self._served = 0
-        self._reference: NDArray[np.float64] | None = None
+        self._pairs: _Pairs | None = None
 
     def sweep(self, x: NDArray[np.float64], work: Work) -> None:
-        if self._reference is None:
-            self._build(x, work)
-        elif kernels.sweeps.drifted(x, self._reference, self._skin, self._backup):
-            self._adapt()
-            self._build(x, work)
+        pairs = self._pairs
+        if pairs is None or kernels.sweeps.drifted(x, pairs.reference, self._skin, pairs.backup):
+            pairs = self._renewed(x, work)
         while True:
             corrections, code, i, j = kernels.sweeps.sweep_pairs(
-                x, self._start, self._partner, self._radius, self._reference, self._skin
+                x, pairs.start, pairs.partner, self._radius, pairs.reference, self._skin
             )
             if code != kernels.sweeps.STALE:
                 break
-            x[:] = self._backup
-            self._adapt()
-            self._build(x, work)
-        work.candidate_pairs += len(self._partner)
+            x[:] = pairs.backup
+            pairs = self._renewed(x, work)
+        work.candidate_pairs += len(pairs.partner)
         work.constraint_projections += corrections
         self._served += 1
         if code == kernels.sweeps.COINCIDENT:
             raise StepFailure(Status.COINCIDENT_CENTRES, f"Particles {i} and {j} lie on one point.")
 
-    def _adapt(self) -> None:
-        """A list that did not last for one sweep must be wider; else the width aims at FEWEST ... MOST sweeps."""
-        if self._served == 0 or (self._served < FEWEST and 2 * self._skin <= self._widest):
-            self._skin *= 2
-        elif self._served > MOST:
-            self._skin /= 2
-
-    def _build(self, x: NDArray[np.float64], work: Work) -> None:
-        self._reference, self._backup, self._served = x.copy(), x.copy(), 0
-        self._start, self._partner = kernels.neighbours.near_pairs(x, self._radius + self._skin)
+    def _renewed(self, x: NDArray[np.float64], work: Work) -> _Pairs:
+        """A new list around x; the width aims at FEWEST ... MOST sweeps, and doubles when it did not last for one."""
+        if self._pairs is not None:
+            if self._served == 0 or (self._served < FEWEST and 2 * self._skin <= self._widest):
+                self._skin *= 2
+            elif self._served > MOST:
+                self._skin /= 2
+        start, partner = kernels.neighbours.near_pairs(x, self._radius + self._skin)
+        self._pairs, self._served = _Pairs(start, partner, x.copy(), x.copy()), 0
         work.neighbour_builds += 1
+        return self._pairs
+
+
+class _Pairs(NamedTuple):
+    """Near pairs in rows, the positions for which they were listed, and room for the positions before a sweep."""
+
+    start: NDArray[np.int64]
+    partner: NDArray[np.int32]
+    reference: NDArray[np.float64]
+    backup: NDArray[np.float64]
 
 
 class WallSweeper(Sweeper):

@@ -110,3 +110,11 @@ class Trajectory:
         reach = h * float(np.sqrt((drift * drift).sum(axis=1).max()))
         rows = self.problem.rows_within(t + h, step.after.x, reach / 2)
         return distance_to_cone(reaction.ravel(), rows.jacobian(step.after.x))
+
+
+class StepFailed(RuntimeError):
+    """A run that ended early; ``trajectory`` holds all that was computed until then, with its Status."""
+
+    def __init__(self, trajectory: Trajectory) -> None:
+        super().__init__(f"{trajectory.status.value} {trajectory.detail}".rstrip())
+        self.trajectory = trajectory

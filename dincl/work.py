@@ -3,10 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from dincl.projection.base import Projected
 
 
 @dataclass
@@ -41,10 +37,9 @@ class Work:
     solver_iterations: int = 0
     back_ends: tuple[str, ...] = ()
 
-    def count(self, found: Projected) -> None:
-        """Add the work of one projection; a point that was feasible already needed no solver."""
-        if found.back_end != "none":
-            self.solver_calls += 1
-            self.solver_iterations += found.iterations
-        if found.back_end not in (*self.back_ends, "none"):
-            self.back_ends += (found.back_end,)
+    def count_call(self, back_end: str, iterations: int) -> None:
+        """Add one call of a projection's back end."""
+        self.solver_calls += 1
+        self.solver_iterations += iterations
+        if back_end not in self.back_ends:
+            self.back_ends += (back_end,)

@@ -182,3 +182,13 @@ def test_checked_arrays_cannot_be_changed_later():
     assert family.radii(2).tolist() == [0.5, 0.5]
     with pytest.raises(ValueError, match="read-only"):
         family.radius[0] = -1.0
+
+
+def test_threads_allow_their_ends_to_meet():
+    problem = dincl.Problem([[0.0], [1.0]], lambda t, x: np.array([[1.0], [0.0]]), [dincl.MaxDistance([(0, 1)], 2.0)])
+    for scheme in (
+        dincl.PBD(0.5),
+        dincl.LinearisedCatchUp(0.5, dincl.Daqp(1e-9)),
+        dincl.CatchUp(0.5, dincl.Daqp(1e-9)),
+    ):
+        assert dincl.solve(problem, scheme, t=[1.0, 3.0, 5.0]).x[:, 0, 0] == pytest.approx([1.0, 3.0, 4.0])

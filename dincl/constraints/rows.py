@@ -75,6 +75,9 @@ class AffineRows(RowsOfOneKind):
     def jacobian(self, x: NDArray[np.float64]) -> Csr:
         return self.matrix
 
+    def linearised(self, x: NDArray[np.float64]) -> AffineRows:
+        return self
+
     def shifted(self, displacement: NDArray[np.float64]) -> AffineRows:
         everywhere = np.tile(displacement, self.matrix.columns // len(displacement))
         return replace(self, bound=self.bound + self.matrix.times(everywhere))
@@ -117,11 +120,13 @@ class DistanceRows(RowsOfOneKind):
     def jacobian(self, x: NDArray[np.float64]) -> Csr:
         arrows = self.arrows(x)
         distance = np.sqrt((arrows * arrows).sum(axis=1))
-        if (distance == 0).any():
-            k = int(np.flatnonzero(distance == 0)[0])
+        met = distance == 0
+        if met.any() and self.sign > 0:
+            k = int(np.flatnonzero(met)[0])
             other = "a fixed centre" if self.j is None else f"particle {self.j[k]}"
             raise StepFailure(Status.COINCIDENT_CENTRES, f"Particle {self.i[k]} lies on {other}.")
-        return self.entries(arrows * (self.sign / distance)[:, None], x.size)
+        # Held together, two that meet are farthest from violating: zero is a subgradient, and right there.
+        return self.entries(arrows * (self.sign / np.where(met, 1.0, distance))[:, None], x.size)
 
     def entries(self, vectors: NDArray[np.float64], columns: int) -> Csr:
         """Rows that hold ``vectors`` (m, d) at particle i and, with the other sign, at particle j."""

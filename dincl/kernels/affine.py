@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from dincl.kernels._numba import Floats, Indices, kernel
+from dincl.kernels._numba import Floats, Offsets, kernel
 
 
 @kernel
-def sweep_affine(x_flat: Floats, indptr: Indices, indices: Indices, data: Floats, bound: Floats, norm2: Floats) -> int:
+def sweep_affine(x_flat: Floats, indptr: Offsets, indices: Offsets, data: Floats, bound: Floats, norm2: Floats) -> int:
     """Project onto a.x >= b, row after row:  x += (b - a.x) / |a|^2 a  where a.x < b; returns the rows moved.
 
     Parameters
@@ -61,8 +61,8 @@ def sweep_half_space(x: Floats, normal: Floats, bound: Floats) -> int:
 @kernel
 def dual_sweeps(
     z: Floats,
-    indptr: Indices,
-    indices: Indices,
+    indptr: Offsets,
+    indices: Offsets,
     data: Floats,
     bound: Floats,
     norm2: Floats,

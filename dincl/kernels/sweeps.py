@@ -130,7 +130,7 @@ def _drifted(x: Floats, reference: Floats, slack: float, backup: Floats, axes: A
 
 
 def sweep_distance(
-    x: Floats, i: Indices, j: Indices, length: Floats, sign: float, anchor: Floats
+    x: Floats, i: Offsets, j: Offsets, length: Floats, sign: float, anchor: Floats
 ) -> tuple[int, int, int]:
     """Project onto sign (|X_i - X_j| - length) >= 0, row after row: sign = 1 keeps apart, sign = -1 keeps together.
 
@@ -164,7 +164,7 @@ def sweep_distance(
 
 @kernel
 def _sweep_distance(
-    x: Floats, i: Indices, j: Indices, length: Floats, sign: float, anchor: Floats, axes: Axes
+    x: Floats, i: Offsets, j: Offsets, length: Floats, sign: float, anchor: Floats, axes: Axes
 ) -> tuple[int, int, int]:
     corrections = 0
     for row in range(length.size):

@@ -67,7 +67,7 @@ def drifted(x: Floats, reference: Floats, slack: float, backup: Floats) -> bool:
 
 
 def sweep_distance(
-    x: Floats, i: Indices, j: Indices, length: Floats, sign: float, anchor: Floats
+    x: Floats, i: Offsets, j: Offsets, length: Floats, sign: float, anchor: Floats
 ) -> tuple[int, int, int]:
     """Twin of ``sweeps.sweep_distance``."""
     corrections = 0
@@ -88,7 +88,7 @@ def sweep_distance(
     return corrections, OK, -1
 
 
-def sweep_affine(x_flat: Floats, indptr: Indices, indices: Indices, data: Floats, bound: Floats, norm2: Floats) -> int:
+def sweep_affine(x_flat: Floats, indptr: Offsets, indices: Offsets, data: Floats, bound: Floats, norm2: Floats) -> int:
     """Twin of ``sweeps.sweep_affine``."""
     corrections = 0
     for row in range(len(bound)):
@@ -116,8 +116,8 @@ def sweep_half_space(x: Floats, normal: Floats, bound: Floats) -> int:
 
 def dual_sweeps(
     z: Floats,
-    indptr: Indices,
-    indices: Indices,
+    indptr: Offsets,
+    indices: Offsets,
     data: Floats,
     bound: Floats,
     norm2: Floats,

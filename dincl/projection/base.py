@@ -4,23 +4,29 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
 from dincl.checks import number
+from dincl.constraints.rows import RowsOfOneKind, RowsTogether
 from dincl.errors import StepFailure
 from dincl.projection.refine import on_active_rows
 from dincl.status import Status
-
-# Completions on the active rows; on curved rows each shortens the error by about overlap / radius.
-MOST_COMPLETIONS = 20
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.constraints.rows import AffineRows, Rows
     from dincl.problem import Problem
+
+# A point that violates by less than this part of the tolerance is its own nearest point, which its certificate says.
+NEGLIGIBLE = 1e-3
+# Completions on the active rows; on curved rows each shortens the error by about multiplier / distance.
+MOST_COMPLETIONS = 20
+
+# The name in a result that needed no back end: the point was feasible.
+NO_BACK_END = "none"
 
 
 @dataclass(frozen=True)
@@ -66,7 +72,7 @@ class Projection(ABC):
     def __post_init__(self) -> None:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
-    def check(self, problem: Problem) -> None:
+    def check(self, problem: Problem) -> None:  # noqa: B027 - most projections serve every problem
         """Raise InvalidProblem if this projection cannot serve the problem's constraints."""
 
     @abstractmethod
@@ -83,17 +89,22 @@ class Solver(ABC):
         self.tol = tol
 
     def nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
-        """The nearest point to y (N, d) of {rows >= 0}, searched from ``guess``; StepFailure when not found to ``tol``."""
-        values = rows.values(y)
-        if not (values < 0).any():
-            return Projected(y, np.zeros(len(values)), 0.0, 0.0, 0.0, 0, "none")
+        """The nearest point to y (N, d) with rows >= 0, searched from ``guess``; StepFailure if it is not found."""
+        values, tolerance = rows.values(y), self.tolerance(rows, y)
+        violation = float(np.max(-values, initial=0.0))
+        if violation <= NEGLIGIBLE * tolerance:
+            return Projected(y, np.zeros(len(values)), violation, 0.0, violation, 0, NO_BACK_END)
         found = self._nearest(rows, y, guess)
-        if not found.residual <= self.tol:
+        if not found.residual <= tolerance:
             raise StepFailure(
                 Status.NOT_CONVERGED,
-                f"{self.name} left a residual of {found.residual:.2g}, asked for was {self.tol:.2g}.",
+                f"{self.name} left a residual of {found.residual:.2g}, asked for was {tolerance:.2g}.",
             )
         return found
+
+    def tolerance(self, rows: Rows, y: NDArray[np.float64]) -> float:
+        """The greatest residual allowed for a projection of y."""
+        return self.tol
 
     @abstractmethod
     def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
@@ -131,3 +142,8 @@ class Solver(ABC):
                 break
             found = better
         return found
+
+
+def blocks_of(rows: Rows) -> tuple[RowsOfOneKind, ...]:
+    """The blocks that rows are made of, each of one kind."""
+    return rows.blocks if isinstance(rows, RowsTogether) else (cast("RowsOfOneKind", rows),)

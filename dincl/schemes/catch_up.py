@@ -5,22 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-import numpy as np
-
 from dincl.checks import describe
-from dincl.errors import InvalidProblem, StepFailure
-from dincl.near import Near
+from dincl.errors import InvalidProblem
 from dincl.projection.base import Projection
+from dincl.projection.feasible import FeasibleSet, longest
 from dincl.schemes.base import Scheme, State, Stepper
-from dincl.status import Status
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
-
     from dincl.problem import Problem
-
-# A step whose solution lies farther than the rows reach is repeated with twice its distance, at most this often.
-REACH_DOUBLINGS = 60
 
 
 @dataclass(frozen=True)
@@ -63,25 +55,8 @@ class LinearisedCatchUp(CatchUp):
 class _CatchUpStepper(Stepper):
     def __init__(self, problem: Problem, scheme: CatchUp) -> None:
         super().__init__(problem)
-        self._near = Near(problem, self.work)
-        self._solver = scheme.projection.solver()
-        self._linearised = scheme.linearised
+        self._set = FeasibleSet(problem, scheme.projection.solver(), self.work, linearised=scheme.linearised)
 
     def step(self, t: float, h: float, state: State) -> State:
-        """Project with the near rows; a point within their reach can violate no other, so it is the nearest of S."""
         move = h * self.velocity(t, state.x)
-        reach = 2 * _longest(move)
-        for _ in range(REACH_DOUBLINGS):
-            rows = self._near.rows(t + h, state.x, reach)
-            target = rows.linearised(state.x) if self._linearised else rows
-            found = self._solver.nearest(target, state.x + move, state.x)
-            self.work.count(found)
-            moved = _longest(found.point - state.x)
-            if moved <= reach:
-                return State(found.point)
-            reach = 2 * moved
-        raise StepFailure(Status.NOT_CONVERGED, f"The projection moved a particle by more than {reach:g}.")
-
-
-def _longest(moves: NDArray[np.float64]) -> float:
-    return float(np.sqrt((moves * moves).sum(axis=1).max()))
+        return State(self._set.nearest(t + h, state.x + move, state.x, 2 * longest(move)).point)

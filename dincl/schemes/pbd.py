@@ -46,7 +46,8 @@ class _PBDStepper(Stepper):
         self._projections = SweepThrough(problem, sweeps)
 
     def step(self, t: float, h: float, state: State) -> State:
-        x = state.x + h * self.velocity(t, state.x)
+        x = h * self.velocity(t, state.x)
+        x += state.x
         self._projections.apply(t + h, x, self)
         return State(x)
 

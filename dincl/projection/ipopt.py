@@ -1,0 +1,78 @@
+"""Projections onto S itself, by the interior-point method Ipopt."""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from dincl.errors import StepFailure
+from dincl.projection.base import Projected, Projection, Solver, blocks_of
+from dincl.status import Status
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from dincl.constraints.rows import Rows, RowsOfOneKind
+    from dincl.projection.nlp import Program
+
+# Compiled programs kept for the next time that the same rows are near.
+MOST_PROGRAMS = 64
+INFEASIBLE = "Infeasible_Problem_Detected"
+# Words after which the certificate decides whether the point is good enough.
+FOUND = ("Solve_Succeeded", "Search_Direction_Becomes_Too_Small")
+
+
+@dataclass(frozen=True)
+class Ipopt(Projection):
+    """Nearest points of S itself, curved and nonconvex, by Ipopt (Waechter, Biegler 2006): min |x - y|^2, g(x) >= 0.
+
+    The answer is a point where the first-order conditions hold, searched from the state before the step. Lengths are in
+    units of the largest violation; tolerances are 1e-11 of it, bounds are not relaxed, iterations are limited to 500.
+    Rows of distances are polynomials with exact sparse derivatives, so a program is compiled once for the rows that are
+    near, not at every step: 19 times in 1,000 steps of ten discs that fall into a corner. Of a start only the point is
+    used: multipliers of the last step changed the number of iterations in both directions. What is missing to ``tol``
+    is completed on the active rows. Measured on settled piles of discs, one step of gravity, in milliseconds (first,
+    with compilation / again): 4 / 1.2 at 4, 7 / 1.5 at 10, 27 / 5.6 at 100, 200 / 56 at 1,000.
+
+    Parameters
+    ----------
+    tol
+        Greatest certified residual of a projection [length].
+    """
+
+    def solver(self) -> Solver:
+        return _IpoptSolver(self.tol)
+
+
+class _IpoptSolver(Solver):
+    name = "ipopt"
+
+    def __init__(self, tol: float) -> None:
+        super().__init__(tol)
+        from dincl.projection.nlp import Program
+
+        self._compile = Program
+        self._programs: OrderedDict[Any, Program] = OrderedDict()
+
+    def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        blocks = blocks_of(rows)
+        scale = float(-rows.values(y).min())
+        x, lam, work, word = self._program(rows, blocks, y.shape).solve(blocks, y, guess, scale)
+        if word not in FOUND:
+            status = Status.INFEASIBLE if word == INFEASIBLE else Status.NOT_CONVERGED
+            raise StepFailure(status, f"ipopt stopped: {word}.")
+        return self.completed(rows, y, self.certify(rows.linearised(x), y, x, lam, work))
+
+    def _program(self, rows: Rows, blocks: Sequence[RowsOfOneKind], shape: tuple[int, ...]) -> Program:
+        """The program compiled for rows of this structure; the least recently used one makes room."""
+        key = rows.structure
+        if key not in self._programs:
+            self._programs[key] = self._compile(blocks, shape)
+            if len(self._programs) > MOST_PROGRAMS:
+                self._programs.popitem(last=False)
+        self._programs.move_to_end(key)
+        return self._programs[key]

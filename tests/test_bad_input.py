@@ -1,0 +1,239 @@
+"""Bad input gives one clear error that names the argument, its value and what is allowed; never anything else."""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import dincl
+
+ONE = [[0.0, 1.0]]
+APART = [[0.0, 1.0], [3.0, 1.0]]
+
+
+def rest(t, x):
+    return np.zeros_like(x)
+
+
+def problem(x0=APART, drift=rest, constraints=()):
+    return dincl.Problem(x0=x0, drift=drift, constraints=constraints)
+
+
+BAD_PROBLEMS = {
+    "x0 as text": (lambda: problem(x0="here"), "x0 = 'here'"),
+    "x0 ragged": (lambda: problem(x0=[[0.0], [1.0, 2.0]]), "x0"),
+    "x0 complex": (lambda: problem(x0=[[1j]]), "x0"),
+    "x0 flat": (lambda: problem(x0=[0.0, 1.0]), r"x0 of shape \(2,\).*\(N, d\)"),
+    "x0 empty": (lambda: problem(x0=np.zeros((0, 2))), r"x0 of shape \(0, 2\)"),
+    "x0 nan": (lambda: problem(x0=[[0.0, math.nan]]), r"x0 = nan at index \(0, 1\)"),
+    "x0 infinite": (lambda: problem(x0=[[math.inf, 0.0]]), r"x0 = inf at index \(0, 0\)"),
+    "x0 too large": (lambda: problem(x0=[[1e101, 0.0]]), r"x0 = 1e\+101.*1e\+100"),
+    "overlap": (
+        lambda: problem(x0=[[0.0, 0.0], [0.5, 0.0]], constraints=[dincl.NonOverlap(0.5)]),
+        "x0 violates NonOverlap by 0.5 at particle 1 and 0",
+    ),
+    "coincident": (
+        lambda: problem(x0=[[0.0, 0.0], [0.0, 0.0]], constraints=[dincl.NonOverlap(0.5)]),
+        "x0 violates NonOverlap by 1 at particle 1 and 0",
+    ),
+    "below the wall": (
+        lambda: problem(constraints=[dincl.HalfSpace((0, 1), offset=1.5)]),
+        "x0 violates HalfSpace by 0.5 at particle 0",
+    ),
+    "too far": (
+        lambda: problem(constraints=[dincl.MaxDistance([(0, 1)], 2.0)]),
+        "MaxDistance by 1 at particle 0 and 1",
+    ),
+    "wrong order": (lambda: problem(constraints=[dincl.Ordered([1, 0], axis=0)]), "Ordered by 3 at particle 0 and 1"),
+    "in the obstacle": (
+        lambda: problem(constraints=[dincl.OutsideBall((0, 1), 0.5)]),
+        "OutsideBall by 0.5 at particle 0",
+    ),
+    "out of the container": (
+        lambda: problem(constraints=[dincl.InsideBall((0, 1), 0.5)]),
+        "InsideBall by 2.5 at particle 1",
+    ),
+    "g negative": (
+        lambda: problem(constraints=[dincl.Smooth(lambda x: np.array([1.0, -2.0]), lambda x: np.zeros((2, 4)))]),
+        "Smooth by 2 at row 1 of g",
+    ),
+    "g of a wrong shape": (
+        lambda: problem(constraints=[dincl.Smooth(lambda x: x, lambda x: x)]),
+        r"constraints: g returned an array of shape \(2, 2\)",
+    ),
+    "g that raises": (
+        lambda: problem(constraints=[dincl.Smooth(lambda x: x[9], lambda x: x)]),
+        "constraints: g raised IndexError",
+    ),
+    "g not callable": (lambda: dincl.Smooth(3.0, lambda x: x), "g = 3.0"),
+    "radius zero": (lambda: dincl.NonOverlap(radius=0.0), "radius = 0.0: must be .*> 0"),
+    "radius negative": (lambda: dincl.NonOverlap(radius=[0.5, -0.5]), r"radius = .*-0.5.*> 0"),
+    "radius nan": (lambda: dincl.NonOverlap(radius=math.nan), "radius = nan"),
+    "radii too few": (lambda: problem(constraints=[dincl.NonOverlap([0.5] * 3)]), "radius has 3 entries.*2 particles"),
+    "wall radius": (lambda: dincl.HalfSpace((0, 1), radius=-1.0), "radius = -1.0"),
+    "normal zero": (lambda: dincl.HalfSpace(normal=(0, 0)), r"normal = \(0, 0\)"),
+    "normal of wrong d": (lambda: problem(constraints=[dincl.HalfSpace((0, 0, 1))]), r"normal of shape \(3,\)"),
+    "offset infinite": (lambda: dincl.HalfSpace((0, 1), offset=-math.inf), "offset = -inf"),
+    "pair index": (lambda: problem(constraints=[dincl.MaxDistance([(0, 2)], 9.0)]), "pairs = 2: .*below .* 2"),
+    "pair index negative": (lambda: dincl.MaxDistance([(0, -1)], 9.0), "pairs"),
+    "pair with itself": (lambda: dincl.MaxDistance([(0, 1), (1, 1)], 9.0), r"pairs\[1\] = \[1, 1\]"),
+    "pair of three": (lambda: dincl.MaxDistance([(0, 1, 2)], 9.0), "pairs"),
+    "length zero": (lambda: dincl.MaxDistance([(0, 1)], 0.0), "length = 0.0"),
+    "lengths too many": (lambda: dincl.MaxDistance([(0, 1)], [1.0, 2.0]), "length has 2 entries.*1 pairs"),
+    "chain index": (lambda: problem(constraints=[dincl.Ordered([0, 5], axis=0)]), "chain = 5"),
+    "chain twice": (lambda: dincl.Ordered([0, 1, 0], axis=0), r"chain = \[0, 1, 0\]"),
+    "axis": (lambda: problem(constraints=[dincl.Ordered([0, 1], axis=2)]), "axis = 2.*d = 2"),
+    "axis negative": (lambda: dincl.Ordered([0, 1], axis=-1), "axis = -1"),
+    "centre": (lambda: problem(constraints=[dincl.OutsideBall((9.0,), 1.0)]), r"centre of shape \(1,\)"),
+    "moving twice": (
+        lambda: dincl.Moving(dincl.Moving(dincl.NonOverlap(1.0), lambda t: 0), lambda t: 0),
+        "constraint = Moving",
+    ),
+    "path of a wrong shape": (
+        lambda: problem(constraints=[dincl.Moving(dincl.HalfSpace((0, 1)), lambda t: 0.0)]),
+        r"path\(0.0\) of shape \(\)",
+    ),
+    "path nan": (
+        lambda: problem(constraints=[dincl.Moving(dincl.HalfSpace((0, 1)), lambda t: np.full(2, np.nan))]),
+        r"path returned nan",
+    ),
+    "drift no function": (lambda: problem(drift=1.0), "drift = 1.0"),
+    "drift of a wrong shape": (lambda: problem(drift=lambda t, x: x[0]), r"drift returned.*\(2,\).*\(2, 2\)"),
+    "drift nan": (lambda: problem(drift=lambda t, x: x * math.nan), r"drift returned nan at index \(0, 0\)"),
+    "drift None": (lambda: problem(drift=lambda t, x: None), r"drift returned None"),
+    "drift raises": (lambda: problem(drift=lambda t, x: x.no), r"drift raised AttributeError"),
+    "drift writes x": (lambda: problem(drift=lambda t, x: x.__iadd__(1.0)), r"drift raised ValueError"),
+    "constraints bare": (lambda: problem(constraints=dincl.NonOverlap(0.5)), "constraints = NonOverlap.*list"),
+    "constraints of other things": (lambda: problem(constraints=["wall"]), r"constraints = \['wall'\]"),
+    "dt zero": (lambda: dincl.PBD(dt=0.0), "dt = 0.0: must be a finite number > 0"),
+    "dt negative": (lambda: dincl.Penalty(dt=-0.1, strength=1.0), "dt = -0.1"),
+    "dt text": (lambda: dincl.PBD(dt="0.1"), "dt = '0.1'"),
+    "sweeps": (lambda: dincl.PBD(dt=0.1, sweeps=0), "sweeps = 0: must be an integer >= 1"),
+    "strength": (lambda: dincl.Penalty(dt=0.1, strength=math.inf), "strength = inf"),
+    "exponent": (lambda: dincl.Penalty(dt=0.1, strength=1.0, exponent=3), "exponent = 3: must be 1 or 2"),
+    "projection by name": (lambda: dincl.CatchUp(dt=0.1, projection="ipopt"), "projection = 'ipopt'"),
+    "v0": (lambda: dincl.solve(problem(), dincl.SecondOrderPBD(0.1, v0=[[1.0, 0.0]]), [1.0]), r"v0 of shape \(1, 2\)"),
+    "no problem": (lambda: dincl.solve(None, dincl.PBD(0.1), [1.0]), "problem = None"),
+    "no scheme": (lambda: dincl.solve(problem(), 0.1, [1.0]), "scheme = 0.1"),
+    "times decreasing": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0, 0.5]), r"t = \[1.0, 0.5\]: .*increasing"),
+    "times negative": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [-1.0, 0.5]), r"t = \[-1.0, 0.5\]"),
+    "times none": (lambda: dincl.solve(problem(), dincl.PBD(0.1), []), "t = "),
+    "times nan": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [math.nan]), "t = nan"),
+    "too many steps": (lambda: dincl.solve(problem(), dincl.PBD(1e-12), [1.0]), r"dt = 1e-12: needs 1e\+12 steps"),
+    "time outside of the run": (lambda: dincl.solve(problem(), dincl.PBD(0.1), [1.0])(1.5), r"t = 1.5: .*\[0, 1.0\]"),
+}
+
+
+@pytest.mark.parametrize("name", BAD_PROBLEMS)
+def test_one_clear_message(name):
+    make, message = BAD_PROBLEMS[name]
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        make()
+
+
+@pytest.mark.parametrize("throw", [True, False])
+def test_a_drift_that_fails_halfway_keeps_what_was_computed(throw):
+    def drift(t, x):
+        return np.full_like(x, 1.0) if t < 0.45 else np.full_like(x, math.nan)
+
+    if throw:
+        with pytest.raises(dincl.StepFailed, match=r"returned nan at index .*t = 0\.5") as caught:
+            dincl.solve(problem(drift=drift), dincl.PBD(dt=0.1), t=[0.2, 0.4, 1.0])
+        path = caught.value.trajectory
+    else:
+        path = dincl.solve(problem(drift=drift), dincl.PBD(dt=0.1), t=[0.2, 0.4, 1.0], throw=False)
+    assert path.status is dincl.Status.DRIFT_FAILED
+    assert path.t == pytest.approx([0.2, 0.4, 0.5], abs=1e-15)
+    assert path.final == pytest.approx(np.array(APART) + 0.5, abs=1e-14)
+    assert path.stats.steps == 5
+
+
+@pytest.mark.parametrize(
+    ("late", "status"),
+    [
+        (lambda t, x: x[:1], dincl.Status.DRIFT_FAILED),
+        (lambda t, x: 1 / 0, dincl.Status.DRIFT_FAILED),
+        (lambda t, x: np.full_like(x, 1e100), dincl.Status.NON_FINITE),
+    ],
+)
+def test_every_late_failure_has_its_status(late, status):
+    path = dincl.solve(
+        problem(drift=lambda t, x: x * 0 if t < 0.55 else late(t, x)), dincl.PBD(dt=0.1), t=[20.0], throw=False
+    )
+    assert path.status is status
+    assert not path.status
+    assert np.isfinite(path.x).all()
+
+
+def test_a_constraint_that_fails_halfway():
+    walls = [dincl.Moving(dincl.HalfSpace((0, 1)), lambda t: np.full(2, 0.0 if t < 0.5 else math.nan))]
+    path = dincl.solve(problem(constraints=walls), dincl.PBD(dt=0.1), t=[1.0], throw=False)
+    assert path.status is dincl.Status.CONSTRAINT_FAILED
+    assert 0.3 < path.t[-1] < 0.5
+
+
+def test_centres_driven_to_coincide():
+    together = dincl.Problem([[-1.0, 0.0], [1.0, 0.0]], lambda t, x: -x, [dincl.NonOverlap(0.5)])
+    path = dincl.solve(together, dincl.PBD(dt=1.0), t=[1.0], throw=False)
+    assert path.status is dincl.Status.COINCIDENT_CENTRES
+    assert path.final == pytest.approx(together.x0)
+
+
+# Values that users pass by mistake, beside ones that are right.
+NUMBERS = st.one_of(
+    st.floats(allow_nan=True, allow_infinity=True),
+    st.floats(-3.0, 3.0),
+    st.sampled_from([0.0, -0.0, 1e-308, 1e99, 1e101, 5e-324, 1.0, 0.5]),
+    st.sampled_from([None, "1", True, 3, 1j]),
+)
+POSITIONS = st.one_of(
+    st.lists(st.lists(NUMBERS, min_size=1, max_size=3), min_size=0, max_size=5),
+    st.integers(1, 3).flatmap(
+        lambda d: st.lists(st.lists(st.floats(-4.0, 4.0), min_size=d, max_size=d), min_size=1, max_size=5)
+    ),
+)
+SETS = st.one_of(
+    st.builds(lambda r: lambda: dincl.NonOverlap(r), st.one_of(NUMBERS, st.floats(0.01, 0.4))),
+    st.builds(lambda n, o, r: lambda: dincl.HalfSpace(n, o, r), st.lists(NUMBERS, max_size=3), NUMBERS, NUMBERS),
+    st.builds(
+        lambda p, length: lambda: dincl.MaxDistance(p, length),
+        st.lists(st.tuples(st.integers(-1, 4), st.integers(0, 4))),
+        NUMBERS,
+    ),
+    st.builds(lambda c, a: lambda: dincl.Ordered(c, a), st.lists(st.integers(-1, 5)), st.integers(-1, 3)),
+    st.builds(lambda c, r: lambda: dincl.InsideBall(c, r), st.lists(NUMBERS, max_size=3), NUMBERS),
+)
+DRIFTS = st.one_of(
+    st.builds(lambda v: lambda t, x: x * v, NUMBERS),
+    st.builds(lambda v: lambda t, x: x - x**3 * v, st.floats(-2.0, 2.0)),
+    st.just(lambda t, x: -x),
+    st.just(lambda t, x: np.log(x)),
+    st.just(lambda t, x: 1.0 / x[::-1]),
+)
+SCHEMES = st.one_of(
+    st.builds(lambda dt: lambda: dincl.PBD(dt), st.one_of(NUMBERS, st.floats(0.01, 1.0))),
+    st.builds(lambda dt, s: lambda: dincl.Penalty(dt, s), st.floats(0.01, 1.0), NUMBERS),
+    st.builds(lambda dt: lambda: dincl.SecondOrderPBD(dt), st.floats(0.01, 1.0)),
+    st.builds(lambda dt, tol: lambda: dincl.CatchUp(dt, dincl.Daqp(tol)), st.floats(0.01, 1.0), st.floats(1e-9, 1e-3)),
+    st.builds(
+        lambda dt, tol: lambda: dincl.LinearisedCatchUp(dt, dincl.GaussSeidel(tol)),
+        st.floats(0.05, 1.0),
+        st.floats(1e-6, 1e-3),
+    ),
+)
+
+
+@settings(max_examples=1500)
+@given(POSITIONS, st.lists(SETS, max_size=3), DRIFTS, SCHEMES, st.lists(NUMBERS, min_size=1, max_size=3))
+def test_any_input_gives_a_clear_error_or_finite_numbers(x0, sets, drift, scheme, times):
+    try:
+        stated = dincl.Problem(x0, drift, [make() for make in sets])
+        numbers = [t for t in times if isinstance(t, float) and 0 < t <= 2.0]
+        path = dincl.solve(stated, scheme(), t=numbers or times, throw=False)
+    except dincl.InvalidProblem:
+        return
+    assert np.isfinite(path.x).all()
+    assert np.isfinite(path.violation()).all()
+    assert path.status or path.detail
