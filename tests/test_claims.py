@@ -1,0 +1,125 @@
+"""The register: every claim has a verdict, cheap ones are decided here, those about tables can fail."""
+
+import pandas as pd
+import pytest
+
+from verification import register
+from verification.claim import Claim, Kind, Verdict, corrected_if, holds_if
+from verification.claims import chapter1_inclusions, chapter2_numerics
+
+# The verdicts that need no table: whoever changes one has found something.
+EXPECTED = {
+    "c1.ball-at-rest": Kind.CORRECTED,
+    "c1.drag": Kind.HOLDS,
+    "c1.density": Kind.CORRECTED,
+    "c1.step": Kind.HOLDS,
+    "c1.outside": Kind.CORRECTED,
+    "c1.monotone": Kind.CORRECTED,
+    "c1.sweeping": Kind.HOLDS,
+    "c1.prox-constant": Kind.CORRECTED,
+    "c1.hypomonotone": Kind.HOLDS,
+    "c1.support": Kind.CORRECTED,
+    "c1.cones": Kind.HOLDS,
+    "c1.sum-of-cones": Kind.CORRECTED,
+    "c1.start": Kind.CORRECTED,
+    "c1.gronwall-discrete": Kind.CORRECTED,
+    "c1.uniqueness-sign": Kind.CORRECTED,
+    "c1.gronwall": Kind.CORRECTED,
+    "c2.printed-penalty": Kind.CORRECTED,
+    "c2.prediction": Kind.HOLDS,
+    "c2.example": Kind.HOLDS,
+    "c2.algorithm": Kind.CORRECTED,
+    "c2.definition": Kind.CORRECTED,
+    "c2.scale": Kind.CORRECTED,
+    "c2.induction": Kind.CORRECTED,
+}
+CLAIMS = {claim.id: claim for claim in register.register()}
+
+
+def test_ids_are_unique_and_nothing_is_empty() -> None:
+    assert len(CLAIMS) == len(register.register())
+    for claim in CLAIMS.values():
+        assert claim.source
+        assert claim.quote
+        assert "\n" not in claim.quote
+
+
+def test_an_id_given_twice_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chapter1_inclusions, "CLAIMS", chapter1_inclusions.CLAIMS * 2)
+    with pytest.raises(ValueError, match=r"claim ids c1\.ball-at-rest, .* are given twice"):
+        register.register()
+
+
+@pytest.mark.parametrize("name", [name for name, claim in CLAIMS.items() if not claim.needs])
+def test_claim_without_tables(name: str) -> None:
+    verdict = CLAIMS[name].decide({})
+    assert verdict.kind is EXPECTED[name], verdict.measured
+    assert verdict.measured
+
+
+def test_claim_waits_for_its_tables() -> None:
+    open_ones = [claim for claim in CLAIMS.values() if claim.needs]
+    assert {claim.id for claim in open_ones} == {claim.id for claim in chapter2_numerics.CLAIMS}
+    for claim in open_ones:
+        verdict = claim.decide({})
+        assert verdict.kind is Kind.OPEN
+        assert claim.needs[0] in verdict.measured
+
+
+def test_every_claim_is_a_row() -> None:
+    table = register.decided({})
+    assert table["id"].tolist() == list(CLAIMS)
+    assert set(table["verdict"]) <= {kind.value for kind in Kind}
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "kind"), [(0.97, 1.02, Kind.HOLDS), (0.45, 0.55, Kind.FAILS), (0.8, 1.2, Kind.FAILS)]
+)
+def test_order_claim_reads_the_interval(low: float, high: float, kind: Kind) -> None:
+    row = {"scene": "four_disks", "method": "pbd", "t": 1.0, "low": low, "high": high, "order": "?"}
+    assert CLAIMS["c2.order-four"].decide({"orders": pd.DataFrame([row])}).kind is kind
+
+
+@pytest.mark.parametrize(("second", "kind"), [(0.5, Kind.HOLDS), (2.0, Kind.FAILS)])
+def test_error_that_grows_refutes_the_decrease(second: float, kind: Kind) -> None:
+    rows = [
+        {"scene": "four_disks", "method": "pbd", "dt": dt, "t": t, "error": dt * factor}
+        for dt in (0.1, 0.05)
+        for t, factor in ((1.0, 1.0), (2.0, second))
+    ]
+    assert CLAIMS["c2.decreases"].decide({"convergence": pd.DataFrame(rows)}).kind is kind
+
+
+@pytest.mark.parametrize(
+    ("largest", "mean", "kind"), [(1.5, 1.2, Kind.HOLDS), (3.0, 1.2, Kind.CORRECTED), (0.9, 1.2, Kind.FAILS)]
+)
+def test_margin_against_the_penalty_method(largest: float, mean: float, kind: Kind) -> None:
+    rows = [
+        {"exponent": exponent, "strength": 1.0, "largest": largest, "mean": mean, "pbd_largest": 1.0, "pbd_mean": 1.0}
+        for exponent in (1, 2)
+    ]
+    assert CLAIMS["c2.margin"].decide({"penalty_best": pd.DataFrame(rows)}).kind is kind
+
+
+@pytest.mark.parametrize(("apart", "kind"), [(1.5e-7, Kind.HOLDS), (1e-3, Kind.FAILS)])
+def test_linearised_reference_that_is_off_refutes_the_coincidence(apart: float, kind: Kind) -> None:
+    references = pd.DataFrame([{"error": 1e-7, "linearised_error": 1e-7, "linearised": apart}])
+    runs = [
+        {"scene": "four_disks", "t": 1.0, "dt": dt, "method": method, "error": dt}
+        for dt in (0.1, 0.05)
+        for method in ("catch_up_ipopt", "linearised_clarabel")
+    ]
+    verdict = CLAIMS["c2.coincides"].decide({"references": references, "convergence": pd.DataFrame(runs)})
+    assert verdict.kind is kind
+    assert "at dt = 0.05 the errors" in verdict.measured
+
+
+def test_verdicts() -> None:
+    assert holds_if(True, "m") == Verdict(Kind.HOLDS, "m")
+    assert holds_if(False, "m") == Verdict(Kind.FAILS, "m")
+    assert corrected_if(True, False, "m").kind is Kind.HOLDS
+    assert corrected_if(False, True, "m").kind is Kind.CORRECTED
+    assert corrected_if(False, False, "m").kind is Kind.FAILS
+    assert Claim("x", "s", "q", lambda _: Verdict(Kind.HOLDS, "m"), ("a", "b")).decide(
+        {"a": pd.DataFrame()}
+    ) == Verdict(Kind.OPEN, "the table b is not there: run the report")

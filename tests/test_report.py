@@ -1,0 +1,203 @@
+"""The page has every section, opens offline, and is written from tables without running anything again."""
+
+import re
+from collections.abc import Callable
+from concurrent.futures import Executor, Future
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from tests.shortened import Here, shorten
+from verification import chapters, cli, report, study
+from verification.chapters import CHAPTERS
+from verification.register import register
+from verification.report import Context, cell, number, write_report
+from verification.table import write
+
+EMPTY = {"meta", "img", "br", "link"}  # elements without an end
+SECTIONS = [
+    "Two scenes in time",
+    "The reference",
+    "Convergence: four discs drawn to one point",
+    "Convergence: ten discs falling into a corner",
+    "Infeasibility: PBD against the penalty method with its best strength",
+    "Large steps",
+    "How the statements came out",
+    "Differential inclusions (chapter 1)",
+    "First-order PBD (chapter 2)",
+]
+TABLES = {
+    "references",
+    "convergence",
+    "orders",
+    "penalty_scan",
+    "penalty_best",
+    "infeasibility",
+    "large_steps",
+    "claims",
+}
+
+
+class Nowhere(Executor):
+    """Refuses to run anything."""
+
+    def submit(self, run: Callable[..., Any], /, *arguments: Any, **options: Any) -> Future[Any]:
+        raise AssertionError(arguments)
+
+
+class Page(HTMLParser):
+    """What a page links to and contains; elements must be closed in order."""
+
+    def __init__(self, text: str) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.headings: list[str] = []
+        self.ids: list[str] = []
+        self.links: list[str] = []
+        self.images: list[str] = []
+        self.feed(text)
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        given = {name: value or "" for name, value in attrs}
+        self.ids += [given["id"]] if "id" in given else []
+        self.links += [given["href"]] if "href" in given else []
+        self.images += [given["src"]] if "src" in given else []
+        if tag in {"h2", "h3"}:
+            self.headings.append("")
+        if tag not in EMPTY:
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        if self.open and self.open[-1] in {"h2", "h3"}:
+            self.headings[-1] += data
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
+    out = tmp_path_factory.mktemp("report")
+    context = Context(out, False, Here())
+    with pytest.MonkeyPatch.context() as patch:
+        shorten(patch)
+        path = write_report(CHAPTERS, context)
+    return path, context
+
+
+def test_page_has_every_section_in_its_contents(made: tuple[Path, Context]) -> None:
+    text = made[0].read_text("utf-8")
+    page = Page(text)
+    assert page.open == []
+    assert [heading for heading in page.headings if not re.match(r"\d+\. ", heading)] == SECTIONS
+    assert len([heading for heading in page.headings if re.match(r"\d+\. ", heading)]) == len(CHAPTERS)
+    assert len(set(page.ids)) == len(page.ids)
+    assert {link[1:] for link in page.links if link.startswith("#")} == set(page.ids)
+
+
+def test_page_opens_offline(made: tuple[Path, Context]) -> None:
+    text = made[0].read_text("utf-8")
+    page = Page(text)
+    assert "://" not in text
+    assert len(page.images) == 9
+    assert all(image.startswith("data:image/png;base64,") for image in page.images)
+    outside = [link for link in page.links if not link.startswith("#")]
+    assert outside
+    assert all((made[0].parent / link).is_file() for link in outside)
+
+
+def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> None:
+    folder = made[0].parent
+    assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
+    assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
+    assert len(list((folder / "figures").glob("*.png"))) == 9
+    assert list(folder.rglob(".*.new")) == []
+
+
+def test_page_states_machine_versions_orders_and_verdicts(made: tuple[Path, Context]) -> None:
+    text, tables = made[0].read_text("utf-8"), made[1].tables
+    for word in ("cores", "numpy", "casadi", "short: fewer and coarser steps"):
+        assert word in text
+    for order in tables["orders"]["order"]:
+        assert order in text
+    for sentence in tables["orders"]["verdict"]:
+        assert sentence in text
+    assert tables["claims"]["id"].tolist() == [claim.id for claim in register()]
+    assert "not decided" not in tables["claims"]["verdict"].tolist()
+    assert text.count('class="corrected"') == (tables["claims"]["verdict"] == "holds with correction").sum() > 0
+
+
+def test_second_report_runs_nothing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten(monkeypatch)
+    before = made[1].tables
+    again = Context(made[1].out, False, Nowhere())
+    for chapter in CHAPTERS:
+        chapter.run(again)
+    for name, table in again.tables.items():
+        pd.testing.assert_frame_equal(table, before[name])
+
+
+def test_independent_references_agree(made: tuple[Path, Context]) -> None:
+    references = made[1].tables["references"]
+    assert len(references) == 5
+    assert (references["daqp"] < 1e-8).all()
+    assert (references["linearised"] <= references["error"] + references["linearised_error"]).all()
+
+
+def test_command_claims_runs_only_what_is_missing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten(monkeypatch)
+    monkeypatch.setattr(study, "workers", Nowhere)
+    said = CliRunner().invoke(cli.app, ["claims", "--out", str(made[1].out)], env={"COLUMNS": "160"})
+    assert said.exit_code == 0, said.output
+    for claim in register():
+        assert claim.id in said.output
+
+
+def test_command_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "workers", Nowhere)
+    monkeypatch.setattr(chapters, "CHAPTERS", CHAPTERS[1:])
+    said = CliRunner().invoke(cli.app, ["report", "--full", "--out", str(tmp_path)])
+    assert said.exit_code == 0, said.output
+    page = (tmp_path / "index.html").read_text("utf-8")
+    assert "complete" in page
+    assert "not decided" in page  # no study was run
+
+
+def test_kept_table_is_written(tmp_path: Path) -> None:
+    context = Context(tmp_path, True, Nowhere())
+    context.keep("few", pd.DataFrame({"a": [1, 2]}))
+    assert pd.read_csv(tmp_path / "tables" / "few.csv")["a"].tolist() == [1, 2]
+    write(context.tables["few"].head(1), tmp_path / "tables" / "few.parquet")
+    assert pd.read_parquet(tmp_path / "tables" / "few.parquet")["a"].tolist() == [1]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (0.1234, "0.123"),
+        (12.0, "12"),
+        (1234.4, "1234"),
+        (1.5e-7, "1.5·10⁻⁷"),
+        (-2e5, "-2.0·10⁵"),
+        (np.nan, "—"),
+    ],
+)
+def test_numbers(value: float, text: str) -> None:
+    assert number(value) == text
+    assert cell(value) == (text, "number")
+
+
+def test_cells() -> None:
+    assert cell(True) == ("yes", "")
+    assert cell(np.False_) == ("no", "")
+    assert cell(3) == ("3", "number")
+    assert cell("fails") == ("fails", "fails")
+    assert cell("holds with correction") == ("holds with correction", "corrected")
+    assert cell("PBD") == ("PBD", "")
+    assert report.VERDICTS.keys() == {"holds", "holds with correction", "fails", "not decided"}

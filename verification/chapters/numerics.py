@@ -1,0 +1,193 @@
+"""The experiments of chapter 2 of the thesis, section 4."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from verification import convergence, infeasibility, large_steps, plots, reference
+from verification.methods import CATCH_UP, METHODS, PBD
+from verification.report import Chapter, Context, Grid, Picture, Section, Text, number
+from verification.runs import scene
+
+SCENES = tuple(scene(name) for name in convergence.SCENES)
+# Of each scene [time]; all of them are among the kept times of the reference.
+SHOWN = {"four_disks": (0.0, 0.5, 1.0, 1.5, 2.0), "ten_disks_corner": (0.0, 1.0, 1.5, 2.0, 3.0)}
+STARTS = {
+    "four_disks": "X' = -X outside of contact: four discs of radius 1/2 are drawn to one point (Figure 4).",
+    "ten_disks_corner": "X' = (0, -1) outside of contact: ten discs of radius 1/2 fall into a corner (Figure 5).",
+}
+# Columns of the tables on the page, with their headings.
+REFERENCE = {
+    "scene": "Scene",
+    "t": "t",
+    "error": "Stated error",
+    "ratio": "Ratio",
+    "extrapolated": "Extrapolated",
+    "daqp": "Ipopt against Daqp, same step",
+    "linearised": "Distance to linearised",
+    "linearised_error": "its stated error",
+}
+ORDERS = {
+    "t": "t",
+    "method": "Method",
+    "order": "Order [95 %]",
+    "dt": "Finest dt",
+    "error": "Error there",
+    "infeasibility": "Infeasibility",
+    "seconds": "Seconds",
+    "failed": "Failed",
+}
+BEST = {
+    "scene": "Scene",
+    "dt": "dt",
+    "kind": "Force",
+    "strength": "Best strength",
+    "largest": "Largest overlap",
+    "mean": "Mean",
+    "error": "Error",
+    "pbd_largest": "PBD: largest",
+    "pbd_mean": "PBD: mean",
+    "pbd_error": "PBD: error",
+    "width": "Width",
+    "least_error": "Least error, any strength",
+}
+
+
+def run(context: Context) -> None:
+    """Complete all studies of this chapter."""
+    full, tables, where = context.full, context.tables, (context.folder, context.executor)
+    tables["positions"] = reference.study(convergence.SCENES, full).complete(*where)
+    context.keep("references", reference.summary(tables["positions"], convergence.TIMES))
+    references = {name: reference.reference(tables["positions"], name) for name in convergence.SCENES}
+    tables["convergence"] = convergence.study(references, full).complete(*where)
+    context.keep("orders", convergence.orders(tables["convergence"]))
+    tables["penalty_scan"] = infeasibility.scan(references, full).complete(*where)
+    context.keep("penalty_best", infeasibility.best_strengths(tables["penalty_scan"]))
+    tables["infeasibility"] = infeasibility.curves(tables["penalty_scan"], full).complete(*where)
+    tables["large_steps"] = large_steps.study().complete(*where)
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """The two scenes, the reference, convergence, infeasibility, large steps."""
+    return [
+        _scenes(context),
+        _reference(context),
+        *(_convergence(context, name) for name in convergence.SCENES),
+        _penalty(context),
+        _large(context),
+    ]
+
+
+def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
+    """The columns of a table that a reader wants, with words for names."""
+    words = {method.name: method.label for method in METHODS.values()} | {one.name: one.title for one in SCENES}
+    return table[list(headings)].replace(words).rename(columns=headings)
+
+
+def _scenes(context: Context) -> Section:
+    pictures = []
+    for one in SCENES:
+        own = reference.reference(context.tables["positions"], one.name)
+        path = plots.motion(one, SHOWN[one.name], own.at(SHOWN[one.name])[0], context.figure(f"motion_{one.name}"))
+        pictures.append(Picture(path, STARTS[one.name]))
+    intro = Text(
+        "The thesis does not give its starting positions; these are generic ones, without symmetry, so that discs "
+        "really slide along each other. Positions are those of the reference."
+    )
+    return Section("Two scenes in time", [intro, *pictures])
+
+
+def _reference(context: Context) -> Section:
+    table = context.tables["references"]
+    runs = context.tables["positions"]
+    steps = sorted(runs[runs["method"] == CATCH_UP.name]["dt"].unique(), reverse=True)
+    text = Text(
+        "Moreau's catch-up scheme with the projection by Ipopt (tolerance 10⁻¹¹) at dt = "
+        f"{', '.join(f'{dt:.3g}' for dt in steps)}. Where successive differences halve (ratio near 2) the three runs "
+        "are extrapolated, elsewhere the finest one is taken. The stated error is twice the last difference, of "
+        "extrapolations or of runs, the largest of those at this time and at the kept times beside it (a quarter "
+        "apart): a single difference may be small by chance. Two independent computations stand beside it: the same "
+        "scheme with another projection (Daqp), and linearised catch-up, extrapolated."
+    )
+    return Section("The reference", [text, Grid(_named(table, REFERENCE), "Reference solutions.", "references")])
+
+
+def _convergence(context: Context, name: str) -> Section:
+    table, orders = context.tables["convergence"], context.tables["orders"]
+    mine = orders[orders["scene"] == name]
+    pbd = mine[mine["method"] == PBD.name]
+    orders_of = ", ".join(f"{row.order} at t = {row.t:g}" for row in pbd.itertuples())
+    overlaps = ", ".join(f"{row.infeasibility_order} at t = {row.t:g}" for row in pbd.itertuples())
+    error = plots.against_step(table, name, "error", context.figure(f"error_{name}"))
+    infeasible = plots.against_step(table, name, "infeasibility", context.figure(f"infeasibility_{name}"))
+    return Section(
+        f"Convergence: {scene(name).title.lower()}",
+        [
+            Text(f"Order of PBD, with its 95 % interval: {orders_of}. Order of its infeasibility: {overlaps}."),
+            Picture(
+                error,
+                "Error against the step. Crosses on the upper edge: runs that failed. Markers on the lower edge: "
+                "errors below 10⁻⁸.",
+            ),
+            Picture(
+                infeasible,
+                "Largest overlap at that time against the step; markers on the lower edge: none above 10⁻⁶. Catch-up "
+                "has none but rounding. A penalty that is too strong for its step has none either once it has "
+                "thrown the discs apart (see its error), and the force as printed chatters in and out of contact.",
+            ),
+            Grid(_named(mine, ORDERS), "Orders, with 95 % intervals, and the finest run of each method.", "orders"),
+            Grid(
+                _named(mine, {"t": "t", "method": "Method", "verdict": "In words"}), "In words", "orders", folded=True
+            ),
+        ],
+    )
+
+
+def _penalty(context: Context) -> Section:
+    best = context.tables["penalty_best"]
+    kinds = best.assign(kind=best["exponent"].map({1: "as printed", 2: "springs"}))
+    text = Text(
+        f"The strength is scanned over {len(infeasibility.SPRINGS)} values at each step; the best is the one with the "
+        "smallest largest overlap in time, among runs whose error is at most "
+        f"{number(infeasibility.COMPARABLE)} times that of PBD (discs that were thrown apart do not overlap). The "
+        "force as printed has constant size; springs grow with the overlap (section 1.1.3 prints the one and "
+        "describes the other). Width is the factor between the strengths that stay within "
+        f"{number(infeasibility.WIDTH)} times the best overlap."
+    )
+    curves = context.tables["infeasibility"]
+    drawn = curves[curves["dt"].isin(infeasibility.SHORT)]
+    in_time = plots.infeasibility_in_time(drawn, SCENES, context.figure("infeasibility_in_time"))
+    scan = plots.strengths(context.tables["penalty_scan"], SCENES, context.figure("penalty_strengths"))
+    return Section(
+        "Infeasibility: PBD against the penalty method with its best strength",
+        [
+            text,
+            Picture(
+                in_time,
+                "Largest overlap after every step (Figure 6): PBD solid, the penalty method with its best strength "
+                "dashed.",
+            ),
+            Picture(
+                scan, "How the penalty method depends on its strength; the levels of PBD, which has none, beside it."
+            ),
+            Grid(_named(kinds, BEST), "Best strengths.", "penalty_best"),
+        ],
+    )
+
+
+def _large(context: Context) -> Section:
+    figure = plots.large_steps(context.tables["large_steps"], large_steps.FAR, SCENES, context.figure("large_steps"))
+    text = Text(
+        f"Runs to t = {large_steps.END:g}. At dt = 1 explicit Euler predicts all four discs into the one point that "
+        "draws them, so their centres coincide and no projection has a direction: every method stops there with "
+        "that status."
+    )
+    return Section(
+        "Large steps",
+        [text, Picture(figure, "How far out a disc gets, over that of the start. Crosses: runs that stopped.")],
+    )
+
+
+CHAPTER = Chapter("Numerical experiments with first-order PBD", run, sections)

@@ -1,0 +1,37 @@
+"""The register: all claims, each with its verdict."""
+
+from __future__ import annotations
+
+from collections import Counter
+
+import pandas as pd
+
+from verification.claim import Claim, Tables
+from verification.claims import chapter1_inclusions, chapter1_proofs, chapter2_method, chapter2_numerics
+
+
+def register() -> tuple[Claim, ...]:
+    """All claims in the order of the thesis; ValueError if two have one id."""
+    parts = (chapter1_inclusions, chapter1_proofs, chapter2_method, chapter2_numerics)
+    claims = tuple(claim for part in parts for claim in part.CLAIMS)
+    twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
+    if twice:
+        raise ValueError(f"claim ids {', '.join(twice)} are given twice: each must be unique")
+    return claims
+
+
+def decided(tables: Tables) -> pd.DataFrame:
+    """One row for each claim: id, source, quote, verdict, measured."""
+    rows = []
+    for claim in register():
+        verdict = claim.decide(tables)
+        rows.append(
+            {
+                "id": claim.id,
+                "source": claim.source,
+                "quote": claim.quote,
+                "verdict": verdict.kind.value,
+                "measured": verdict.measured,
+            }
+        )
+    return pd.DataFrame(rows)

@@ -1,0 +1,172 @@
+"""The report: one page that opens offline, its tables and figures beside it."""
+
+from __future__ import annotations
+
+import base64
+import os
+import platform
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, field
+from datetime import datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+
+from verification.claim import Kind
+from verification.table import PACKAGES, write
+
+# Numbers smaller than this are written with an exponent.
+PLAIN = 1e-2
+VERDICTS = {kind.value: kind.name.lower() for kind in Kind}
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; HTML."""
+
+    html: str
+    kind: str = field(default="text", init=False)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure file with its caption; it is embedded into the page."""
+
+    path: Path
+    caption: str
+    kind: str = field(default="picture", init=False)
+
+    @property
+    def data(self) -> str:
+        """The file as a data URI."""
+        return f"data:image/png;base64,{base64.b64encode(self.path.read_bytes()).decode('ascii')}"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table on the page; ``file`` is the table it was taken from; a ``folded`` one opens on a click."""
+
+    rows: pd.DataFrame
+    caption: str
+    file: str
+    folded: bool = False
+    kind: str = field(default="grid", init=False)
+
+    @property
+    def cells(self) -> list[list[tuple[str, str]]]:
+        """Text and CSS class of every cell."""
+        return [[cell(value) for value in row] for row in self.rows.itertuples(index=False, name=None)]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with its parts."""
+
+    title: str
+    parts: Sequence[Text | Picture | Grid]
+
+
+@dataclass
+class Context:
+    """What the chapters share: where to write, which form to run and on what, and the tables so far, by name."""
+
+    out: Path
+    full: bool
+    executor: Executor
+    tables: dict[str, pd.DataFrame] = field(default_factory=dict)
+
+    @property
+    def folder(self) -> Path:
+        """Where the tables are."""
+        return self.out / "tables"
+
+    def keep(self, name: str, table: pd.DataFrame) -> None:
+        """Share a table that was derived from others, and write it beside them."""
+        self.tables[name] = table
+        write(table, self.folder / f"{name}.parquet")
+
+    def figure(self, name: str) -> Path:
+        """Where a figure goes."""
+        return self.out / "figures" / f"{name}.png"
+
+
+@dataclass(frozen=True)
+class Chapter:
+    """``run`` completes the studies and fills ``context.tables``; ``sections`` writes about them, and only reads."""
+
+    title: str
+    run: Callable[[Context], None]
+    sections: Callable[[Context], Sequence[Section]]
+
+
+def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
+    """Run all chapters and write ``index.html``; return its path."""
+    for chapter in chapters:
+        chapter.run(context)
+    environment = Environment(
+        loader=PackageLoader("verification"),
+        autoescape=select_autoescape(),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    page = environment.get_template("report.html").render(
+        chapters=[(chapter.title, list(chapter.sections(context))) for chapter in chapters],
+        facts=list(_facts(context)),
+        made=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"),
+        safe=Markup,
+    )
+    path = context.out / "index.html"
+    new = path.with_name(".index.html.new")
+    new.write_text(page, "utf-8")
+    os.replace(new, path)
+    return path
+
+
+def _facts(context: Context) -> Iterator[tuple[str, str]]:
+    """What a number depends on besides the code."""
+    yield (
+        "Form",
+        "complete" if context.full else "short: fewer and coarser steps (make report FULL=1 runs the complete one)",
+    )
+    yield "Processor", f"{_processor()}, {os.cpu_count()} cores"
+    yield "System", f"{platform.system()} {platform.release()}, Python {platform.python_version()}"
+    yield "Versions", ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+    yield "Times", "seconds of wall time with two runs at once, after a warm-up; building of solvers included"
+
+
+def _processor() -> str:
+    """The model, from the system where it tells."""
+    information = Path("/proc/cpuinfo")
+    lines = information.read_text("utf-8").splitlines() if information.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor() or platform.machine()
+
+
+def cell(value: object) -> tuple[str, str]:
+    """Text of a value in a table, and its CSS class."""
+    if isinstance(value, bool | np.bool_):
+        return ("yes" if value else "no"), ""
+    if isinstance(value, float | np.floating):
+        return number(float(value)), "number"
+    if isinstance(value, int | np.integer):
+        return str(value), "number"
+    return str(value), VERDICTS.get(str(value), "")
+
+
+def number(value: float) -> str:
+    """Three digits, with an exponent where it is small or large."""
+    if np.isnan(value):
+        return "—"
+    if value == 0:
+        return "0"
+    if PLAIN <= abs(value) < 1e4:
+        return f"{value:.3g}" if abs(value) < 1e3 else f"{value:.0f}"
+    mantissa, exponent = f"{value:.1e}".split("e")
+    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{mantissa}·10{raised}"

@@ -1,0 +1,60 @@
+"""One run of one method on one scene, as rows."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import dincl
+from dincl.scenes import Scene
+from verification.methods import METHODS
+
+# The counters of a run that become columns.
+COUNTERS = ("steps", "candidate_pairs", "constraint_projections", "solver_calls", "solver_iterations")
+
+
+def scene(name: str) -> Scene:
+    """The ready-made problem ``dincl.scenes.<name>()``."""
+    made: Scene = getattr(dincl.scenes, name)()
+    return made
+
+
+def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, float]:
+    """The run and its seconds; loading, compiling and importing are paid before by two steps that are thrown away."""
+    dincl.solve(problem, scheme, t=[min(2 * scheme.dt, float(t[-1]))], throw=False)
+    start = time.perf_counter()
+    path = dincl.solve(problem, scheme, t=t, throw=False)
+    return path, time.perf_counter() - start
+
+
+def solved(name: str, method: str, dt: float, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, dict[str, Any]]:
+    """Run a named method on a named scene; the Trajectory, and what every row of the run says about it."""
+    path, seconds = timed(scene(name), METHODS[method].scheme(dt), t)
+    return path, about(path, seconds)
+
+
+def about(path: dincl.Trajectory, seconds: float) -> dict[str, Any]:
+    """Status, time and counters of a run, as columns."""
+    counted = asdict(path.stats)
+    return {"status": path.status.name, "detail": path.detail, "seconds": seconds} | {
+        name: counted[name] for name in COUNTERS
+    }
+
+
+def reached(path: dincl.Trajectory, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The states at ``times``, shape (K, N, d); NaN where the run did not arrive."""
+    states = np.full((len(times), *path.problem.x0.shape), np.nan)
+    for k, t in enumerate(times):
+        for index in np.flatnonzero(path.t == t):
+            states[k] = path.x[index]
+    return states
+
+
+def distance(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """max_i |X_i - Y_i| at each time, shape (K,), for x, y of shape (K, N, d) [length]."""
+    worst: NDArray[np.float64] = np.sqrt(((x - y) ** 2).sum(axis=-1)).max(axis=-1)
+    return worst
