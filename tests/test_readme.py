@@ -1,0 +1,88 @@
+"""The README: its Python runs as a reader would type it, its commands exist, its picture and names are there."""
+
+import re
+import subprocess
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+import dincl
+from tests.shortened import Here, shorten
+from verification import cli, study
+
+ROOT = Path(__file__).parent.parent
+README = (ROOT / "README.md").read_text()
+BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
+PYTHON = [text for language, text in BLOCKS if language == "python"]
+COMMANDS = [line for language, text in BLOCKS if language == "sh" for line in text.splitlines()]
+MENTIONED = re.findall(r"`(make [^`]*)`", README)
+
+
+def test_python_blocks_run_in_their_order(capsys):
+    scope = {}
+    for block in PYTHON:
+        exec(block, scope)
+    printed = capsys.readouterr().out
+    assert "SUCCESS" in printed
+    assert "LinearisedCatchUp" in printed
+    assert "smaller dt" in printed
+
+
+@pytest.mark.parametrize("command", sorted({c for c in [*COMMANDS, *MENTIONED] if c.startswith("make ")}))
+def test_make_commands_exist(command):
+    """Without running them: make test would run this test again."""
+    done = subprocess.run([*command.split(), "--dry-run"], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr
+
+
+@pytest.mark.parametrize("command", [c for c in COMMANDS if not c.startswith("make ")])
+def test_other_commands_run(command, tmp_path, monkeypatch):
+    """With the studies shortened; the complete short ones are what make report runs."""
+    shorten(monkeypatch)
+    monkeypatch.setattr(study, "workers", Here)
+    monkeypatch.chdir(tmp_path)
+    program, *arguments = command.split()
+    assert Path(program).name == "verification"
+    done = CliRunner().invoke(cli.app, arguments)
+    assert done.exit_code == 0, done.output
+
+
+def test_every_command_is_covered():
+    assert len(PYTHON) >= 3
+    assert all(language in {"python", "sh"} for language, _ in BLOCKS)
+    assert {"make report", "make test"} <= set(COMMANDS)
+
+
+def test_pictures_are_there():
+    for picture in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", README):
+        assert (ROOT / picture).stat().st_size > 10_000
+
+
+def test_named_things_exist():
+    table = "\n".join(line for line in README.splitlines() if line.startswith("| to "))
+    named = re.findall(r"`([A-Z]\w+)`", table)
+    assert len(named) > 15
+    assert [name for name in named if not hasattr(dincl, name)] == []
+    assert (
+        sorted(
+            set(dincl.__all__)
+            - set(named)
+            - {
+                "Constraint",
+                "InvalidProblem",
+                "Projected",
+                "Projection",
+                "ProjectionFailed",
+                "Scheme",
+                "Status",
+                "StepFailed",
+                "Trajectory",
+                "Work",
+                "project",
+                "scenes",
+                "solve",
+            }
+        )
+        == []
+    )
