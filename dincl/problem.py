@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -22,7 +23,7 @@ START_TOLERANCE = 1e-9
 Drift = Callable[[float, NDArray[np.float64]], Any]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Problem:
     """The differential inclusion x' in F(t, x) - N(S, x), x(0) = x0  (1.24), (1.25).
 
@@ -53,6 +54,11 @@ class Problem:
         object.__setattr__(self, "constraints", _families(constraints))
         self._check()
 
+    def __repr__(self) -> str:
+        n, d = self.x0.shape
+        sets = ", ".join(type(constraint).__name__ for constraint in self.constraints)
+        return f"{type(self).__name__}(N = {n}, d = {d}, constraints = [{sets}])"
+
     def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """F(t, x), checked: shape (N, d), finite; StepFailure otherwise."""
         seen = x.view()
@@ -69,8 +75,11 @@ class Problem:
         return RowsTogether(tuple(blocks), self.x0.size)
 
     def violation(self, t: float, x: NDArray[np.float64]) -> float:
-        """max_k max(0, -g_k(x)) at time t, over all constraints [units of g]."""
-        return max(0.0, float(np.max(-self.rows_within(t, x, 0.0).values(x), initial=0.0)))
+        """max_k max(0, -g_k(x)) at time t, over all constraints [units of g]; infinite where one is not defined."""
+        try:
+            return max(0.0, float(np.max(-self.rows_within(t, x, 0.0).values(x), initial=0.0)))
+        except StepFailure:
+            return math.inf
 
     def _check(self) -> None:
         try:

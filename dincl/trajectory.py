@@ -9,14 +9,14 @@ import numpy as np
 
 from dincl.checks import array
 from dincl.cone import distance_to_cone
-from dincl.errors import InvalidProblem
+from dincl.errors import InvalidProblem, StepFailure
 from dincl.stepping import Grid, Step, iterate
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.problem import Problem
-    from dincl.schemes.base import Scheme, State
+    from dincl.schemes.base import Scheme, State, Stepper
     from dincl.status import Status
     from dincl.work import Work
 
@@ -28,7 +28,7 @@ class Mark(NamedTuple):
     state: State
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
     """The solution at the kept times.
 
@@ -65,13 +65,15 @@ class Trajectory:
         return np.array([self.problem.violation(t, x) for t, x in zip(self.t, self.x, strict=True)])
 
     def normal_cone_residual(self) -> NDArray[np.float64]:
-        """How far the velocity is from F - N(S, x) at each kept time, shape (K,) [length / time]; infinite at t = 0.
+        """How far the velocity is from F - N(S, x) at each kept time, shape (K,) [length / time].
 
         dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the kept time, with the
-        rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|. Zero up to tol/h for catch-up.
+        rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|. Zero up to tol/h for catch-up;
+        infinite where it is not defined (at t = 0, for second-order schemes, at coincident centres).
         """
+        stepper = self.scheme.stepper(self.problem)
         marked = zip(self.t, self.marks, strict=True)
-        return np.array([self._residual_of(mark) if t > 0 else np.inf for t, mark in marked])
+        return np.array([self._residual(stepper, mark) if t > 0 else np.inf for t, mark in marked])
 
     def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
         """x(t) for one time, shape (N, d), or several, shape (..., N, d), by (1.48).
@@ -87,24 +89,34 @@ class Trajectory:
         stepper = self.scheme.stepper(self.problem)
         mark = Mark(0, stepper.start())
         for index in np.argsort(times, axis=None, kind="stable"):
-            values[index], mark = self._at(float(times.flat[index]), mark)
+            values[index], mark = self._at(stepper, float(times.flat[index]), mark)
         return values.reshape(*times.shape, *self.problem.x0.shape)
 
-    def _at(self, t: float, mark: Mark) -> tuple[NDArray[np.float64], Mark]:
+    def __repr__(self) -> str:
+        n, d = self.problem.x0.shape
+        kept = f"{len(self.t)} kept times to t = {self.t[-1]:g}"
+        return f"Trajectory({self.status.name}, {type(self.scheme).__name__}, {kept}, N = {n}, d = {d})"
+
+    def _at(self, stepper: Stepper, t: float, mark: Mark) -> tuple[NDArray[np.float64], Mark]:
         k = self.grid.before(t)
         mark = max((m for m in (mark, *self.marks) if m.k <= k), key=lambda m: m.k)
         if t <= 0 or not self.grid.steps:
             return mark.state.x, mark
-        step = self._step(k, mark)
+        step = self._step(stepper, k, mark)
         return step.at(t, self.grid), Mark(k, step.before)
 
-    def _step(self, k: int, mark: Mark) -> Step:
-        stepper = self.scheme.stepper(self.problem)
+    def _step(self, stepper: Stepper, k: int, mark: Mark) -> Step:
         return next(step for step in iterate(stepper, self.grid, *mark) if step.k == k)
 
-    def _residual_of(self, mark: Mark) -> float:
-        step = self._step(mark.k, mark)
-        h, t = self.grid.h, self.grid.time(mark.k)
+    def _residual(self, stepper: Stepper, mark: Mark) -> float:
+        try:
+            step = self._step(stepper, mark.k, mark)
+            return self._residual_of(step) if step.after.v is None else np.inf
+        except StepFailure:
+            return np.inf
+
+    def _residual_of(self, step: Step) -> float:
+        h, t = self.grid.h, self.grid.time(step.k)
         drift = self.problem.velocity(t, step.before.x)
         reaction = (step.after.x - step.before.x) / h - drift
         reach = h * float(np.sqrt((drift * drift).sum(axis=1).max()))

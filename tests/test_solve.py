@@ -108,3 +108,20 @@ def test_a_failed_run_says_when_and_what_to_try():
     assert path.status is dincl.Status.DRIFT_FAILED
     assert np.isfinite(path.x).all()
     assert path.t[-1] == path.stats.steps
+
+
+def test_what_is_not_defined_is_infinite():
+    fall = dincl.Problem([[0.0]], lambda t, x: np.full_like(x, -1.0))
+    assert dincl.solve(fall, dincl.SecondOrderPBD(0.1), t=[0.5]).normal_cone_residual().tolist() == [np.inf]
+    late = dincl.Smooth(lambda x: np.array([1.0 if x[0, 0] > -0.95 else np.nan]), lambda x: np.ones((1, 1)))
+    path = dincl.solve(dincl.Problem([[0.0]], fall.drift, [late]), dincl.PBD(0.1), t=[0.9, 1.0], throw=False)
+    assert path.status is dincl.Status.CONSTRAINT_FAILED
+    assert fall.violation(0.0, fall.x0) == 0.0
+    assert path.problem.violation(1.0, np.array([[-1.0]])) == np.inf
+
+
+def test_reprs_are_short():
+    scene = dincl.scenes.pile(500)
+    path = dincl.solve(scene, dincl.PBD(0.1), t=[0.1, 0.2])
+    assert repr(scene) == "Scene(N = 500, d = 2, constraints = [NonOverlap, HalfSpace, HalfSpace, HalfSpace])"
+    assert repr(path) == "Trajectory(SUCCESS, PBD, 2 kept times to t = 0.2, N = 500, d = 2)"

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dincl.scenes.exact import Exact
 
 
-@dataclass(frozen=True, eq=False, init=False, kw_only=True)
+@dataclass(frozen=True, eq=False, init=False, repr=False, kw_only=True)
 class Scene(Problem):
     """A ready-made Problem.
 

@@ -1,0 +1,38 @@
+"""Every public name says what it is; schemes and projections say what they compute and where it comes from."""
+
+import inspect
+import re
+
+import pytest
+
+import dincl
+
+PUBLIC = [getattr(dincl, name) for name in dincl.__all__ if name != "scenes"]
+FUNCTIONS = [item for item in vars(dincl.scenes).values() if inspect.isfunction(item)]
+
+
+@pytest.mark.parametrize("item", [*PUBLIC, *FUNCTIONS], ids=lambda item: item.__name__)
+def test_public_names_are_described(item):
+    text = inspect.getdoc(item) or ""
+    assert len(text) > 30
+    assert not text.startswith(f"{item.__name__}(")  # what dataclass writes by itself
+
+
+@pytest.mark.parametrize("item", [item for item in PUBLIC if inspect.isclass(item)], ids=lambda item: item.__name__)
+def test_public_methods_are_described(item):
+    for name, method in inspect.getmembers(item, inspect.isfunction):
+        if not name.startswith("_"):
+            assert inspect.getdoc(method), f"{item.__name__}.{name}"
+
+
+@pytest.mark.parametrize("scheme", dincl.Scheme.__subclasses__(), ids=lambda item: item.__name__)
+def test_schemes_give_their_formula_and_source(scheme):
+    text = inspect.getdoc(scheme)
+    assert "x_{k+1} =" in text
+    assert re.search(r"Method \d|\(\d\.\d+\)|section \d", text)
+
+
+@pytest.mark.parametrize("family", dincl.Constraint.__subclasses__(), ids=lambda item: item.__name__)
+def test_constraints_give_their_formula(family):
+    for public in family.__subclasses__() or [family]:
+        assert re.search(r"g.*\(x\).*>= 0|S\(t\) =", inspect.getdoc(public)), public
