@@ -13,6 +13,7 @@ import numpy as np
 
 from dincl import kernels
 from dincl.errors import StepFailure
+from dincl.pairs import near_pairs
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -80,7 +81,7 @@ class PairSweeper(Sweeper):
                 self._skin *= 2
             elif self._served > MOST:
                 self._skin /= 2
-        start, partner = kernels.neighbours.near_pairs(x, self._radius + self._skin)
+        start, partner = near_pairs(x, self._radius + self._skin)
         self._pairs, self._served = _Pairs(start, partner, x.copy(), x.copy()), 0
         work.neighbour_builds += 1
         return self._pairs

@@ -181,6 +181,19 @@ def test_centres_driven_to_coincide():
     assert path.final == pytest.approx(together.x0)
 
 
+def test_a_crowd_on_one_point_is_refused():
+    with pytest.raises(dincl.InvalidProblem, match="constraints: More than 50,000,000 pairs"):
+        dincl.Problem(np.zeros((20_000, 2)), rest, [dincl.NonOverlap(0.5)])
+
+
+def test_a_crowd_driven_onto_one_point_ends_with_its_status():
+    x0 = 1.1 * np.stack(np.unravel_index(np.arange(20_000), (200, 100)), axis=1)
+    for scheme in (dincl.PBD(1.0), dincl.LinearisedCatchUp(1.0, dincl.Piqp(1e-6))):
+        path = dincl.solve(dincl.Problem(x0, lambda t, x: -x, [dincl.NonOverlap(0.5)]), scheme, t=[1.0], throw=False)
+        assert path.status is dincl.Status.CROWDED
+        assert path.final == pytest.approx(x0)
+
+
 # Values that users pass by mistake, beside ones that are right.
 NUMBERS = st.one_of(
     st.floats(allow_nan=True, allow_infinity=True),

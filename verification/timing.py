@@ -14,8 +14,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from rich.console import Console
-from rich.table import Table
 
 import dincl
 from dincl.errors import StepFailure
@@ -150,25 +148,19 @@ def _projection_row(name: str, projection: Projection, kind: str, scene: Scene, 
     return {**result, "status": "SUCCESS", **times, "residual": found.residual, "iterations": found.iterations}
 
 
-def show(table: pd.DataFrame, title: str, console: Console) -> None:
+def show(table: pd.DataFrame, title: str) -> None:
     """Print a table, numbers to three digits."""
-    printed = Table(title=title)
-    for column in table.columns:
-        printed.add_column(column, justify="left" if table[column].dtype.kind not in "fiu" else "right")
-    for row in table.itertuples(index=False):
-        printed.add_row(*(f"{value:.3g}" if isinstance(value, float) else str(value) for value in row))
-    console.print(printed)
+    print(f"\n{title}\n{table.to_string(index=False, float_format='{:.3g}'.format, na_rep='')}")
 
 
 def main(out: Path) -> None:
     """Measure, print, and keep both tables in the folder ``out``."""
-    console = Console()
     out.mkdir(parents=True, exist_ok=True)
     pbd = pbd_table()
-    show(pbd, "PBD: nanoseconds per disc and step; pairs and corrections per disc and step", console)
+    show(pbd, "PBD: ns per disc and step, with the pairs and corrections per disc and step")
     for scene in ("pile", "jostle"):
-        console.print(f"{scene}: the cost of a step grows as n^{growth(pbd, scene):.2f}")
+        print(f"{scene}: the cost of a step grows as n^{growth(pbd, scene):.2f}")
     pbd.to_csv(out / "bench_pbd.csv", index=False)
     projections = projection_table()
-    show(projections, "Projections: milliseconds each, with the certified residual", console)
+    show(projections, "Projections: milliseconds each, with the certified residual")
     projections.to_csv(out / "bench_projections.csv", index=False)

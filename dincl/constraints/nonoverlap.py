@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl import kernels
 from dincl.checks import lengths, spread
 from dincl.constraints.base import Constraint
 from dincl.constraints.rows import DistanceRows
+from dincl.pairs import near_pairs
 from dincl.sweepers import PairSweeper, Sweeper
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class NonOverlap(Constraint):
     def select(self, x: NDArray[np.float64], reach: float) -> DistanceRows:
         """The pairs with a gap of at most 2 reach."""
         radius = self.radii(len(x))
-        start, partner = kernels.neighbours.near_pairs(x, radius + reach)
+        start, partner = near_pairs(x, radius + reach)
         i = np.repeat(np.arange(len(x)), np.diff(start))
         j = partner.astype(np.int64)
         return DistanceRows(i, j, radius[i] + radius[j], 1.0)

@@ -10,6 +10,12 @@ from dincl.kernels._numba import Axes, Floats, Indices, kernel
 GRID_AXES = 3
 # Room for so many pairs per disc to begin with.
 PAIRS_PER_DISC = 4
+# A longer list would take more than a gigabyte: discs lie on top of each other, not side by side.
+MOST_PAIRS = 50_000_000
+
+
+class TooManyPairs(Exception):
+    """More than MOST_PAIRS candidates are near each other."""
 
 
 class Sorted(NamedTuple):
@@ -55,7 +61,9 @@ def is_near(x: Floats, reach: Floats, i: int, j: int, axes: Axes) -> bool:
 
 @kernel
 def longer(pairs: Indices, count: int, more: int) -> Indices:
-    """Copy pairs[:count] into a list with room for `more` others, twice over."""
+    """Copy pairs[:count] into a list with room for `more` others, twice over; TooManyPairs if that is too long."""
+    if count + more > MOST_PAIRS:
+        raise TooManyPairs
     copied = np.empty((2 * (count + more), 2), np.int32)
     copied[:count] = pairs[:count]
     return copied

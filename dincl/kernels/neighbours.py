@@ -7,9 +7,11 @@ bounding box, and a hierarchy of hashed grids for everything else.
 import numpy as np
 
 from dincl.kernels._numba import Axes, Floats, Indices, Offsets, axes_of, kernel
-from dincl.kernels.cells import PAIRS_PER_DISC, is_near
+from dincl.kernels.cells import MOST_PAIRS, PAIRS_PER_DISC, TooManyPairs, is_near
 from dincl.kernels.grid import grid_pairs, grid_shape
 from dincl.kernels.hierarchy import hierarchy_pairs
+
+__all__ = ["MOST_PAIRS", "TooManyPairs", "brute_force_pairs", "near_pairs"]
 
 # Below this number of discs comparing all pairs is faster than building a grid (measured for d = 2 and 3).
 BRUTE_FORCE_LIMIT = 90
@@ -33,6 +35,11 @@ def near_pairs(x: Floats, reach: Floats) -> tuple[Offsets, Indices]:
         Row offsets.
     partner : (start[n],) int32
         The partners of disc i are ``partner[start[i]:start[i + 1]]``, ascending.
+
+    Raises
+    ------
+    TooManyPairs
+        When more than MOST_PAIRS are near each other.
 
     Notes
     -----
