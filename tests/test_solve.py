@@ -84,6 +84,17 @@ def test_a_start_in_contact_up_to_decimal_digits_is_accepted():
     assert dincl.solve(discs, dincl.PBD(0.1), t=[1.0]).status
 
 
+@pytest.mark.parametrize(("overlap", "accepted"), [(1e-10, True), (3e-9, False), (1e-6, False)])
+def test_what_a_start_may_miss(overlap, accepted):
+    """Up to 1e-9 of the largest coordinate, here 1."""
+    x0 = [[0.0], [1.0 - overlap]]
+    if accepted:
+        dincl.Problem(x0, lambda t, x: -x, [dincl.NonOverlap(0.5)])
+        return
+    with pytest.raises(dincl.InvalidProblem, match="x0 violates NonOverlap"):
+        dincl.Problem(x0, lambda t, x: -x, [dincl.NonOverlap(0.5)])
+
+
 def test_catch_up_proves_its_velocity():
     """Two discs pressed together on a wall: the velocity differs from the drift by a normal vector only."""
     problem = dincl.Problem(

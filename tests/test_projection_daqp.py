@@ -1,0 +1,21 @@
+"""A start from other multipliers may cost time, never the answer."""
+
+import numpy as np
+
+import dincl
+from dincl.csr import uniform
+
+
+def test_any_start_gives_the_same_answer(rng):
+    """DAQP calls about one feasible program in fourteen infeasible when it starts from an unlucky active set."""
+    for _ in range(300):
+        n, m = int(rng.integers(1, 7)), int(rng.integers(1, 12))
+        rows = rng.normal(size=(m, n))
+        rows /= np.linalg.norm(rows, axis=1, keepdims=True)
+        matrix = uniform(np.tile(np.arange(n), (m, 1)), rows, n)
+        least = rows @ rng.normal(size=n) - rng.choice([0.0, 0.1, 1.0], size=m)
+        solver = dincl.Daqp(1e-9).solver()
+        cold = solver.qp(matrix, least, np.zeros(m), 1e-9)
+        warm = solver.qp(matrix, least, rng.integers(0, 2, size=m).astype(float), 1e-9)
+        assert np.abs(cold.u - warm.u).max() < 1e-9
+        assert (rows @ warm.u >= least - 1e-9).all()
