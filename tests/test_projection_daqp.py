@@ -7,10 +7,12 @@ from dincl.csr import uniform
 
 
 def test_any_start_gives_the_same_answer(rng):
-    """DAQP calls about one feasible program in fourteen infeasible when it starts from an unlucky active set."""
+    """DAQP calls about one feasible program in seven of this kind infeasible when it starts from an unlucky active set."""
     for _ in range(300):
         n, m = int(rng.integers(1, 7)), int(rng.integers(1, 12))
-        rows = rng.normal(size=(m, n))
+        rows = rng.choice([-1.0, 0.0, 1.0], size=(m, n))
+        rows = rows[np.abs(rows).sum(axis=1) > 0]
+        m = len(rows)
         rows /= np.linalg.norm(rows, axis=1, keepdims=True)
         matrix = uniform(np.tile(np.arange(n), (m, 1)), rows, n)
         least = rows @ rng.normal(size=n) - rng.choice([0.0, 0.1, 1.0], size=m)
