@@ -64,8 +64,6 @@ class _DaqpSolver(QpSolver):
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
         sense = (multipliers > 0).astype(np.int32) * ACTIVE
         u, flag, info = self._call(matrix, least, sense)
-        if flag < 0 and sense.any():
-            u, flag, info = self._call(matrix, least, np.zeros_like(sense))
         if flag < 0:
             status = Status.INFEASIBLE if flag == INFEASIBLE else Status.NOT_CONVERGED
             raise StepFailure(status, f"daqp stopped: {MEANINGS.get(flag, f'flag {flag}')}.")
