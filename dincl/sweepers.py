@@ -33,7 +33,9 @@ NEWTON_LIMIT = 50
 
 
 class Sweeper(ABC):
-    """The projections onto the rows of one family."""
+    """The projections onto the rows of one family; an ``idle`` one has no rows, and need not be asked."""
+
+    idle = False
 
     @abstractmethod
     def sweep(self, x: NDArray[np.float64], work: Work) -> None:
@@ -111,6 +113,7 @@ class AffineSweeper(Sweeper):
 
     def __init__(self, rows: AffineRows) -> None:
         self._matrix, self._bound = rows.matrix, rows.bound
+        self.idle = len(rows.bound) == 0
         self._norm2 = rows.matrix.norms_squared()
 
     def sweep(self, x: NDArray[np.float64], work: Work) -> None:
@@ -125,6 +128,7 @@ class DistanceSweeper(Sweeper):
 
     def __init__(self, rows: DistanceRows, d: int) -> None:
         self._rows = rows
+        self.idle = len(rows.i) == 0
         self._j = np.full(len(rows.i), -1) if rows.j is None else rows.j
         self._anchor = np.zeros((0, d)) if rows.anchor is None else rows.anchor
 

@@ -57,7 +57,8 @@ class SweepThrough:
 
     def __init__(self, problem: Problem, sweeps: int) -> None:
         self._sweeps = sweeps
-        self._families = [(family, family.sweeper(problem.x0)) for family in problem.constraints]
+        families = [(family, family.sweeper(problem.x0)) for family in problem.constraints]
+        self._families = [(family, sweeper) for family, sweeper in families if not sweeper.idle]
 
     def apply(self, t: float, x: NDArray[np.float64], stepper: Stepper) -> None:
         """Project x in place onto the sets at time t, counting the work of ``stepper``."""
