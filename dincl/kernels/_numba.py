@@ -1,6 +1,8 @@
 """How every kernel is compiled, and the array types they share."""
 
 from collections.abc import Callable
+from contextlib import suppress
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -25,3 +27,19 @@ def kernel(function: Function) -> Function:
 def axes_of(x: Floats) -> Axes:
     """Give d zeros for positions (n, d): numba knows the length of a tuple when compiling and unrolls loops over it."""
     return (0,) * int(x.shape[1])
+
+
+def forget_stale(folder: Path) -> None:
+    """Remove the cached kernels of a folder that are older than any source in it.
+
+    The cache of numba looks at the file of a kernel only, not at those of the kernels it calls: after a change there it
+    would go on with the old code.
+    """
+    newest = max(source.stat().st_mtime for source in folder.glob("*.py"))
+    for index in folder.glob("__pycache__/*.nbi"):
+        with suppress(OSError):  # another process was faster, or the folder is read-only
+            if index.stat().st_mtime < newest:
+                index.unlink()
+
+
+forget_stale(Path(__file__).parent)
