@@ -73,9 +73,8 @@ def _sum_of_cones(_: Tables) -> Verdict:
     first[[0, 2]] = 1 / math.sqrt(2), -1 / math.sqrt(2)
     second[[4, 6]] = 1 / math.sqrt(2), -1 / math.sqrt(2)
     w = -(first + second) / math.sqrt(2)
-    termwise = max(0.0, float(-first @ w)) + max(
-        0.0, float(-second @ w)
-    )  # sup over a segment from 0 to -n is at one of its ends
+    # The supremum over a segment from 0 to -n is at one of its ends.
+    termwise = max(0.0, float(-first @ w)) + max(0.0, float(-second @ w))
     whole = float(np.linalg.norm(w))  # w itself lies in -N and in the unit ball
     return corrected_if(
         termwise <= whole,
