@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from dincl.constraints.rows import RowsOfOneKind, RowsTogether
+from dincl.norms import longest
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from dincl.constraints.base import Constraint
@@ -30,7 +30,7 @@ class _NearOne:
     def rows(self, t: float, x: NDArray[np.float64], reach: float, work: Work) -> RowsOfOneKind:
         shift = self._constraint.displacement(t)
         at_rest = x if shift is None else x - shift
-        if self._reference is None or _farthest(at_rest, self._reference) + reach > self._reach:
+        if self._reference is None or longest(at_rest - self._reference) + reach > self._reach:
             self._reference, self._reach = at_rest.copy(), GENEROUS * reach
             self._rows = self._constraint.select(at_rest, self._reach)
             work.neighbour_builds += 1
@@ -52,8 +52,3 @@ class Near:
     def rows(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
         """The near rows, see the class."""
         return RowsTogether(tuple(part.rows(t, x, reach, self._work) for part in self._parts), self._size)
-
-
-def _farthest(x: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
-    moved = x - reference
-    return float(np.sqrt((moved * moved).sum(axis=1).max(initial=0.0)))

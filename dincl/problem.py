@@ -67,12 +67,8 @@ class Problem:
 
     def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
         """All rows that can be violated at time t once every particle moved by at most ``reach`` from x."""
-        blocks = []
-        for constraint in self.constraints:
-            shift = constraint.displacement(t)
-            rows = constraint.select(x if shift is None else x - shift, reach)
-            blocks.append(rows if shift is None else rows.shifted(shift))
-        return RowsTogether(tuple(blocks), self.x0.size)
+        blocks = tuple(constraint.near(t, x, reach) for constraint in self.constraints)
+        return RowsTogether(blocks, self.x0.size)
 
     def violation(self, t: float, x: NDArray[np.float64]) -> float:
         """max_k max(0, -g_k(x)) at time t, over all constraints [units of g]; infinite where one is not defined."""
@@ -85,8 +81,7 @@ class Problem:
         try:
             for constraint in self.constraints:
                 constraint.check(*self.x0.shape)
-                shift = constraint.displacement(0.0)
-                _check_feasible(constraint, self.x0 if shift is None else self.x0 - shift)
+                _check_feasible(constraint, self.x0)
             self.velocity(0.0, self.x0)
         except StepFailure as failure:
             name = "drift" if failure.status is Status.DRIFT_FAILED else "constraints"
@@ -108,7 +103,7 @@ def _families(constraints: Sequence[Constraint]) -> tuple[Constraint, ...]:
 
 
 def _check_feasible(constraint: Constraint, x: NDArray[np.float64]) -> None:
-    rows = constraint.select(x, 0.0)
+    rows = constraint.near(0.0, x, 0.0)
     values = rows.values(x)
     allowed = START_TOLERANCE * float(np.abs(x).max())
     if values.min(initial=0.0) < -allowed:

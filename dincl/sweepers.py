@@ -137,8 +137,7 @@ class DistanceSweeper(Sweeper):
         corrections, code, row = kernels.sweeps.sweep_distance(x, rows.i, self._j, rows.length, rows.sign, self._anchor)
         work.constraint_projections += corrections
         if code == kernels.sweeps.COINCIDENT:
-            other = "a fixed centre" if rows.j is None else f"particle {rows.j[row]}"
-            raise StepFailure(Status.COINCIDENT_CENTRES, f"Particle {rows.i[row]} lies on {other}.")
+            raise rows.coincidence(row)
 
 
 class SmoothSweeper(Sweeper):

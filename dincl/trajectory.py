@@ -10,6 +10,7 @@ import numpy as np
 from dincl.checks import array
 from dincl.cone import distance_to_cone
 from dincl.errors import InvalidProblem, StepFailure
+from dincl.norms import longest
 from dincl.stepping import Grid, Step, iterate
 
 if TYPE_CHECKING:
@@ -119,8 +120,7 @@ class Trajectory:
         h, t = self.grid.h, self.grid.time(step.k)
         drift = self.problem.velocity(t, step.before.x)
         reaction = (step.after.x - step.before.x) / h - drift
-        reach = h * float(np.sqrt((drift * drift).sum(axis=1).max()))
-        rows = self.problem.rows_within(t + h, step.after.x, reach / 2)
+        rows = self.problem.rows_within(t + h, step.after.x, h * longest(drift) / 2)
         return distance_to_cone(reaction.ravel(), rows.jacobian(step.after.x))
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -14,7 +13,7 @@ from verification.order import Order, estimate, order_text
 from verification.reference import STEP, Reference
 from verification.runs import distance, reached, scene, solved
 from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from verification.table import Row, digest, fingerprint
 
 SCENES = ("four_disks", "ten_disks_corner")
 TIMES = {name: scene(name).times for name in SCENES}
@@ -64,11 +63,6 @@ def study(references: Mapping[str, Reference], full: bool) -> Study:
         run=Run(references),
         fingerprint=fingerprint("methods.py", "runs.py", "convergence.py", references=digest(stated)),
     )
-
-
-def digest(value: object) -> str:
-    """A short name for numbers."""
-    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]
 
 
 def order_of(rows: pd.DataFrame, quantity: str = "error") -> Order:

@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from verification.convergence import SCENES, TIMES, digest
+from verification.convergence import SCENES, TIMES
 from verification.reference import Reference
 from verification.runs import about, distance, reached, scene, timed
 from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from verification.table import Row, digest, fingerprint
 
 # Steps compared [time]; the curves are drawn for those of the short form.
 SHORT, FULL = (0.02, 0.005), (0.02, 0.01, 0.005, 0.0025, 0.00125)

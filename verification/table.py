@@ -101,3 +101,8 @@ def fingerprint(*sources: str, **parameters: Any) -> dict[str, str]:
     found.update({name: version(name) for name in PACKAGES})
     found.update({name: json.dumps(value, sort_keys=True, default=str) for name, value in parameters.items()})
     return found
+
+
+def digest(value: object) -> str:
+    """A short name for numbers."""
+    return hashlib.sha256(repr(value).encode()).hexdigest()[:16]

@@ -24,6 +24,11 @@ class Constraint(ABC):
     def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
         """The rows that can be violated after every particle moved by at most ``reach`` from x (N, d), or more rows."""
 
+    def near(self, t: float, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
+        """The same at time t, for a set that may have been carried."""
+        shift = self.displacement(t)
+        return self.select(x, reach) if shift is None else self.select(x - shift, reach).shifted(shift)
+
     @abstractmethod
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
         """The exact projections onto the single rows, in their documented order, for states of the shape of x."""

@@ -16,6 +16,7 @@ import numpy as np
 from dincl.callables import call, numbers
 from dincl.csr import Csr, csr, stack, uniform
 from dincl.errors import StepFailure
+from dincl.norms import norms
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -113,20 +114,21 @@ class DistanceRows(RowsOfOneKind):
         return x[self.i] - other
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        arrows = self.arrows(x)
-        distance: NDArray[np.float64] = np.sqrt((arrows * arrows).sum(axis=1))
-        return self.sign * (distance - self.length)
+        return self.sign * (norms(self.arrows(x)) - self.length)
 
     def jacobian(self, x: NDArray[np.float64]) -> Csr:
         arrows = self.arrows(x)
-        distance = np.sqrt((arrows * arrows).sum(axis=1))
+        distance = norms(arrows)
         met = distance == 0
         if met.any() and self.sign > 0:
-            k = int(np.flatnonzero(met)[0])
-            other = "a fixed centre" if self.j is None else f"particle {self.j[k]}"
-            raise StepFailure(Status.COINCIDENT_CENTRES, f"Particle {self.i[k]} lies on {other}.")
+            raise self.coincidence(int(np.flatnonzero(met)[0]))
         # Held together, two that meet are farthest from violating: zero is a subgradient, and right there.
         return self.entries(arrows * (self.sign / np.where(met, 1.0, distance))[:, None], x.size)
+
+    def coincidence(self, k: int) -> StepFailure:
+        """Why row k, which keeps two centres apart, has no direction."""
+        other = "a fixed centre" if self.j is None else f"particle {self.j[k]}"
+        return StepFailure(Status.COINCIDENT_CENTRES, f"Particle {self.i[k]} lies on {other}.")
 
     def entries(self, vectors: NDArray[np.float64], columns: int) -> Csr:
         """Rows that hold ``vectors`` (m, d) at particle i and, with the other sign, at particle j."""

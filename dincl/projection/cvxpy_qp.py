@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import warnings
-from collections import OrderedDict
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +10,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.projection.base import Projection
+from dincl.projection.kept import Kept
 from dincl.projection.qp import InteriorPointSolver, QpAnswer
 from dincl.status import Status
 
@@ -58,16 +58,11 @@ class _CvxpySolver(InteriorPointSolver):
         import cvxpy
 
         self._cvxpy: Any = cvxpy
-        self._programs: OrderedDict[tuple[Any, ...], _Program] = OrderedDict()
+        self._programs: Kept[_Program] = Kept(MOST_PROGRAMS)
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
         key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
-        if key not in self._programs:
-            self._programs[key] = _Program(self._cvxpy, matrix)
-            if len(self._programs) > MOST_PROGRAMS:
-                self._programs.popitem(last=False)
-        self._programs.move_to_end(key)
-        return self._programs[key].solve(matrix, least)
+        return self._programs.get(key, lambda: _Program(self._cvxpy, matrix)).solve(matrix, least)
 
 
 class _Program:

@@ -37,10 +37,10 @@ MEANINGS = {
 class Daqp(Projection):
     """Nearest points by DAQP (Arnstroem, Bemporad, Axehill 2022), a dense active-set method: best up to 30 particles.
 
-    Set are its primal tolerance, to 1e-13 of the largest violation, and the active rows of the last solve for a start;
-    a program that fails from there is solved from nothing. Measured on settled piles of discs, one step of gravity, in
-    milliseconds with all Python around it (from nothing / with the start): 0.05 / 0.05 at 4, 0.06 / 0.06 at 10,
-    3.8 / 1.3 at 100, of which 0.008 / 0.004 at 10 are DAQP itself. For S instead of S~, 0.15 at 10.
+    Set are its primal tolerance, to 1e-13 of the largest violation, and the active rows of the last solve for a start.
+    Measured on settled piles of discs, one step of gravity, in milliseconds with all Python around it (from nothing /
+    with the start): 0.05 / 0.05 at 4, 0.06 / 0.06 at 10, 3.8 / 1.3 at 100, of which 0.008 / 0.004 at 10 are DAQP
+    itself. For S instead of S~, 0.15 at 10.
 
     Parameters
     ----------
@@ -62,17 +62,7 @@ class _DaqpSolver(QpSolver):
         self._solve = daqp.solve
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
-        sense = (multipliers > 0).astype(np.int32) * ACTIVE
-        u, flag, info = self._call(matrix, least, sense)
-        if flag < 0:
-            status = Status.INFEASIBLE if flag == INFEASIBLE else Status.NOT_CONVERGED
-            raise StepFailure(status, f"daqp stopped: {MEANINGS.get(flag, f'flag {flag}')}.")
-        return QpAnswer(u, np.maximum(info["lam"], 0.0), int(info["iterations"]))
-
-    def _call(
-        self, matrix: Csr, least: NDArray[np.float64], sense: NDArray[np.int32]
-    ) -> tuple[NDArray[np.float64], int, dict[str, NDArray[np.float64]]]:
-        """Solve once for -matrix u <= -least, since active rows at the start are taken to be at their upper bound.
+        """Solve -matrix u <= -least, since DAQP takes active rows at the start to be at their upper bound.
 
         Every array is made here: DAQP factorises in place.
         """
@@ -83,8 +73,11 @@ class _DaqpSolver(QpSolver):
             -matrix.dense(),
             -least,
             None,
-            sense,
+            (multipliers > 0).astype(np.int32) * ACTIVE,
             primal_tol=PRIMAL_TOLERANCE,
             iter_limit=ITERATION_LIMIT,
         )
-        return u, flag, info
+        if flag < 0:
+            status = Status.INFEASIBLE if flag == INFEASIBLE else Status.NOT_CONVERGED
+            raise StepFailure(status, f"daqp stopped: {MEANINGS.get(flag, f'flag {flag}')}.")
+        return QpAnswer(u, np.maximum(info["lam"], 0.0), int(info["iterations"]))

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from dincl.errors import StepFailure
 from dincl.near import Near
+from dincl.norms import longest
 from dincl.projection.base import NO_BACK_END
 from dincl.status import Status
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
@@ -48,8 +48,3 @@ class FeasibleSet:
                 return found
             reach = 2 * distance
         raise StepFailure(Status.NOT_CONVERGED, f"The projection moved a particle by more than {distance:g}.")
-
-
-def longest(moves: NDArray[np.float64]) -> float:
-    """max_i |moves_i| for moves (N, d)."""
-    return float(np.sqrt((moves * moves).sum(axis=1).max()))

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
-from collections import OrderedDict
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from dincl.errors import StepFailure
 from dincl.projection.base import Projected, Projection, Solver, blocks_of
+from dincl.projection.kept import Kept
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import Rows, RowsOfOneKind
+    from dincl.constraints.rows import Rows
     from dincl.projection.nlp import Program
 
 # Compiled programs kept for the next time that the same rows are near.
@@ -56,23 +54,14 @@ class _IpoptSolver(Solver):
         from dincl.projection.nlp import Program
 
         self._compile = Program
-        self._programs: OrderedDict[Any, Program] = OrderedDict()
+        self._programs: Kept[Program] = Kept(MOST_PROGRAMS)
 
     def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         blocks = blocks_of(rows)
         scale = float(-rows.values(y).min())
-        x, lam, work, word = self._program(rows, blocks, y.shape).solve(blocks, y, guess, scale)
+        program = self._programs.get(rows.structure, lambda: self._compile(blocks, y.shape))
+        x, lam, work, word = program.solve(blocks, y, guess, scale)
         if word not in FOUND:
             status = Status.INFEASIBLE if word == INFEASIBLE else Status.NOT_CONVERGED
             raise StepFailure(status, f"ipopt stopped: {word}.")
         return self.completed(rows, y, self.certify(rows.linearised(x), y, x, lam, work))
-
-    def _program(self, rows: Rows, blocks: Sequence[RowsOfOneKind], shape: tuple[int, ...]) -> Program:
-        """The program compiled for rows of this structure; the least recently used one makes room."""
-        key = rows.structure
-        if key not in self._programs:
-            self._programs[key] = self._compile(blocks, shape)
-            if len(self._programs) > MOST_PROGRAMS:
-                self._programs.popitem(last=False)
-        self._programs.move_to_end(key)
-        return self._programs[key]

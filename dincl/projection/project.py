@@ -8,9 +8,10 @@ import numpy as np
 
 from dincl.checks import array, describe, number
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
+from dincl.norms import longest
 from dincl.problem import Problem
 from dincl.projection.base import Projection
-from dincl.projection.feasible import FeasibleSet, longest
+from dincl.projection.feasible import FeasibleSet
 from dincl.work import Work
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.constraints.rows import AffineRows, DistanceRows
+from dincl.norms import norms
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -36,7 +37,7 @@ def quadratic(rows: AffineRows | DistanceRows, y: NDArray[np.float64], scale: fl
     if isinstance(rows, AffineRows):
         return Quadratic(rows.values(y) / scale, rows.matrix, np.zeros(len(rows.bound)))
     arrows = rows.arrows(y)
-    distance = np.sqrt((arrows * arrows).sum(axis=1))
+    distance = norms(arrows)
     constant = rows.sign * (distance - rows.length) * (distance + rows.length) / (2 * rows.length * scale)
     linear = rows.entries(rows.sign * arrows / rows.length[:, None], y.size)
     return Quadratic(constant, linear, rows.sign * scale / (2 * rows.length))
@@ -46,6 +47,4 @@ def steepness(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64
     """Length of the gradient of the polynomial over that of g at x, shape (m,); 1 where g itself is used."""
     if not isinstance(rows, DistanceRows):
         return np.ones(len(rows.values(x)))
-    arrows = rows.arrows(x)
-    distance: NDArray[np.float64] = np.sqrt((arrows * arrows).sum(axis=1))
-    return distance / rows.length
+    return norms(rows.arrows(x)) / rows.length

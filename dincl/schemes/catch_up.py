@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from dincl.norms import longest
 from dincl.projection.base import Projection
-from dincl.projection.feasible import FeasibleSet, longest
+from dincl.projection.feasible import FeasibleSet
 from dincl.schemes.base import Scheme, State, Stepper
 
 if TYPE_CHECKING:
