@@ -28,7 +28,7 @@ class _NearOne:
         self._reach = 0.0
 
     def rows(self, t: float, x: NDArray[np.float64], reach: float, work: Work) -> RowsOfOneKind:
-        shift = self._constraint.displacement(t)
+        shift = self._constraint.displacement(t, x.shape[1])
         at_rest = x if shift is None else x - shift
         if self._reference is None or longest(at_rest - self._reference) + reach > self._reach:
             self._reference, self._reach = at_rest.copy(), GENEROUS * reach

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.sparse import csr_array
 
 import dincl
 
@@ -172,6 +173,29 @@ def test_a_constraint_that_fails_halfway():
     path = dincl.solve(problem(constraints=walls), dincl.PBD(dt=0.1), t=[1.0], throw=False)
     assert path.status is dincl.Status.CONSTRAINT_FAILED
     assert 0.3 < path.t[-1] < 0.5
+
+
+STEPPED = [dincl.PBD(0.1), dincl.Penalty(0.1, 1.0), dincl.CatchUp(0.1, dincl.Daqp(1e-9))]
+
+
+@pytest.mark.parametrize("late", [5.0, np.zeros(3), "here"])
+@pytest.mark.parametrize("scheme", STEPPED, ids=lambda scheme: type(scheme).__name__)
+def test_a_path_that_changes_its_shape_halfway(scheme, late):
+    walls = [dincl.Moving(dincl.HalfSpace((0, 1)), lambda t: np.zeros(2) if t < 0.5 else late)]
+    path = dincl.solve(problem(constraints=walls), scheme, t=[1.0], throw=False)
+    assert path.status is dincl.Status.CONSTRAINT_FAILED
+    assert "path returned" in path.detail
+    assert path.final == pytest.approx(np.array(APART))
+
+
+@pytest.mark.parametrize("scheme", STEPPED, ids=lambda scheme: type(scheme).__name__)
+@pytest.mark.parametrize("shape", [(2, 3), (2, 5), (1, 4)])
+def test_a_sparse_jacobian_of_a_wrong_shape(scheme, shape):
+    floor = dincl.Smooth(lambda x: x[:, 1] - 0.5, lambda x: csr_array(np.ones(shape)))
+    falling = problem(drift=lambda t, x: np.tile([0.0, -1.0], (2, 1)), constraints=[floor])
+    path = dincl.solve(falling, scheme, t=[1.0], throw=False)
+    assert path.status is dincl.Status.CONSTRAINT_FAILED
+    assert f"sparse matrix of shape {shape}: must have shape (2, 4)" in path.detail
 
 
 def test_centres_driven_to_coincide():

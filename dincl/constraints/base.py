@@ -26,13 +26,13 @@ class Constraint(ABC):
 
     def near(self, t: float, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
         """The same at time t, for a set that may have been carried."""
-        shift = self.displacement(t)
+        shift = self.displacement(t, x.shape[1])
         return self.select(x, reach) if shift is None else self.select(x - shift, reach).shifted(shift)
 
     @abstractmethod
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
         """The exact projections onto the single rows, in their documented order, for states of the shape of x."""
 
-    def displacement(self, t: float) -> NDArray[np.float64] | None:
+    def displacement(self, t: float, d: int) -> NDArray[np.float64] | None:
         """How far the set was carried at time t, shape (d,); None for a set at rest."""
         return None

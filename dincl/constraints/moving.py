@@ -46,12 +46,16 @@ class Moving(Constraint):
 
     def check(self, count: int, d: int) -> None:
         self.constraint.check(count, d)
-        shift = self.displacement(0.0)
-        if shift.shape != (d,):
-            raise InvalidProblem(f"path(0.0) of shape {shift.shape}: must have shape ({d},)")
+        shape = self._shift(0.0).shape
+        if shape != (d,):
+            raise InvalidProblem(f"path(0.0) of shape {shape}: must have shape ({d},)")
 
-    def displacement(self, t: float) -> NDArray[np.float64]:
-        return numbers("path", Status.CONSTRAINT_FAILED, call("path", Status.CONSTRAINT_FAILED, self.path, t))
+    def displacement(self, t: float, d: int) -> NDArray[np.float64]:
+        return self._shift(t, (d,))
+
+    def _shift(self, t: float, shape: tuple[int, ...] | None = None) -> NDArray[np.float64]:
+        raw = call("path", Status.CONSTRAINT_FAILED, self.path, t)
+        return numbers("path", Status.CONSTRAINT_FAILED, raw, shape)
 
     def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
         """The near rows of the set at rest; x is given relative to the displacement."""

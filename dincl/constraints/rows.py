@@ -178,9 +178,13 @@ class SmoothRows(RowsOfOneKind):
         from scipy.sparse import csr_array, issparse
 
         raw = call("jacobian", Status.CONSTRAINT_FAILED, self.derivative, x - self.shift)
+        shape = (self.total, x.size)
         if not issparse(raw):
-            raw = np.reshape(raw, (-1, x.size)) if np.size(raw) == self.total * x.size else raw
-            raw = numbers("jacobian", Status.CONSTRAINT_FAILED, raw, (self.total, x.size))
+            raw = np.reshape(raw, shape) if np.size(raw) == self.total * x.size else raw
+            raw = numbers("jacobian", Status.CONSTRAINT_FAILED, raw, shape)
+        elif raw.shape != shape:
+            found = f"jacobian returned a sparse matrix of shape {raw.shape}: must have shape {shape}."
+            raise StepFailure(Status.CONSTRAINT_FAILED, found)
         rows = csr_array(raw)[self.index]
         data = numbers("jacobian", Status.CONSTRAINT_FAILED, rows.data)
         return csr(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), data, x.size)

@@ -110,7 +110,7 @@ def _onto_planes(rows: AffineRows, x: NDArray[np.float64]) -> NDArray[np.float64
 def _all_rows(constraint: Constraint, x0: NDArray[np.float64]) -> RowsOfOneKind:
     """All rows of a constraint; of many discs three are enough to see that there is no formula."""
     if isinstance(constraint, Moving):
-        return _all_rows(constraint.constraint, x0 - constraint.displacement(0.0))
+        return _all_rows(constraint.constraint, x0 - constraint.displacement(0.0, x0.shape[1]))
     if isinstance(constraint, NonOverlap):
         others = np.arange(1, min(len(x0), 3))
         return DistanceRows(others, np.zeros_like(others), np.ones(len(others)), 1.0)

@@ -64,7 +64,7 @@ class SweepThrough:
         """Project x in place onto the sets at time t, counting the work of ``stepper``."""
         for _ in range(self._sweeps):
             for family, sweeper in self._families:
-                shift = family.displacement(t)
+                shift = family.displacement(t, x.shape[1])
                 if shift is None:
                     sweeper.sweep(x, stepper.work)
                 else:
