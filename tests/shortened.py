@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from verification import convergence, infeasibility, large_steps, plots, reference
+from verification import convergence, infeasibility, large_steps, reference, sheet
 from verification.methods import CATCH_UP, LINEARISED_CLARABEL, PBD, PENALTIES
 
 
@@ -29,4 +29,4 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(infeasibility, "SPRINGS", np.geomspace(0.05, 5.0, 5))
     patch.setattr(infeasibility, "PUSHES", np.geomspace(0.5, 20.0, 5))
     patch.setattr(large_steps, "STEPS", (0.1, 1.0))
-    patch.setattr(plots, "DPI", 50)
+    patch.setattr(sheet, "DPI", 50)

@@ -1,4 +1,4 @@
-"""The figures, from tables only. This is the one file that imports matplotlib."""
+"""The figures, from tables only."""
 
 from __future__ import annotations
 
@@ -6,63 +6,27 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PatchCollection
-from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
 from verification.methods import METHODS, PBD, PENALTIES, PENALTY_PRINTED, Method
+from verification.sheet import GREY, WIDTH, Axes, discs, polygon, sheet
 
 Floats = NDArray[np.float64]
-WIDTH = 9.2  # inches; the page shows them at this width, with twice the dots
-DPI = 200
-GREY, DISC, WALL = "#8a8a8a", "#9db8d2", "#d9d5cd"
+DISC, WALL = "#9db8d2", "#d9d5cd"
 # Values below these are drawn on the lower edge: they are rounding, or an overlap that nobody sees.
 LOWEST = {"error": 1e-8, "infeasibility": 1e-6, "growth": 0.0}
 LABELS = {"error": "error, largest over all discs", "infeasibility": "largest overlap"}
-STYLE: dict[str, Any] = {
-    "font.family": "DejaVu Sans",
-    "font.size": 8.5,
-    "axes.titlesize": 9.5,
-    "axes.titlelocation": "left",
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "axes.axisbelow": True,
-    "grid.color": "#e6e6e6",
-    "grid.linewidth": 0.6,
-    "axes.edgecolor": "#555555",
-    "lines.linewidth": 1.3,
-    "lines.markersize": 4.5,
-    "legend.frameon": False,
-}
-
-
-def _figure(height: float) -> Figure:
-    figure = Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
-    FigureCanvasAgg(figure)
-    return figure
-
-
-def _save(figure: Figure, path: Path) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    figure.savefig(path, dpi=DPI)
-    return path
 
 
 def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> Path:
     """``quantity`` ("error" or "infeasibility") against dt, one panel for each time, failed runs as crosses on top."""
-    with mpl.rc_context(STYLE):
-        rows = table[table["scene"] == scene]
-        times = sorted(rows["t"].unique())
-        figure = _figure(4.3)
+    rows = table[table["scene"] == scene]
+    times = sorted(rows["t"].unique())
+    with sheet(path, 4.3) as figure:
         panels = np.atleast_1d(figure.subplots(1, len(times), sharex=True, sharey=True))
         for panel, t in zip(panels, times, strict=True):
             now = rows[rows["t"] == t]
@@ -75,7 +39,7 @@ def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> 
         panels[0].set(ylabel=LABELS[quantity], ylim=(LOWEST[quantity] / 3, 3))
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=4)
-        return _save(figure, path)
+    return path
 
 
 def _line(panel: Axes, rows: pd.DataFrame, method: Method, quantity: str) -> None:
@@ -112,9 +76,8 @@ def _slope_one(panel: Axes, rows: pd.DataFrame, quantity: str) -> None:
 
 def infeasibility_in_time(curves: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Path:
     """Figure 6: largest overlap after every step, PBD solid, the penalty method with its best strength dashed."""
-    with mpl.rc_context(STYLE):
-        steps = sorted(curves["dt"].unique(), reverse=True)
-        figure = _figure(2.5 * len(steps) + 0.5)
+    steps = sorted(curves["dt"].unique(), reverse=True)
+    with sheet(path, 2.5 * len(steps) + 0.5) as figure:
         panels = figure.subplots(len(steps), len(scenes), sharex="col", squeeze=False)
         for row, dt in zip(panels, steps, strict=True):
             for panel, scene in zip(row, scenes, strict=True):
@@ -129,7 +92,7 @@ def infeasibility_in_time(curves: pd.DataFrame, scenes: Sequence[Scene], path: P
             panel.set_ylabel("largest overlap")
         for panel in panels[-1]:
             panel.set_xlabel("time t")
-        return _save(figure, path)
+    return path
 
 
 def _contestant(exponent: int, strength: float) -> tuple[str, dict[str, Any]]:
@@ -143,9 +106,8 @@ def _contestant(exponent: int, strength: float) -> tuple[str, dict[str, Any]]:
 
 def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Path:
     """Largest infeasibility in time against the penalty strength, and the error of the positions, at each step."""
-    with mpl.rc_context(STYLE):
-        dt = float(scanned["dt"].min())
-        figure = _figure(3.3)
+    dt = float(scanned["dt"].min())
+    with sheet(path, 3.3) as figure:
         panels = figure.subplots(1, len(scenes), sharey=True)
         for panel, scene in zip(panels, scenes, strict=True):
             now = scanned[(scanned["scene"] == scene.name) & (scanned["dt"] == dt)]
@@ -168,13 +130,12 @@ def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Pat
         panels[0].set_ylim(1e-3, 20)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=3)
-        return _save(figure, path)
+    return path
 
 
 def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: Path) -> Path:
     """How many times farther out than at the start a disc gets, against dt; runs that stopped as crosses."""
-    with mpl.rc_context(STYLE):
-        figure = _figure(3.2)
+    with sheet(path, 3.2) as figure:
         panels = figure.subplots(1, len(scenes), sharey=True)
         for panel, scene in zip(panels, scenes, strict=True):
             now = table[table["scene"] == scene.name]
@@ -188,27 +149,26 @@ def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: 
         panels[0].set_ylim(0.7, 2e3)
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
-        return _save(figure, path)
+    return path
 
 
 def motion(scene: Scene, t: Sequence[float], x: Floats, path: Path) -> Path:
     """Discs to scale and walls, one panel for each time; ``x`` of shape (K, N, 2)."""
-    with mpl.rc_context(STYLE | {"axes.grid": False}):
-        low = (x - scene.radius[:, None]).min(axis=(0, 1)) - 0.2
-        high = (x + scene.radius[:, None]).max(axis=(0, 1)) + 0.2
-        figure = _figure(WIDTH / len(t) * float((high - low)[1] / (high - low)[0]) + 0.45)
+    low = (x - scene.radius[:, None]).min(axis=(0, 1)) - 0.2
+    high = (x + scene.radius[:, None]).max(axis=(0, 1)) + 0.2
+    height = WIDTH / len(t) * float((high - low)[1] / (high - low)[0]) + 0.45
+    with sheet(path, height, **{"axes.grid": False}) as figure:
         for panel, time, state in zip(figure.subplots(1, len(t)), t, x, strict=True):
             for constraint in scene.constraints:
                 if isinstance(constraint, dincl.HalfSpace):
-                    panel.add_patch(Polygon(_wall(constraint), facecolor=WALL, edgecolor="#6b675f", linewidth=1.2))
-            discs = [Circle(tuple(c), r) for c, r in zip(state, scene.radius, strict=True)]
-            panel.add_collection(PatchCollection(discs, facecolor=DISC, edgecolor="#2f4b66", linewidth=0.9))
+                    polygon(panel, _wall(constraint), facecolor=WALL, edgecolor="#6b675f", linewidth=1.2)
+            discs(panel, state, scene.radius, facecolor=DISC, edgecolor="#2f4b66", linewidth=0.9)
             for number, centre in enumerate(state):
                 panel.text(*centre, str(number), ha="center", va="center", fontsize=7, color="#2f4b66")
             panel.set(xlim=(low[0], high[0]), ylim=(low[1], high[1]), aspect="equal", xticks=[], yticks=[])
             panel.set_title(f"t = {time:g}", loc="center")
             panel.spines[:].set_visible(False)
-        return _save(figure, path)
+    return path
 
 
 def _wall(wall: dincl.HalfSpace) -> Floats:

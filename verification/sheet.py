@@ -1,0 +1,62 @@
+"""A sheet of the report to draw on, in its one style. This is the one file that imports matplotlib."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import PatchCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Circle, Polygon
+from numpy.typing import NDArray
+
+__all__ = ["GREY", "WIDTH", "Axes", "Figure", "discs", "polygon", "sheet"]
+
+Floats = NDArray[np.float64]
+WIDTH = 9.2  # inches; the page shows figures at this width, with twice the dots
+DPI = 200
+GREY = "#8a8a8a"
+STYLE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.5,
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.6,
+    "axes.edgecolor": "#555555",
+    "lines.linewidth": 1.3,
+    "lines.markersize": 4.5,
+    "legend.frameon": False,
+}
+
+
+@contextmanager
+def sheet(path: Path, height: float, **style: Any) -> Iterator[Figure]:
+    """A figure of the width of the page and ``height`` inches, written to ``path`` at the end of the block."""
+    with mpl.rc_context(STYLE | style):
+        figure = Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
+        FigureCanvasAgg(figure)
+        yield figure
+        path.parent.mkdir(parents=True, exist_ok=True)
+        figure.savefig(path, dpi=DPI)
+
+
+def discs(panel: Axes, centres: Floats, radius: Floats, **look: Any) -> None:
+    """Discs to scale, centres (N, 2), radii (N,)."""
+    shapes = [Circle(tuple(centre), r) for centre, r in zip(centres, radius, strict=True)]
+    panel.add_collection(PatchCollection(shapes, **look))
+
+
+def polygon(panel: Axes, corners: Floats, **look: Any) -> None:
+    """A filled polygon with corners (K, 2)."""
+    panel.add_patch(Polygon(corners, **look))
