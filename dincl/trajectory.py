@@ -2,31 +2,55 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from dincl.checks import array
-from dincl.cone import distance_to_cone
-from dincl.errors import InvalidProblem, StepFailure
-from dincl.norms import longest
-from dincl.stepping import Grid, Step, iterate
+from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.problem import Problem
-    from dincl.schemes.base import Scheme, State, Stepper
+    from dincl.schemes.base import Scheme
     from dincl.status import Status
     from dincl.work import Work
 
 
-class Mark(NamedTuple):
-    """Where a run can be taken up again: the state at step k."""
+class Event(NamedTuple):
+    """A change of the contacts.
 
-    k: int
-    state: State
+    Attributes
+    ----------
+    t
+        When [time].
+    kind
+        "contact": a gap closes; "release": a multiplier reaches zero and the gap opens.
+    constraint
+        Index into the constraints of the problem.
+    row
+        The row of that constraint in words, e.g. "particle 3 and 1".
+    """
+
+    t: float
+    kind: str
+    constraint: int
+    row: str
+
+
+class Between(ABC):
+    """What a run knows about the times between those that it keeps."""
+
+    @abstractmethod
+    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """x at increasing times (K,) within the run, shape (K, N, d)."""
+
+    @abstractmethod
+    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """dist(x' - F, -N^g) at the kept times, shape (K,); infinite where it is not defined."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,11 +62,15 @@ class Trajectory:
     t
         Kept times, shape (K,); after a failure those that were reached, and last the time of the last state.
     x
-        States, shape (K, N, d); between two steps on the straight line (1.48).
+        States, shape (K, N, d).
     status, detail
         How the run ended, and the particulars in words ("" on success).
     stats
         The counted work.
+    events
+        Contacts and releases in the order of time; empty for time steps, which do not look for them.
+    error
+        Estimated error max_i |X_i - exact| at the kept times, shape (K,); None from schemes that make no estimate.
     """
 
     t: NDArray[np.float64]
@@ -52,8 +80,9 @@ class Trajectory:
     stats: Work
     problem: Problem
     scheme: Scheme
-    grid: Grid
-    marks: tuple[Mark, ...]
+    between: Between
+    events: tuple[Event, ...] = ()
+    error: NDArray[np.float64] | None = None
 
     @property
     def final(self) -> NDArray[np.float64]:
@@ -68,60 +97,31 @@ class Trajectory:
     def normal_cone_residual(self) -> NDArray[np.float64]:
         """How far the velocity is from F - N(S, x) at each kept time, shape (K,) [length / time].
 
-        dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the kept time, with the
-        rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|. Zero up to tol/h for catch-up;
-        infinite where it is not defined (at t = 0, for second-order schemes, at coincident centres).
+        For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the kept
+        time, with the rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|; zero up to tol/h
+        for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (at t = 0 before any
+        step, for second-order schemes, at coincident centres).
         """
-        stepper = self.scheme.stepper(self.problem)
-        marked = zip(self.t, self.marks, strict=True)
-        return np.array([self._residual(stepper, mark) if t > 0 else np.inf for t, mark in marked])
+        return self.between.residuals(self.t)
 
     def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
-        """x(t) for one time, shape (N, d), or several, shape (..., N, d), by (1.48).
+        """x(t) for one time, shape (N, d), or several, shape (..., N, d): (1.48), or the dense output of the scheme.
 
-        The steps around t are made again from the last kept time before it, so nothing but the kept times is stored.
         Raises InvalidProblem for times outside of the run.
         """
         times = array("t", t)
         outside = (times < 0) | (times > self.t[-1])
         if outside.any():
             raise InvalidProblem(f"t = {times[outside].flat[0]}: must lie in [0, {self.t[-1]}], the time of this run")
+        order = np.argsort(times, axis=None, kind="stable")
         values = np.empty((times.size, *self.problem.x0.shape))
-        stepper = self.scheme.stepper(self.problem)
-        mark = Mark(0, stepper.start())
-        for index in np.argsort(times, axis=None, kind="stable"):
-            values[index], mark = self._at(stepper, float(times.flat[index]), mark)
+        values[order] = self.between.states(times.ravel()[order])
         return values.reshape(*times.shape, *self.problem.x0.shape)
 
     def __repr__(self) -> str:
         n, d = self.problem.x0.shape
         kept = f"{len(self.t)} kept times to t = {self.t[-1]:g}"
         return f"Trajectory({self.status.name}, {type(self.scheme).__name__}, {kept}, N = {n}, d = {d})"
-
-    def _at(self, stepper: Stepper, t: float, mark: Mark) -> tuple[NDArray[np.float64], Mark]:
-        k = self.grid.before(t)
-        mark = max((m for m in (mark, *self.marks) if m.k <= k), key=lambda m: m.k)
-        if t <= 0 or not self.grid.steps:
-            return mark.state.x, mark
-        step = self._step(stepper, k, mark)
-        return step.at(t, self.grid), Mark(k, step.before)
-
-    def _step(self, stepper: Stepper, k: int, mark: Mark) -> Step:
-        return next(step for step in iterate(stepper, self.grid, *mark) if step.k == k)
-
-    def _residual(self, stepper: Stepper, mark: Mark) -> float:
-        try:
-            step = self._step(stepper, mark.k, mark)
-            return self._residual_of(step) if step.after.v is None else np.inf
-        except StepFailure:
-            return np.inf
-
-    def _residual_of(self, step: Step) -> float:
-        h, t = self.grid.h, self.grid.time(step.k)
-        drift = self.problem.velocity(t, step.before.x)
-        reaction = (step.after.x - step.before.x) / h - drift
-        rows = self.problem.rows_within(t + h, step.after.x, h * longest(drift) / 2)
-        return distance_to_cone(reaction.ravel(), rows.jacobian(step.after.x))
 
 
 class StepFailed(RuntimeError):

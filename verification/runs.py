@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
+from dincl.schemes.base import TimeStepping
 from verification.methods import METHODS
 
 # The counters of a run that become columns.
@@ -24,8 +25,12 @@ def scene(name: str) -> Scene:
 
 
 def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, float]:
-    """The run and its seconds; loading, compiling and importing are paid before by two steps that are thrown away."""
-    dincl.solve(problem, scheme, t=[min(2 * scheme.dt, float(t[-1]))], throw=False)
+    """The run and its seconds; loading, compiling and importing are paid before by two steps that are thrown away.
+
+    A scheme without time steps is run to the end before.
+    """
+    warm = 2 * scheme.dt if isinstance(scheme, TimeStepping) else np.inf
+    dincl.solve(problem, scheme, t=[min(warm, float(t[-1]))], throw=False)
     start = time.perf_counter()
     path = dincl.solve(problem, scheme, t=t, throw=False)
     return path, time.perf_counter() - start

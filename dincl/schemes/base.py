@@ -1,4 +1,4 @@
-"""What a time-stepping scheme is: a step, without the loop."""
+"""What a scheme is, and what a time-stepping scheme is: a step, without the loop."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
+    from dincl.trajectory import Trajectory
 
 
 class State(NamedTuple):
@@ -46,12 +47,27 @@ class Stepper(ABC):
 
 @dataclass(frozen=True)
 class Scheme(ABC):
+    """A way to solve x' in F(t, x) - N(S, x), an object that ``solve`` is given."""
+
+    @abstractmethod
+    def run(self, problem: Problem, times: NDArray[np.float64]) -> Trajectory:
+        """The solution at increasing ``times`` (K,) >= 0, or until it fails; InvalidProblem if it cannot serve."""
+
+
+@dataclass(frozen=True)
+class TimeStepping(Scheme):
     """A scheme with steps of length ``dt`` > 0 [time]; a run takes the next smaller length that divides it evenly."""
 
     dt: float = field()
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "dt", number("dt", self.dt, positive=True))
+
+    def run(self, problem: Problem, times: NDArray[np.float64]) -> Trajectory:
+        """Equal steps of at most ``dt`` to the last of ``times``."""
+        from dincl.time_stepping import run
+
+        return run(problem, self, times)
 
     @abstractmethod
     def stepper(self, problem: Problem) -> Stepper:

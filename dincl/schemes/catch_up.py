@@ -10,14 +10,14 @@ from dincl.errors import InvalidProblem
 from dincl.norms import longest
 from dincl.projection.base import Projection
 from dincl.projection.feasible import FeasibleSet
-from dincl.schemes.base import Scheme, State, Stepper
+from dincl.schemes.base import State, Stepper, TimeStepping
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
 @dataclass(frozen=True)
-class CatchUp(Scheme):
+class CatchUp(TimeStepping):
     """x_{k+1} = P_S (x_k + dt F(t_k, x_k)), with S = S(t_{k+1}) where it moves  (1.39).
 
     Parameters

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.checks import integer
-from dincl.schemes.base import Scheme, State, Stepper
+from dincl.schemes.base import State, Stepper, TimeStepping
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class PBD(Scheme):
+class PBD(TimeStepping):
     """x_{k+1} = P_{S_M} ... P_{S_1} (x_k + dt F(t_k, x_k))  (Method 2.3).
 
     Parameters

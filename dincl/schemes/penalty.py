@@ -10,14 +10,14 @@ import numpy as np
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.near import Near
-from dincl.schemes.base import Scheme, State, Stepper
+from dincl.schemes.base import State, Stepper, TimeStepping
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
 @dataclass(frozen=True)
-class Penalty(Scheme):
+class Penalty(TimeStepping):
     """x_{k+1} = x_k + dt (F + strength sum_k max(0, -g_k)^(exponent - 1) grad g_k), explicit Euler for (2.2).
 
     Parameters
