@@ -26,7 +26,7 @@ from dincl.projection import (
     Projection,
 )
 from dincl.projection.project import project
-from dincl.schemes import PBD, CatchUp, LinearisedCatchUp, Penalty, Scheme, SecondOrderPBD
+from dincl.schemes import PBD, CatchUp, EventDriven, LinearisedCatchUp, Penalty, Scheme, SecondOrderPBD
 from dincl.solve import solve
 from dincl.status import Status
 from dincl.trajectory import StepFailed, Trajectory
@@ -40,6 +40,7 @@ __all__ = [
     "Constraint",
     "CvxpyQP",
     "Daqp",
+    "EventDriven",
     "GaussSeidel",
     "HalfSpace",
     "InsideBall",

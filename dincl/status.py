@@ -9,7 +9,10 @@ class Status(Enum):
     """The outcome; ``value`` is the sentence for a reader, with the remedy."""
 
     SUCCESS = "The run reached its last time."
-    NOT_CONVERGED = "The projection did not reach its tolerance: use a smaller dt, a looser tol, or another projection."
+    NOT_CONVERGED = (
+        "The projection, or the estimated error, did not reach its tolerance: use a smaller dt, a looser tol, or "
+        "another projection."
+    )
     INFEASIBLE = (
         "The set to project onto is empty: use a smaller dt, or check that the constraints can be met together."
     )

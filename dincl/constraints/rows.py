@@ -48,7 +48,10 @@ class Rows(ABC):
 
 
 class RowsOfOneKind(Rows):
-    """Rows that share one formula."""
+    """Rows that share one formula; ``len(rows)`` is m."""
+
+    @abstractmethod
+    def __len__(self) -> int: ...
 
     @abstractmethod
     def shifted(self, displacement: NDArray[np.float64]) -> RowsOfOneKind:
@@ -69,6 +72,9 @@ class AffineRows(RowsOfOneKind):
 
     matrix: Csr
     bound: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.bound)
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.matrix.times(x.ravel()) - self.bound
@@ -107,6 +113,9 @@ class DistanceRows(RowsOfOneKind):
     length: NDArray[np.float64]
     sign: float
     anchor: NDArray[np.float64] | None = None
+
+    def __len__(self) -> int:
+        return len(self.i)
 
     def arrows(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """X_i - X_j, or X_i - anchor, shape (m, d)."""
@@ -169,6 +178,9 @@ class SmoothRows(RowsOfOneKind):
     total: int
     index: NDArray[np.int64]
     shift: NDArray[np.float64] | float = 0.0
+
+    def __len__(self) -> int:
+        return len(self.index)
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         raw = call("g", Status.CONSTRAINT_FAILED, self.g, x - self.shift)

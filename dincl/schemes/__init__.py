@@ -1,9 +1,10 @@
-"""The schemes: one time step per file."""
+"""The schemes, one per file."""
 
 from dincl.schemes.base import Scheme
 from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp
+from dincl.schemes.event_driven import EventDriven
 from dincl.schemes.pbd import PBD
 from dincl.schemes.penalty import Penalty
 from dincl.schemes.second_order_pbd import SecondOrderPBD
 
-__all__ = ["PBD", "CatchUp", "LinearisedCatchUp", "Penalty", "Scheme", "SecondOrderPBD"]
+__all__ = ["PBD", "CatchUp", "EventDriven", "LinearisedCatchUp", "Penalty", "Scheme", "SecondOrderPBD"]

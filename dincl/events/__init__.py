@@ -1,0 +1,1 @@
+"""The event-driven solution: smooth motion on fixed contacts, from one change of the contacts to the next."""
