@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from verification import convergence, infeasibility, large_steps, reference, sheet
+from verification import convergence, extrapolation, infeasibility, large_steps, sheet
 from verification.methods import CATCH_UP, LINEARISED_CLARABEL, PBD, PENALTIES
 
 
@@ -22,7 +22,7 @@ class Here(Executor):
 
 def shorten(patch: pytest.MonkeyPatch) -> None:
     """Few, coarse steps; small figures."""
-    patch.setattr(reference, "SHORT", (2, 3, 4))
+    patch.setattr(extrapolation, "SHORT", (2, 3, 4))
     patch.setattr(convergence, "SHORT", 5)
     patch.setattr(convergence, "COMPARED", (PBD, CATCH_UP, LINEARISED_CLARABEL, PENALTIES[0]))
     patch.setattr(infeasibility, "SHORT", (0.05,))

@@ -6,8 +6,10 @@ import pytest
 
 import dincl
 from verification import convergence, infeasibility, large_steps
+from verification import reference as event_driven
+from verification.extrapolation import extrapolate
 from verification.methods import COMPARED, METHODS
-from verification.reference import Reference, extrapolate
+from verification.reference import Reference
 from verification.runs import distance, reached, scene
 
 TOL = 1e-11
@@ -19,18 +21,10 @@ def catch_up(h: float) -> np.ndarray:
     return dincl.solve(SLIDE, dincl.CatchUp(dt=h, projection=dincl.ClosedForm()), t=TIMES).x
 
 
-def reference(name: str) -> Reference:
-    """Catch-up by quadratic programs at coarse steps: good enough to judge steps that are coarser still."""
-    problem = scene(name)
-    t = np.arange(0.0, problem.times[-1] + 0.1, 0.25)
-    projection = dincl.Daqp(tol=1e-10)
-    runs = [dincl.solve(problem, dincl.CatchUp(dt=0.1 / 2**k, projection=projection), t=t).x for k in (4, 5, 6)]
-    return extrapolate(t, *runs, tol=1e-10)
-
-
 @pytest.fixture(scope="module")
 def references() -> dict[str, Reference]:
-    return {name: reference(name) for name in convergence.SCENES}
+    rows = pd.DataFrame([row for name in convergence.SCENES for row in event_driven.run({"scene": name})])
+    return {name: event_driven.reference(rows, name) for name in convergence.SCENES}
 
 
 @pytest.fixture(scope="module")

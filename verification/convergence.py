@@ -10,14 +10,15 @@ import pandas as pd
 
 from verification.methods import COMPARED, METHODS
 from verification.order import Order, estimate, order_text
-from verification.reference import STEP, Reference
+from verification.reference import Reference
 from verification.runs import distance, reached, scene, solved
 from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
 
 SCENES = ("four_disks", "ten_disks_corner")
 TIMES = {name: scene(name).times for name in SCENES}
-# Steps are STEP / 2^k for k below these.
+# Steps are STEP / 2^k for k below these [time].
+STEP = 0.1
 SHORT, SHORT_COSTLY, FULL = 9, 7, 10
 # An infeasibility below this comes from the tolerances of the projections, not from the method [length].
 INFEASIBILITY_FLOOR = 1e-9

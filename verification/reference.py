@@ -1,35 +1,24 @@
-"""Reference solutions with a stated error: catch-up at three fine steps, extrapolated.
-
-Catch-up converges with order 1, x_h = x + c h + ..., so 2 x_{h/2} - x_h loses the term c h (Richardson). Events (a
-contact that opens or closes inside of a step) make c depend on h; then the differences do not halve, and nothing can be
-extrapolated.
-"""
+"""The reference of the report: the event-driven solution, with its own estimate of its error."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, METHODS, REFERENCE_TOL
-from verification.runs import about, distance, reached, scene, timed
+import dincl
+from verification.runs import about, position_rows, scene, timed
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 
 Floats = NDArray[np.float64]
-# |x_{h/2} - x_h| / |x_{h/4} - x_{h/2}| is 2 where c h is the error; outside of this range it is not.
-RATIOS = (1.6, 2.5)
-# A difference of successive results is about their error, but it may be small by chance: where an event falls within a
-# step, differs from run to run. So twice the largest difference at a time and at its two neighbours is stated.
-SAFETY = 2.0
+# Greatest estimated error [length].
+TOL = 1e-12
 # Between two kept times; the times of the scenes are among them [time].
 EVERY = 0.25
-# The three steps, coarsest first, are STEP / 2^k [time].
-STEP = 0.1
-SHORT, FULL = (6, 7, 8), (8, 9, 10)
 
 
 @dataclass(frozen=True)
@@ -42,17 +31,14 @@ class Reference:
         Times (K,) and positions (K, N, d).
     error
         Stated error at each time, max over particles, (K,) [length].
-    ratio
-        |x_{h/2} - x_h| / |x_{h/4} - x_{h/2}|, (K,); NaN where both are equal.
-    extrapolated
-        Whether x is 2 x_{h/4} - x_{h/2}, (K,), or else x_{h/4}.
+    events
+        How often contacts were made or lost until each time, (K,).
     """
 
     t: Floats
     x: Floats
     error: Floats
-    ratio: Floats
-    extrapolated: NDArray[np.bool_]
+    events: NDArray[np.int64]
 
     def at(self, times: Sequence[float]) -> tuple[Floats, Floats]:
         """Positions (len(times), N, d) and stated errors (len(times),) at some of the times ``t``."""
@@ -60,62 +46,40 @@ class Reference:
         return self.x[index], self.error[index]
 
 
-def extrapolate(t: Floats, coarse: Floats, middle: Floats, fine: Floats, tol: float) -> Reference:
-    """x = 2 x_{h/4} - x_{h/2} where the differences halve, otherwise x_{h/4}.
-
-    The error is estimated by |x - (2 x_{h/2} - x_h)|, the difference of two successive extrapolations, or by the last
-    difference |x_{h/4} - x_{h/2}|, or half of the first if that is larger; stated is ``SAFETY`` times the largest
-    estimate at the time and at its neighbours.
-
-    Arguments
-    ---------
-    t : (K,) times
-    coarse, middle, fine : (K, N, d) positions with steps h, h/2, h/4 [length]
-    tol : of the projections that made them; no smaller error is stated [length]
-    """
-    first, second = distance(coarse, middle), distance(middle, fine)
-    ratio = np.divide(first, second, out=np.full(len(t), np.nan), where=second > 0)
-    halving = (ratio >= RATIOS[0]) & (ratio <= RATIOS[1])
-    better = 2 * fine - middle
-    x = np.where(halving[:, None, None], better, fine)
-    estimate = np.where(halving, distance(better, 2 * middle - coarse), np.maximum(first / 2, second))
-    padded = np.pad(estimate, 1)
-    error = SAFETY * np.max([padded[:-2], estimate, padded[2:]], axis=0)
-    return Reference(t, x, np.maximum(error, tol), ratio, halving)
+def kept_times(name: str) -> Floats:
+    """The times that are kept of a scene, from 0 to its end."""
+    return np.arange(0.0, scene(name).times[-1] + EVERY / 2, EVERY)
 
 
-def study(scenes: Sequence[str], full: bool) -> Study:
-    """All runs for the references and for the checks of them."""
-    exponents = FULL if full else SHORT
-    steps = [STEP / 2**k for k in exponents]
-    runs = [
-        {"scene": name, "method": method.name, "dt": dt}
-        for dt in reversed(steps)
-        for method in (CATCH_UP, LINEARISED_DAQP, CATCH_UP_DAQP)
-        for name in reversed(scenes)
-        if method is not CATCH_UP_DAQP or dt == steps[0]
-    ]
+def study(scenes: Sequence[str]) -> Study:
+    """One run for each scene; there is one form only."""
     return Study(
-        name=f"reference{'_full' if full else ''}",
+        name="reference",
         title="Reference solutions",
-        key=("scene", "method", "dt"),
-        runs=tuple(runs),
-        run=positions,
-        fingerprint=fingerprint("methods.py", "runs.py", every=EVERY),
+        key=("scene",),
+        runs=tuple({"scene": name} for name in scenes),
+        run=run,
+        fingerprint=fingerprint("reference.py", "runs.py"),
     )
 
 
-def positions(key: Key) -> list[Row]:
-    """The positions of one run every ``EVERY``: one row for each time and particle."""
-    problem = scene(key["scene"])
-    times = np.arange(0.0, problem.times[-1] + EVERY / 2, EVERY)
-    path, seconds = timed(problem, METHODS[key["method"]].scheme(key["dt"]), times)
-    states, run = reached(path, times), about(path, seconds)
-    return [
-        dict(key) | {"t": t, "particle": i} | dict(zip("xyz", x, strict=False)) | run
-        for t, state in zip(times, states, strict=True)
-        for i, x in enumerate(state)
-    ]
+def run(key: Key) -> list[Row]:
+    """The positions of a scene at its kept times: one row for each time and particle."""
+    times = kept_times(key["scene"])
+    path, seconds = timed(scene(key["scene"]), dincl.EventDriven(TOL), times)
+    rows = position_rows(path, times, dict(key) | about(path, seconds))
+    # A run that failed before it could be compared has no estimate; its rows are no reference then.
+    error = np.full(len(times), np.inf) if path.error is None else path.error
+    count = np.searchsorted([event.t for event in path.events], times, side="right")
+    stated = dict(zip(times, zip(error, count, strict=True), strict=True))
+    return [row | {"error": stated[row["t"]][0], "events": int(stated[row["t"]][1])} for row in rows]
+
+
+def reference(table: pd.DataFrame, name: str) -> Reference:
+    """The reference of a scene, from the table of ``study``."""
+    mine = table[table["scene"] == name]
+    one = mine[mine["particle"] == 0].sort_values("t")
+    return Reference(*stack(mine), one["error"].to_numpy(), one["events"].to_numpy())
 
 
 def stack(rows: pd.DataFrame) -> tuple[Floats, Floats]:
@@ -123,45 +87,3 @@ def stack(rows: pd.DataFrame) -> tuple[Floats, Floats]:
     t = np.unique(rows["t"].to_numpy())
     axes = [name for name in "xyz" if name in rows]
     return t, rows.sort_values(["t", "particle"])[axes].to_numpy().reshape(len(t), -1, len(axes))
-
-
-def reference(table: pd.DataFrame, name: str, method: str = CATCH_UP.name) -> Reference:
-    """The extrapolation of the three runs of a method on a scene, from the table of ``study``."""
-    mine = table[(table["scene"] == name) & (table["method"] == method)]
-    steps = sorted(mine["dt"].unique(), reverse=True)
-    runs = [stack(mine[mine["dt"] == dt]) for dt in steps]
-    return extrapolate(runs[0][0], runs[0][1], runs[1][1], runs[2][1], REFERENCE_TOL)
-
-
-def summary(table: pd.DataFrame, times: Mapping[str, Sequence[float]]) -> pd.DataFrame:
-    """One row for each scene and time: stated error, ratio, and the distances of two independent computations.
-
-    ``daqp`` is the distance of catch-up with another projection at the coarsest of the steps, which may differ by the
-    tolerances only; ``linearised`` that of the extrapolated linearised catch-up, whose own error is beside it.
-    """
-    return pd.concat([_summary_of(table, name, kept) for name, kept in times.items()], ignore_index=True)
-
-
-def _summary_of(table: pd.DataFrame, name: str, kept: Sequence[float]) -> pd.DataFrame:
-    own, other = reference(table, name), reference(table, name, LINEARISED_DAQP.name)
-    columns = {
-        "t": own.t,
-        "error": own.error,
-        "ratio": own.ratio,
-        "extrapolated": own.extrapolated,
-        "daqp": _same_step(table, name),
-        "linearised": distance(own.x, other.x),
-        "linearised_error": other.error,
-        "linearised_ratio": other.ratio,
-    }
-    chosen = pd.DataFrame(columns).iloc[np.searchsorted(own.t, kept)]
-    chosen.insert(0, "scene", name)
-    return chosen
-
-
-def _same_step(table: pd.DataFrame, name: str) -> Floats:
-    """Distance between catch-up with Ipopt and with Daqp at the same step."""
-    mine = table[table["scene"] == name]
-    dt = mine[mine["method"] == CATCH_UP_DAQP.name]["dt"].max()
-    pair = [mine[(mine["method"] == method.name) & (mine["dt"] == dt)] for method in (CATCH_UP, CATCH_UP_DAQP)]
-    return distance(stack(pair[0])[1], stack(pair[1])[1])

@@ -59,6 +59,15 @@ def reached(path: dincl.Trajectory, times: NDArray[np.float64]) -> NDArray[np.fl
     return states
 
 
+def position_rows(path: dincl.Trajectory, times: NDArray[np.float64], columns: dict[str, Any]) -> list[dict[str, Any]]:
+    """One row for each of ``times`` and each particle with its coordinates, and ``columns`` in every row."""
+    return [
+        columns | {"t": t, "particle": i} | dict(zip("xyz", x, strict=False))
+        for t, state in zip(times, reached(path, times), strict=True)
+        for i, x in enumerate(state)
+    ]
+
+
 def distance(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
     """max_i |X_i - Y_i| at each time, shape (K,), for x, y of shape (K, N, d) [length]."""
     worst: NDArray[np.float64] = np.sqrt(((x - y) ** 2).sum(axis=-1)).max(axis=-1)
