@@ -13,6 +13,18 @@ from dincl.constraints import (
     Smooth,
 )
 from dincl.errors import InvalidProblem, ProjectionFailed
+from dincl.minimise import (
+    ArrowHurwicz,
+    DampedArrowHurwicz,
+    MinimisationFailed,
+    Minimiser,
+    Minimum,
+    RelativeMove,
+    Stationary,
+    Stop,
+    Uzawa,
+    minimise,
+)
 from dincl.problem import Problem
 from dincl.projection import (
     Clarabel,
@@ -34,11 +46,13 @@ from dincl.work import Work
 
 __all__ = [
     "PBD",
+    "ArrowHurwicz",
     "CatchUp",
     "Clarabel",
     "ClosedForm",
     "Constraint",
     "CvxpyQP",
+    "DampedArrowHurwicz",
     "Daqp",
     "EventDriven",
     "GaussSeidel",
@@ -48,6 +62,9 @@ __all__ = [
     "Ipopt",
     "LinearisedCatchUp",
     "MaxDistance",
+    "MinimisationFailed",
+    "Minimiser",
+    "Minimum",
     "Moving",
     "NonOverlap",
     "Ordered",
@@ -58,13 +75,18 @@ __all__ = [
     "Projected",
     "Projection",
     "ProjectionFailed",
+    "RelativeMove",
     "Scheme",
     "SecondOrderPBD",
     "Smooth",
+    "Stationary",
     "Status",
     "StepFailed",
+    "Stop",
     "Trajectory",
+    "Uzawa",
     "Work",
+    "minimise",
     "project",
     "scenes",
     "solve",

@@ -32,6 +32,18 @@ EXPECTED = {
     "c2.definition": Kind.CORRECTED,
     "c2.scale": Kind.CORRECTED,
     "c2.induction": Kind.CORRECTED,
+    "c3.arrow-hurwicz": Kind.CORRECTED,
+    "c3.equilibria": Kind.CORRECTED,
+    "c3.not-always": Kind.HOLDS,
+    "c3.daha-multiplier": Kind.CORRECTED,
+    "c3.rescaled": Kind.HOLDS,
+    "c3.attractive": Kind.HOLDS,
+    "c3.update": Kind.CORRECTED,
+    "c3.stopping": Kind.CORRECTED,
+    "c3.uzawa-energy": Kind.CORRECTED,
+    "c3.uzawa-symmetric": Kind.CORRECTED,
+    "c3.uzawa-schur": Kind.CORRECTED,
+    "c3.uzawa-step": Kind.CORRECTED,
 }
 CLAIMS = {claim.id: claim for claim in register.register()}
 

@@ -30,6 +30,7 @@ SECTIONS = [
     "How the statements came out",
     "Differential inclusions (chapter 1)",
     "First-order PBD (chapter 2)",
+    "Minimisers for the tissue (chapter 3 and appendix 1)",
 ]
 TABLES = {
     "references",

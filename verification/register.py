@@ -7,12 +7,26 @@ from collections import Counter
 import pandas as pd
 
 from verification.claim import Claim, Tables
-from verification.claims import chapter1_inclusions, chapter1_proofs, chapter2_method, chapter2_numerics
+from verification.claims import (
+    appendix1_uzawa,
+    chapter1_inclusions,
+    chapter1_proofs,
+    chapter2_method,
+    chapter2_numerics,
+    chapter3_minimisers,
+)
 
 
 def register() -> tuple[Claim, ...]:
     """All claims in the order of the thesis; ValueError if two have one id."""
-    parts = (chapter1_inclusions, chapter1_proofs, chapter2_method, chapter2_numerics)
+    parts = (
+        chapter1_inclusions,
+        chapter1_proofs,
+        chapter2_method,
+        chapter2_numerics,
+        chapter3_minimisers,
+        appendix1_uzawa,
+    )
     claims = tuple(claim for part in parts for claim in part.CLAIMS)
     twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
     if twice:

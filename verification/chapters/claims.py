@@ -10,6 +10,12 @@ from verification.report import Chapter, Context, Grid, Section, Text
 
 HEADINGS = {"source": "Source", "quote": "As printed", "measured": "Measured", "verdict": "Verdict"}
 
+TITLES = {
+    1: "Differential inclusions (chapter 1)",
+    2: "First-order PBD (chapter 2)",
+    3: "Minimisers for the tissue (chapter 3 and appendix 1)",
+}
+
 
 def run(context: Context) -> None:
     """Decide every claim from the tables of the other chapters."""
@@ -33,7 +39,7 @@ def sections(context: Context) -> Sequence[Section]:
             ],
         )
     ]
-    for number, title in ((1, "Differential inclusions (chapter 1)"), (2, "First-order PBD (chapter 2)")):
+    for number, title in TITLES.items():
         rows = table[table["id"].str.startswith(f"c{number}.")][list(HEADINGS)].rename(columns=HEADINGS)
         found.append(Section(title, [Grid(rows, "Statements, in the order of the thesis.", "claims")]))
     return found
