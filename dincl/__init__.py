@@ -1,6 +1,6 @@
 """Differential inclusions x' in F(t, x) - N(S, x): problems, schemes, projections."""
 
-from dincl import scenes
+from dincl import geometry, scenes
 from dincl.constraints import (
     Constraint,
     HalfSpace,
@@ -86,6 +86,7 @@ __all__ = [
     "Trajectory",
     "Uzawa",
     "Work",
+    "geometry",
     "minimise",
     "project",
     "scenes",

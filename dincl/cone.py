@@ -1,8 +1,8 @@
-"""Distances to the cone that gradients span."""
+"""Projections onto cones: the cone that gradients span, its polar, and polyhedra in the space of velocities."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,15 +20,34 @@ TOLERANCE = 1e-10
 DENSE = 60
 
 
-def distance_to_cone(u: NDArray[np.float64], gradients: Csr) -> float:
-    """min |u - A^T lambda| over lambda >= 0, for u of shape (n,) and the rows of A; accurate to 1e-10 |u|.
+class Split(NamedTuple):
+    """u = A^T multipliers + rest, multipliers (m,) >= 0, rest (n,) in the polar cone {z : A z <= 0}, orthogonal.
 
-    By Moreau's decomposition this is the length of the projection of u onto the polar cone {z : A z <= 0}.
+    ``residual`` is the certified one of the projection, relative to the length of u.
     """
-    size = float(np.sqrt(u @ u))
-    if size == 0:
-        return 0.0
+
+    multipliers: NDArray[np.float64]
+    rest: NDArray[np.float64]
+    residual: float
+
+
+def split(u: NDArray[np.float64], gradients: Csr) -> Split:
+    """Moreau's decomposition of u (n,) along the cone {A^T lambda : lambda >= 0} of the rows of A, to 1e-10 |u|."""
     polar = AffineRows(gradients._replace(data=-gradients.data), np.zeros(gradients.rows))
+    return nearest(polar, u, float(np.sqrt(u @ u)))
+
+
+def nearest(rows: AffineRows, u: NDArray[np.float64], size: float) -> Split:
+    """The nearest point ``rest`` to u (n,) with A z >= bound, to 1e-10 ``size``: rest = u + A^T multipliers."""
+    if size == 0:
+        return Split(np.zeros(len(rows)), u, 0.0)
     projection = Daqp if u.size <= DENSE else Piqp
-    nearest = projection(TOLERANCE).solver().nearest(polar, u[:, None] / size, u[:, None] / size)
-    return size * float(np.sqrt((nearest.point**2).sum()))
+    target = u[:, None] / size
+    found = projection(TOLERANCE).solver().nearest(AffineRows(rows.matrix, rows.bound / size), target, target)
+    return Split(size * found.multipliers, size * found.point.ravel(), found.residual)
+
+
+def distance_to_cone(u: NDArray[np.float64], gradients: Csr) -> float:
+    """min |u - A^T lambda| over lambda >= 0, for u of shape (n,) and the rows of A; accurate to 1e-10 |u|."""
+    rest = split(u, gradients).rest
+    return float(np.sqrt(rest @ rest))

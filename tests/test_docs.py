@@ -8,7 +8,8 @@ import pytest
 import dincl
 from dincl.schemes.base import TimeStepping
 
-PUBLIC = [getattr(dincl, name) for name in dincl.__all__ if name != "scenes"]
+PUBLIC = [getattr(dincl, name) for name in dincl.__all__ if name not in ("geometry", "scenes")]
+PUBLIC += [getattr(dincl.geometry, name) for name in dincl.geometry.__all__]
 FUNCTIONS = [item for item in vars(dincl.scenes).values() if inspect.isfunction(item)]
 
 

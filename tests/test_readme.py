@@ -83,6 +83,7 @@ def test_named_things_exist():
                 "Stop",
                 "Trajectory",
                 "Work",
+                "geometry",
                 "minimise",
                 "project",
                 "scenes",

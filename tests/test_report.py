@@ -27,6 +27,8 @@ SECTIONS = [
     "Convergence: ten discs falling into a corner",
     "Infeasibility: PBD against the penalty method with its best strength",
     "Large steps",
+    "How far from convex: the constant of prox-regularity",
+    "Consistency of PBD",
     "How the statements came out",
     "Differential inclusions (chapter 1)",
     "First-order PBD (chapter 2)",
@@ -41,6 +43,11 @@ TABLES = {
     "penalty_best",
     "infeasibility",
     "large_steps",
+    "prox_constants",
+    "prox_arrangements",
+    "consistency_steps",
+    "consistency_settling",
+    "consistency",
     "claims",
 }
 
@@ -106,7 +113,7 @@ def test_page_opens_offline(made: tuple[Path, Context]) -> None:
     text = made[0].read_text("utf-8")
     page = Page(text)
     assert "://" not in text
-    assert len(page.images) == 9
+    assert len(page.images) == 11
     assert all(image.startswith("data:image/png;base64,") for image in page.images)
     outside = [link for link in page.links if not link.startswith("#")]
     assert outside
@@ -117,7 +124,7 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
     folder = made[0].parent
     assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
     assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
-    assert len(list((folder / "figures").glob("*.png"))) == 9
+    assert len(list((folder / "figures").glob("*.png"))) == 11
     assert list(folder.rglob(".*.new")) == []
 
 

@@ -1,0 +1,131 @@
+"""How far the set of non-overlapping discs is from convex: printed, proved and measured constants (chapter 1, 4)."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import dincl
+from dincl.geometry import (
+    chain_constant,
+    hypomonotonicity,
+    normal_cone,
+    printed_constant,
+    proved_constant,
+    prox_regularity,
+)
+
+Floats = NDArray[np.float64]
+RADIUS = 0.5
+COUNTS = (2, 3, 4, 5, 6, 8, 10, 15, 20)
+# Of the pairs [length]: the ratio is off by about the square of the reach, and by the tolerance over that.
+REACH, TOL = 1e-3, 1e-12
+CONTACT = 1e-9
+# Samples of each search.
+SHORT, FULL = 12, 200
+SEED = 31
+
+
+def constants(full: bool) -> pd.DataFrame:
+    """One row for each N: the constants for R = 1/2, and what the searches find around a straight row of N discs."""
+    rows = []
+    for n in COUNTS:
+        problem = packed(row(n))
+        eta, hypomonotone = measured(problem, full)
+        gamma = normal_cone(problem, 0.0, problem.x0, CONTACT).inverse_triangle()
+        rows.append(
+            {
+                "count": n,
+                "printed_plane": printed_constant(n, RADIUS, 2),
+                "printed_space": printed_constant(n, RADIUS, 3),
+                "from_gamma": math.sqrt(2) * RADIUS * gamma,
+                "proved": proved_constant(n, RADIUS),
+                "row": chain_constant(n, RADIUS),
+                "measured": eta,
+                "hypomonotone": 1 / hypomonotone,
+                "gap": eta / proved_constant(n, RADIUS),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def configurations(full: bool) -> pd.DataFrame:
+    """One row for each arrangement of touching discs: what the search finds around it, beside the straight row."""
+    rows = []
+    for name, x in arrangements().items():
+        problem = packed(x)
+        cone = normal_cone(problem, 0.0, problem.x0, CONTACT)
+        rows.append(
+            {
+                "arrangement": name,
+                "count": len(x),
+                "d": x.shape[1],
+                "contacts": len(cone.names),
+                "gamma": cone.inverse_triangle(),
+                "measured": measured(problem, full)[0],
+                "row": chain_constant(len(x), RADIUS),
+                "proved": proved_constant(len(x), RADIUS),
+            }
+        )
+    return pd.DataFrame(rows)
+
+
+def measured(problem: dincl.Problem, full: bool) -> tuple[float, float]:
+    """The eta and the constant of hypomonotonicity that searches around x0 find."""
+    samples = FULL if full else SHORT
+    found = prox_regularity(problem, problem.x0, reach=REACH, samples=samples, tol=TOL, rng=np.random.default_rng(SEED))
+    other = hypomonotonicity(
+        problem, problem.x0, reach=REACH, samples=samples, tol=TOL, rng=np.random.default_rng(SEED)
+    )
+    return found.eta, other.constant
+
+
+def packed(x: Floats) -> dincl.Problem:
+    """Discs of radius 1/2 at x (N, d), without drift."""
+    return dincl.Problem(x, lambda _t, state: 0 * state, [dincl.NonOverlap(RADIUS)])
+
+
+def row(count: int, d: int = 2) -> Floats:
+    """A straight row."""
+    return np.arange(count, dtype=np.float64)[:, None] * np.eye(d)[0]
+
+
+def arrangements() -> dict[str, Floats]:
+    """Touching discs by name."""
+    return {
+        "three in mutual contact": honeycomb(3),
+        "bent row of three": np.array([[0.0, 0.0], [1.0, 0.0], [1.0 + math.cos(0.6), math.sin(0.6)]]),
+        "rhombus": honeycomb(4),
+        "star, 3 arms": star(3, 1),
+        "cross": star(4, 1),
+        "honeycomb of 7": honeycomb(7),
+        "honeycomb of 10": honeycomb(10),
+        "cross, arms of 2": star(4, 2),
+        "star, 6 arms of 2": star(6, 2),
+        "cross in space": _lifted(star(4, 1)),
+        "honeycomb of 7 in space": _lifted(honeycomb(7)),
+        "row of 5 in space": row(5, d=3),
+    }
+
+
+def star(arms: int, length: int) -> Floats:
+    """A disc with straight arms of ``length`` discs."""
+    angle = 2 * math.pi * np.arange(arms) / arms
+    rays = np.column_stack((np.cos(angle), np.sin(angle)))
+    return np.vstack((np.zeros((1, 2)), *(k * rays for k in range(1, length + 1))))
+
+
+def honeycomb(count: int) -> Floats:
+    """The ``count`` places of the triangular lattice nearest to one of them."""
+    steps = np.arange(-3, 4)
+    places = np.array([[i + j / 2, j * math.sqrt(0.75)] for i in steps for j in steps])
+    order = np.argsort(np.round((places**2).sum(axis=1), 6), kind="stable")
+    return places[order[:count]]
+
+
+def _lifted(x: Floats) -> Floats:
+    """The plane z = 0 of space."""
+    return np.column_stack((x, np.zeros(len(x))))
