@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 import dincl
@@ -17,6 +18,8 @@ from dincl.geometry import (
     proved_constant,
     prox_regularity,
 )
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
 
 Floats = NDArray[np.float64]
 RADIUS = 0.5
@@ -29,53 +32,69 @@ SHORT, FULL = 12, 200
 SEED = 31
 
 
-def constants(full: bool) -> pd.DataFrame:
-    """One row for each N: the constants for R = 1/2, and what the searches find around a straight row of N discs."""
-    rows = []
-    for n in COUNTS:
-        problem = packed(row(n))
-        eta, hypomonotone = measured(problem, full)
-        gamma = normal_cone(problem, 0.0, problem.x0, CONTACT).inverse_triangle()
-        rows.append(
-            {
-                "count": n,
-                "printed_plane": printed_constant(n, RADIUS, 2),
-                "printed_space": printed_constant(n, RADIUS, 3),
-                "from_gamma": math.sqrt(2) * RADIUS * gamma,
-                "proved": proved_constant(n, RADIUS),
-                "row": chain_constant(n, RADIUS),
-                "measured": eta,
-                "hypomonotone": 1 / hypomonotone,
-                "gap": eta / proved_constant(n, RADIUS),
-            }
-        )
-    return pd.DataFrame(rows)
+def constants(full: bool) -> Study:
+    """For each N: the constants for R = 1/2, and what the searches find around a straight row of N discs."""
+    return _study("prox_constants", "Constants of prox-regularity", "count", COUNTS[::-1], constants_of, full)
 
 
-def configurations(full: bool) -> pd.DataFrame:
-    """One row for each arrangement of touching discs: what the search finds around it, beside the straight row."""
-    rows = []
-    for name, x in arrangements().items():
-        problem = packed(x)
-        cone = normal_cone(problem, 0.0, problem.x0, CONTACT)
-        rows.append(
-            {
-                "arrangement": name,
-                "count": len(x),
-                "d": x.shape[1],
-                "contacts": len(cone.names),
-                "gamma": cone.inverse_triangle(),
-                "measured": measured(problem, full)[0],
-                "row": chain_constant(len(x), RADIUS),
-                "proved": proved_constant(len(x), RADIUS),
-            }
-        )
-    return pd.DataFrame(rows)
+def configurations(full: bool) -> Study:
+    """For each arrangement of touching discs: what the search finds around it, beside the straight row."""
+    names = tuple(arrangements())[::-1]
+    return _study("prox_arrangements", "Prox-regularity of arrangements", "arrangement", names, configuration_of, full)
 
 
-def measured(problem: dincl.Problem, full: bool) -> tuple[float, float]:
-    """The eta and the constant of hypomonotonicity that searches around x0 find."""
+def _study(
+    name: str, title: str, key: str, values: Sequence[object], run: Callable[..., list[Row]], full: bool
+) -> Study:
     samples = FULL if full else SHORT
+    return Study(
+        name=f"{name}{'_full' if full else ''}",
+        title=title,
+        key=(key,),
+        runs=tuple({key: value} for value in values),
+        run=partial(run, samples=samples),
+        fingerprint=fingerprint("prox_regularity.py", samples=samples),
+    )
+
+
+def constants_of(key: Key, samples: int) -> list[Row]:
+    """One row for the straight row of key["count"] discs."""
+    n = key["count"]
+    problem = packed(row(n))
+    eta, hypomonotone = measured(problem, samples)
+    gamma = normal_cone(problem, 0.0, problem.x0, CONTACT).inverse_triangle()
+    columns = {
+        "printed_plane": printed_constant(n, RADIUS, 2),
+        "printed_space": printed_constant(n, RADIUS, 3),
+        "from_gamma": math.sqrt(2) * RADIUS * gamma,
+        "proved": proved_constant(n, RADIUS),
+        "row": chain_constant(n, RADIUS),
+        "measured": eta,
+        "hypomonotone": 1 / hypomonotone,
+        "gap": eta / proved_constant(n, RADIUS),
+    }
+    return [dict(key) | columns]
+
+
+def configuration_of(key: Key, samples: int) -> list[Row]:
+    """One row for the discs of key["arrangement"]."""
+    x = arrangements()[key["arrangement"]]
+    problem = packed(x)
+    cone = normal_cone(problem, 0.0, problem.x0, CONTACT)
+    columns = {
+        "count": len(x),
+        "d": x.shape[1],
+        "contacts": len(cone.names),
+        "gamma": cone.inverse_triangle(),
+        "measured": measured(problem, samples)[0],
+        "row": chain_constant(len(x), RADIUS),
+        "proved": proved_constant(len(x), RADIUS),
+    }
+    return [dict(key) | columns]
+
+
+def measured(problem: dincl.Problem, samples: int) -> tuple[float, float]:
+    """The eta and the constant of hypomonotonicity that searches around x0 find."""
     found = prox_regularity(problem, problem.x0, reach=REACH, samples=samples, tol=TOL, rng=np.random.default_rng(SEED))
     other = hypomonotonicity(
         problem, problem.x0, reach=REACH, samples=samples, tol=TOL, rng=np.random.default_rng(SEED)

@@ -44,9 +44,10 @@ CONSISTENCY = {
 
 
 def run(context: Context) -> None:
-    """Measure; the searches are seeded and take seconds, so nothing is taken up again."""
-    context.keep("prox_constants", prox_regularity.constants(context.full))
-    context.keep("prox_arrangements", prox_regularity.configurations(context.full))
+    """Complete the searches; the limits of PBD take a second and are made anew."""
+    where = context.folder, context.executor
+    context.tables["prox_constants"] = prox_regularity.constants(context.full).complete(*where)
+    context.tables["prox_arrangements"] = prox_regularity.configurations(context.full).complete(*where)
     steps, settled = consistency.single_steps(), consistency.settling()
     context.keep("consistency_steps", steps)
     context.keep("consistency_settling", settled)
