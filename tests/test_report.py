@@ -37,6 +37,7 @@ SECTIONS = [
 TABLES = {
     "references",
     "catch_up",
+    "exactness",
     "convergence",
     "orders",
     "penalty_scan",
@@ -155,6 +156,10 @@ def test_independent_references_agree(made: tuple[Path, Context]) -> None:
     references = made[1].tables["references"]
     assert len(references) == 5
     assert (references["error"] <= 1e-12).all()
+    exact = made[1].tables["exactness"]
+    assert len(exact) == 5
+    assert (exact["true"] <= exact["stated"]).all()
+    assert (exact["stated"] <= 1e-12).all()
     assert (references["catch_up"] <= references["error"] + references["catch_up_error"]).all()
     assert (references["daqp"] < 1e-8).all()
     assert (references["linearised"] <= references["catch_up_error"] + references["linearised_error"]).all()

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import pandas as pd
 
-from verification import convergence, extrapolation, infeasibility, large_steps, plots, reference
+from verification import convergence, exactness, extrapolation, infeasibility, large_steps, plots, reference
 from verification.methods import CATCH_UP, METHODS, PBD
 from verification.report import Chapter, Context, Grid, Picture, Section, Text, number
 from verification.runs import scene
@@ -30,6 +30,14 @@ REFERENCE = {
     "daqp": "Ipopt against Daqp, same step",
     "linearised": "Catch-up against linearised",
     "linearised_error": "its stated error ",
+}
+EXACT = {
+    "scene": "Scene",
+    "t_end": "Run to t",
+    "events": "Events",
+    "true": "Largest error",
+    "stated": "Largest stated error",
+    "seconds": "Seconds",
 }
 ORDERS = {
     "t": "t",
@@ -61,6 +69,7 @@ def run(context: Context) -> None:
     """Complete all studies of this chapter."""
     full, tables, where = context.full, context.tables, (context.folder, context.executor)
     tables["positions"] = reference.study(convergence.SCENES).complete(*where)
+    tables["exactness"] = exactness.study().complete(*where)
     tables["catch_up"] = extrapolation.study(convergence.SCENES, full).complete(*where)
     references = {name: reference.reference(tables["positions"], name) for name in convergence.SCENES}
     context.keep("references", extrapolation.summary(references, tables["catch_up"], convergence.TIMES))
