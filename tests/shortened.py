@@ -2,13 +2,18 @@
 
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
-from verification import convergence, extrapolation, infeasibility, large_steps, sheet
+from verification import convergence, extrapolation, infeasibility, large_steps, prox_regularity, sheet
 from verification.methods import CATCH_UP, LINEARISED_CLARABEL, PBD, PENALTIES
+from verification.stability import catalogue, decades
+
+FEW_PLANES = {"penalty", "radius", "drift"}
+FEW_CASES = ("gap-linearised", "pacman-split", "closing-pbd")
 
 
 class Here(Executor):
@@ -29,4 +34,18 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(infeasibility, "SPRINGS", np.geomspace(0.05, 5.0, 5))
     patch.setattr(infeasibility, "PUSHES", np.geomspace(0.5, 20.0, 5))
     patch.setattr(large_steps, "STEPS", (0.1, 1.0))
+    patch.setattr(prox_regularity, "COUNTS", (2, 3, 4))
     patch.setattr(sheet, "DPI", 50)
+    shorten_stability(patch)
+
+
+def shorten_stability(patch: pytest.MonkeyPatch) -> None:
+    """Three maps with four cells a method, three cases."""
+    planes = []
+    for plane in (plane for plane in catalogue.PLANES if plane.name in FEW_PLANES):
+        x, y = (replace(axis, short=(axis.short[-4], axis.short[-1])) for axis in (plane.x, plane.y))
+        kept = {name: label for name, label in plane.methods.items() if "ipopt" not in name and "clarabel" not in name}
+        planes.append(replace(plane, x=x, y=y, methods=kept))
+    patch.setattr(catalogue, "PLANES", tuple(planes))
+    patch.setattr(catalogue, "CASES", tuple(case for case in catalogue.CASES if case.id in FEW_CASES))
+    patch.setattr(decades, "SHORT", (0.1, 1.0))

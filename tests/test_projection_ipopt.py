@@ -85,3 +85,9 @@ def test_a_smooth_row_that_fails_inside_ipopt_is_told_apart():
     with pytest.raises(dincl.ProjectionFailed, match="g returned nan") as caught:
         dincl.project(problem, [[3.0, 4.0]], dincl.Ipopt(TOL))
     assert caught.value.status is dincl.Status.CONSTRAINT_FAILED
+
+
+def test_one_unknown_and_a_family_without_near_rows():
+    problem = dincl.Problem([[0.5]], lambda t, x: 0 * x - 1, [dincl.HalfSpace((1,)), dincl.HalfSpace((-1,), -9.0)])
+    path = dincl.solve(problem, dincl.CatchUp(0.1, dincl.Ipopt(1e-9)), [1.0])
+    assert abs(path.final[0, 0]) <= 1e-9

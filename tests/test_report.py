@@ -27,6 +27,12 @@ SECTIONS = [
     "Convergence: ten discs falling into a corner",
     "Infeasibility: PBD against the penalty method with its best strength",
     "Large steps",
+    "Failures that theory predicts",
+    "Map: the strength of a penalty",
+    "Map: the prox-regularity radius",
+    "Map: the stiffness of the drift",
+    "Six decades of dt",
+    "The Pacman set",
     "How far from convex: the constant of prox-regularity",
     "Consistency of PBD",
     "How the statements came out",
@@ -44,6 +50,14 @@ TABLES = {
     "penalty_best",
     "infeasibility",
     "large_steps",
+    "stability_penalty",
+    "stability_radius",
+    "stability_drift",
+    "stability_decades",
+    "stability_cases",
+    "stability_verdicts",
+    "stability_outcomes",
+    "stability_pacman",
     "prox_constants",
     "prox_arrangements",
     "consistency_steps",
@@ -114,7 +128,7 @@ def test_page_opens_offline(made: tuple[Path, Context]) -> None:
     text = made[0].read_text("utf-8")
     page = Page(text)
     assert "://" not in text
-    assert len(page.images) == 11
+    assert len(page.images) == 16
     assert all(image.startswith("data:image/png;base64,") for image in page.images)
     outside = [link for link in page.links if not link.startswith("#")]
     assert outside
@@ -125,7 +139,7 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
     folder = made[0].parent
     assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
     assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
-    assert len(list((folder / "figures").glob("*.png"))) == 11
+    assert len(list((folder / "figures").glob("*.png"))) == 16
     assert list(folder.rglob(".*.new")) == []
 
 

@@ -1,4 +1,4 @@
-"""The commands: ``verification report``, ``verification claims``, ``verification bench``."""
+"""The commands: ``verification report``, ``claims``, ``stability`` and ``bench``."""
 
 from __future__ import annotations
 
@@ -52,6 +52,27 @@ def claims(full: Full = False, out: Out = Path("report")) -> None:
         colour = COLOURS[Kind(row.verdict)]
         shown.add_row(row.id, row.source, f"[{colour}]{row.verdict}[/]", row.measured)
     Console().print(shown)
+
+
+@app.command()
+def stability(full: Full = False, out: Out = Path("report")) -> None:
+    """Map where each method fails, print the failures that theory predicts, write tables and figures to <out>."""
+    from verification.chapters.stability import CHAPTER
+    from verification.report import Context
+    from verification.study import workers
+
+    with workers() as executor:
+        context = Context(out, full, executor)
+        CHAPTER.run(context)
+    CHAPTER.sections(context)
+    shown = Table(show_lines=True)
+    for name in ("case", "to be expected", "predicted", "found", "agrees"):
+        shown.add_column(name)
+    for row in context.tables["stability_verdicts"].itertuples():
+        agrees = "[green]yes[/]" if row.agrees else "[red]no[/]"
+        shown.add_row(row.title, row.theory, f"{row.expected:.5g}", f"{row.found:.5g}", agrees)
+    Console().print(shown)
+    print(f"tables in {context.folder}, figures in {out / 'figures'}")
 
 
 @app.command()

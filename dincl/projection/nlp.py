@@ -113,7 +113,9 @@ def _polynomials(kind: Any, rows: Any, w: Any, shape: tuple[int, ...]) -> tuple[
     linear, entries = poly.linear, len(poly.linear.data)
     numbers = [kind.sym(name, size) for name, size in (("c", linear.rows), ("m", entries), ("q", linear.rows))]
     adding = casadi.Sparsity.triplet(linear.rows, entries, linear.row_of_entry.tolist(), list(range(entries)))
-    value = numbers[0] + casadi.mtimes(casadi.DM(adding, 1), numbers[1] * w[linear.indices.tolist()])
+    # A single unknown without rows would give a row of no entries where a column is meant.
+    taken = casadi.reshape(w[linear.indices.tolist()], entries, 1)
+    value = numbers[0] + casadi.mtimes(casadi.DM(adding, 1), numbers[1] * taken)
     if isinstance(rows, DistanceRows):
         by_particle = casadi.reshape(w, shape[1], shape[0])
         arrows = by_particle[:, rows.i.tolist()]

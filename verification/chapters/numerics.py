@@ -200,8 +200,9 @@ def _large(context: Context) -> Section:
     figure = plots.large_steps(context.tables["large_steps"], large_steps.FAR, SCENES, context.figure("large_steps"))
     text = Text(
         f"Runs to t = {large_steps.END:g}. At dt = 1 explicit Euler predicts all four discs into the one point that "
-        "draws them, so their centres coincide and no projection has a direction: every method stops there with "
-        "that status."
+        "draws them, so their centres coincide and no pair of them has a direction: all methods shown here, which "
+        "look at that prediction, stop there with that status. Linearised catch-up looks at the discs before the step "
+        "and goes on."
     )
     return Section(
         "Large steps",

@@ -1,0 +1,67 @@
+"""A case: a failure that theory predicts, and the function that looks for it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+
+
+class Found(NamedTuple):
+    """What theory says and what the program found, one number each, whether they agree, and the particulars."""
+
+    expected: float
+    found: float
+    agrees: bool
+    words: str
+
+
+@dataclass(frozen=True)
+class Case:
+    """One failure.
+
+    Attributes
+    ----------
+    id
+        Unique short name.
+    title, theory
+        What fails; what is to be expected, with its formula.
+    find
+        () -> Found; picklable.
+    """
+
+    id: str
+    title: str
+    theory: str
+    find: Callable[[], Found]
+
+
+def within(expected: float, found: float, relative: float, words: str) -> Found:
+    """Agreement of two numbers up to the part ``relative`` of the first."""
+    agrees = abs(found - expected) <= relative * abs(expected)
+    return Found(expected, found, agrees, f"{words}; deviation {found / expected - 1:+.1e}")
+
+
+def study(cases: Sequence[Case], sources: Sequence[str]) -> Study:
+    """All cases, one run each."""
+    return Study(
+        name="stability_cases",
+        title="Stability: cases",
+        key=("case",),
+        runs=tuple({"case": case.id} for case in cases),
+        run=_Finder({case.id: case.find for case in cases}),
+        fingerprint=fingerprint(*sources, cases=[case.id for case in cases]),
+    )
+
+
+@dataclass(frozen=True)
+class _Finder:
+    """Looks for one of the cases; picklable."""
+
+    finds: Mapping[str, Callable[[], Found]]
+
+    def __call__(self, key: Key) -> list[Row]:
+        return [dict(key) | self.finds[key["case"]]()._asdict()]

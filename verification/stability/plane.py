@@ -1,0 +1,100 @@
+"""A plane: the outcome of every method over the step and one other thing."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+
+# Files that every plane depends on.
+COMMON = tuple(f"stability/{name}.py" for name in ("boundary", "contestants", "outcome", "plane"))
+
+
+@dataclass(frozen=True)
+class Axis:
+    """Values along one side of a plane, increasing, for the short and the complete form."""
+
+    label: str
+    short: tuple[float, ...]
+    full: tuple[float, ...]
+    logarithmic: bool = True
+
+    def values(self, full: bool) -> tuple[float, ...]:
+        """Those of the form asked for."""
+        return self.full if full else self.short
+
+
+@dataclass(frozen=True)
+class Line:
+    """A limit from theory for some methods: ``x`` at the heights y (K,), or one height at all x."""
+
+    label: str
+    methods: tuple[str, ...]
+    x: Callable[[NDArray[np.float64]], NDArray[np.float64]] | None = None
+    height: float = np.nan
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Outcomes over x, the step, and y, the other thing.
+
+    Attributes
+    ----------
+    name, title, text
+        Of the table; for readers; what is seen, a paragraph.
+    methods
+        Names of the methods and their labels.
+    cell
+        (method, x, y) -> the row of one run; a function of a module, so that it can be sent to other processes.
+    sources
+        Files of verification that the cells depend on.
+    """
+
+    name: str
+    title: str
+    text: str
+    x: Axis
+    y: Axis
+    methods: Mapping[str, str]
+    cell: Callable[[str, float, float], dict[str, Any]]
+    sources: tuple[str, ...]
+    lines: tuple[Line, ...] = ()
+
+    def study(self, full: bool) -> Study:
+        """One run for each method and y, with a row for each x."""
+        heights = sorted(self.y.values(full), reverse=True)
+        return Study(
+            name=f"stability_{self.name}{'_full' if full else ''}",
+            title=f"Map: {self.title}",
+            key=("method", "y"),
+            runs=tuple({"method": method, "y": y} for y in heights for method in self.methods),
+            run=_Rows(self.cell, self.x.values(full)),
+            fingerprint=fingerprint(*COMMON, *self.sources, methods=list(self.methods), x=self.x.values(full)),
+        )
+
+
+@dataclass(frozen=True)
+class _Rows:
+    """A line of cells; picklable."""
+
+    cell: Callable[[str, float, float], dict[str, Any]]
+    xs: tuple[float, ...]
+
+    def __call__(self, key: Key) -> list[Row]:
+        return [dict(key) | {"x": x} | self.cell(key["method"], x, key["y"]) for x in self.xs]
+
+
+def geometric(low: float, high: float, count: int) -> tuple[float, ...]:
+    """``count`` values from low to high with equal ratios."""
+    return tuple(float(value) for value in np.geomspace(low, high, count))
+
+
+def even(low: float, high: float, count: int) -> tuple[float, ...]:
+    """``count`` values from low to high with equal differences, as short decimal numbers: 1 is 1."""
+    return tuple(round(float(value), 12) for value in np.linspace(low, high, count))
