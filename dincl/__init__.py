@@ -35,10 +35,11 @@ from dincl.projection import (
     Ipopt,
     Piqp,
     Projected,
+    ProjectedCG,
     Projection,
 )
 from dincl.projection.project import project
-from dincl.schemes import PBD, CatchUp, EventDriven, LinearisedCatchUp, Penalty, Scheme, SecondOrderPBD
+from dincl.schemes import PBD, CatchUp, EventDriven, LinearisedCatchUp, MidpointCatchUp, Penalty, Scheme, SecondOrderPBD
 from dincl.solve import solve
 from dincl.status import Status
 from dincl.trajectory import StepFailed, Trajectory
@@ -62,6 +63,7 @@ __all__ = [
     "Ipopt",
     "LinearisedCatchUp",
     "MaxDistance",
+    "MidpointCatchUp",
     "MinimisationFailed",
     "Minimiser",
     "Minimum",
@@ -73,6 +75,7 @@ __all__ = [
     "Piqp",
     "Problem",
     "Projected",
+    "ProjectedCG",
     "Projection",
     "ProjectionFailed",
     "RelativeMove",

@@ -29,6 +29,7 @@ FIRST_ORDER = [
     pytest.param(lambda dt: dincl.PBD(dt, sweeps=4), id="PBD-4-sweeps"),
     pytest.param(lambda dt: dincl.CatchUp(dt, dincl.Daqp(1e-10)), id="CatchUp"),
     pytest.param(lambda dt: dincl.LinearisedCatchUp(dt, dincl.Daqp(1e-10)), id="LinearisedCatchUp"),
+    pytest.param(lambda dt: dincl.MidpointCatchUp(dt, dincl.Daqp(1e-10)), id="MidpointCatchUp"),
     pytest.param(spring, id="Penalty"),
 ]
 SCHEMES = [*FIRST_ORDER, pytest.param(dincl.SecondOrderPBD, id="SecondOrderPBD")]
@@ -43,5 +44,6 @@ PROJECTIONS = [
         dincl.GaussSeidel,
         dincl.Ipopt,
         dincl.Piqp,
+        dincl.ProjectedCG,
     )
 ]

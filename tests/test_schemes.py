@@ -10,6 +10,11 @@ from verification.order import estimate
 STEPS = 0.01 * 2.0 ** -np.arange(6)
 
 
+def order(make):
+    """What the scheme promises; it evaluates the drift as often in a step."""
+    return 2 if isinstance(make(0.1), dincl.MidpointCatchUp) else 1
+
+
 def crowd(d):
     """Five balls drawn together on a floor."""
     x0 = np.column_stack([[0.0, 1.2, 2.5, 3.9, 5.0], [0.9, 0.4, 2.1, 1.0, 2.2], [0.0, 0.1, -0.2, 0.3, 0.1]])[:, :d]
@@ -28,7 +33,8 @@ def test_a_run_is_finite_and_repeatable(make, d):
     assert np.isfinite(first.x).all()
     assert first.x.tobytes() == second.x.tobytes()
     assert first.stats == second.stats
-    assert first.stats.steps == first.stats.drift_evaluations == 50
+    assert first.stats.steps == 50
+    assert first.stats.drift_evaluations == 50 * order(make)
     assert problem.x0.tobytes() == start.tobytes()
     assert (first.violation() < 0.2).all()
 
@@ -51,12 +57,12 @@ def test_a_drift_that_fails_ends_every_scheme_alike(make):
 
 @pytest.mark.parametrize("make", FIRST_ORDER)
 @pytest.mark.parametrize("name", ["sliding_disc", "two_disks", "stack"])
-def test_order_one_against_the_exact_solution(make, name):
+def test_order_against_the_exact_solution(make, name):
     scene = getattr(dincl.scenes, name)()
     exact = scene.exact(np.array(scene.times))
     errors = [np.abs(dincl.solve(scene, make(dt), t=scene.times).x - exact).max() for dt in STEPS]
-    order = estimate(STEPS, errors)
-    assert order.slope == pytest.approx(1.0, abs=0.1), order.verdict
+    found = estimate(STEPS, errors)
+    assert found.slope == pytest.approx(order(make), abs=0.1), found.verdict
     assert errors[-1] < 0.05
 
 

@@ -8,6 +8,7 @@ from dincl.projection.daqp import Daqp
 from dincl.projection.gauss_seidel import GaussSeidel
 from dincl.projection.ipopt import Ipopt
 from dincl.projection.piqp import Piqp
+from dincl.projection.projected_cg import ProjectedCG
 
 __all__ = [
     "Clarabel",
@@ -18,5 +19,6 @@ __all__ = [
     "Ipopt",
     "Piqp",
     "Projected",
+    "ProjectedCG",
     "Projection",
 ]

@@ -3,8 +3,18 @@
 from dincl.schemes.base import Scheme
 from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp
 from dincl.schemes.event_driven import EventDriven
+from dincl.schemes.midpoint_catch_up import MidpointCatchUp
 from dincl.schemes.pbd import PBD
 from dincl.schemes.penalty import Penalty
 from dincl.schemes.second_order_pbd import SecondOrderPBD
 
-__all__ = ["PBD", "CatchUp", "EventDriven", "LinearisedCatchUp", "Penalty", "Scheme", "SecondOrderPBD"]
+__all__ = [
+    "PBD",
+    "CatchUp",
+    "EventDriven",
+    "LinearisedCatchUp",
+    "MidpointCatchUp",
+    "Penalty",
+    "Scheme",
+    "SecondOrderPBD",
+]
