@@ -8,8 +8,17 @@ from typing import Any
 import numpy as np
 import pytest
 
-from verification import convergence, extrapolation, infeasibility, large_steps, prox_regularity, sheet
-from verification.methods import CATCH_UP, LINEARISED_CLARABEL, PBD, PENALTIES
+from verification import (
+    convergence,
+    extrapolation,
+    infeasibility,
+    large_steps,
+    prox_regularity,
+    sheet,
+    work_precision,
+    work_references,
+)
+from verification.methods import CATCH_UP, CHIPMUNK, LINEARISED_CLARABEL, LINEARISED_DAQP, LSODA, PBD, PENALTIES
 from verification.stability import catalogue, decades
 
 FEW_PLANES = {"penalty", "radius", "drift"}
@@ -37,6 +46,17 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(prox_regularity, "COUNTS", (2, 3, 4))
     patch.setattr(sheet, "DPI", 50)
     shorten_stability(patch)
+    shorten_work_precision(patch)
+
+
+def shorten_work_precision(patch: pytest.MonkeyPatch) -> None:
+    """The two scenes with exact solutions, four methods, two settings."""
+    for name in ("ball_pile_30", "pile_1000", "ten_disks_corner", "four_disks"):
+        patch.delitem(work_references.SCENES, name)
+    patch.setattr(work_references, "FILES", {})
+    patch.setattr(work_precision, "CHARTED", (PBD, LINEARISED_DAQP, LSODA, CHIPMUNK))
+    form = work_precision.Form({"dt": [0.1, 0.02], "tol": [1e-2, 1e-4]}, 100.0, 100.0, 100.0)
+    patch.setattr(work_precision, "SHORT", form)
 
 
 def shorten_stability(patch: pytest.MonkeyPatch) -> None:

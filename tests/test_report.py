@@ -27,6 +27,9 @@ SECTIONS = [
     "Convergence: ten discs falling into a corner",
     "Infeasibility: PBD against the penalty method with its best strength",
     "Large steps",
+    "Who is cheapest",
+    "Speed against accuracy: a disc slides over a fixed disc",
+    "Speed against accuracy: a row of intervals pressed against a wall",
     "Failures that theory predicts",
     "Map: the strength of a penalty",
     "Map: the prox-regularity radius",
@@ -50,6 +53,10 @@ TABLES = {
     "penalty_best",
     "infeasibility",
     "large_steps",
+    "work_references",
+    "work_precision",
+    "work_times",
+    "work_winners",
     "stability_penalty",
     "stability_radius",
     "stability_drift",
@@ -128,7 +135,7 @@ def test_page_opens_offline(made: tuple[Path, Context]) -> None:
     text = made[0].read_text("utf-8")
     page = Page(text)
     assert "://" not in text
-    assert len(page.images) == 16
+    assert len(page.images) == 18
     assert all(image.startswith("data:image/png;base64,") for image in page.images)
     outside = [link for link in page.links if not link.startswith("#")]
     assert outside
@@ -139,7 +146,7 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
     folder = made[0].parent
     assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
     assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
-    assert len(list((folder / "figures").glob("*.png"))) == 16
+    assert len(list((folder / "figures").glob("*.png"))) == 18
     assert list(folder.rglob(".*.new")) == []
 
 

@@ -28,7 +28,6 @@ COLOURS: Mapping[str, str] = {
     Outcome.REFUSED.value: "#86a7cf",
 }
 LINES = ("-", "--", ":", "-.")
-MARKERS = "osD^vP*X"
 INK = "#22262b"
 MOST_COLUMNS = 4
 # So few heights are all written beside the axis.
@@ -111,14 +110,15 @@ def decades(table: pd.DataFrame, path: Path) -> Path:
         for index, name in enumerate(METHODS):
             rows = table[table["method"] == name].sort_values("dt")
             failed = (rows["status"] != "SUCCESS").to_numpy()
-            look: dict[str, Any] = {"color": f"C{index}", "marker": MARKERS[index], "label": CONTESTANTS[name].label}
+            one = CONTESTANTS[name]
+            look: dict[str, Any] = {"color": one.colour, "marker": one.marker, "label": one.label}
             look |= {"markerfacecolor": "none", "markersize": 9 - 0.6 * index}
             for panel, quantity, lowest, highest in (
                 (panels[0], "growth", 0.9, 1e3),
                 (panels[1], "overlap", 1e-8, 1e2),
             ):
                 panel.loglog(rows["dt"], rows[quantity].clip(lowest, highest).where(~failed), **look)
-                panel.plot(rows["dt"][failed], np.full(failed.sum(), highest), "x", color=f"C{index}")
+                panel.plot(rows["dt"][failed], np.full(failed.sum(), highest), "x", color=one.colour)
         panels[0].set(ylabel="largest coordinate / that of the start", xlabel="step dt")
         panels[1].set(ylabel="largest overlap [diameters]", xlabel="step dt")
         for panel, limit, word in ((panels[0], FAR, "unstable"), (panels[1], OVERLAP, "infeasible")):

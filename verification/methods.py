@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Literal
 
 import dincl
+from verification.yardsticks import Chipmunk, Lsoda
 
 # The tolerance of section 4.1 of chapter 2, for the reference; that of the projections that check it: a projection onto
 # a curved set by quadratic programs stops just below its tolerance in every step, and that adds up over a run; and that
@@ -15,11 +17,15 @@ CHECK_TOL = 1e-12
 QP_TOL = 1e-10
 # Explicit Euler is stable for dt strength |J J^T| <= 2, and a disc in a dense packing has |J J^T| up to about 6.
 TIED_STRENGTH = 0.3
+# Projections over dt^3 [length / time^3]: with a hundredth of it errors of order 2 are the same in both first digits.
+MIDPOINT_TOL = 10.0
+# Unknowns up to which dense factorisations, or a general solver in every step, are worth waiting for.
+DENSE = 200
 
 
 @dataclass(frozen=True)
 class Method:
-    """A way to solve a problem with step ``dt``.
+    """A way to solve a problem with a setting that fixes its accuracy.
 
     Attributes
     ----------
@@ -28,18 +34,24 @@ class Method:
     colour, marker, line
         In figures.
     scheme
-        dt [time] -> the scheme.
+        setting -> the scheme.
     costly
         Whether a step calls a solver of a foreign library: the short studies give such a method fewer step sizes.
+    setting
+        "dt" [time], or "tol" [length] of a method that chooses its steps.
+    most
+        The largest number N d of unknowns that it is made for, or None.
     """
 
     name: str
     label: str
     colour: str
-    marker: str
+    marker: str | tuple[int, int, int]
     line: str
     scheme: Callable[[float], dincl.Scheme]
     costly: bool = False
+    setting: Literal["dt", "tol"] = "dt"
+    most: int | None = None
 
 
 def _penalty(strength: float, colour: str, marker: str) -> Method:
@@ -62,6 +74,7 @@ CATCH_UP = Method(
     "-",
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Ipopt(tol=REFERENCE_TOL)),
     costly=True,
+    most=DENSE,
 )
 CATCH_UP_DAQP = Method(
     "catch_up_daqp",
@@ -70,6 +83,7 @@ CATCH_UP_DAQP = Method(
     "D",
     ":",
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
+    most=DENSE,
 )
 LINEARISED_DAQP = Method(
     "linearised_daqp",
@@ -78,6 +92,7 @@ LINEARISED_DAQP = Method(
     "P",
     ":",
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
+    most=DENSE,
 )
 LINEARISED_CLARABEL = Method(
     "linearised_clarabel",
@@ -115,5 +130,59 @@ PENALTY_PRINTED = Method(
     lambda dt: dincl.Penalty(dt=dt, strength=10.0, exponent=1),
 )
 
+PBD_16 = Method("pbd_16", "PBD, 16 sweeps", "#f2a07b", "8", "-", lambda dt: dincl.PBD(dt=dt, sweeps=16))
+LINEARISED_PIQP = Method(
+    "linearised_piqp",
+    "linearised catch-up, Piqp",
+    "#44bbaa",
+    (3, 0, 180),
+    "-",
+    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Piqp(tol=QP_TOL)),
+)
+MIDPOINT = Method(
+    "midpoint_cg",
+    "midpoint catch-up, projected CG",
+    "#c2003d",
+    "p",
+    "-",
+    lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedCG(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
+)
+EVENT_DRIVEN = Method(
+    "event_driven",
+    "event-driven",
+    "#000000",
+    "H",
+    "-",
+    lambda tol: dincl.EventDriven(tol=tol),
+    setting="tol",
+    most=DENSE,
+)
+# The yardsticks: programs of others.
+LSODA = Method(
+    "lsoda",
+    "penalty, LSODA",
+    "#8b5a2b",
+    "h",
+    "--",
+    lambda tol: Lsoda(tol=tol),
+    setting="tol",
+)
+CHIPMUNK = Method("chipmunk", "Chipmunk", "#e6a800", (4, 1, 0), "--", lambda dt: Chipmunk(dt=dt, iterations=10))
+
 COMPARED = (PBD, CATCH_UP, LINEARISED_CLARABEL, LINEARISED_CVXPY, *PENALTIES, PENALTY_TIED, PENALTY_PRINTED)
-METHODS = {method.name: method for method in (*COMPARED, CATCH_UP_DAQP, LINEARISED_DAQP)}
+# Of the chart of speed against accuracy. A scheme with another projection is another method there.
+CHARTED = (
+    PBD,
+    PBD_16,
+    PENALTY_TIED,
+    CATCH_UP,
+    CATCH_UP_DAQP,
+    LINEARISED_CLARABEL,
+    LINEARISED_PIQP,
+    LINEARISED_DAQP,
+    MIDPOINT,
+    EVENT_DRIVEN,
+    LSODA,
+    CHIPMUNK,
+)
+METHODS = {method.name: method for method in (*COMPARED, *CHARTED)}

@@ -1,7 +1,13 @@
 """The chapters of the report, one file each, in their order."""
 
-from verification.chapters import claims, geometry, numerics, stability
+from verification.chapters import claims, geometry, numerics, stability, work_precision
 from verification.report import Chapter
 
 # The claims read the tables of all other chapters, so they come last.
-CHAPTERS: tuple[Chapter, ...] = (numerics.CHAPTER, stability.CHAPTER, geometry.CHAPTER, claims.CHAPTER)
+CHAPTERS: tuple[Chapter, ...] = (
+    numerics.CHAPTER,
+    work_precision.CHAPTER,
+    stability.CHAPTER,
+    geometry.CHAPTER,
+    claims.CHAPTER,
+)

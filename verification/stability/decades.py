@@ -26,6 +26,7 @@ METHODS = (
     "second_order",
     "catch_up_daqp",
     "linearised_daqp",
+    "midpoint_daqp",
     "penalty_tied",
     "penalty_100",
     "penalty_printed",

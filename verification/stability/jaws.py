@@ -148,11 +148,11 @@ PLANE = Plane(
     y=Axis("speed of a jaw", geometric(0.25, 8.0, 6), geometric(0.2, 10.0, 11)),
     methods=named(
         "pbd",
-        "pbd_16",
         "catch_up_ipopt",
         "catch_up_daqp",
         "linearised_daqp",
         "linearised_clarabel",
+        "midpoint_daqp",
         "penalty_tied",
         "penalty_printed",
     ),

@@ -145,18 +145,18 @@ PLANE = Plane(
     y=Axis("half distance c", even(0.1, 0.98, 9), even(0.1, 0.98, 17), logarithmic=False),
     methods=named(
         "pbd",
-        "pbd_4",
         "pbd_16",
         "catch_up_ipopt",
         "catch_up_daqp",
         "linearised_daqp",
+        "midpoint_daqp",
         "penalty_tied",
         "penalty_printed",
     ),
     cell=cell,
     sources=("stability/radius.py",),
     lines=(
-        Line("step = η", ("pbd", "pbd_4", "pbd_16"), _one),
+        Line("step = η", ("pbd", "pbd_16"), _one),
         Line("step = 2η", ("catch_up_ipopt", "catch_up_daqp"), _two),
     ),
 )

@@ -1,0 +1,114 @@
+"""The scenes of the chart of speed against accuracy, and what their errors are measured against.
+
+Exact solutions where there are any; otherwise the event-driven scheme, whose error estimate is stated; for the pile a
+table that was computed once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import dincl
+from dincl.scenes import Scene
+from verification.study import Key, Study
+from verification.table import Row, digest, fingerprint
+
+Floats = NDArray[np.float64]
+SCENES: Mapping[str, Callable[[], Scene]] = {
+    "sliding_disc": dincl.scenes.sliding_disc,
+    "stack": dincl.scenes.stack,
+    "four_disks": dincl.scenes.four_disks,
+    "ten_disks_corner": dincl.scenes.ten_disks_corner,
+    "ball_pile_30": partial(dincl.scenes.ball_pile, 30),
+    "pile_1000": partial(dincl.scenes.pile, 1000),
+}
+# Between two times at which errors are looked at, where the reference does not say; the times of the scenes are among
+# them [time].
+EVERY = 0.05
+TOL = 1e-12
+# Made by ``python -m verification.pile_reference``: t, particle, x, y, error.
+FILES = {"pile_1000": Path(__file__).parent / "data" / "pile_1000.parquet"}
+# Of an exact solution that was rounded to double numbers, relative to the largest coordinate.
+ROUNDING = 4 * np.finfo(float).eps
+
+
+@dataclass(frozen=True)
+class Known:
+    """The solution of a scene, t (K,), x (K, N, d), and its stated error max_i |X_i - exact|, error (K,) [length]."""
+
+    t: Floats
+    x: Floats
+    error: Floats
+
+    def at(self, times: Floats) -> tuple[Floats, Floats]:
+        """Positions (len(times), N, d) and stated errors (len(times),) at some of the times t; ValueError for others.
+
+        Two times are the same if they differ by less than a millionth of EVERY.
+        """
+        times = np.asarray(times)
+        index = np.abs(self.t - times[:, None]).argmin(axis=1)
+        if (np.abs(self.t[index] - times) > 1e-6 * EVERY).any():
+            raise ValueError(f"times = {times}: must be among the times of the reference, {self.t}")
+        return self.x[index], self.error[index]
+
+
+def study() -> Study:
+    """The references of all scenes; one run for each."""
+    return Study(
+        name="work_references",
+        title="References of the chart of speed against accuracy",
+        key=("scene",),
+        runs=tuple({"scene": name} for name in reversed(SCENES)),
+        run=rows,
+        fingerprint=fingerprint(
+            "work_references.py", every=EVERY, tol=TOL, files=digest([path.read_bytes() for path in FILES.values()])
+        ),
+    )
+
+
+def rows(key: Key) -> list[Row]:
+    """One row for each time and particle."""
+    name = key["scene"]
+    known = _from_file(FILES[name]) if name in FILES else _computed(SCENES[name]())
+    return [
+        {"scene": name, "t": t, "particle": i, "error": error} | dict(zip("xyz", x, strict=False))
+        for t, state, error in zip(known.t, known.x, known.error, strict=True)
+        for i, x in enumerate(state)
+    ]
+
+
+def reference(table: pd.DataFrame, name: str) -> Known:
+    """The reference of a scene, from the table of ``study``."""
+    return _stacked(table[table["scene"] == name])
+
+
+def _computed(scene: Scene) -> Known:
+    end = scene.times[-1]
+    times = np.linspace(0.0, end, round(end / EVERY) + 1)[1:]
+    if scene.exact is not None:
+        x = scene.exact(times)
+        return Known(times, x, np.full(len(times), ROUNDING * np.abs(x).max()))
+    path = dincl.solve(scene, dincl.EventDriven(tol=TOL), t=times, throw=False)
+    if path.error is None or len(path.t) < len(times):
+        raise dincl.StepFailed(path)
+    return Known(path.t, path.x, path.error)
+
+
+def _from_file(path: Path) -> Known:
+    return _stacked(pd.read_parquet(path))
+
+
+def _stacked(table: pd.DataFrame) -> Known:
+    """Columns of positions that hold numbers are the axes of the scene; the error is that of the time."""
+    ordered = table.sort_values(["t", "particle"])
+    t = np.unique(ordered["t"].to_numpy())
+    axes = [name for name in "xyz" if name in ordered and ordered[name].notna().all()]
+    x = ordered[axes].to_numpy().reshape(len(t), -1, len(axes))
+    return Known(t, x, ordered["error"].to_numpy().reshape(len(t), -1).max(axis=1))

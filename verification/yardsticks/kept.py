@@ -1,0 +1,74 @@
+"""The kept states of a program of others, as a Trajectory."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+import dincl
+from dincl.checks import LARGEST, bounded
+from dincl.errors import StepFailure
+from dincl.trajectory import Between
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Lines(Between):
+    """Straight lines from the start through the kept states; nothing is known of x' at a time."""
+
+    t: Floats
+    x: Floats
+
+    def states(self, times: Floats) -> Floats:
+        columns = self.x.reshape(len(self.t), -1).T
+        lines = [np.interp(times, self.t, column) for column in columns]
+        return np.array(lines).T.reshape(len(times), *self.x.shape[1:])
+
+    def residuals(self, times: Floats) -> Floats:
+        return np.full(len(times), np.inf)
+
+
+class Kept:
+    """Takes the states of a run at increasing times, and makes the Trajectory of them."""
+
+    def __init__(self, problem: dincl.Problem, scheme: dincl.Scheme, times: Floats) -> None:
+        self.work = dincl.Work(degrees_of_freedom=problem.x0.size)
+        self._problem, self._scheme, self._times = problem, scheme, times
+        self._t: list[float] = []
+        self._x: list[Floats] = []
+
+    def velocity(self, t: float, x: Floats) -> Floats:
+        """The drift, counted."""
+        self.work.drift_evaluations += 1
+        return self._problem.velocity(t, x)
+
+    def due(self, t: float) -> Floats:
+        """The times up to t that are still to be kept."""
+        return self._times[len(self._t) : np.searchsorted(self._times, t, side="right")]
+
+    def keep(self, t: float, x: Floats) -> None:
+        """Add a state (N, d); StepFailure if it has left the finite numbers."""
+        if not bounded(x):
+            raise StepFailure(
+                dincl.Status.NON_FINITE, f"A coordinate is no number of magnitude at most {LARGEST:g} any more."
+            )
+        self._t.append(t)
+        self._x.append(x)
+
+    def trajectory(self, failure: StepFailure | None = None) -> dincl.Trajectory:
+        """The run so far, and how it ended; a run that kept nothing still has its start."""
+        t, x = np.array([0.0, *self._t]), np.array([self._problem.x0, *self._x])
+        first = 1 if self._t else 0
+        return dincl.Trajectory(
+            t=t[first:],
+            x=x[first:],
+            status=dincl.Status.SUCCESS if failure is None else failure.status,
+            detail="" if failure is None else failure.detail,
+            stats=self.work,
+            problem=self._problem,
+            scheme=self._scheme,
+            between=_Lines(t, x),
+        )
