@@ -20,8 +20,8 @@ TIMES = {name: scene(name).times for name in SCENES}
 # Steps are STEP / 2^k for k below these [time].
 STEP = 0.1
 SHORT, SHORT_COSTLY, FULL = 9, 7, 10
-# An infeasibility below this comes from the tolerances of the projections, not from the method [length].
-INFEASIBILITY_FLOOR = 1e-9
+# Errors and infeasibilities below this come from the tolerances of the projections, not from the method [length].
+FLOOR = 1e-9
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ def study(references: Mapping[str, Reference], full: bool) -> Study:
 
 def order_of(rows: pd.DataFrame, quantity: str = "error") -> Order:
     """The order of one method on one scene at one time, from its rows; a run that ended before that time failed."""
-    floor = float(rows["reference_error"].iloc[0]) if quantity == "error" else INFEASIBILITY_FLOOR
+    floor = max(FLOOR, float(rows["reference_error"].iloc[0])) if quantity == "error" else FLOOR
     return estimate(rows["dt"], rows[quantity], floor=floor, failed=rows[quantity].isna().to_numpy())
 
 
