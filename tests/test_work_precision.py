@@ -12,6 +12,7 @@ import dincl
 from tests.shortened import Here
 from verification import cheapest, sheet, work_precision, work_references
 from verification.chapters import work_precision as chapter
+from verification.known import Known
 from verification.methods import (
     CHARTED,
     CHIPMUNK,
@@ -25,7 +26,7 @@ from verification.methods import (
 )
 from verification.report import Context
 from verification.work_precision import Form, Run
-from verification.work_references import Known, reference, rows
+from verification.work_references import reference, rows
 
 SLIDE = dincl.scenes.sliding_disc()
 FEW = Form({"dt": [0.1, 0.05, 0.025], "tol": [1e-2, 1e-4]}, enough=100.0, enough_of_many=100.0, patience=100.0)

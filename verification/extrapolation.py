@@ -15,6 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from verification.convergence import STEP
+from verification.known import Known
 from verification.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, REFERENCE_TOL
 from verification.reference import EVERY, Reference, kept_times, stack
 from verification.runs import distance, position_rows, solved
@@ -32,24 +33,17 @@ SHORT, FULL = (6, 7, 8), (8, 9, 10)
 
 
 @dataclass(frozen=True)
-class Extrapolated:
+class Extrapolated(Known):
     """The solution of one scene.
 
     Attributes
     ----------
-    t, x
-        Times (K,) and positions (K, N, d).
-    error
-        Stated error at each time, max over particles, (K,) [length].
     ratio
         |x_{h/2} - x_h| / |x_{h/4} - x_{h/2}|, (K,); NaN where both are equal.
     extrapolated
         Whether x is 2 x_{h/4} - x_{h/2}, (K,), or else x_{h/4}.
     """
 
-    t: Floats
-    x: Floats
-    error: Floats
     ratio: Floats
     extrapolated: NDArray[np.bool_]
 

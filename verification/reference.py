@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import dincl
+from verification.known import Known
 from verification.runs import about, position_rows, scene, timed
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
@@ -22,28 +23,10 @@ EVERY = 0.25
 
 
 @dataclass(frozen=True)
-class Reference:
-    """The reference of one scene.
+class Reference(Known):
+    """The reference of one scene; ``events`` (K,) counts the contacts made or lost until each time."""
 
-    Attributes
-    ----------
-    t, x
-        Times (K,) and positions (K, N, d).
-    error
-        Stated error at each time, max over particles, (K,) [length].
-    events
-        How often contacts were made or lost until each time, (K,).
-    """
-
-    t: Floats
-    x: Floats
-    error: Floats
     events: NDArray[np.int64]
-
-    def at(self, times: Sequence[float]) -> tuple[Floats, Floats]:
-        """Positions (len(times), N, d) and stated errors (len(times),) at some of the times ``t``."""
-        index = np.searchsorted(self.t, times)
-        return self.x[index], self.error[index]
 
 
 def kept_times(name: str) -> Floats:

@@ -15,12 +15,13 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
+from verification.known import Known
 from verification.methods import CHARTED, METHODS, Method
 from verification.patience import impatient
 from verification.runs import distance, reached
 from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
-from verification.work_references import SCENES, Known
+from verification.work_references import SCENES
 
 Floats = NDArray[np.float64]
 

@@ -7,7 +7,6 @@ table that was computed once.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
+from verification.known import Known
 from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
 
@@ -37,26 +37,6 @@ TOL = 1e-12
 FILES = {"pile_1000": Path(__file__).parent / "data" / "pile_1000.parquet"}
 # Of an exact solution that was rounded to double numbers, relative to the largest coordinate.
 ROUNDING = 4 * np.finfo(float).eps
-
-
-@dataclass(frozen=True)
-class Known:
-    """The solution of a scene, t (K,), x (K, N, d), and its stated error max_i |X_i - exact|, error (K,) [length]."""
-
-    t: Floats
-    x: Floats
-    error: Floats
-
-    def at(self, times: Floats) -> tuple[Floats, Floats]:
-        """Positions (len(times), N, d) and stated errors (len(times),) at some of the times t; ValueError for others.
-
-        Two times are the same if they differ by less than a millionth of EVERY.
-        """
-        times = np.asarray(times)
-        index = np.abs(self.t - times[:, None]).argmin(axis=1)
-        if (np.abs(self.t[index] - times) > 1e-6 * EVERY).any():
-            raise ValueError(f"times = {times}: must be among the times of the reference, {self.t}")
-        return self.x[index], self.error[index]
 
 
 def study() -> Study:

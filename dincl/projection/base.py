@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, ClassVar, cast
 
 import numpy as np
 
-from dincl.checks import number
+from dincl.checks import describe, number
 from dincl.constraints.rows import RowsOfOneKind, RowsTogether
-from dincl.errors import StepFailure
+from dincl.errors import InvalidProblem, StepFailure
 from dincl.projection.refine import on_active_rows
 from dincl.status import Status
 
@@ -78,6 +78,12 @@ class Projection(ABC):
     @abstractmethod
     def solver(self) -> Solver:
         """A solver for one run; it may keep warm starts and compiled problems."""
+
+
+def check_projection(projection: object) -> None:
+    """Raise InvalidProblem unless this is what a scheme can be given to project with."""
+    if not isinstance(projection, Projection):
+        raise InvalidProblem(f"projection = {describe(projection)}: must be a projection such as Daqp(tol=1e-9)")
 
 
 class Solver(ABC):

@@ -5,10 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from dincl.checks import describe
-from dincl.errors import InvalidProblem
 from dincl.norms import longest
-from dincl.projection.base import Projection
+from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
 from dincl.schemes.base import State, Stepper, TimeStepping
 
@@ -33,10 +31,7 @@ class CatchUp(TimeStepping):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if not isinstance(self.projection, Projection):
-            raise InvalidProblem(
-                f"projection = {describe(self.projection)}: must be a projection such as Daqp(tol=1e-9)"
-            )
+        check_projection(self.projection)
 
     def stepper(self, problem: Problem) -> Stepper:
         self.projection.check(problem)
