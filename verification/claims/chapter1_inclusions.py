@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 import dincl
+from dincl.geometry import proved_constant
 from verification.claim import Claim, Tables, Verdict, corrected_if, holds_if
 
 SAMPLES = 2000
@@ -101,12 +102,13 @@ def _prox_constant(_: Tables) -> Verdict:
     """Two discs: the projection is unique unless the centres coincide, at distance sqrt(2) R from S."""
     radius = 0.5
     values = {n: radius / (6 * n) * (math.sin(2 * math.pi / n) / 3) ** 2 for n in (1, 2, 3, 10)}
+    proved = {n: proved_constant(n, radius) for n in (2, 3, 10)}
     return corrected_if(
         values[2] > ROUNDING,
-        min(values[3], values[10]) > 0,
+        all(0 < values[n] < proved[n] for n in (3, 10)) and abs(proved[2] - math.sqrt(2) * radius) < ROUNDING,
         "for N = 2 the formula gives sin(π) = 0, so no η > 0, though two discs have η = √2 R = "
         f"{math.sqrt(2) * radius:.3f}; positive only for N ≥ 3 (N = 3: {values[3]:.1e}, N = 10: {values[10]:.1e} "
-        "with R = 1/2)",
+        f"with R = 1/2). η = R √(2/(2N - 3)) can be proved for all N ≥ 2 and d: {proved[3]:.2f} and {proved[10]:.2f}",
     )
 
 
