@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import dincl
+from verification.moreau_jean import MoreauJean
 from verification.yardsticks import Chipmunk, Lsoda
 
 # The tolerance of section 4.1 of chapter 2, for the reference; that of the projections that check it: a projection onto
@@ -147,6 +148,15 @@ MIDPOINT = Method(
     "-",
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedCG(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
 )
+MOREAU_JEAN = Method(
+    "moreau_jean_daqp",
+    "catch-up, theta = 1/2, Daqp",
+    "#4f7cac",
+    "X",
+    ":",
+    lambda dt: MoreauJean(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
+    most=DENSE,
+)
 EVENT_DRIVEN = Method(
     "event_driven",
     "event-driven",
@@ -180,6 +190,7 @@ CHARTED = (
     LINEARISED_CLARABEL,
     LINEARISED_PIQP,
     LINEARISED_DAQP,
+    MOREAU_JEAN,
     MIDPOINT,
     EVENT_DRIVEN,
     LSODA,

@@ -187,6 +187,7 @@ def study(references: Mapping[str, Known], full: bool) -> Study:
         run=Run(references, form),
         fingerprint=fingerprint(
             "methods.py",
+            "moreau_jean.py",
             "work_precision.py",
             "yardsticks/chipmunk.py",
             "yardsticks/lsoda.py",
