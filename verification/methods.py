@@ -152,7 +152,7 @@ MOREAU_JEAN = Method(
     "moreau_jean_daqp",
     "catch-up, theta = 1/2, Daqp",
     "#4f7cac",
-    "X",
+    (5, 1, 0),
     ":",
     lambda dt: MoreauJean(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
     most=DENSE,
