@@ -15,7 +15,14 @@ from dincl.schemes.base import TimeStepping
 from verification.methods import METHODS
 
 # The counters of a run that become columns.
-COUNTERS = ("steps", "candidate_pairs", "constraint_projections", "solver_calls", "solver_iterations")
+COUNTERS = (
+    "steps",
+    "drift_evaluations",
+    "candidate_pairs",
+    "constraint_projections",
+    "solver_calls",
+    "solver_iterations",
+)
 
 
 def scene(name: str) -> Scene:

@@ -18,7 +18,7 @@ from dincl.scenes import Scene
 from verification.known import Known
 from verification.methods import CHARTED, METHODS, Method
 from verification.patience import impatient
-from verification.runs import distance, reached
+from verification.runs import COUNTERS, distance, reached
 from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
 from verification.work_references import SCENES
@@ -55,15 +55,6 @@ SHORT = Form({"dt": [0.1 / 4**k for k in range(9)], "tol": [1e-2, 1e-4, 1e-6, 1e
 FULL = Form({"dt": [0.1 / 2**k for k in range(21)], "tol": [10.0**-k for k in range(1, 11)]}, 3.0, 20.0, 90.0)
 # Of runs that take less than BRIEF seconds; the best is taken. The others are measured once.
 REPEATS, BRIEF = 3, 0.5
-# The counters of a run that become columns.
-COUNTERS = (
-    "steps",
-    "drift_evaluations",
-    "candidate_pairs",
-    "constraint_projections",
-    "solver_calls",
-    "solver_iterations",
-)
 NOTHING = dict.fromkeys(("final", "sup", "infeasibility", "seconds"), np.nan) | dict.fromkeys(COUNTERS, 0)
 
 

@@ -15,7 +15,7 @@ from dincl.norms import longest
 
 if TYPE_CHECKING:
     from dincl.events.choice import Choice
-    from dincl.events.held import Held
+    from dincl.events.held import Held, Motion
 
 Floats = NDArray[np.float64]
 Dense = Callable[[float], Floats]
@@ -43,6 +43,7 @@ class Watch:
         self._held, self._dense = held, dense
         self._pushing, self._closed = frozenset(held.contacts.names), choice.closed
         self._touching, self._zero = TOUCHING * size, NEGATIVE * choice.speed
+        self._motions: dict[float, Motion] = {}
 
     def first(self, start: float, end: float) -> Found | None:
         """The first event in [start, end], or None."""
@@ -66,7 +67,13 @@ class Watch:
     def speed(self, rows: Contacts, t: float) -> Floats:
         """How fast these gaps open, shape (m,) [length / time]."""
         unit, _, least = rows.gradients(t, self._state(t))
-        return unit.times(self._held.rate(t, self._dense(t))) - least
+        return unit.times(self._motion(t).velocity) - least
+
+    def _motion(self, t: float) -> Motion:
+        """The motion at t; pushes and speeds are asked for at the same nodes."""
+        if t not in self._motions:
+            self._motions[t] = self._held.motion(t, self._dense(t))
+        return self._motions[t]
 
     def _state(self, t: float) -> Floats:
         return self._dense(t).reshape(self._held.contacts.problem.x0.shape)
@@ -80,7 +87,7 @@ class Watch:
 
     def _weak_push(self, nodes: list[float]) -> list[Found]:
         def least(t: float) -> float:
-            return float(self._held.motion(t, self._dense(t)).push.min()) + self._zero
+            return float(self._motion(t).push.min()) + self._zero
 
         return _event(first_negative(least, nodes), None) if self._pushing else []
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.errors import StepFailure
+from dincl.norms import longest
 from dincl.schemes.base import Scheme
 from dincl.status import Status
 from dincl.trajectory import Trajectory
@@ -93,8 +94,7 @@ def _error(coarse: March, fine: March, times: NDArray[np.float64]) -> NDArray[np
 
 
 def _distance(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    farthest: NDArray[np.float64] = np.sqrt(((x - y) ** 2).sum(axis=-1)).max(axis=-1)
-    return farthest
+    return np.array([longest(a - b) for a, b in zip(x, y, strict=True)])
 
 
 def _trajectory(
