@@ -48,17 +48,27 @@ class PairSweeper(Sweeper):
     The neighbour list holds all pairs closer than the sum of their radii plus 2 ``skin``. It is complete while no
     disc is farther than ``skin`` from where the list was made, also in the middle of a sweep; when one is, the sweep
     is undone and repeated with a new list. So the result is that of looking at all pairs.
+
+    ``among`` names the particles that are the discs, for which ``radius`` is given, shape (n,); None: all of them.
     """
 
-    def __init__(self, radius: NDArray[np.float64]) -> None:
+    def __init__(self, radius: NDArray[np.float64], among: NDArray[np.int64] | None = None) -> None:
         smallest = float(radius.min(initial=np.inf))
-        self._radius = radius
+        self._radius, self._among = radius, among
         self._skin = FIRST_SKIN * smallest
         self._widest = WIDEST_SKIN * smallest
         self._served = 0
         self._pairs: _Pairs | None = None
 
     def sweep(self, x: NDArray[np.float64], work: Work) -> None:
+        if self._among is None:
+            self._sweep(x, work)
+        else:
+            discs = x[self._among]
+            self._sweep(discs, work)
+            x[self._among] = discs
+
+    def _sweep(self, x: NDArray[np.float64], work: Work) -> None:
         pairs = self._pairs
         if pairs is None or kernels.sweeps.drifted(x, pairs.reference, self._skin, pairs.backup):
             pairs = self._renewed(x, work)
@@ -74,6 +84,8 @@ class PairSweeper(Sweeper):
         work.constraint_projections += corrections
         self._served += 1
         if code == kernels.sweeps.COINCIDENT:
+            if self._among is not None:
+                i, j = self._among[i], self._among[j]
             raise StepFailure(Status.COINCIDENT_CENTRES, f"Particles {i} and {j} lie on one point.")
 
     def _renewed(self, x: NDArray[np.float64], work: Work) -> _Pairs:

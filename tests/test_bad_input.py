@@ -73,6 +73,13 @@ BAD_PROBLEMS = {
     "radius negative": (lambda: dincl.NonOverlap(radius=[0.5, -0.5]), r"radius = .*-0.5.*> 0"),
     "radius nan": (lambda: dincl.NonOverlap(radius=math.nan), "radius = nan"),
     "radii too few": (lambda: problem(constraints=[dincl.NonOverlap([0.5] * 3)]), "radius has 3 entries.*2 particles"),
+    "among twice": (lambda: dincl.NonOverlap(0.5, among=[1, 0, 1]), r"among = \[1, 0, 1\]: must name each .* once"),
+    "among text": (lambda: dincl.NonOverlap(0.5, among="all"), "among = 'all': must be integers"),
+    "among index": (lambda: problem(constraints=[dincl.NonOverlap(0.5, among=[2])]), "among = 2: .*below .* 2"),
+    "radii for among": (
+        lambda: problem(constraints=[dincl.NonOverlap([1, 1], among=[0])]),
+        "radius has 2 .* 1 particles",
+    ),
     "wall radius": (lambda: dincl.HalfSpace((0, 1), radius=-1.0), "radius = -1.0"),
     "normal zero": (lambda: dincl.HalfSpace(normal=(0, 0)), r"normal = \(0, 0\)"),
     "normal of wrong d": (lambda: problem(constraints=[dincl.HalfSpace((0, 0, 1))]), r"normal of shape \(3,\)"),

@@ -9,6 +9,7 @@ from dincl.work import Work
 
 RADII = np.array([0.3, 0.5, 0.4, 0.2, 0.35, 0.45])
 PAIRS = [(0, 1), (4, 2), (3, 5)]
+DISCS = [5, 0, 3, 1]
 
 
 def quadratic(x):
@@ -24,6 +25,7 @@ def quadratic_jacobian(x):
 
 FAMILIES = {
     "NonOverlap": lambda d: dincl.NonOverlap(RADII),
+    "NonOverlap of some": lambda d: dincl.NonOverlap(2 * RADII[:4], among=DISCS),
     "HalfSpace": lambda d: dincl.HalfSpace(np.arange(1, d + 1), offset=0.1, radius=RADII),
     "MaxDistance": lambda d: dincl.MaxDistance(PAIRS, [0.5, 1.0, 1.5]),
     "Ordered": lambda d: dincl.Ordered([2, 0, 5, 1], axis=d - 1),
@@ -39,6 +41,8 @@ def expected(name, x):
     gap = lambda i, j: np.linalg.norm(x[i] - x[j])  # noqa: E731
     if name == "NonOverlap":
         return [gap(i, j) - RADII[i] - RADII[j] for i in range(n) for j in range(i)]
+    if name == "NonOverlap of some":
+        return [gap(DISCS[k], DISCS[m]) - 2 * (RADII[k] + RADII[m]) for k in range(4) for m in range(k)]
     if name == "HalfSpace":
         normal = np.arange(1, d + 1) / np.linalg.norm(np.arange(1, d + 1))
         return [normal @ x[i] - 0.1 - RADII[i] for i in range(n)]

@@ -34,6 +34,30 @@ def crowd(rng, n, d):
     return 1.1 * lattice + rng.uniform(-0.05, 0.05, size=(n, d)) + 0.6, rng.uniform(0.2, 0.5, size=n)
 
 
+def test_only_those_among_the_discs_meet(rng):
+    """The discs move as if they were alone, the points as if there were no discs."""
+    x0, radius = crowd(rng, 60, 2)
+    discs = rng.permutation(60)[:25]
+    pull = lambda t, x: -x  # noqa: E731
+    problem = dincl.Problem(x0, pull, [dincl.NonOverlap(radius[discs], among=discs)])
+    path = dincl.solve(problem, dincl.PBD(0.01), t=[0.8])
+    alone = dincl.solve(dincl.Problem(x0[discs], pull, [dincl.NonOverlap(radius[discs])]), dincl.PBD(0.01), t=[0.8])
+    assert alone.stats.constraint_projections > 60
+    assert path.final[discs].tolist() == alone.final.tolist()
+    points = np.setdiff1d(np.arange(60), discs)
+    assert path.final[points] == pytest.approx(x0[points] * 0.99**80, rel=1e-12)
+    assert path.stats.candidate_pairs == alone.stats.candidate_pairs
+    assert path.violation()[0] == pytest.approx(alone.violation()[0])
+
+
+def test_discs_that_coincide_are_named_as_particles():
+    away = lambda t, x: np.array([[0.0], [-1.0], [1.0]])  # noqa: E731
+    problem = dincl.Problem([[0.0], [1.5], [-1.5]], away, [dincl.NonOverlap(0.5, among=[2, 1])])
+    path = dincl.solve(problem, dincl.PBD(1.5), t=[1.5], throw=False)
+    assert path.status is dincl.Status.COINCIDENT_CENTRES
+    assert "Particles 1 and 2 lie" in path.detail
+
+
 @pytest.mark.parametrize("d", [1, 2, 3])
 @pytest.mark.parametrize("dt", [0.3, 0.01])
 def test_equals_the_printed_method(d, dt, rng):

@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import lengths, spread
+from dincl.checks import indices, lengths, spread, within
 from dincl.constraints.base import Constraint
 from dincl.constraints.rows import DistanceRows
+from dincl.errors import InvalidProblem
 from dincl.pairs import near_pairs
 from dincl.sweepers import PairSweeper, Sweeper
 
@@ -24,31 +25,48 @@ class NonOverlap(Constraint):
     Parameters
     ----------
     radius
-        One radius > 0 for all particles, or one each, shape (N,) [length].
+        One radius > 0 for all discs, or one each, shape (n,) [length].
+    among
+        The particles that are discs, shape (n,), each at most once, where others are points that meet nobody; None:
+        all particles.
 
-    Rows are ordered by i, then j < i, as in Algorithm 1 of chapter 2. Only near pairs are ever formed, at a cost
-    linear in N. Raises InvalidProblem for a radius that is not a finite number > 0.
+    Rows are ordered by i, then j < i, as in Algorithm 1 of chapter 2; of ``among``, in its own order. Only near pairs
+    are ever formed, at a cost linear in n. Raises InvalidProblem for a radius that is not a finite number > 0.
     """
 
     radius: ArrayLike
+    among: ArrayLike | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "radius", lengths("radius", self.radius, positive=True))
+        if self.among is not None:
+            among = indices("among", self.among)
+            if len(np.unique(among)) != len(among):
+                raise InvalidProblem(f"among = {self.among!r}: must name each particle at most once")
+            object.__setattr__(self, "among", among)
 
     def check(self, count: int, d: int) -> None:
+        within("among", self.discs(count), count)
         self.radii(count)
 
+    def discs(self, count: int) -> NDArray[np.int64]:
+        """Which of ``count`` particles are discs, shape (n,)."""
+        return np.arange(count) if self.among is None else np.asarray(self.among)
+
     def radii(self, count: int) -> NDArray[np.float64]:
-        """The radius of each of ``count`` particles, shape (count,)."""
-        return spread("radius", np.asarray(self.radius), count, "particles")
+        """The radius of each of ``count`` particles, shape (count,); 0 for one that is no disc."""
+        discs = self.discs(count)
+        radii = np.zeros(count)
+        radii[discs] = spread("radius", np.asarray(self.radius), len(discs), "particles")
+        return radii
 
     def select(self, x: NDArray[np.float64], reach: float) -> DistanceRows:
         """The pairs with a gap of at most 2 reach."""
-        radius = self.radii(len(x))
-        start, partner = near_pairs(x, radius + reach)
-        i = np.repeat(np.arange(len(x)), np.diff(start))
-        j = partner.astype(np.int64)
-        return DistanceRows(i, j, radius[i] + radius[j], 1.0)
+        discs, radii = self.discs(len(x)), self.radii(len(x))
+        start, partner = near_pairs(x[discs], radii[discs] + reach)
+        i, j = np.repeat(discs, np.diff(start)), discs[partner]
+        return DistanceRows(i, j, radii[i] + radii[j], 1.0)
 
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return PairSweeper(self.radii(len(x)))
+        discs = self.discs(len(x))
+        return PairSweeper(self.radii(len(x))[discs], None if self.among is None else discs)
