@@ -1,0 +1,58 @@
+"""The cells of a tissue as a structure of arrays, one entry per cell, in the order of the cells along the tissue."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+class Cells(NamedTuple):
+    """What there is to know about each cell; lengths in units of R_soft, times in hours.
+
+    All arrays have the same length: the number of cells, or in a running kernel a capacity of which the first n
+    entries are in use. Neighbours in the tissue are neighbours in the arrays.
+    """
+
+    x: Floats  # nucleus X = (x, y)
+    y: Floats
+    ax: Floats  # apical point A
+    ay: Floats
+    bx: Floats  # basal point B; by stays 0 while the point is on the basal line: one unknown, not two
+    by: Floats
+    rest_ax: Floats  # eta_ax (3.2): rest length of the apical spring, without the radius R_soft
+    rest_bx: Floats  # eta_bx (3.3)
+    rest_aa: Floats  # eta_aa (3.6): of the junction to the next cell of the apical layer
+    stiff_ax: Floats  # alpha_ax, alpha_bx, alpha_axb
+    stiff_bx: Floats
+    stiff_axb: Floats
+    radius: Floats  # R_hard
+    birth: Floats  # t_birth
+    cycle: Floats  # t_cycle (3.1)
+    moves: Flags  # whether the nucleus migrates before mitosis (INM)
+    divides: Flags  # whether the end of the cycle may bring a second daughter
+    id: Integers  # never used again for another cell
+    mother: Integers  # id of the cell it split from, -1 for a cell of the start
+
+
+class Layers(NamedTuple):
+    """Which cells hold on to which neighbour: indices into Cells, from left to right."""
+
+    apical: Integers  # (na,): junctions join consecutive entries (3.5)
+    basal: Integers  # (nb,): consecutive entries are ordered and at most max_basal apart (3.15)
+
+
+def empty(capacity: int) -> Cells:
+    """Cells of length ``capacity``, all zero."""
+    kinds = {"moves": np.bool_, "divides": np.bool_, "id": np.int64, "mother": np.int64}
+    return Cells(**{name: np.zeros(capacity, kinds.get(name, np.float64)) for name in Cells._fields})
+
+
+def first(cells: Cells, n: int) -> Cells:
+    """A copy of the first n cells."""
+    return Cells(*(array[:n].copy() for array in cells))

@@ -1,0 +1,138 @@
+"""What the values of a parameter file may be: calling one of these checks a value and returns it, or says why not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from numbers import Integral, Real
+from typing import Annotated, Any
+
+from pydantic import PlainSerializer, PlainValidator
+
+from tissue.units import DIFFUSION, DURATION, LENGTH, METRIC_LENGTH, RATE, Dimension, Measure, parse
+
+# Sizes in the units they are kept in: between these, squares and quotients stay finite and positive.
+SMALLEST, LARGEST = 1e-12, 1e12
+MOST_CELLS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Number:
+    """A pure number from 0, or > 0, to ``most``."""
+
+    zero: bool
+    most: float = LARGEST
+
+    @property
+    def allowed(self) -> str:
+        if self.most < LARGEST:
+            return f"a number from 0 to {self.most:g}, without unit"
+        return f"a number {'>= 0' if self.zero else '> 0'}, without unit"
+
+    def __call__(self, raw: Any) -> float:
+        if not _is(Real, raw) or not _signed(raw, self.zero):
+            raise ValueError(f"must be {self.allowed}")
+        if self.most < LARGEST and raw > self.most:
+            raise ValueError(f"must be {self.allowed}")
+        _check_size(raw, self.allowed, "")
+        return abs(float(raw))  # one way to write zero
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A quantity >= 0, or > 0, given as text with its unit."""
+
+    dimension: Dimension
+    zero: bool
+
+    @property
+    def allowed(self) -> str:
+        bound = ">= 0" if self.zero else "> 0"
+        return f"a {self.dimension.name} {bound} with its unit, such as {self.dimension.examples}"
+
+    def __call__(self, raw: Any) -> Measure:
+        try:
+            measure = parse(raw, self.dimension)
+        except ValueError as error:
+            raise ValueError(f"must be {self.allowed}; {error}") from error
+        if not _signed(measure.value, self.zero):
+            raise ValueError(f"must be {self.allowed}")
+        _check_size(measure.value, self.allowed, f" {measure.unit}")
+        return Measure(abs(measure.value), measure.unit)
+
+
+@dataclass(frozen=True)
+class Count:
+    """A whole number from 1 to ``most``."""
+
+    most: int
+
+    @property
+    def allowed(self) -> str:
+        return f"a whole number from 1 to {self.most}"
+
+    def __call__(self, raw: Any) -> int:
+        if not _is(Integral, raw) or not 1 <= raw <= self.most:
+            raise ValueError(f"must be {self.allowed}")
+        return int(raw)
+
+
+@dataclass(frozen=True)
+class Choice:
+    """One of a few values."""
+
+    options: tuple[str | int | bool, ...]
+
+    @property
+    def allowed(self) -> str:
+        return " or ".join(f'"{option}"' if isinstance(option, str) else f"{option}".lower() for option in self.options)
+
+    def __call__(self, raw: Any) -> Any:
+        if not any(type(raw) is type(option) and raw == option for option in self.options):
+            raise ValueError(f"must be {self.allowed}")
+        return raw
+
+
+@dataclass(frozen=True)
+class Interval:
+    """Parts of the height; a nucleus on a layer might have no direction to its basal or apical point."""
+
+    allowed: str = "a list of two fractions 0 <= low <= high <= 1, not both 0 and not both 1"
+
+    def __call__(self, raw: Any) -> tuple[float, float]:
+        pair = tuple(raw) if isinstance(raw, (list, tuple)) else ()
+        if len(pair) != 2 or not all(_is(Real, part) for part in pair):
+            raise ValueError(f"must be {self.allowed}")
+        low, high = pair
+        if not 0 <= low <= high <= 1 or high == 0 or low == 1:
+            raise ValueError(f"must be {self.allowed}")
+        return abs(float(low)), float(high)
+
+
+def _is(kind: type, raw: Any) -> bool:
+    """Whether this is a number of the kind; true and false are none."""
+    return isinstance(raw, kind) and not isinstance(raw, bool)
+
+
+def _signed(value: Any, zero: bool) -> bool:
+    """Whether a number, which may be NaN, has the sign that is allowed."""
+    return bool(value >= 0 if zero else value > 0)
+
+
+def _check_size(value: Any, allowed: str, unit: str) -> None:
+    if value != 0 and not SMALLEST <= value <= LARGEST:
+        raise ValueError(f"must be {allowed}; only sizes from {SMALLEST:g} to {LARGEST:g}{unit} can be computed with")
+
+
+_TEXT = PlainSerializer(str)
+MetricLength = Annotated[Measure, PlainValidator(Quantity(METRIC_LENGTH, zero=False)), _TEXT]
+Length = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=False)), _TEXT]
+LengthOrZero = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=True)), _TEXT]
+Duration = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=False)), _TEXT]
+DurationOrZero = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=True)), _TEXT]
+RateOrZero = Annotated[Measure, PlainValidator(Quantity(RATE, zero=True)), _TEXT]
+DiffusionOrZero = Annotated[Measure, PlainValidator(Quantity(DIFFUSION, zero=True)), _TEXT]
+Positive = Annotated[float, PlainValidator(Number(zero=False))]
+NonNegative = Annotated[float, PlainValidator(Number(zero=True))]
+Probability = Annotated[float, PlainValidator(Number(zero=True, most=1.0))]
+Flag = Annotated[bool, PlainValidator(Choice((True, False)))]
+Fractions = Annotated[tuple[float, float], PlainValidator(Interval()), PlainSerializer(list)]

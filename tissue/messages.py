@@ -1,0 +1,77 @@
+"""What is wrong with a parameter file, in lines that name key, value and what is allowed."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from difflib import SequenceMatcher
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+
+# A key in the same section counts as this much nearer than one in another.
+SAME_SECTION = 0.25
+
+
+def known_keys(shape: type[BaseModel]) -> list[str]:
+    """All keys, such as "tissue.cells"."""
+    return [f"{section}.{name}" for section, fields in _sections(shape).items() for name in fields.model_fields]
+
+
+def problems(error: ValidationError, shape: type[BaseModel], *, missing: bool) -> list[str]:
+    """One line for each bad, unknown and, on request, missing key; none for what the whole model finds wrong."""
+    items = (item for item in error.errors(include_url=False) if item["loc"])
+    return [_line(item, shape) for item in items if missing or item["type"] != "missing"]
+
+
+def unknown(key: str, value: Any, known: Iterable[str]) -> str:
+    """The line for a key that is none of the known ones."""
+    return f"{key} = {describe(value)}: unknown key; the nearest known one is {_nearest(key, known)}"
+
+
+def refuse(source: str, lines: Iterable[str]) -> InvalidProblem:
+    """The error that lists the lines; one alone stands behind the name of the source."""
+    found = list(lines)
+    if len(found) == 1:
+        return InvalidProblem(f"{source}: {found[0]}")
+    return InvalidProblem("\n  ".join([f"{source}: {len(found)} errors", *found]))
+
+
+def _line(item: Any, shape: type[BaseModel]) -> str:
+    key = ".".join(str(part) for part in item["loc"])
+    match item["type"]:
+        case "missing":
+            return f"{key} is missing: without a base it must be given, {_allowed(key, shape)}"
+        case "extra_forbidden":
+            top = [] if "." in key else ["base", *_sections(shape)]
+            return unknown(key, item["input"], [*top, *known_keys(shape)])
+        case "model_type":
+            return f"{key} = {describe(item['input'])}: must be {_allowed(key, shape)}"
+        case _:
+            return f"{key} = {describe(item['input'])}: {item['ctx']['error']}"
+
+
+def _allowed(key: str, shape: type[BaseModel]) -> str:
+    section, _, name = key.partition(".")
+    fields = _sections(shape)[section].model_fields
+    if not name:
+        return f"a section [{section}] with the keys {', '.join(fields)}"
+    return str(fields[name].metadata[0].func.allowed)
+
+
+def _nearest(key: str, known: Iterable[str]) -> str:
+    """The known key that looks most like this one: by its name, and rather in the section given."""
+    section, _, name = key.rpartition(".")
+
+    def likeness(candidate: str) -> float:
+        there, _, called = candidate.rpartition(".")
+        return SequenceMatcher(None, name, called).ratio() + SAME_SECTION * (there == section != "")
+
+    return max(known, key=likeness)
+
+
+def _sections(shape: type[BaseModel]) -> dict[str, Any]:
+    """The model of each section."""
+    return {name: field.annotation for name, field in shape.model_fields.items()}

@@ -1,0 +1,42 @@
+"""The parameters of a run as plain numbers: lengths in units of R_soft, times in hours, energies without unit."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Numbers(NamedTuple):
+    """What the kernels compute with; made from the parameters of a file by ``Parameters.numbers``."""
+
+    # Time stepping (Tables 3 and 5)
+    dt: float  # between updates of rules and events [h]
+    substeps: int  # PBD steps in one dt
+    mu: float  # damping [h]: mu dZ/dt = -grad W, energies having no unit
+    variance: float  # 2 D: of the noise per coordinate and hour [1/h]
+    noise_in_substeps: bool  # noise in each substep, in place of once before them
+    # Energies
+    power: int  # p of the springs, W = alpha (d - l)^2 / l^p with l = 1 + eta
+    junction: float  # k of a junction, force k (d - eta)
+    repulsion: float  # k of the soft repulsion, force k (2 - d) for d < 2
+    max_basal: float  # largest distance of neighbours in the basal layer (C2)
+    # Cells (Table 2)
+    alpha_ax: float
+    alpha_bx: float
+    alpha_axb: float
+    hard_radius: float
+    enlarged_radius: float
+    g2: float  # durations [h]
+    mitosis: float
+    min_cycle: float
+    max_cycle: float
+    rate_aa: float  # speeds of adaptation k [1/h]
+    rate_ax: float
+    rate_bx: float
+    # Rules
+    two_daughters: float  # probability that both daughters stay in the plane
+    division_offset: float
+    new_junction: float  # rest length of the junction between two daughters
+    floor_rest: bool  # desired rest length max(0, d - 1) in place of d - 1
+    enlarge_in_g2: bool  # the enlarged radius from G2 on, in place of from mitosis on
+    g2_stiffening: float  # factor of alpha_ax from G2 to division
+    resting_enlarge: bool  # cells without INM enlarge and stiffen like the others

@@ -1,0 +1,125 @@
+"""The sections of a parameter file: which keys there are and what each value may be.
+
+A section says nothing about combinations of values: ``tissue.combinations`` does.
+"""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, field_validator
+
+from tissue.fields import (
+    MOST_CELLS,
+    Choice,
+    Count,
+    DiffusionOrZero,
+    Duration,
+    DurationOrZero,
+    Flag,
+    Fractions,
+    Length,
+    LengthOrZero,
+    MetricLength,
+    NonNegative,
+    Positive,
+    Probability,
+    RateOrZero,
+)
+
+
+class Section(BaseModel):
+    """A table of a file: all keys have to be given, no others, and nothing changes afterwards."""
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    @field_validator("*")
+    @classmethod
+    def _note(cls, value: Any, info: ValidationInfo) -> Any:
+        """Note each good value in the context, so that combinations are checked although other values are bad."""
+        if info.context is not None:
+            info.context[cls, info.field_name] = value
+        return value
+
+
+class TissueSection(Section):
+    """[tissue]: Table 1."""
+
+    cells: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # N^init
+    height: Length  # h^init
+    width: Length  # w^init, of the box of the nuclei
+    apical_spacing: Length  # d^init-apical
+    basal_spacing: Length  # of the basal points at the start
+    max_basal_distance: Length  # d^max-basal (C2)
+    two_daughters: Probability  # p^div, that both daughters stay in the plane (section 2.2.5)
+    diffusion: DiffusionOrZero  # D
+
+
+class CellSection(Section):
+    """[cell]: Table 2."""
+
+    soft_radius: MetricLength  # R^soft, the unit of length R_soft
+    hard_radius: Length  # R^hard
+    enlarged_radius: Length  # R^hard,G2 (3.4)
+    initial_rest_length: LengthOrZero  # eta^init of both cytoskeleton springs
+    g2: DurationOrZero  # T^G2
+    mitosis: DurationOrZero  # T^mitosis
+    min_cycle: Duration  # T^min-cycle
+    max_cycle: Duration  # T^max-cycle
+    rate_aa: RateOrZero  # k^aa (3.6)
+    rate_ax: RateOrZero  # k^ax (3.2)
+    rate_bx: RateOrZero  # k^bx (3.3)
+    alpha_aa: NonNegative  # stiffness of the apical junctions
+    alpha_ax: NonNegative  # of the apical-nuclei spring
+    alpha_bx: NonNegative  # of the basal-nuclei spring
+    alpha_xx: NonNegative  # of the soft repulsion of nuclei
+    alpha_axb: NonNegative  # of the bending spring
+
+
+class NumericsSection(Section):
+    """[numerics]: Tables 3 and 5, and what is kept of a run."""
+
+    dt: Duration  # between updates of rules and events
+    substeps: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # PBD steps in one dt
+    mu: Duration  # damping coefficient
+    noise: Annotated[str, PlainValidator(Choice(("step", "substep")))]  # how often it is added
+    t_end: Duration
+    keep: Duration  # a state is kept every so often
+
+
+class RulesSection(Section):
+    """[rules]: where the variants of the model differ in more than a number."""
+
+    spring_power: Annotated[int, PlainValidator(Choice((1, 2)))]  # p of W = alpha (d - l)^2/l^p (3.9), (3.10)
+    junction_factor: NonNegative  # k of a junction (3.11) over alpha_aa
+    repulsion_factor: NonNegative  # k of the soft repulsion (3.13) over alpha_xx
+    floor_rest_length: Flag  # desired rest length max(0, d - R_soft) in place of d - R_soft
+    enlarge_from: Annotated[str, PlainValidator(Choice(("mitosis", "G2")))]  # when the enlarged radius begins
+    g2_stiffening: NonNegative  # factor of alpha_ax from G2 to division
+    resting_cells_enlarge: Flag  # whether a cell without INM enlarges and stiffens all the same
+
+
+class DivisionSection(Section):
+    """[division]: section 2.2.5."""
+
+    offset: Length  # of each daughter from the mother (3.7); at 0 the daughters would coincide
+    new_junction: LengthOrZero  # rest length of the junction between daughters, and of all junctions at the start
+
+
+class StartSection(Section):
+    """[start]: where the nuclei are."""
+
+    nuclei: Annotated[str, PlainValidator(Choice(("box", "even", "own_basal")))]  # rule of their x
+    nuclei_height: Fractions  # between which their y are drawn, of the height
+
+
+class DahaSection(Section):
+    """[daha]: Table 4, the damped Arrow-Hurwicz method of the quasi-steady model."""
+
+    alpha: Positive
+    beta: Positive
+    gamma: NonNegative
+    c: Positive
+    dtau: Positive
+    eps: Positive
+    most_iterations: Annotated[int, PlainValidator(Count(1_000_000_000))]

@@ -1,0 +1,107 @@
+"""Quantities of a parameter file: a number with its unit, such as "5 um", "30 min", "1/3 R_soft", "2.5 um^2/h"."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from typing import Any
+
+# R_soft is a unit of its own, no length in um: what it measures is only known with the soft radius of the file.
+SOFT_RADIUS = "R_soft = [soft_radius]"
+# A decimal number, perhaps over a whole one, then a unit: names with powers, multiplied or divided.
+_NUMBER = r"(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:/(?P<over>[1-9][0-9]{0,3}))?"
+_FACTOR = r"[A-Za-zµμ_]+(?:(?:\^|\*\*)-?[1-9])?"
+_UNIT = rf"(?P<unit>(?:1? */ *)?{_FACTOR}(?:(?: *[*/] *| +){_FACTOR})*)"
+_QUANTITY = re.compile(rf" *{_NUMBER} *(?:{_UNIT})? *")
+
+
+@dataclass(frozen=True)
+class Dimension:
+    """What a quantity measures.
+
+    Attributes
+    ----------
+    name
+        As in a message.
+    units
+        The units it is kept in: any other unit is converted to the first one that measures the same.
+    examples
+        As in a message.
+    """
+
+    name: str
+    units: tuple[str, ...]
+    examples: str
+
+
+LENGTH = Dimension("length", ("um", "R_soft"), '"5 um" or "1.5 R_soft"')
+METRIC_LENGTH = Dimension("length in metres", ("um",), '"5 um"')  # for R_soft itself
+DURATION = Dimension("duration", ("h",), '"30 min" or "10 h"')
+RATE = Dimension("rate", ("1/h",), '"5 1/h"')
+DIFFUSION = Dimension("diffusion coefficient", ("um^2/h", "R_soft^2/h"), '"2.5 um^2/h" or "0.1 R_soft^2/h"')
+
+# The power of R_soft that makes a quantity of this unit free of um.
+_POWERS = {"um": 1, "um^2/h": 2}
+
+
+@dataclass(frozen=True)
+class Measure:
+    """A quantity in one of the units of its dimension; ``str`` writes it so that ``parse`` gives the same back."""
+
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        return f"{repr(self.value).removesuffix('.0')} {self.unit}"
+
+
+def parse(text: Any, dimension: Dimension) -> Measure:
+    """The quantity that a text such as "5 um" stands for.
+
+    Raises
+    ------
+    ValueError
+        If it is none of this dimension; the message says what is wrong with it.
+    """
+    if not isinstance(text, str):
+        raise ValueError("it must be a text of number and unit")  # noqa: TRY004 - input errors are of one class
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise ValueError("it must consist of a number and a unit")
+    if match["unit"] is None:
+        raise ValueError("the unit is missing")
+    factor, unit = _factor(match["unit"], dimension)
+    return Measure(float(match["number"]) / int(match["over"] or 1) * factor, unit)
+
+
+def reduced(measure: Measure, soft_radius: Measure) -> float:
+    """The number for lengths in R_soft and times in h; ``soft_radius`` is in um."""
+    return measure.value / soft_radius.value ** _POWERS.get(measure.unit, 0)
+
+
+@lru_cache(maxsize=1024)
+def _factor(unit: str, dimension: Dimension) -> tuple[float, str]:
+    """How much of which unit of the dimension one ``unit`` is; a unit of the dimension itself needs no registry."""
+    if unit in dimension.units:
+        return 1.0, unit
+    from pint.errors import PintError
+
+    try:
+        found = _registry().parse_units(f"1{unit}" if unit.startswith("/") else unit)
+        for kept in dimension.units:
+            if found.is_compatible_with(kept):
+                return float(_registry().convert(1.0, found, kept)), kept
+    except PintError as error:
+        raise ValueError(f"{unit} is not known as a unit") from error
+    raise ValueError(f"{unit} is no unit of a {dimension.name}")
+
+
+@cache
+def _registry() -> Any:
+    """The only registry of units, made when the first unit is looked up."""
+    import pint
+
+    registry: Any = pint.UnitRegistry()
+    registry.define(SOFT_RADIUS)
+    return registry
