@@ -113,13 +113,14 @@ def start(n, seed):
 
 
 def _thrown(rng, place, radius):
-    """Nuclei thrown one after another around their places, again where a hard disc is hit."""
+    """Nuclei thrown around their places one after another, and again from farther away where a hard disc is hit."""
     centres = np.zeros((len(place), 2))
     for i in range(len(place)):
-        free = False
+        free, aside = False, 1.0
         while not free:
-            centres[i] = place[i] + rng.uniform(-1.0, 1.0), rng.uniform(0.15, 0.85) * HEIGHT
+            centres[i] = place[i] + rng.uniform(-aside, aside), rng.uniform(0.15, 0.85) * HEIGHT
             free = (np.hypot(*(centres[:i] - centres[i]).T) >= radius[:i] + radius[i]).all()
+            aside *= 1.05
     return centres
 
 

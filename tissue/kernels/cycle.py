@@ -1,0 +1,65 @@
+"""The rules of the cell cycle, applied once per dt: division, phases, rest lengths (sections 2.2.1 to 2.2.5)."""
+
+from __future__ import annotations
+
+import math
+
+from numpy.random import Generator
+
+from tissue.cells import Cells
+from tissue.kernels._numba import kernel
+from tissue.kernels.scratch import STALE
+from tissue.kernels.store import CELLS, Store
+from tissue.numbers import Numbers
+
+
+@kernel
+def draw_cycle(numbers: Numbers, draws: Generator) -> float:
+    """t_cycle ~ U(T_min, T_max)  (3.1)."""
+    return numbers.min_cycle + (numbers.max_cycle - numbers.min_cycle) * draws.random()
+
+
+@kernel
+def in_g2(cells: Cells, i: int, t: float, numbers: Numbers) -> bool:
+    """Whether t_age >= t_G2 = t_cycle - T_G2 - T_mitosis: the active part of G2, or mitosis."""
+    return t - cells.birth[i] >= cells.cycle[i] - numbers.g2 - numbers.mitosis
+
+
+@kernel
+def set_phases(store: Store, t: float, numbers: Numbers) -> None:
+    """Hard radius (3.4) and stiffness of the apical spring at time t, from the phase of each cell."""
+    cells = store.cells
+    for i in range(store.sizes[CELLS]):
+        changes = cells.moves[i] or numbers.resting_enlarge
+        late = in_g2(cells, i, t, numbers)
+        mitosis = t - cells.birth[i] >= cells.cycle[i] - numbers.mitosis
+        enlarged = changes and (late if numbers.enlarge_in_g2 else mitosis)
+        radius = numbers.enlarged_radius if enlarged else numbers.hard_radius
+        if radius > cells.radius[i]:  # the lists know smaller discs
+            store.scratch.flags[STALE] = 1
+        cells.radius[i] = radius
+        cells.stiff_ax[i] = numbers.alpha_ax * (numbers.g2_stiffening if changes and late else 1.0)
+
+
+@kernel
+def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
+    """Relax each rest length towards what the phase wants, eta <- eta* + (eta - eta*) exp(-k dt)  (3.2), (3.3), (3.6).
+
+    eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3) 0 for the apical and |A - B| - 2 for
+    the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink towards 0.
+    """
+    cells = store.cells
+    keep_ax, keep_bx = math.exp(-numbers.rate_ax * numbers.dt), math.exp(-numbers.rate_bx * numbers.dt)
+    keep_aa = math.exp(-numbers.rate_aa * numbers.dt)
+    for i in range(store.sizes[CELLS]):
+        if cells.moves[i] and in_g2(cells, i, t, numbers):
+            wanted_ax = 0.0
+            wanted_bx = math.hypot(cells.ax[i] - cells.bx[i], cells.ay[i] - cells.by[i]) - 2.0
+        else:
+            wanted_ax = math.hypot(cells.x[i] - cells.ax[i], cells.y[i] - cells.ay[i]) - 1.0
+            wanted_bx = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
+        if numbers.floor_rest:
+            wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
+        cells.rest_ax[i] = wanted_ax + (cells.rest_ax[i] - wanted_ax) * keep_ax
+        cells.rest_bx[i] = wanted_bx + (cells.rest_bx[i] - wanted_bx) * keep_bx
+        cells.rest_aa[i] *= keep_aa

@@ -1,0 +1,122 @@
+"""The displacement of a substep by the forces: explicit Euler, Z - (h / mu) grad W(Z)."""
+
+from __future__ import annotations
+
+from tissue.cells import Cells, Layers
+from tissue.kernels._numba import kernel
+from tissue.kernels.lanes import WIDTH, load, spread, store, twice_rsqrt, where_positive
+from tissue.kernels.scratch import SOFT_PAIRS, Scratch
+from tissue.numbers import Numbers
+
+
+@kernel
+def prepare(
+    cells: Cells, n: int, layers: Layers, apical: int, numbers: Numbers, scale: float, scratch: Scratch
+) -> None:
+    """Coefficients that stay the same until the rules change again; ``scale`` = h / mu.
+
+    The spring W = alpha (d - l)^2 / l^p, l = 1 + eta, moves X by -k (1 - l / d) (X - A), k = 2 alpha scale / l^p.
+    """
+    squared = numbers.power == 2
+    for i in range(n):
+        l_ax, l_bx = 1.0 + cells.rest_ax[i], 1.0 + cells.rest_bx[i]
+        scratch.l_ax[i], scratch.l_bx[i] = l_ax, l_bx
+        scratch.k_ax[i] = 2.0 * scale * cells.stiff_ax[i] / (l_ax * l_ax if squared else l_ax)
+        scratch.k_bx[i] = 2.0 * scale * cells.stiff_bx[i] / (l_bx * l_bx if squared else l_bx)
+        scratch.k_axb[i] = scale * cells.stiff_axb[i]
+    for k in range(apical - 1):
+        scratch.rest[k] = cells.rest_aa[layers.apical[k]]
+
+
+@kernel
+def repulsion(cells: Cells, n: int, strength: float, scratch: Scratch) -> None:
+    """Push of the soft discs on each nucleus, k (2 - d) along the line of centres, for the sorted nuclei.
+
+    A block of nuclei meets all nuclei of its window one after the other: no list of pairs, no branch. A pair beyond the
+    range adds nothing, for 2 / d - 1 <= 0, nor does a nucleus with itself. Without strength no pair is looked at.
+    """
+    if strength == 0.0:
+        scratch.push_x[:n] = 0.0
+        scratch.push_y[:n] = 0.0
+        return
+    for s in range(n):
+        scratch.sorted_x[s] = cells.x[scratch.order[s]]
+        scratch.sorted_y[s] = cells.y[scratch.order[s]]
+    pairs = 0
+    for block in range((n + WIDTH - 1) // WIDTH):
+        start, end = block * WIDTH, block * WIDTH + WIDTH
+        low, high = scratch.low[block], scratch.high[block]
+        pairs += high - low
+        x, y = load(scratch.sorted_x, start), load(scratch.sorted_y, start)
+        push_x, push_y = spread(0.0), spread(0.0)
+        for part in range(3):  # before the block, in it, after it: only in it a nucleus meets itself
+            begin = (low, start, end)[part]
+            stop = (min(start, high), min(end, n), high)[part]
+            for s in range(begin, stop):
+                dx, dy = x - scratch.sorted_x[s], y - scratch.sorted_y[s]
+                square = dx * dx + dy * dy
+                weight = twice_rsqrt(square) - 1.0
+                weight = where_positive(weight, weight)
+                if part == 1:
+                    weight = where_positive(square, weight)
+                push_x, push_y = push_x + weight * dx, push_y + weight * dy
+        store(scratch.push_x, start, strength * push_x)
+        store(scratch.push_y, start, strength * push_y)
+    scratch.counts[SOFT_PAIRS] += pairs * WIDTH
+
+
+@kernel
+def junctions(cells: Cells, layers: Layers, apical: int, strength: float, scratch: Scratch) -> None:
+    """Pull k (d - eta) of the junction behind each point of the apical layer towards the next, for the layer."""
+    for k in range(apical):
+        i = layers.apical[k]
+        scratch.layer_x[k] = cells.ax[i]
+        scratch.layer_y[k] = cells.ay[i]
+    half = 0.5 * strength
+    for k in range(0, apical - 1, WIDTH):
+        dx = load(scratch.layer_x, k + 1) - load(scratch.layer_x, k)
+        dy = load(scratch.layer_y, k + 1) - load(scratch.layer_y, k)
+        pull = strength - half * load(scratch.rest, k) * twice_rsqrt(dx * dx + dy * dy)
+        store(scratch.pull_x, k, pull * dx)
+        store(scratch.pull_y, k, pull * dy)
+
+
+@kernel
+def move_by_springs(cells: Cells, n: int, scratch: Scratch) -> None:
+    """Move the three points of each cell by its two springs and by its bending energy, in place.
+
+    With u = A - X, v = B - X, c the cosine between them, and W = alpha (c + 1):
+    -dW/dA = alpha (c u / |u|^2 - v / (|u| |v|)), likewise for B; the forces on A, B and X add up to zero.
+    """
+    for i in range(0, n, WIDTH):
+        x, y = load(cells.x, i), load(cells.y, i)
+        ux, uy = load(cells.ax, i) - x, load(cells.ay, i) - y
+        vx, vy = load(cells.bx, i) - x, load(cells.by, i) - y
+        by_u, by_v = 0.5 * twice_rsqrt(ux * ux + uy * uy), 0.5 * twice_rsqrt(vx * vx + vy * vy)
+        bend = load(scratch.k_axb, i) * by_u * by_v
+        turn = bend * (ux * vx + uy * vy)
+        along_u = load(scratch.k_ax, i) * (load(scratch.l_ax, i) * by_u - 1.0) + turn * by_u * by_u
+        along_v = load(scratch.k_bx, i) * (load(scratch.l_bx, i) * by_v - 1.0) + turn * by_v * by_v
+        dax, day = along_u * ux - bend * vx, along_u * uy - bend * vy
+        dbx, dby = along_v * vx - bend * ux, along_v * vy - bend * uy
+        store(cells.x, i, x - dax - dbx)
+        store(cells.y, i, y - day - dby)
+        store(cells.ax, i, load(cells.ax, i) + dax)
+        store(cells.ay, i, load(cells.ay, i) + day)
+        store(cells.bx, i, load(cells.bx, i) + dbx)
+        store(cells.by, i, load(cells.by, i) + load(scratch.by_moves, i) * dby)
+
+
+@kernel
+def move_by_neighbours(cells: Cells, n: int, layers: Layers, apical: int, scratch: Scratch) -> None:
+    """Add the pushes between nuclei and the pulls of the junctions to the positions."""
+    for s in range(n):
+        cells.x[scratch.order[s]] += scratch.push_x[s]
+        cells.y[scratch.order[s]] += scratch.push_y[s]
+    behind_x, behind_y = 0.0, 0.0
+    for k in range(apical):
+        i = layers.apical[k]
+        pull_x, pull_y = (scratch.pull_x[k], scratch.pull_y[k]) if k < apical - 1 else (0.0, 0.0)
+        cells.ax[i] += pull_x - behind_x
+        cells.ay[i] += pull_y - behind_y
+        behind_x, behind_y = pull_x, pull_y

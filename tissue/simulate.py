@@ -1,0 +1,97 @@
+"""The first-order model of growing epithelium, stepped by position based dynamics (Method 3.7)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+
+from dincl.status import Status
+from tissue.kernels.advance import CROWDED, DONE, FULL, NON_FINITE, advance, find_lost
+from tissue.kernels.neighbours import LOST
+from tissue.kernels.scratch import COUNTERS
+from tissue.kernels.store import CELLS, Store, contents, grown
+from tissue.numbers import Numbers
+from tissue.parameters import Parameters
+from tissue.run import Frame, Run, RunFailed
+from tissue.start import first_state
+from tissue.streams import Streams, streams
+
+# Makes the steps ``made`` to ``steps``: the store, how many are made then, how it went, and the particulars in words.
+Advance = Callable[[Store, int, int, Numbers, Streams], tuple[Store, int, Status, str]]
+STATUS = {DONE: Status.SUCCESS, CROWDED: Status.CROWDED, NON_FINITE: Status.NON_FINITE}
+
+
+def simulate(
+    parameters: Parameters, seed: int = 0, *, throw: bool = True, watch: Callable[[float], None] | None = None
+) -> Run:
+    """Grow a tissue from t = 0 to ``parameters.t_end``.
+
+    mu dZ/dt in -grad W(Z) - N(S, Z) + noise, with the rules of the cell cycle applied every dt (Method 3.7).
+
+    Parameters
+    ----------
+    parameters
+        From ``load`` or ``preset``.
+    seed
+        An integer >= 0. The run is a function of (parameters, seed): on one kind of processor the same bits.
+    throw
+        Whether a run that fails raises; otherwise its Status says so.
+    watch
+        Called with the time [h] of each state that is kept after the first.
+
+    Raises
+    ------
+    InvalidProblem
+        For a bad seed, or for more cells than fit at the start.
+    RunFailed
+        If coordinates leave the finite numbers, or cells crowd beyond all bounds; the error carries the Run up to then.
+    """
+    run = grow(parameters, seed, _advance, watch)
+    if throw and not run.status:
+        raise RunFailed(run)
+    return run
+
+
+def grow(parameters: Parameters, seed: int, advance: Advance, watch: Callable[[float], None] | None) -> Run:
+    """The run whose steps ``advance`` makes; the arguments and the first error are those of ``simulate``."""
+    numbers, random = parameters.numbers(), streams(seed)
+    held, parted = first_state(parameters.start_numbers(), numbers, random.start)
+    frames = [Frame(0.0, *contents(held))]
+    made, status, detail = 0, Status.SUCCESS, ""
+    for step in kept_steps(parameters):
+        held, made, status, detail = advance(held, made, step, numbers, random)
+        frames.append(Frame((made + (not status)) * numbers.dt, *contents(held)))
+        if watch is not None:
+            watch(frames[-1].t)
+        if not status:
+            break
+    stats = dict(zip(COUNTERS, held.scratch.counts.tolist(), strict=True))
+    return Run(parameters, seed, tuple(frames), status, detail, stats, parted)
+
+
+def kept_steps(parameters: Parameters) -> Iterator[int]:
+    """The numbers of steps after which a state is kept: every ``keep`` hours, and at the end."""
+    dt, every = parameters.numerics.dt.value, parameters.keep
+    last = round(parameters.t_end / dt)
+    kept = 1
+    while round(kept * every / dt) < last:
+        yield round(kept * every / dt)
+        kept += 1
+    yield last
+
+
+def _advance(held: Store, made: int, steps: int, numbers: Numbers, random: Streams) -> tuple[Store, int, Status, str]:
+    """Advance in as many calls as the growth of the arrays takes."""
+    while True:
+        made, end = advance(held, made, steps, numbers, random.cycle, random.noise)
+        if end != FULL:
+            return held, made, STATUS[end], "" if end == DONE else _words(held, (made + 1) * numbers.dt)
+        held = grown(held)
+
+
+def _words(held: Store, t: float) -> str:
+    """Where a run failed."""
+    cell = find_lost(held.cells, held.sizes[CELLS])
+    if cell >= 0:
+        lost = f"cell {held.cells.id[cell]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
+        return f"t = {t:g} h: {lost}."
+    return f"t = {t:g} h: {held.sizes[CELLS]} cells lie on top of each other."

@@ -1,0 +1,103 @@
+"""The first state of a tissue: points as the parameters say, and nuclei pushed apart until none overlap."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.random import Generator
+
+from dincl.errors import InvalidProblem
+from tissue.cells import Cells, Floats
+from tissue.kernels.cycle import set_phases
+from tissue.kernels.neighbours import make_lists
+from tissue.kernels.store import Store, stored
+from tissue.kernels.sweeps import largest_overlap, separate
+from tissue.numbers import Numbers
+from tissue.numbers_start import Start
+
+# Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
+TOUCHING = 1e-10
+MOST_SWEEPS = 10_000
+
+
+class Parted(NamedTuple):
+    """What was done to the drawn positions to make them feasible."""
+
+    sweeps: int  # over all pairs
+    moved: float  # largest displacement of a nucleus [R_soft]
+
+
+def first_state(start: Start, numbers: Numbers, draws: Generator) -> tuple[Store, Parted]:
+    """Draw a tissue and make it feasible.
+
+    Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle].
+    Drawn nuclei overlap: sweeps of (C1) part them, so that the hard discs do not overlap by more than 1e-10. Neighbours
+    in the basal layer are as far apart as the parameters say, which these ensure to be feasible.
+
+    Raises
+    ------
+    InvalidProblem
+        If the nuclei could not be parted: more cells than fit.
+    """
+    held = stored(_drawn(start, numbers, draws), capacity=2 * start.cells)
+    set_phases(held, 0.0, numbers)
+    return held, _part(held, start.cells)
+
+
+def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
+    """Cells with the drawn positions, ages and cycles."""
+    n = start.cells
+    places = np.arange(n) - (n - 1) / 2
+    apical, basal = start.apical_spacing * places, start.basal_spacing * places
+    cycle = draws.uniform(numbers.min_cycle, numbers.max_cycle, n)
+    age = draws.uniform(0.0, 1.0, n) * cycle
+    return Cells(
+        x=_columns(start, basal, draws),
+        y=draws.uniform(start.nuclei_low, start.nuclei_high, n),
+        ax=apical,
+        ay=np.full(n, start.height),
+        bx=basal,
+        by=np.zeros(n),
+        rest_ax=np.full(n, start.rest_length),
+        rest_bx=np.full(n, start.rest_length),
+        rest_aa=np.full(n, start.junction),
+        stiff_ax=np.full(n, numbers.alpha_ax),
+        stiff_bx=np.full(n, numbers.alpha_bx),
+        stiff_axb=np.full(n, numbers.alpha_axb),
+        radius=np.full(n, numbers.hard_radius),
+        birth=-age,
+        cycle=cycle,
+        moves=np.ones(n, np.bool_),
+        divides=np.ones(n, np.bool_),
+        id=np.arange(n),
+        mother=np.full(n, -1),
+    )
+
+
+def _columns(start: Start, basal: Floats, draws: Generator) -> Floats:
+    """x of the nuclei: in the box at random, in the order of the cells; near even places; or above the basal points."""
+    n, width = start.cells, start.width
+    if start.nuclei == "own_basal":
+        return basal.copy()
+    if start.nuclei == "even":
+        step = width / (n + 1)
+        return step * (np.arange(n) + 1) - width / 2 + draws.uniform(-step, step, n)
+    return np.sort(draws.uniform(-width / 2, width / 2, n))
+
+
+def _part(held: Store, n: int) -> Parted:
+    """Sweep over the pairs until none overlap."""
+    cells = held.cells
+    x, y = cells.x[:n].copy(), cells.y[:n].copy()
+    for sweeps in range(MOST_SWEEPS):
+        if not make_lists(cells, n, held.scratch):
+            break
+        if largest_overlap(cells, n, held.scratch) <= TOUCHING:
+            held.scratch.counts[:] = 0
+            return Parted(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))
+        separate(cells, n, held.scratch)
+    raise InvalidProblem(
+        f"tissue.cells = {n}: more than fit: their hard discs could not be parted in {MOST_SWEEPS} sweeps; must be "
+        "fewer cells, a larger box or smaller hard discs"
+    )

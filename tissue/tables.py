@@ -1,0 +1,128 @@
+"""A run as tables for pandas; lengths in um, times in hours."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+
+from tissue.observables import (
+    PHASES,
+    ab_positions,
+    extruded,
+    height,
+    is_measurable,
+    nuclear_layers,
+    phases,
+    widths,
+)
+
+if TYPE_CHECKING:
+    from tissue.run import Frame, Run
+
+# Columns that are lengths, and the array of Cells each one is taken from.
+LENGTHS = {
+    "nucleus_x_um": "x",
+    "nucleus_y_um": "y",
+    "apical_x_um": "ax",
+    "apical_y_um": "ay",
+    "basal_x_um": "bx",
+    "basal_y_um": "by",
+    "hard_radius_um": "radius",
+    "apical_rest_um": "rest_ax",
+    "basal_rest_um": "rest_bx",
+    "junction_rest_um": "rest_aa",
+}
+
+
+def cell_table(run: Run) -> pd.DataFrame:
+    """One row for each kept time and cell, by time, then along the tissue.
+
+    A state that is not finite, the last one of a run that left the finite numbers, has no rows.
+
+    ======================================================  ========  ===============================================
+    ``time_h``                                              float64   t
+    ``id``, ``mother``                                      int64     of the cell; of the one it split from, or -1
+    ``phase``                                               category  "G1/S", "G2" or "mitosis", in this order
+    ``age_h``, ``cycle_h``                                  float64   t - t_birth; t_cycle (3.1)
+    ``nucleus_x_um``, ``nucleus_y_um``                      float64   X
+    ``apical_x_um``, ``apical_y_um``                        float64   A
+    ``basal_x_um``, ``basal_y_um``                          float64   B
+    ``hard_radius_um``                                      float64   R_hard at this time
+    ``apical_rest_um``, ``basal_rest_um``                   float64   eta_ax (3.2), eta_bx (3.3), without R_soft
+    ``junction_rest_um``                                    float64   eta_aa (3.6) of the junction to the next cell
+    ``y_ab``                                                float64   position on the apical-basal scale (3.3.1)
+    ``in_apical_layer``, ``in_basal_layer``                 bool      whether it has neighbours there
+    ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
+    ======================================================  ========  ===============================================
+    """
+    frames = _measurable(run)
+    columns = [dict(_of_cells(frame, run)) for frame in frames]
+    return pd.DataFrame({name: _joined([part[name] for part in columns]) for name in columns[0]})
+
+
+def summary_table(run: Run) -> pd.DataFrame:
+    """One row for each kept time; what is measured is defined in ``tissue.observables``.
+
+    A state that is not finite has no row.
+
+    ======================================================  ========  ===============================================
+    ``time_h``                                              float64   t
+    ``cells``                                               int64     N
+    ``divisions``                                           int64     into two cells of the plane, since the start
+    ``height_um``                                           float64   mean height of the apical layer
+    ``apical_width_um``, ``basal_width_um``                 float64   extent in x of the layers
+    ``nuclei_width_um``                                     float64   extent in x of the centres of the nuclei
+    ``nuclear_layers``                                      float64   soft discs that a vertical line crosses
+    ``mean_y_ab``                                           float64   mean position on the apical-basal scale
+    ``apically_extruded``, ``basally_extruded``             int64     cells with y_AB > 1, with y_AB < 0  (4.3)
+    ======================================================  ========  ===============================================
+    """
+    return pd.DataFrame([_of_tissue(frame, _um(run)) for frame in _measurable(run)])
+
+
+def _measurable(run: Run) -> list[Frame]:
+    return [frame for frame in run.frames if is_measurable(frame)]
+
+
+def _um(run: Run) -> float:
+    """R_soft in um."""
+    return run.parameters.cell.soft_radius.value
+
+
+def _of_cells(frame: Frame, run: Run) -> Iterator[tuple[str, Any]]:
+    cells, layers, each = frame.cells, frame.layers, np.arange(len(frame.cells.x))
+    yield "time_h", np.full(len(each), frame.t)
+    yield from (("id", cells.id), ("mother", cells.mother))
+    yield "phase", pd.Categorical.from_codes(phases(frame, run.parameters.numbers()), PHASES, ordered=True)
+    yield from (("age_h", frame.t - cells.birth), ("cycle_h", cells.cycle))
+    yield from ((column, _um(run) * getattr(cells, name)) for column, name in LENGTHS.items())
+    yield "y_ab", ab_positions(frame)
+    yield from (("in_apical_layer", np.isin(each, layers.apical)), ("in_basal_layer", np.isin(each, layers.basal)))
+    yield from (("migrates", cells.moves), ("divides", cells.divides))
+
+
+def _joined(parts: Sequence[Any]) -> Any:
+    if isinstance(parts[0], pd.Categorical):
+        return pd.api.types.union_categoricals(parts)
+    return np.concatenate(parts)
+
+
+def _of_tissue(frame: Frame, um: float) -> dict[str, float | int]:
+    positions, extents = ab_positions(frame), widths(frame)
+    outside = extruded(positions)
+    return {
+        "time_h": frame.t,
+        "cells": len(frame.cells.x),
+        "divisions": int((frame.cells.mother >= 0).sum()),
+        "height_um": um * height(frame),
+        "apical_width_um": um * extents.apical,
+        "basal_width_um": um * extents.basal,
+        "nuclei_width_um": um * extents.nuclei,
+        "nuclear_layers": nuclear_layers(frame),
+        "mean_y_ab": float(positions.mean()),
+        "apically_extruded": outside.apically,
+        "basally_extruded": outside.basally,
+    }
