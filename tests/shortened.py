@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.shortened_tissue import shorten_daha, shorten_tissue
 from verification import (
     convergence,
     extrapolation,
@@ -47,6 +48,8 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(sheet, "DPI", 50)
     shorten_stability(patch)
     shorten_work_precision(patch)
+    shorten_tissue(patch)
+    shorten_daha(patch)
 
 
 def shorten_work_precision(patch: pytest.MonkeyPatch) -> None:

@@ -38,10 +38,18 @@ SECTIONS = [
     "The Pacman set",
     "How far from convex: the constant of prox-regularity",
     "Consistency of PBD",
+    "Substeps: how exact, how fast",
+    "PBD against catch-up on a frozen tissue",
+    "How long nuclei can be foretold",
+    "Growth of the height",
+    "Where substeps become unstable",
+    "DAHA against PBD",
+    "How far from a minimum a step ends",
+    "The kernel",
     "How the statements came out",
     "Differential inclusions (chapter 1)",
     "First-order PBD (chapter 2)",
-    "Minimisers for the tissue (chapter 3 and appendix 1)",
+    "Growing tissue and its minimisers (chapter 3 and appendix 1)",
 ]
 TABLES = {
     "references",
@@ -71,6 +79,43 @@ TABLES = {
     "consistency_settling",
     "consistency",
     "claims",
+    "tissue_catch_up",
+    "tissue_catch_up_errors",
+    "tissue_catch_up_orders",
+    "tissue_daha",
+    "tissue_daha_descent",
+    "tissue_daha_distances",
+    "tissue_daha_failures",
+    "tissue_daha_fits",
+    "tissue_daha_held",
+    "tissue_daha_iterations",
+    "tissue_daha_multipliers",
+    "tissue_daha_speed",
+    "tissue_distances",
+    "tissue_disturbed",
+    "tissue_doubling",
+    "tissue_enough",
+    "tissue_errors",
+    "tissue_foretold",
+    "tissue_growth",
+    "tissue_heights",
+    "tissue_jitter",
+    "tissue_judged",
+    "tissue_judged_steps",
+    "tissue_kernel",
+    "tissue_kernel_growth",
+    "tissue_limits",
+    "tissue_limits_found",
+    "tissue_map_bending",
+    "tissue_map_damping",
+    "tissue_map_springs",
+    "tissue_map_steps",
+    "tissue_orders",
+    "tissue_rates",
+    "tissue_ratios",
+    "tissue_substeps",
+    "tissue_swing",
+    "tissue_thrown",
 }
 
 
@@ -135,7 +180,7 @@ def test_page_opens_offline(made: tuple[Path, Context]) -> None:
     text = made[0].read_text("utf-8")
     page = Page(text)
     assert "://" not in text
-    assert len(page.images) == 18
+    assert len(page.images) == 28
     assert all(image.startswith("data:image/png;base64,") for image in page.images)
     outside = [link for link in page.links if not link.startswith("#")]
     assert outside
@@ -146,7 +191,7 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
     folder = made[0].parent
     assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
     assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
-    assert len(list((folder / "figures").glob("*.png"))) == 18
+    assert len(list((folder / "figures").glob("*.png"))) == 28
     assert list(folder.rglob(".*.new")) == []
 
 

@@ -183,7 +183,7 @@ def test_daughters_fit_into_the_disc_of_their_mother(model):
 @both
 @pytest.mark.parametrize("seed", range(4))
 def test_in_a_crowd_one_sweep_leaves_some_overlap(model, seed):
-    """Later pairs push the daughters back: some percent are left after a substep, less after the 20 of a dt."""
+    """Pairs swept later push the daughters back, or further: after the 20 substeps of a dt less is left of that."""
     n, mother = 40, 19
     state = tissue_states.divided(tissue_states.cells(n, seed), mother)
     parts = []
@@ -191,5 +191,5 @@ def test_in_a_crowd_one_sweep_leaves_some_overlap(model, seed):
         once = numbers(variance=0.0, dt=0.005 * substeps, substeps=substeps)
         moved = model.make_substeps(state, layers(n + 1), once, None)
         parts.append(np.hypot(*(np.diff((moved.x, moved.y))[:, mother])) / (2 / 3))
-    assert 0.8 < parts[0] < 1 + 1e-12
-    assert parts[1] > max(0.9, parts[0])
+    assert 0.75 < parts[0]
+    assert parts[1] > max(0.9, min(1 - 1e-12, parts[0]))

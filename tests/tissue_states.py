@@ -38,6 +38,7 @@ THESIS = Numbers(
 )
 HEIGHT = 8.0
 SPACING = 1 / 6  # of basal and apical points of random tissues: half of the maximal basal distance
+PATIENCE = 500  # throws of a nucleus near its place
 ENLARGED = 0.1  # part of the cells of random tissues that have the enlarged radius
 
 
@@ -113,14 +114,15 @@ def start(n, seed):
 
 
 def _thrown(rng, place, radius):
-    """Nuclei thrown around their places one after another, and again from farther away where a hard disc is hit."""
+    """Nuclei thrown around their places one after another, again where a hard disc is hit, in the end from farther."""
     centres = np.zeros((len(place), 2))
     for i in range(len(place)):
-        free, aside = False, 1.0
+        free, throws = False, 0
         while not free:
+            aside = max(1.0, throws / PATIENCE)
             centres[i] = place[i] + rng.uniform(-aside, aside), rng.uniform(0.15, 0.85) * HEIGHT
             free = (np.hypot(*(centres[:i] - centres[i]).T) >= radius[:i] + radius[i]).all()
-            aside *= 1.05
+            throws += 1
     return centres
 
 

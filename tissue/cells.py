@@ -41,7 +41,7 @@ class Cells(NamedTuple):
 
 
 class Layers(NamedTuple):
-    """Which cells hold on to which neighbour: indices into Cells, from left to right."""
+    """Which cells hold on to which neighbour: indices into Cells, increasing, so from left to right."""
 
     apical: Integers  # (na,): junctions join consecutive entries (3.5)
     basal: Integers  # (nb,): consecutive entries are ordered and at most max_basal apart (3.15)

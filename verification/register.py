@@ -14,6 +14,7 @@ from verification.claims import (
     chapter2_method,
     chapter2_numerics,
     chapter3_minimisers,
+    chapter3_tissue,
 )
 
 
@@ -24,6 +25,7 @@ def register() -> tuple[Claim, ...]:
         chapter1_proofs,
         chapter2_method,
         chapter2_numerics,
+        chapter3_tissue,
         chapter3_minimisers,
         appendix1_uzawa,
     )

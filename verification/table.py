@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
@@ -18,6 +18,8 @@ Row = Mapping[str, Any]
 PACKAGES = ("numpy", "scipy", "numba", "casadi", "clarabel", "cvxpy", "daqp", "piqp")
 ATTRIBUTE = "fingerprint"
 ROOT = Path(__file__).parent.parent
+# What the numbers of a package are made by: its code, and the parameters it brings.
+CODE = (".py", ".toml")
 
 
 @dataclass(frozen=True)
@@ -91,11 +93,11 @@ def write(table: pd.DataFrame, path: Path) -> None:
         os.replace(temporary, path.with_suffix(suffix))
 
 
-def fingerprint(*sources: str, **parameters: Any) -> dict[str, str]:
-    """What rows depend on: the code of dincl and of ``sources`` in verification, package versions, parameters."""
-    files = sorted((ROOT / "dincl").rglob("*.py")) + [ROOT / "verification" / name for name in sorted(sources)]
+def fingerprint(*sources: str, packages: Sequence[str] = ("dincl",), **parameters: Any) -> dict[str, str]:
+    """What rows depend on: the code of ``packages`` and of ``sources`` in verification, versions, parameters."""
+    files = [file for package in packages for file in sorted((ROOT / package).rglob("*")) if file.suffix in CODE]
     code = hashlib.sha256()
-    for file in files:
+    for file in files + [ROOT / "verification" / name for name in sorted(sources)]:
         code.update(file.read_bytes())
     found = {"code": code.hexdigest()[:16]}
     found.update({name: version(name) for name in PACKAGES})

@@ -1,4 +1,4 @@
-"""Seconds per disc and step of PBD, and seconds per projection of each back end: tables, printed and kept.
+"""Seconds per disc and step of PBD, per projection of each back end, and of the tissue: tables, printed and kept.
 
 Warm-up (compilation, first neighbour lists) is apart from what is timed; of several repeats the best and the median are
 kept. Beside each time stands the load under which it was measured.
@@ -23,6 +23,7 @@ from dincl.scenes import pile
 from dincl.scenes.scene import Scene
 from dincl.stepping import Grid, Step, iterate
 from dincl.work import Work
+from verification.tissue import bench
 
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
 DT = 1e-3
@@ -154,7 +155,7 @@ def show(table: pd.DataFrame, title: str) -> None:
 
 
 def main(out: Path) -> None:
-    """Measure, print, and keep both tables in the folder ``out``."""
+    """Measure, print, and keep all tables in the folder ``out``."""
     out.mkdir(parents=True, exist_ok=True)
     pbd = pbd_table()
     show(pbd, "PBD: ns per disc and step, with the pairs and corrections per disc and step")
@@ -164,3 +165,6 @@ def main(out: Path) -> None:
     projections = projection_table()
     show(projections, "Projections: milliseconds each, with the certified residual")
     projections.to_csv(out / "bench_projections.csv", index=False)
+    for name, (title, table) in bench.tables().items():
+        show(table, title)
+        table.to_csv(out / f"{name}.csv", index=False)

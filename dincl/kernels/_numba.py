@@ -29,13 +29,13 @@ def axes_of(x: Floats) -> Axes:
     return (0,) * int(x.shape[1])
 
 
-def forget_stale(folder: Path) -> None:
-    """Remove the cached kernels of a folder that are older than any source in it.
+def forget_stale(folder: Path, *beside: Path) -> None:
+    """Remove the cached kernels of a folder that are older than any source in it, or than the files ``beside`` it.
 
     The cache of numba looks at the file of a kernel only, not at those of the kernels it calls: after a change there it
     would go on with the old code.
     """
-    newest = max(source.stat().st_mtime for source in folder.glob("*.py"))
+    newest = max(source.stat().st_mtime for source in (*folder.glob("*.py"), *beside))
     for index in folder.glob("__pycache__/*.nbi"):
         with suppress(OSError):  # another process was faster, or the folder is read-only
             if index.stat().st_mtime < newest:

@@ -5,7 +5,7 @@ overlap, which it cannot for a dozen arrays. Here the programmer says it: ``load
 of type Lanes, +, -, * act on all eight, and ``store(a, i, v)`` puts them back. On processors with shorter registers the
 compiler uses several.
 
-Products and sums may be contracted and ``rsqrt`` is accurate to 1e-13, so that results agree with plain NumPy to
+Products and sums may be contracted and ``twice_rsqrt`` is accurate to 2e-13, so that results agree with plain NumPy to
 rounding only.
 """
 
@@ -136,7 +136,7 @@ def where_positive(typing: Any, condition: Any, v: Any) -> Any:
 
 @intrinsic
 def twice_rsqrt(typing: Any, v: Any) -> Any:
-    """2 / sqrt(v) to 1e-13: y (3 - v y^2) for a quick estimate y in single precision, one Newton step.
+    """2 / sqrt(v) to 2e-13: y (3 - v y^2) for a quick estimate y in single precision, one Newton step.
 
     v must lie between 1e-37 and 1e37. Twice, because this has one instruction less than once, and users have a factor
     to put it into.

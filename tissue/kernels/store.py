@@ -35,7 +35,12 @@ def stored(cells: Cells, layers: Layers | None = None, next_id: int | None = Non
         getattr(roomy, name)[:n] = array
     apical[: len(layers.apical)] = layers.apical
     basal[: len(layers.basal)] = layers.basal
-    sizes = [n, len(layers.apical), len(layers.basal), n if next_id is None else next_id]
+    sizes = [
+        n,
+        len(layers.apical),
+        len(layers.basal),
+        int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id,
+    ]
     scratch = scratch_for(roomy)
     scratch.order[:n] = np.arange(n)
     scratch.by_moves[:n] = 1.0

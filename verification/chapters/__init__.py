@@ -1,6 +1,6 @@
 """The chapters of the report, one file each, in their order."""
 
-from verification.chapters import claims, geometry, numerics, stability, work_precision
+from verification.chapters import claims, geometry, numerics, stability, tissue, work_precision
 from verification.report import Chapter
 
 # The claims read the tables of all other chapters, so they come last.
@@ -9,5 +9,6 @@ CHAPTERS: tuple[Chapter, ...] = (
     work_precision.CHAPTER,
     stability.CHAPTER,
     geometry.CHAPTER,
+    tissue.CHAPTER,
     claims.CHAPTER,
 )

@@ -13,7 +13,7 @@ HEADINGS = {"source": "Source", "quote": "As printed", "measured": "Measured", "
 TITLES = {
     1: "Differential inclusions (chapter 1)",
     2: "First-order PBD (chapter 2)",
-    3: "Minimisers for the tissue (chapter 3 and appendix 1)",
+    3: "Growing tissue and its minimisers (chapter 3 and appendix 1)",
 }
 
 

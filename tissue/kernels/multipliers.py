@@ -1,0 +1,144 @@
+"""The constraints of the damped Arrow-Hurwicz iteration with their multipliers lambda >= 0.
+
+As functions g >= 0 ("the square of (C1) to (C4)"): |X_i - X_j|^2 - (R_i + R_j)^2 for hard discs, max_basal^2 -
+(b_j - b_i)^2 for neighbours in the basal layer; their order b_j - b_i stays as it is, as a square would lose its sign.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from tissue.cells import Cells, Floats, Integers, Layers
+from tissue.kernels._numba import kernel
+from tissue.kernels.scratch import Scratch
+from tissue.numbers_daha import Daha
+
+# Pairs of hard discs per cell that may overlap soon, or did and still push: more mean that the tissue has collapsed.
+MOST = 32
+# Gap up to which pairs are listed [R_soft]: nuclei may move by half of this before they are listed again.
+REACH = 0.1
+
+
+class Multipliers(NamedTuple):
+    """lambda of the listed pairs of discs, zero for all others, and of neighbours k, k + 1 on the basal line."""
+
+    pairs: Integers  # (1,) how many
+    i: Integers
+    j: Integers  # < i
+    square: Floats  # (R_i + R_j)^2
+    discs: Floats  # (C1)
+    order: Floats  # (C4)
+    distance: Floats  # (C2)
+    # To find a pair: the last pair of each cell i, -1 if there is none, and for each pair the one before it
+    last: Integers
+    previous: Integers
+
+
+def multipliers_for(cells: Cells) -> Multipliers:
+    """Room for the capacity of ``cells``; no pair is listed, and all multipliers are zero."""
+    capacity = len(cells.x)
+    lengths = {"pairs": 1, "order": capacity, "distance": capacity, "last": capacity}
+    floats = {"square", "discs", "order", "distance"}
+    arrays = {
+        name: np.zeros(lengths.get(name, MOST * capacity), np.float64 if name in floats else np.int64)
+        for name in Multipliers._fields
+    }
+    return Multipliers(**arrays)
+
+
+@kernel
+def hold_discs(
+    cells: Cells, daha: Daha, weight: float, multipliers: Multipliers, change_x: Floats, change_y: Floats
+) -> None:
+    """(C1): change += weight lambda (alpha - gamma g) grad g, then lambda <- max(0, lambda - dtau beta g)."""
+    x, y, discs = cells.x, cells.y, multipliers.discs
+    for k in range(multipliers.pairs[0]):
+        i, j, multiplier = multipliers.i[k], multipliers.j[k], discs[k]
+        dx, dy = x[i] - x[j], y[i] - y[j]
+        g = dx * dx + dy * dy - multipliers.square[k]
+        if multiplier > 0.0 or g < 0.0:
+            push = 2.0 * weight * multiplier * (daha.alpha - daha.gamma * g)
+            change_x[i] += push * dx
+            change_y[i] += push * dy
+            change_x[j] -= push * dx
+            change_y[j] -= push * dy
+            discs[k] = max(0.0, multiplier - daha.dtau * daha.beta * g)
+
+
+@kernel
+def hold_basal(
+    cells: Cells,
+    layers: Layers,
+    basal: int,
+    largest: float,
+    daha: Daha,
+    weight: float,
+    multipliers: Multipliers,
+    change: Floats,
+) -> None:
+    """(C4) and (C2): the same for the basal points."""
+    order, distance, bx = multipliers.order, multipliers.distance, cells.bx
+    before = 0.0
+    for k in range(basal - 1):
+        i = layers.basal[k]
+        d = bx[layers.basal[k + 1]] - bx[i]
+        g = largest * largest - d * d
+        push = order[k] * (daha.alpha - daha.gamma * d) - 2.0 * distance[k] * (daha.alpha - daha.gamma * g) * d
+        change[i] += weight * (before - push)
+        before = push
+        order[k] = max(0.0, order[k] - daha.dtau * daha.beta * d)
+        distance[k] = max(0.0, distance[k] - daha.dtau * daha.beta * g)
+    if basal > 0:
+        change[layers.basal[basal - 1]] += weight * before
+
+
+@kernel
+def list_pairs(cells: Cells, n: int, scratch: Scratch, multipliers: Multipliers) -> bool:
+    """Hold the pairs that have a multiplier or a gap of at most REACH; False if they have no room.
+
+    To be called when the nuclei have just been sorted; until one of them moves by REACH / 2 no other pair can overlap,
+    so that its multiplier stays zero.
+    """
+    x, y, radius = cells.x, cells.y, cells.radius
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, radius[i])
+        multipliers.last[i] = -1
+    old, multipliers.pairs[0] = multipliers.pairs[0], 0
+    for k in range(old):
+        if multipliers.discs[k] > 0.0:
+            _add(multipliers, multipliers.i[k], multipliers.j[k], multipliers.square[k], multipliers.discs[k])
+    for s in range(n):
+        left = scratch.order[s]
+        r = s + 1
+        while r < n and x[scratch.order[r]] - x[left] <= radius[left] + largest + REACH:
+            right = scratch.order[r]
+            i, j, reach = max(left, right), min(left, right), radius[left] + radius[right]
+            near = math.hypot(x[i] - x[j], y[i] - y[j]) <= reach + REACH
+            if near and not _is_held(multipliers, i, j):
+                if multipliers.pairs[0] == len(multipliers.i):
+                    return False
+                _add(multipliers, i, j, reach * reach, 0.0)
+            r += 1
+    return True
+
+
+@kernel
+def _add(multipliers: Multipliers, i: int, j: int, square: float, multiplier: float) -> None:
+    """Put a pair at the end of the list; its place may not be behind it."""
+    k = multipliers.pairs[0]
+    multipliers.i[k], multipliers.j[k], multipliers.square[k], multipliers.discs[k] = i, j, square, multiplier
+    multipliers.previous[k], multipliers.last[i] = multipliers.last[i], k
+    multipliers.pairs[0] = k + 1
+
+
+@kernel
+def _is_held(multipliers: Multipliers, i: int, j: int) -> bool:
+    """Whether the pair is listed."""
+    k = multipliers.last[i]
+    while k >= 0 and multipliers.j[k] != j:
+        k = multipliers.previous[k]
+    return k >= 0

@@ -1,0 +1,43 @@
+"""The tissue: how exact and how fast its substeps are, how it grows, where its substeps become unstable."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from verification.report import Chapter, Context, Section
+from verification.tissue.sections import (
+    catch_up,
+    daha,
+    foretold,
+    growth,
+    judged,
+    kernel,
+    stability,
+    substeps,
+)
+
+# In the order of the page; a part may read the tables of those before it.
+PARTS = (
+    substeps.PART,
+    catch_up.PART,
+    foretold.PART,
+    growth.PART,
+    stability.PART,
+    daha.PART,
+    judged.PART,
+    kernel.PART,
+)
+
+
+def run(context: Context) -> None:
+    """Complete all studies of the tissue."""
+    for part in PARTS:
+        part.run(context)
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """One for each of ``PARTS``."""
+    return [part.section(context) for part in PARTS]
+
+
+CHAPTER = Chapter("Tissue", run, sections)

@@ -1,0 +1,1 @@
+"""Studies of the tissue: one file for each, and what they share."""

@@ -1,0 +1,142 @@
+"""Seconds of the tissue kernel: per substep and number of cells, per simulated hours, and with two threads.
+
+Loading and compiling are apart: the first steps of every run are thrown away.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tissue.kernels.scratch import COUNTERS
+from tissue.parameters import Parameters, preset
+from tissue.simulate import simulate
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+from verification.tissue.growing import COMMON, PACKAGES, PRESETS, growing_from
+
+SIZES, SHORT = (60, 120, 1_000, 10_000), (60, 120, 1_000)
+# Hours of growth before timing starts, and repeats of which the best is taken.
+SETTLED, REPEATS = 0.5, 5
+# Cell-substeps in one timed repeat: long against the clock, short against the patience of a reader.
+CELL_SUBSTEPS = 400_000
+HOURS = (10.0, 48.0)
+# Runs of 10 h that each thread makes.
+RUNS = 8
+
+
+def wide(name: str, cells: int) -> Parameters:
+    """A preset with so many cells, as wide as their apical points: as crowded as a grown tissue for any number."""
+    parameters = preset(name)
+    spacing = parameters.start_numbers().apical_spacing
+    return parameters.changed({"tissue.cells": cells, "tissue.width": f"{cells * spacing!r} R_soft"})
+
+
+def per_substep(key: Key) -> list[Row]:
+    """Microseconds per substep: best and median of the repeats, with the load under which they were measured.
+
+    Second daughters are left out, so that the number of cells stays.
+    """
+    run = growing_from(wide(key["preset"], key["cells"]), 0, two_daughters=0.0)
+    dt, substeps = run.numbers.dt, run.numbers.substeps
+    run.to(SETTLED)
+    steps = max(2, CELL_SUBSTEPS // (key["cells"] * substeps))
+    before, seconds = run.held.scratch.counts.copy(), []
+    for _ in range(REPEATS):
+        began = run.seconds
+        run.to((run.made + steps) * dt)
+        seconds.append((run.seconds - began) / (steps * substeps))
+    counts = dict(zip(COUNTERS, run.held.scratch.counts - before, strict=True))
+    made = counts["substeps"]
+    loads = {name: counts[name] / made for name in ("pairs", "corrections", "basal_corrections")}
+    row = {"us_best": 1e6 * min(seconds), "us_median": 1e6 * float(np.median(seconds)), "status": run.status}
+    lists = {"substeps_per_list": made / max(1, counts["lists"])}
+    return [dict(key) | row | loads | lists]
+
+
+def kernel(full: bool) -> Study:
+    """Microseconds per substep as a study, for the report; two of its runs are made at once."""
+    sizes = SIZES if full else SHORT
+    return Study(
+        name=f"tissue_kernel{'_full' if full else ''}",
+        title="Tissue: kernel",
+        key=("preset", "cells"),
+        runs=tuple({"preset": name, "cells": cells} for cells in sorted(sizes, reverse=True) for name in PRESETS),
+        run=per_substep,
+        fingerprint=fingerprint(*COMMON, "tissue/bench.py", packages=PACKAGES),
+    )
+
+
+def growth(table: pd.DataFrame) -> pd.DataFrame:
+    """p of the time per substep ~ cells^p, the slope of a line through the logarithms; one row for each preset."""
+    groups = table.groupby("preset")
+    return pd.DataFrame([{"preset": name, "exponent": _slope(mine["cells"], mine["us_best"])} for name, mine in groups])
+
+
+def _slope(x: pd.Series, y: pd.Series) -> float:
+    return float(np.polyfit(np.log(x), np.log(y), 1)[0])
+
+
+def substep_table(sizes: tuple[int, ...]) -> pd.DataFrame:
+    """The rows of ``per_substep`` for all presets and sizes, one after the other on a quiet machine."""
+    return pd.DataFrame(
+        [row for cells in sizes for name in PRESETS for row in per_substep({"preset": name, "cells": cells})]
+    )
+
+
+def run_table(hours: tuple[float, ...]) -> pd.DataFrame:
+    """One row for each preset and length of a whole simulation: seconds, best and median, and substeps made."""
+    rows = []
+    for name in PRESETS:
+        for end in hours:
+            parameters = preset(name).changed({"numerics.t_end": f"{end} h", "numerics.keep": f"{end} h"})
+            made = simulate(parameters, 0)
+            seconds = [_timed(lambda parameters=parameters: simulate(parameters, 0)) for _ in range(REPEATS)]
+            times = {"s_best": min(seconds), "s_median": float(np.median(seconds))}
+            rows.append({"preset": name, "hours": end} | times | {"substeps": made.stats["substeps"]})
+    return pd.DataFrame(rows)
+
+
+def thread_table(runs: int) -> pd.DataFrame:
+    """One row for each preset: throughput of two threads over that of one, each making ``runs`` simulations of 10 h."""
+    rows = []
+    for name in PRESETS:
+        parameters = preset(name).changed({"numerics.t_end": "10 h", "numerics.keep": "10 h"})
+
+        def some(parameters: Parameters = parameters) -> None:
+            for seed in range(runs):
+                simulate(parameters, seed)
+
+        def both(some: Callable[[], None] = some) -> None:
+            with ThreadPoolExecutor(2) as pool:
+                for made in [pool.submit(some), pool.submit(some)]:
+                    made.result()
+
+        some()
+        one, two = (min(_timed(action) for _ in range(REPEATS)) for action in (some, both))
+        rows.append({"preset": name, "s_one": one, "s_two": two, "throughput_ratio": 2 * one / two})
+    return pd.DataFrame(rows)
+
+
+def tables(
+    sizes: tuple[int, ...] = SIZES, hours: tuple[float, ...] = HOURS, runs: int = RUNS
+) -> dict[str, tuple[str, pd.DataFrame]]:
+    """All tables of the tissue by the name of their file, with what they show; other minimisers add theirs here."""
+    kernel_rows = substep_table(sizes)
+    return {
+        "bench_tissue": ("Tissue: microseconds per substep, with the load per substep", kernel_rows),
+        "bench_tissue_growth": ("Tissue: exponent of the time in the number of cells", growth(kernel_rows)),
+        "bench_tissue_runs": ("Tissue: seconds of a whole simulation", run_table(hours)),
+        "bench_tissue_threads": ("Tissue: two threads, each with as many runs as the one", thread_table(runs)),
+    }
+
+
+def _timed(action: Callable[[], Any]) -> float:
+    began = time.perf_counter()
+    action()
+    return time.perf_counter() - began

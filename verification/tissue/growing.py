@@ -1,0 +1,127 @@
+"""A tissue that grows while it is looked at: the numbers of a preset with some of them changed."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dincl.status import Status
+from tissue.cells import Cells
+from tissue.kernels.advance import DONE, FULL, advance
+from tissue.kernels.store import CELLS, Store, contents, grown
+from tissue.numbers import Numbers
+from tissue.parameters import Parameters, preset
+from tissue.run import Frame
+from tissue.simulate import STATUS
+from tissue.start import first_state
+from tissue.streams import Streams, streams
+
+Floats = NDArray[np.float64]
+PRESETS = ("thesis", "published")
+COORDINATES = ("x", "y", "ax", "ay", "bx", "by")
+# A coordinate beyond so many times the largest at the start has left the tissue: 48 h of growth treble it.
+FAR = 10.0
+THROWN = "BEYOND_BOUNDS"
+SUCCESS = Status.SUCCESS.name
+# The modules that every study of the tissue depends on, for its fingerprint.
+COMMON = ("tissue/growing.py",)
+PACKAGES = ("dincl", "tissue")
+
+
+@dataclass
+class Growing:
+    """One run that can be taken from time to time; its rules and noise are those of ``tissue.simulate``.
+
+    Attributes
+    ----------
+    numbers, held, random
+        Parameters, state and streams of the run.
+    bound
+        A coordinate beyond this has left the tissue [R_soft].
+    made
+        Steps made.
+    status
+        SUCCESS as long as the state is fit to go on, else the name of a ``Status``, or ``THROWN``.
+    seconds
+        Time spent on the steps made so far.
+    """
+
+    numbers: Numbers
+    held: Store
+    random: Streams
+    bound: float
+    made: int = 0
+    status: str = SUCCESS
+    seconds: float = 0.0
+
+    def to(self, t: float) -> bool:
+        """Go on until time t [h], a multiple of dt; whether the run is fit to go on from there."""
+        step, end = round(t / self.numbers.dt), DONE
+        began = time.perf_counter()
+        while self.status == SUCCESS and self.made < step:
+            self.made, end = advance(self.held, self.made, step, self.numbers, self.random.cycle, self.random.noise)
+            if end == FULL:
+                self.held = grown(self.held)
+            else:
+                self.status = STATUS[end].name
+        self.seconds += time.perf_counter() - began
+        # Where cells are thrown out, what ends the run is a matter of chance: that they are is what counts.
+        if extent(self.frame().cells) > self.bound:
+            self.status = THROWN
+        return self.status == SUCCESS
+
+    def frame(self) -> Frame:
+        """The state now."""
+        return Frame(self.made * self.numbers.dt, *contents(self.held))
+
+
+def growing(name: str, seed: int, **changes: Any) -> Growing:
+    """A run of a preset at its start, with some of its ``Numbers`` changed."""
+    return growing_from(preset(name), seed, **changes)
+
+
+def growing_from(parameters: Parameters, seed: int, **changes: Any) -> Growing:
+    """A run at its start, with some of its ``Numbers`` changed."""
+    random, numbers = streams(seed), parameters.numbers()
+    held, _ = first_state(parameters.start_numbers(), numbers, random.start)
+    return Growing(numbers._replace(**changes), held, random, far_from(contents(held)[0]))
+
+
+def disturbed(run: Growing, size: float) -> Growing:
+    """The same run with each coordinate of its nuclei off by N(0, size^2) [R_soft]."""
+    n, cells = run.held.sizes[CELLS], run.held.cells
+    moves = np.random.default_rng(0).normal(0.0, size, (2, n))
+    cells.x[:n] += moves[0]
+    cells.y[:n] += moves[1]
+    return run
+
+
+def with_noise(run: Growing, seed: int) -> Growing:
+    """The same run with other noise: that of the seed; the start and the divisions stay."""
+    run.random = run.random._replace(noise=streams(seed).noise)
+    return run
+
+
+def extent(cells: Cells) -> float:
+    """The largest coordinate by magnitude; infinite if one is not finite."""
+    coordinates = np.abs([getattr(cells, name) for name in COORDINATES])
+    return float(coordinates.max()) if np.isfinite(coordinates).all() else np.inf
+
+
+def far_from(cells: Cells) -> float:
+    """Where nothing that was once at these cells should ever be [R_soft]."""
+    return FAR * extent(cells)
+
+
+def nuclei(frame: Frame) -> Floats:
+    """X, shape (2, n) [R_soft]."""
+    return np.stack((frame.cells.x, frame.cells.y))
+
+
+def rms(x: Floats, y: Floats) -> float:
+    """sqrt(mean_i |X_i - Y_i|^2) for x, y of shape (2, n)."""
+    return float(np.sqrt(((x - y) ** 2).sum(axis=0).mean()))

@@ -1,0 +1,43 @@
+"""Jitter: points that swing from substep to substep, what explicit Euler does beyond its linear limit."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tissue.cells import Cells, Layers
+from tissue.kernels.store import contents, stored
+from tissue.kernels.substeps import make_substeps
+from tissue.numbers import Numbers
+from verification.tissue.growing import COORDINATES
+
+Floats = NDArray[np.float64]
+
+
+class Swing(NamedTuple):
+    """The period-two part of three states in a row: a, where Z_k = Y + (-1)^k a, is (Z_{k+1} - 2 Z_k + Z_{k-1})/4."""
+
+    nuclei: Floats  # |a| of each nucleus, shape (n,) [R_soft]
+    largest: float  # |a| of any coordinate [R_soft]
+    middle: Cells  # the cells at (Z_{k+1} + 2 Z_k + Z_{k-1})/4, where the swing is gone
+
+
+def substepped(cells: Cells, layers: Layers, numbers: Numbers, scale: float, substeps: int) -> Cells | None:
+    """The cells after so many substeps of h = scale mu, with rules that stand still and no noise; None if lost."""
+    held = stored(cells, layers, capacity=len(cells.x))
+    still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
+    return contents(held)[0] if make_substeps(held, still, np.random.default_rng(0)) else None
+
+
+def swing(cells: Cells, layers: Layers, numbers: Numbers, scale: float) -> Swing | None:
+    """The swing of the state and the two after it; None if one of them is lost."""
+    now = substepped(cells, layers, numbers, scale, 1)
+    after = None if now is None else substepped(now, layers, numbers, scale, 1)
+    if now is None or after is None:
+        return None
+    z = [np.stack([getattr(state, name) for name in COORDINATES]) for state in (cells, now, after)]
+    turn, middle = (z[2] - 2 * z[1] + z[0]) / 4, (z[2] + 2 * z[1] + z[0]) / 4
+    calm = cells._replace(**dict(zip(COORDINATES, middle, strict=True)))
+    return Swing(np.hypot(turn[0], turn[1]), float(np.abs(turn).max()), calm)
