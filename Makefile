@@ -3,7 +3,7 @@
 #   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
 #   make test             run the tests                                    (ARGS="--slow -k order": more for pytest)
 #   make lint             check style, format and types
-#   make bench            measure the time per disc and step
+#   make bench            measure the time per disc and step, and of the tissue
 #   make lock             fix the newest versions of all dependencies in requirements.lock
 #   make clean            remove the environment and the caches; report/ and results/ stay
 #
@@ -16,7 +16,8 @@ PIP_TOOLS := pip-tools==7.6.2
 COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade --extra dev --allow-unsafe --strip-extras \
 	--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --annotation-style line
 
-# The tests run in two processes: a library that starts threads of its own would only take turns with them.
+# The tests run in two processes: a library that starts threads of its own would only take turns with them. The tests of
+# one file stay together, for they share what takes long to make.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
 .PHONY: report test lint bench lock clean
@@ -26,7 +27,7 @@ report: .venv/installed
 	$(BIN)/verification report $(if $(filter-out 0,$(FULL)),--full)
 
 test: .venv/installed
-	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 -q $(ARGS)
+	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile -q $(ARGS)
 
 lint: .venv/installed
 	$(BIN)/ruff check .

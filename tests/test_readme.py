@@ -1,6 +1,7 @@
 """The README: its Python runs as a reader would type it, its commands exist, its picture and names are there."""
 
 import re
+import shlex
 import subprocess
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from typer.testing import CliRunner
 
 import dincl
 from tests.shortened import Here, shorten
+from tissue import cli as tissue_cli
 from verification import cli, study
 
 ROOT = Path(__file__).parent.parent
@@ -43,8 +45,8 @@ def test_other_commands_run(command, tmp_path, monkeypatch):
     monkeypatch.setattr(study, "workers", Here)
     monkeypatch.chdir(tmp_path)
     program, *arguments = command.split()
-    assert Path(program).name == "verification"
-    done = CliRunner().invoke(cli.app, arguments)
+    apps = {"verification": cli.app, "tissue": tissue_cli.app}
+    done = CliRunner().invoke(apps[Path(program).name], shlex.split(" ".join(arguments)))
     assert done.exit_code == 0, done.output
 
 
