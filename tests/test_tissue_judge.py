@@ -81,7 +81,7 @@ def test_two_pressed_cells():
 
 
 def test_a_chain_at_the_maximal_basal_distance():
-    """Nuclei that repel each other spread the cells until the basal layer holds them; half of it is in balance again."""
+    """Nuclei that repel each other spread the cells until the basal layer holds them; half of it is in balance."""
     side, given = np.array([-1.0, 0.0, 1.0]), numbers(repulsion=8.0)
     points = [np.column_stack((width * side, np.full(3, y))) for width, y in ((0.9, 2.5), (0.5, 5.0), (0.3, 0.0))]
     found = local_minimum(tissue(*points), layers(3), given, TOL)

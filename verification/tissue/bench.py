@@ -15,6 +15,7 @@ import pandas as pd
 
 from tissue.kernels.scratch import COUNTERS
 from tissue.parameters import Parameters, preset
+from tissue.quasi_steady import simulate_quasi_steady
 from tissue.simulate import simulate
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
@@ -123,16 +124,30 @@ def thread_table(runs: int) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def daha_table(end: float) -> pd.DataFrame:
+    """The thesis preset by PBD and by DAHA in turn, rest lengths not negative, with which DAHA gets to the end [h]."""
+    changes = {"rules.floor_rest_length": True, "numerics.t_end": f"{end} h", "numerics.keep": f"{end} h"}
+    parameters = preset("thesis").changed(changes)
+    simulate_quasi_steady(parameters.changed({"numerics.t_end": "0.1 h", "numerics.keep": "0.1 h"}), 0)
+    pbd, daha = [], []
+    for _ in range(REPEATS):
+        pbd.append(_timed(lambda: simulate(parameters, 0)))
+        daha.append(_timed(lambda: simulate_quasi_steady(parameters, 0)))
+    ratios = np.array(daha) / np.array(pbd)
+    return pd.DataFrame([{"s_pbd": min(pbd), "s_daha": min(daha), "ratio": np.median(ratios), "least": ratios.min()}])
+
+
 def tables(
     sizes: tuple[int, ...] = SIZES, hours: tuple[float, ...] = HOURS, runs: int = RUNS
 ) -> dict[str, tuple[str, pd.DataFrame]]:
-    """All tables of the tissue by the name of their file, with what they show; other minimisers add theirs here."""
+    """All tables of the tissue by the name of their file, with what they show."""
     kernel_rows = substep_table(sizes)
     return {
         "bench_tissue": ("Tissue: microseconds per substep, with the load per substep", kernel_rows),
         "bench_tissue_growth": ("Tissue: exponent of the time in the number of cells", growth(kernel_rows)),
         "bench_tissue_runs": ("Tissue: seconds of a whole simulation", run_table(hours)),
         "bench_tissue_threads": ("Tissue: two threads, each with as many runs as the one", thread_table(runs)),
+        "bench_tissue_daha": ("Tissue: seconds by PBD and by DAHA, and their ratio", daha_table(hours[0])),
     }
 
 
