@@ -248,7 +248,8 @@ BAD = {
 
 
 @pytest.mark.parametrize("case", BAD)
-def test_bad_input_is_refused(case):
+def test_bad_input_is_refused_before_the_search(case, monkeypatch):
+    monkeypatch.setattr(judge, "_search", None)
     change, tol, message = BAD[case]
     good = tissue([[0.0, 2.5], [1.0, 2.5]], [[0.0, 5.0], [1.0, 5.0]], [[0.0, 0.0], [0.3, 0.0]])
     bad = good._replace(**{name: np.array(values) for name, values in change.items()})

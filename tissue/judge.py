@@ -107,7 +107,7 @@ def local_minimum(cells: Cells, layers: Layers, numbers: Numbers, tol: float) ->
 
     The start may violate (C1), (C2), (C4), as after a division. W has many local minima: from random starts of 60 cells
     those found differ by 0.5 %, and which it is depends on the path of the search. So judge the result of another
-    method by starting from it: at a minimum the search stays, if it is not too shallow, else it says how far down it was.
+    method by starting from it: the search stays at a minimum that is not too shallow, else it says how far down one is.
 
     At |X_i - X_j| = 2 the second derivatives of W jump by k_xx along X_i - X_j; the first do not, so the conditions for
     a minimum and the line search stay as they are. Newton's steps take the second derivatives of one side, and are as
