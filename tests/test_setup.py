@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 SETUP_FILES = ("Makefile", "pyproject.toml", "requirements.lock")
 COMMANDS = {
     "report": ".venv/bin/verification report",
-    "test": ".venv/bin/python -m pytest -n 2 -q",
+    "test": ".venv/bin/python -m pytest -n 2 --dist loadfile -q",
     "lint": ".venv/bin/mypy dincl",
     "bench": ".venv/bin/verification bench",
 }

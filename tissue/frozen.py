@@ -42,14 +42,14 @@ def frozen_problem(cells: Cells, layers: Layers, numbers: Numbers) -> Problem:
     into two that are 0.02 apart, R_hard = 1/3, six seeds, h = 1e-6:
 
     - ``PBD``: the daughters jump by half the overlap, 0.323, along the line between them, and push what they meet in
-      the order of the sweep: 30 pairs overlap, by up to 0.1 to 0.3, that later sweeps part.
+      the order of the sweep: about 30 pairs are left overlapping, the worst by 0.06 to 0.30, for later sweeps to part.
     - ``CatchUp``: no overlap; a nearest state of S, as by ``made_feasible``, of which there are several. The daughters
-      move by 0.33 to 0.43 to where there is room, 45 degrees and more away from the line, and may change places.
-    - ``LinearisedCatchUp``, ``MidpointCatchUp``: no overlap; the daughters move along the line by 0.32 to 0.40, and
-      neighbours give way.
+      part where there is room, 36 to 88 degrees off their line; the longest move is 0.33 to 0.43.
+    - ``LinearisedCatchUp``, ``MidpointCatchUp``: no overlap; the daughters part along their line, up to 30
+      degrees off it, and neighbours give way; the longest move is 0.32 to 0.40.
 
-    These states are 0.3 to 0.6 from each other. So schemes agree on the motion after a division only if they start
-    from one state of S.
+    From one of these kinds of state to another it is 0.1 to 0.7. So schemes agree on the motion after a division only
+    if they start from one state of S.
     """
     frozen, network = first(cells, len(cells.x)), Layers(layers.apical.copy(), layers.basal.copy())
     mu = number("mu", numbers.mu, positive=True)
