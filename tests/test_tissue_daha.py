@@ -9,7 +9,6 @@ import pytest
 import dincl
 from dincl.minimise import DampedArrowHurwicz as OnAProblem
 from dincl.minimise import RelativeMove, minimise
-from dincl.status import Status
 from tests.tissue_states import cells, divided, layers, numbers, tissue
 from tissue.daha import DampedArrowHurwicz, violation
 from tissue.energy import Forces, energy, forces
@@ -100,7 +99,7 @@ def test_the_kernel_is_the_method(case, rng):
     reached = found(state, network, given, **steps)
     assert distance(state, expected) > 0.1
     assert distance(reached.cells, expected) < 1e-11
-    assert (reached.status, reached.iterations) == (Status.NOT_CONVERGED, 400)
+    assert (reached.status, reached.iterations) == (dincl.Status.NOT_CONVERGED, 400)
     assert reached.violation == pytest.approx(broken(expected, network, given), abs=1e-10)
     assert reached.energy == pytest.approx(energy(expected, network, given), rel=1e-11)
 
@@ -145,7 +144,7 @@ def test_stops_at_the_first_short_move():
     state, network, given = cells(10, 6), layers(10), numbers()
     rule = {"alpha": 1e-3, "c": 1.0, "dtau": 2.0, "eps": 1e-3}
     reached = found(state, network, given, **rule)
-    assert reached.status is Status.SUCCESS
+    assert reached.status is dincl.Status.SUCCESS
     assert reached.detail == ""
     assert 10 < reached.iterations < 1000
     z = [
@@ -162,11 +161,11 @@ def test_a_stop_is_no_minimum_and_need_not_be_feasible():
     """The gradient left is up to 2 eps |z| / alpha, Remark 3.6 prints half of it; nobody asks for (C1)."""
     state, network, given = cells(30, 7), layers(30), numbers()
     reached = found(state, network, given, eps=1e-5)
-    assert reached.status is Status.SUCCESS
+    assert reached.status is dincl.Status.SUCCESS
     assert 1e-4 < reached.violation < 0.05
     state, network, given = cells(30, 7, radius=1e-3), layers(30, basal=[]), numbers()
     reached = found(state, network, given, eps=1e-5)
-    assert reached.status is Status.SUCCESS
+    assert reached.status is dincl.Status.SUCCESS
     slope = np.linalg.norm(forces(reached.cells, network, given))
     bound = 2 * 1e-5 * np.linalg.norm(particles(reached.cells)) / TABLE_4.alpha
     assert 0.99 * bound < slope < 1.001 * bound
@@ -178,9 +177,9 @@ def test_converges_to_a_minimum_as_ipopt_certifies():
     state = cells(8, 4, rest_ax=3.0, rest_bx=3.0)
     quick = {"alpha": 2e-2, "gamma": 2e-1, "eps": 1e-12, "most_iterations": 1_000_000}
     reached = found(state._replace(radius=1.5 * state.radius), network, given, **quick)
-    assert reached.status is Status.SUCCESS
+    assert reached.status is dincl.Status.SUCCESS
     exact = local_minimum(reached.cells, network, given, 1e-9)
-    assert exact.status is Status.SUCCESS
+    assert exact.status is dincl.Status.SUCCESS
     assert (exact.multipliers > 1e-2).sum() > 8
     assert distance(reached.cells, exact.cells) < 1e-6
     assert reached.energy == pytest.approx(exact.energy, abs=1e-8)
@@ -221,7 +220,7 @@ def test_a_nucleus_too_near_to_its_apical_point_never_rests(side, terminates):
     length = limit * side
     state = tissue([(1e-3, 8.0 - length)], [(0.0, 8.0)], [(0.0, 0.0)], rest_ax=length - 1, rest_bx=7.0 - length)
     reached = found(state, layers(1), numbers(), most_iterations=20_000)
-    assert reached.status is (Status.SUCCESS if terminates else Status.NOT_CONVERGED)
+    assert reached.status is (dincl.Status.SUCCESS if terminates else dincl.Status.NOT_CONVERGED)
     if not terminates:
         assert "did not terminate in 20,000 iterations" in reached.detail
         end = reached.cells
@@ -234,7 +233,7 @@ def test_a_nucleus_too_near_to_its_apical_point_never_rests(side, terminates):
 def test_divergence_is_told():
     reached = found(cells(12, 1), layers(12), numbers(), alpha=3.0)
     assert np.isfinite(particles(reached.cells)).all()
-    assert reached.status is Status.NON_FINITE
+    assert reached.status is dincl.Status.NON_FINITE
     assert reached.iterations < 1000
     assert (reached.energy, reached.violation) == (math.inf, math.inf)
     assert "did not terminate" in reached.detail
@@ -246,7 +245,7 @@ def test_a_crowd_is_told():
         layers(90, basal=[]),
         numbers(),
     )
-    assert reached.status is Status.CROWDED
+    assert reached.status is dincl.Status.CROWDED
 
 
 def test_what_is_given_stays_as_it_is():

@@ -40,6 +40,10 @@ class Cells(NamedTuple):
     mother: Integers  # id of the cell it split from, -1 for a cell of the start
 
 
+# The fields of Cells that are coordinates.
+COORDINATES = Cells._fields[:6]
+
+
 class Layers(NamedTuple):
     """Which cells hold on to which neighbour: indices into Cells, increasing, so from left to right."""
 

@@ -17,7 +17,7 @@ from tissue.progress import progress
 
 if TYPE_CHECKING:
     from tissue.parameters import Parameters
-    from tissue.run import Frame, Run
+    from tissue.run import Run
 
 app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
 File = Annotated[str, typer.Argument(metavar="FILE", help="A parameter file, or a preset: thesis, published.")]
@@ -55,6 +55,7 @@ def movie(
 ) -> None:
     """Simulate, and write an animation of the kept states."""
     from tissue import movie as film
+    from tissue.observables import measurable
 
     with _messages():
         film.ending(out)
@@ -64,7 +65,7 @@ def movie(
         out.parent.mkdir(parents=True, exist_ok=True)
         out.open("ab").close()  # to find out before the work
         grown = _simulated(parameters, seed)
-        frames = _measurable(grown)
+        frames = measurable(grown.frames)
         with progress("drawing", len(frames), "pictures") as watch:
             film.movie(frames, parameters, out, watch)
     print(f"{out}: {len(frames)} pictures, {out.stat().st_size / 1e6:.1f} MB")
@@ -118,19 +119,13 @@ def _simulated(parameters: Parameters, seed: int) -> Run:
     return grown
 
 
-def _measurable(grown: Run) -> list[Frame]:
-    """The kept states without one that is not finite."""
-    from tissue.observables import is_measurable
-
-    return [frame for frame in grown.frames if is_measurable(frame)]
-
-
 def _write_results(grown: Run, folder: Path) -> None:
+    from tissue.observables import measurable
     from tissue.picture import picture
 
     grown.table().to_parquet(folder / "table.parquet", index=False)
     grown.summary().to_csv(folder / "summary.csv", index=False)
-    picture(_measurable(grown)[-1:], grown.parameters, folder / "picture.png")
+    picture(measurable(grown.frames)[-1:], grown.parameters, folder / "picture.png")
 
 
 def _stop_if_failed(grown: Run) -> None:

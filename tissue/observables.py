@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -40,6 +41,11 @@ def is_measurable(frame: Frame) -> bool:
     """Whether all coordinates are finite, and small enough for their squares to be so, too."""
     cells = frame.cells
     return all(bounded(array) for array in (cells.x, cells.y, cells.ax, cells.ay, cells.bx, cells.by))
+
+
+def measurable(frames: Iterable[Frame]) -> list[Frame]:
+    """The frames that are: all but the last one of a run that left the finite numbers."""
+    return [frame for frame in frames if is_measurable(frame)]
 
 
 def height(frame: Frame) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.cells import Cells, Flags, Floats, Integers
+from tissue.cells import COORDINATES, Cells, Flags, Floats, Integers
 from tissue.daha import DampedArrowHurwicz
 from tissue.kernels.advance import apply_rules
 from tissue.kernels.division import count_due
@@ -20,8 +20,6 @@ from tissue.parameters import Parameters
 from tissue.run import Run, RunFailed
 from tissue.simulate import grow
 from tissue.streams import Streams
-
-COORDINATES = ("x", "y", "ax", "ay", "bx", "by")
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -94,6 +92,7 @@ class _Steps:
     def advance(
         self, held: Store, made: int, steps: int, numbers: Numbers, random: Streams
     ) -> tuple[Store, int, Status, str]:
+        """What ``tissue.simulate.grow`` asks for, through minima."""
         while made < steps:
             t = (made + 1) * numbers.dt
             if held.sizes[CELLS] + count_due(held, t) > len(held.cells.x):

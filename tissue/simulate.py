@@ -80,11 +80,20 @@ def kept_steps(parameters: Parameters) -> Iterator[int]:
 
 
 def _advance(held: Store, made: int, steps: int, numbers: Numbers, random: Streams) -> tuple[Store, int, Status, str]:
-    """Advance in as many calls as the growth of the arrays takes."""
+    """The way of the first-order model to make steps."""
+    held, made, end = advance_to(held, made, steps, numbers, random)
+    return held, made, STATUS[end], "" if end == DONE else _words(held, (made + 1) * numbers.dt)
+
+
+def advance_to(held: Store, made: int, steps: int, numbers: Numbers, random: Streams) -> tuple[Store, int, int]:
+    """Make the steps ``made`` to ``steps`` in as many calls as the growth of the arrays takes.
+
+    Returns the store, how many steps are made then, and how it ended: a key of STATUS.
+    """
     while True:
         made, end = advance(held, made, steps, numbers, random.cycle, random.noise)
         if end != FULL:
-            return held, made, STATUS[end], "" if end == DONE else _words(held, (made + 1) * numbers.dt)
+            return held, made, end
         held = grown(held)
 
 

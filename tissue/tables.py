@@ -13,7 +13,7 @@ from tissue.observables import (
     ab_positions,
     extruded,
     height,
-    is_measurable,
+    measurable,
     nuclear_layers,
     phases,
     widths,
@@ -58,7 +58,7 @@ def cell_table(run: Run) -> pd.DataFrame:
     ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
     ======================================================  ========  ===============================================
     """
-    frames = _measurable(run)
+    frames = measurable(run.frames)
     columns = [dict(_of_cells(frame, run)) for frame in frames]
     return pd.DataFrame({name: _joined([part[name] for part in columns]) for name in columns[0]})
 
@@ -80,11 +80,7 @@ def summary_table(run: Run) -> pd.DataFrame:
     ``apically_extruded``, ``basally_extruded``             int64     cells with y_AB > 1, with y_AB < 0  (4.3)
     ======================================================  ========  ===============================================
     """
-    return pd.DataFrame([_of_tissue(frame, _um(run)) for frame in _measurable(run)])
-
-
-def _measurable(run: Run) -> list[Frame]:
-    return [frame for frame in run.frames if is_measurable(frame)]
+    return pd.DataFrame([_of_tissue(frame, _um(run)) for frame in measurable(run.frames)])
 
 
 def _um(run: Run) -> float:

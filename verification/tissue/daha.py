@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from scipy.stats import binomtest
 
 from tissue.cells import Cells
 from tissue.observables import height, widths
@@ -205,12 +206,10 @@ def failures(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def wilson(hits: int, tries: int, z: float = 1.959964) -> tuple[float, float]:
-    """Wilson's interval of a probability; z is the two-sided normal quantile, here of 95 %."""
-    p, shrunk = hits / tries, 1 + z**2 / tries
-    middle = (p + z**2 / (2 * tries)) / shrunk
-    half = z / shrunk * np.sqrt(p * (1 - p) / tries + z**2 / (4 * tries**2))
-    return max(0.0, float(middle - half)), min(1.0, float(middle + half))
+def wilson(hits: int, tries: int) -> tuple[float, float]:
+    """Wilson's 95 % interval of a probability."""
+    interval = binomtest(hits, tries).proportion_ci(method="wilson")
+    return float(interval.low), float(interval.high)
 
 
 def distances(table: pd.DataFrame) -> pd.DataFrame:

@@ -10,19 +10,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dincl.status import Status
-from tissue.cells import Cells
-from tissue.kernels.advance import DONE, FULL, advance
-from tissue.kernels.store import CELLS, Store, contents, grown
+from tissue.cells import COORDINATES, Cells
+from tissue.kernels.store import CELLS, Store, contents
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters, preset
 from tissue.run import Frame
-from tissue.simulate import STATUS
+from tissue.simulate import STATUS, advance_to
 from tissue.start import first_state
 from tissue.streams import Streams, streams
 
 Floats = NDArray[np.float64]
 PRESETS = ("thesis", "published")
-COORDINATES = ("x", "y", "ax", "ay", "bx", "by")
 # A coordinate beyond so many times the largest at the start has left the tissue: 48 h of growth treble it.
 FAR = 10.0
 THROWN = "BEYOND_BOUNDS"
@@ -60,14 +58,11 @@ class Growing:
 
     def to(self, t: float) -> bool:
         """Go on until time t [h], a multiple of dt; whether the run is fit to go on from there."""
-        step, end = round(t / self.numbers.dt), DONE
+        step = round(t / self.numbers.dt)
         began = time.perf_counter()
-        while self.status == SUCCESS and self.made < step:
-            self.made, end = advance(self.held, self.made, step, self.numbers, self.random.cycle, self.random.noise)
-            if end == FULL:
-                self.held = grown(self.held)
-            else:
-                self.status = STATUS[end].name
+        if self.status == SUCCESS:
+            self.held, self.made, end = advance_to(self.held, self.made, step, self.numbers, self.random)
+            self.status = STATUS[end].name
         self.seconds += time.perf_counter() - began
         # Where cells are thrown out, what ends the run is a matter of chance: that they are is what counts.
         if extent(self.frame().cells) > self.bound:

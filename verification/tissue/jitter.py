@@ -7,11 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import Cells, Layers
+from tissue.cells import COORDINATES, Cells, Layers
 from tissue.kernels.store import contents, stored
 from tissue.kernels.substeps import make_substeps
 from tissue.numbers import Numbers
-from verification.tissue.growing import COORDINATES
 
 Floats = NDArray[np.float64]
 
