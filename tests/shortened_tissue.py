@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from tissue.first_order import simulate
 from tissue.parameters import preset
-from tissue.simulate import simulate
 from verification.tissue import (
     bench,
     beyond,

@@ -19,7 +19,7 @@ from tissue.cli import app
 from tissue.picture import picture
 from tissue.progress import progress
 
-HOME = import_module("tissue.simulate")  # the commands import from it
+HOME = import_module("tissue.first_order")  # the commands import from it
 FILES = ["parameters.toml", "picture.png", "summary.csv", "table.parquet"]
 SMALL = """
 base = "published"

@@ -9,10 +9,10 @@ from tests.shortened import Here
 from tests.shortened_tissue import shorten_daha
 from tests.tissue_states import cells, layers, numbers
 from tissue.energy import energy
+from tissue.first_order import simulate
 from tissue.judge import local_minimum
 from tissue.parameters import preset
 from tissue.quasi_steady import simulate_quasi_steady
-from tissue.simulate import simulate
 from verification import sheet
 from verification.report import Context, Grid, Picture, Text
 from verification.tissue import catch_up, daha, daha_fit, daha_limits, judged

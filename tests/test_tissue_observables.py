@@ -7,6 +7,7 @@ import tissue.observables
 from dincl.errors import InvalidProblem
 from tests.tissue_states import HEIGHT, cells, layers, numbers
 from tests.tissue_states import tissue as cells_at
+from tissue.first_order import simulate
 from tissue.observables import (
     PHASES,
     Extruded,
@@ -21,7 +22,6 @@ from tissue.observables import (
 )
 from tissue.parameters import preset
 from tissue.run import Frame
-from tissue.simulate import simulate
 
 
 def frame(x, a, apical=None, basal=None, t=0.0, **fields):

@@ -14,11 +14,11 @@ from tests.test_imports import imported, sources
 from tests.tissue_states import layers, tissue
 from tissue import movie as film
 from tissue import picture as drawing
+from tissue.first_order import simulate
 from tissue.observables import PHASES
 from tissue.parameters import preset
 from tissue.picture import COLOURS, picture, stills
 from tissue.run import Frame
-from tissue.simulate import simulate
 
 THESIS = preset("thesis")
 UM = 5.0

@@ -10,12 +10,12 @@ import dincl
 from dincl.status import Status
 from tissue.cells import Cells
 from tissue.daha import DampedArrowHurwicz
+from tissue.first_order import simulate
 from tissue.minimiser import Judge
 from tissue.numbers_daha import Daha
 from tissue.parameters import preset
 from tissue.quasi_steady import QuasiSteadyRun, simulate_quasi_steady
 from tissue.run import RunFailed
-from tissue.simulate import simulate
 from tissue.streams import streams
 
 COORDINATES = Cells._fields[:6]

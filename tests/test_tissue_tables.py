@@ -8,10 +8,10 @@ import pandas as pd
 import pytest
 
 from dincl.status import Status
+from tissue.first_order import simulate
 from tissue.observables import PHASES, height, nuclear_layers, phases
 from tissue.parameters import preset
 from tissue.run import Run
-from tissue.simulate import simulate
 from tissue.tables import cell_table, summary_table
 
 CELL_KINDS = {

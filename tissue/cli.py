@@ -108,7 +108,7 @@ def _write_parameters(parameters: Parameters, file: str, seed: int, folder: Path
 
 
 def _simulated(parameters: Parameters, seed: int) -> Run:
-    from tissue.simulate import simulate
+    from tissue.first_order import simulate
 
     start = time.monotonic()
     with progress("growing", parameters.t_end, "h") as watch:

@@ -11,6 +11,7 @@ from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.cells import COORDINATES, Cells, Flags, Floats, Integers
 from tissue.daha import DampedArrowHurwicz
+from tissue.first_order import grow
 from tissue.kernels.advance import apply_rules
 from tissue.kernels.division import count_due
 from tissue.kernels.store import CELLS, Store, contents, grown
@@ -18,7 +19,6 @@ from tissue.minimiser import Minimiser
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters
 from tissue.run import Run, RunFailed
-from tissue.simulate import grow
 from tissue.streams import Streams
 
 
@@ -92,7 +92,7 @@ class _Steps:
     def advance(
         self, held: Store, made: int, steps: int, numbers: Numbers, random: Streams
     ) -> tuple[Store, int, Status, str]:
-        """What ``tissue.simulate.grow`` asks for, through minima."""
+        """What ``tissue.first_order.grow`` asks for, through minima."""
         while made < steps:
             t = (made + 1) * numbers.dt
             if held.sizes[CELLS] + count_due(held, t) > len(held.cells.x):

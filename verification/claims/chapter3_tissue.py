@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
+from tissue.first_order import simulate
 from tissue.observables import widths
 from tissue.parameters import preset
-from tissue.simulate import simulate
 from verification.claim import Claim, Tables, Verdict, corrected_if
 
 ROUNDING = 1e-12

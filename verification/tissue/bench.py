@@ -13,10 +13,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tissue.first_order import simulate
 from tissue.kernels.scratch import COUNTERS
 from tissue.parameters import Parameters, preset
 from tissue.quasi_steady import simulate_quasi_steady
-from tissue.simulate import simulate
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.tissue.growing import COMMON, PACKAGES, PRESETS, growing_from

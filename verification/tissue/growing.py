@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 
 from dincl.status import Status
 from tissue.cells import COORDINATES, Cells
+from tissue.first_order import STATUS, advance_to
 from tissue.kernels.store import CELLS, Store, contents
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters, preset
 from tissue.run import Frame
-from tissue.simulate import STATUS, advance_to
 from tissue.start import first_state
 from tissue.streams import Streams, streams
 

@@ -14,6 +14,7 @@ from scipy.optimize import nnls
 from tissue.cells import Cells
 from tissue.daha import DampedArrowHurwicz, violation
 from tissue.energy import energy, forces
+from tissue.first_order import simulate
 from tissue.frozen import constraints, particles
 from tissue.judge import local_minimum
 from tissue.kernels.advance import apply_rules
@@ -22,7 +23,6 @@ from tissue.minimiser import Judge
 from tissue.observables import height
 from tissue.parameters import Parameters, preset
 from tissue.quasi_steady import simulate_quasi_steady
-from tissue.simulate import simulate
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.tissue.frozen import Frozen

@@ -10,12 +10,12 @@ from dincl.status import Status
 from tests import tissue_kernel_calls as kernels
 from tests.tissue_states import cells, layers
 from tissue.energy import Forces
+from tissue.first_order import simulate
 from tissue.kernels import advance
 from tissue.kernels.neighbours import LOST
 from tissue.kernels.scratch import COUNTERS
 from tissue.parameters import preset
 from tissue.run import RunFailed
-from tissue.simulate import simulate
 from tissue.twins import Tissue
 
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"}) for name in ("thesis", "published")}

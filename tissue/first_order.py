@@ -82,7 +82,7 @@ def kept_steps(parameters: Parameters) -> Iterator[int]:
 def _advance(held: Store, made: int, steps: int, numbers: Numbers, random: Streams) -> tuple[Store, int, Status, str]:
     """The way of the first-order model to make steps."""
     held, made, end = advance_to(held, made, steps, numbers, random)
-    return held, made, STATUS[end], "" if end == DONE else _words(held, (made + 1) * numbers.dt)
+    return held, made, STATUS[end], "" if end == DONE else failed_at(held, (made + 1) * numbers.dt)
 
 
 def advance_to(held: Store, made: int, steps: int, numbers: Numbers, random: Streams) -> tuple[Store, int, int]:
@@ -97,8 +97,8 @@ def advance_to(held: Store, made: int, steps: int, numbers: Numbers, random: Str
         held = grown(held)
 
 
-def _words(held: Store, t: float) -> str:
-    """Where a run failed."""
+def failed_at(held: Store, t: float) -> str:
+    """When a run failed, and where, in words."""
     cell = find_lost(held.cells, held.sizes[CELLS])
     if cell >= 0:
         lost = f"cell {held.cells.id[cell]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
