@@ -4,7 +4,18 @@ import numba
 import numpy as np
 import pytest
 
-from tissue.kernels.lanes import WIDTH, load, lowest_bit, positive_bits, spread, store, twice_rsqrt, where_positive
+from tissue.kernels.lanes import (
+    WIDTH,
+    fma,
+    load,
+    lowest_bit,
+    maximum,
+    positive_bits,
+    spread,
+    store,
+    twice_rsqrt,
+    where_positive,
+)
 
 # The estimate in single precision errs by at most 3.5e-7, the Newton step leaves 3/2 of the square of that.
 ACCURATE = 2e-13
@@ -30,6 +41,13 @@ def root(a, out):
 def choice(condition, v, out):
     store(out, 0, where_positive(load(condition, 0), load(v, 0)))
     store(out, WIDTH, spread(v[0]))
+
+
+@numba.njit(error_model="numpy")
+def fused(a, b, c, out):
+    store(out, 0, fma(load(a, 0), load(b, 0), load(c, 0)))
+    store(out, WIDTH, fma(2.0, load(b, 0), 1.0))
+    store(out, 2 * WIDTH, maximum(load(a, 0), load(b, 0)))
 
 
 @numba.njit(error_model="numpy")
@@ -96,3 +114,12 @@ def test_places_of_positive_numbers(where):
     out = np.full(WIDTH, -1)
     count = positive_places(a, out)
     assert out[:count].tolist() == where
+
+
+def test_fused_and_larger(rng):
+    a, b, c = rng.uniform(0.5, 2.0, (3, WIDTH))
+    a[3] = np.nan
+    out = np.zeros(3 * WIDTH)
+    fused(a, b, c, out)
+    expected = np.concatenate((a * b + c, 2.0 * b + 1.0, np.where(a > b, a, b)))
+    np.testing.assert_allclose(out, expected, rtol=1e-15)

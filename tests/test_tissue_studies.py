@@ -249,7 +249,7 @@ def test_the_bench_measures_all_it_says(monkeypatch):
     pairs = rows.set_index(["preset", "cells"])["pairs"]
     for name in PRESETS:
         assert 1.6 < pairs[name, 120] / pairs[name, 60] < 2.8
-    assert found["bench_tissue_runs"]["substeps"].tolist() == [10 * 20, 20 * 40]
+    assert (found["bench_tissue_runs"]["us_substep_abreast"] > 0).all()
     assert (found["bench_tissue_threads"]["throughput_ratio"] > 0).all()
 
 

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tissue.first_order import simulate
+    from tissue.many import simulate_many
     from tissue.parameters import Parameters, load, preset
     from tissue.run import Frame, Run, RunFailed
 
-__all__ = ["Frame", "Parameters", "Run", "RunFailed", "load", "preset", "simulate"]
+__all__ = ["Frame", "Parameters", "Run", "RunFailed", "load", "preset", "simulate", "simulate_many"]
 
 _HOMES = {
     "Frame": "run",
@@ -20,6 +21,7 @@ _HOMES = {
     "load": "parameters",
     "preset": "parameters",
     "simulate": "first_order",
+    "simulate_many": "many",
 }
 
 

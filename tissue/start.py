@@ -10,9 +10,8 @@ from numpy.random import Generator
 from dincl.errors import InvalidProblem
 from tissue.cells import Cells, Floats
 from tissue.kernels.cycle import set_phases
-from tissue.kernels.neighbours import make_lists
 from tissue.kernels.store import Store, stored
-from tissue.kernels.sweeps import largest_overlap, separate
+from tissue.kernels.sweeps import part
 from tissue.numbers import Numbers
 from tissue.numbers_start import Start
 
@@ -90,14 +89,11 @@ def _part(held: Store, n: int) -> Parted:
     """Sweep over the pairs until none overlap."""
     cells = held.cells
     x, y = cells.x[:n].copy(), cells.y[:n].copy()
-    for sweeps in range(MOST_SWEEPS):
-        if not make_lists(cells, n, held.scratch):
-            break
-        if largest_overlap(cells, n, held.scratch) <= TOUCHING:
-            held.scratch.counts[:] = 0
-            return Parted(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))
-        separate(cells, n, held.scratch)
-    raise InvalidProblem(
-        f"tissue.cells = {n}: more than fit: their hard discs could not be parted in {MOST_SWEEPS} sweeps; must be "
-        "fewer cells, a larger box or smaller hard discs"
-    )
+    sweeps = part(cells, n, TOUCHING, MOST_SWEEPS, held.scratch)
+    if sweeps < 0:
+        raise InvalidProblem(
+            f"tissue.cells = {n}: more than fit: their hard discs could not be parted in {MOST_SWEEPS} sweeps; must be "
+            "fewer cells, a larger box or smaller hard discs"
+        )
+    held.scratch.counts[:] = 0
+    return Parted(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))

@@ -6,4 +6,5 @@ from dincl.kernels._numba import forget_stale
 
 HERE = Path(__file__).parent
 # The kernels read tuples by place: the order of their fields is part of the code.
-forget_stale(HERE, *(HERE.parent / name for name in ("cells.py", "numbers.py", "numbers_daha.py")))
+TUPLES = tuple(HERE.parent / name for name in ("cells.py", "numbers.py", "numbers_daha.py"))
+forget_stale(HERE, *TUPLES)

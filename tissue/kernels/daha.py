@@ -10,7 +10,7 @@ from tissue.cells import Cells, Floats
 from tissue.kernels._numba import kernel
 from tissue.kernels.advance import CROWDED, DONE, NON_FINITE
 from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
-from tissue.kernels.lanes import WIDTH, load, store
+from tissue.kernels.lanes import WIDTH, fma, load, store
 from tissue.kernels.multipliers import (
     REACH,
     Multipliers,
@@ -145,7 +145,7 @@ def _move(q: Floats, n: int, before: Floats, change: Floats, sums: Floats) -> No
     for i in range(0, blocks, WIDTH):
         old, new = load(before, i), load(q, i) + load(change, i)
         store(q, i, new)
-        moved, size = moved + (new - old) * (new - old), size + old * old
+        moved, size = fma(new - old, new - old, moved), fma(old, old, size)
     store(sums, 0, moved)
     store(sums, WIDTH, size)
     for i in range(blocks, n):  # what lies behind the last cell is no number

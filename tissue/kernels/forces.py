@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from tissue.cells import Cells, Layers
 from tissue.kernels._numba import kernel
-from tissue.kernels.lanes import WIDTH, load, spread, store, twice_rsqrt, where_positive
+from tissue.kernels.lanes import WIDTH, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.scratch import SOFT_PAIRS, Scratch
 from tissue.numbers import Numbers
+
+Lane = Any  # a value of type Lanes
+Plane = tuple[Lane, Lane]
+Spring = tuple[Lane, Lane]
 
 
 @kernel
@@ -54,12 +60,12 @@ def repulsion(cells: Cells, n: int, strength: float, scratch: Scratch) -> None:
             stop = (min(start, high), min(end, n), high)[part]
             for s in range(begin, stop):
                 dx, dy = x - scratch.sorted_x[s], y - scratch.sorted_y[s]
-                square = dx * dx + dy * dy
+                square = fma(dx, dx, dy * dy)
                 weight = twice_rsqrt(square) - 1.0
                 weight = where_positive(weight, weight)
                 if part == 1:
                     weight = where_positive(square, weight)
-                push_x, push_y = push_x + weight * dx, push_y + weight * dy
+                push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
         store(scratch.push_x, start, strength * push_x)
         store(scratch.push_y, start, strength * push_y)
     scratch.counts[SOFT_PAIRS] += pairs * WIDTH
@@ -76,35 +82,45 @@ def junctions(cells: Cells, layers: Layers, apical: int, strength: float, scratc
     for k in range(0, apical - 1, WIDTH):
         dx = load(scratch.layer_x, k + 1) - load(scratch.layer_x, k)
         dy = load(scratch.layer_y, k + 1) - load(scratch.layer_y, k)
-        pull = strength - half * load(scratch.rest, k) * twice_rsqrt(dx * dx + dy * dy)
+        pull = strength - half * load(scratch.rest, k) * twice_rsqrt(fma(dx, dx, dy * dy))
         store(scratch.pull_x, k, pull * dx)
         store(scratch.pull_y, k, pull * dy)
 
 
 @kernel
-def move_by_springs(cells: Cells, n: int, scratch: Scratch) -> None:
-    """Move the three points of each cell by its two springs and by its bending energy, in place.
+def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Plane, Plane]:
+    """Displacements of A and of B by the springs and the bending energy of eight cells; that of X is minus their sum.
 
     With u = A - X, v = B - X, c the cosine between them, and W = alpha (c + 1):
-    -dW/dA = alpha (c u / |u|^2 - v / (|u| |v|)), likewise for B; the forces on A, B and X add up to zero.
+    -dW/dA = alpha (c u / |u|^2 - v / (|u| |v|)), likewise for B. A spring is (k, l), see ``prepare``.
     """
+    (ux, uy), (vx, vy) = u, v
+    by_u, by_v = 0.5 * twice_rsqrt(fma(ux, ux, uy * uy)), 0.5 * twice_rsqrt(fma(vx, vx, vy * vy))
+    bend = bending * by_u * by_v
+    turn = bend * fma(ux, vx, uy * vy)
+    along_u = fma(ax[0], fma(ax[1], by_u, -1.0), turn * by_u * by_u)
+    along_v = fma(bx[0], fma(bx[1], by_v, -1.0), turn * by_v * by_v)
+    back = 0.0 - bend
+    a = fma(along_u, ux, back * vx), fma(along_u, uy, back * vy)
+    b = fma(along_v, vx, back * ux), fma(along_v, vy, back * uy)
+    return a, b
+
+
+@kernel
+def move_by_springs(cells: Cells, n: int, scratch: Scratch) -> None:
+    """Move the three points of each cell by its two springs and by its bending energy, in place."""
     for i in range(0, n, WIDTH):
         x, y = load(cells.x, i), load(cells.y, i)
-        ux, uy = load(cells.ax, i) - x, load(cells.ay, i) - y
-        vx, vy = load(cells.bx, i) - x, load(cells.by, i) - y
-        by_u, by_v = 0.5 * twice_rsqrt(ux * ux + uy * uy), 0.5 * twice_rsqrt(vx * vx + vy * vy)
-        bend = load(scratch.k_axb, i) * by_u * by_v
-        turn = bend * (ux * vx + uy * vy)
-        along_u = load(scratch.k_ax, i) * (load(scratch.l_ax, i) * by_u - 1.0) + turn * by_u * by_u
-        along_v = load(scratch.k_bx, i) * (load(scratch.l_bx, i) * by_v - 1.0) + turn * by_v * by_v
-        dax, day = along_u * ux - bend * vx, along_u * uy - bend * vy
-        dbx, dby = along_v * vx - bend * ux, along_v * vy - bend * uy
-        store(cells.x, i, x - dax - dbx)
-        store(cells.y, i, y - day - dby)
-        store(cells.ax, i, load(cells.ax, i) + dax)
-        store(cells.ay, i, load(cells.ay, i) + day)
-        store(cells.bx, i, load(cells.bx, i) + dbx)
-        store(cells.by, i, load(cells.by, i) + load(scratch.by_moves, i) * dby)
+        ax, ay, bx, by = load(cells.ax, i), load(cells.ay, i), load(cells.bx, i), load(cells.by, i)
+        of_ax = load(scratch.k_ax, i), load(scratch.l_ax, i)
+        of_bx = load(scratch.k_bx, i), load(scratch.l_bx, i)
+        a, b = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(scratch.k_axb, i))
+        store(cells.x, i, x - (a[0] + b[0]))
+        store(cells.y, i, y - (a[1] + b[1]))
+        store(cells.ax, i, ax + a[0])
+        store(cells.ay, i, ay + a[1])
+        store(cells.bx, i, bx + b[0])
+        store(cells.by, i, fma(load(scratch.by_moves, i), b[1], by))
 
 
 @kernel

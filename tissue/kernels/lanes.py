@@ -5,8 +5,7 @@ overlap, which it cannot for a dozen arrays. Here the programmer says it: ``load
 of type Lanes, +, -, * act on all eight, and ``store(a, i, v)`` puts them back. On processors with shorter registers the
 compiler uses several.
 
-Products and sums may be contracted and ``twice_rsqrt`` is accurate to 2e-13, so that results agree with plain NumPy to
-rounding only.
+``fma`` rounds once, and ``twice_rsqrt`` is accurate to 2e-13, so that results agree with plain NumPy to rounding only.
 """
 
 from __future__ import annotations
@@ -21,8 +20,9 @@ from numba.core import cgutils
 from numba.extending import intrinsic, models, overload, register_model
 
 WIDTH = 8
-# Left to the compiler: fused multiply-add, reciprocals, order of sums; not that there is no NaN: it must come through.
-FLAGS = ("arcp", "afn", "contract", "nsz", "reassoc")
+# For the estimate of a root alone. Sums and products are as written, with ``fma`` where it is meant: a compiler that
+# may choose does so for each copy of a loop it makes, and the last bits of a cell would depend on its place.
+ESTIMATE = ("arcp", "afn", "contract", "nsz")
 
 _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
@@ -107,7 +107,7 @@ def _define(function: Callable[..., Any], instruction: str) -> None:
     def apply(typing: Any, a: Any, b: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             left, right = (_spread(context, builder, *pair) for pair in zip(values, signature.args, strict=True))
-            return getattr(builder, instruction)(left, right, flags=FLAGS)
+            return getattr(builder, instruction)(left, right)
 
         return LANES(a, b), generate
 
@@ -135,6 +135,28 @@ def where_positive(typing: Any, condition: Any, v: Any) -> Any:
 
 
 @intrinsic
+def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
+    """a b + c in one instruction, where the processor has one."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        kind = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
+        parts = [_spread(context, builder, *pair) for pair in zip(values, signature.args, strict=True)]
+        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{WIDTH}f64"), parts)
+
+    return LANES(a, b, c), generate
+
+
+@intrinsic
+def maximum(typing: Any, a: Any, b: Any) -> Any:
+    """The larger number in each lane; b where one is NaN."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return builder.select(builder.fcmp_ordered(">", *values), *values)
+
+    return LANES(a, b), generate
+
+
+@intrinsic
 def twice_rsqrt(typing: Any, v: Any) -> Any:
     """2 / sqrt(v) to 2e-13: y (3 - v y^2) for a quick estimate y in single precision, one Newton step.
 
@@ -145,8 +167,8 @@ def twice_rsqrt(typing: Any, v: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         kind = ir.FunctionType(_SINGLES, [_SINGLES])
         root = cgutils.get_or_insert_function(builder.module, kind, f"llvm.sqrt.v{WIDTH}f32")
-        single = builder.call(root, [builder.fptrunc(values[0], _SINGLES)], fastmath=FLAGS)
-        rough = builder.fpext(builder.fdiv(ir.Constant(_SINGLES, [1.0] * WIDTH), single, flags=FLAGS), _VECTOR)
+        single = builder.call(root, [builder.fptrunc(values[0], _SINGLES)], fastmath=ESTIMATE)
+        rough = builder.fpext(builder.fdiv(ir.Constant(_SINGLES, [1.0] * WIDTH), single, flags=ESTIMATE), _VECTOR)
         square = builder.fmul(builder.fmul(values[0], rough, flags=("contract",)), rough, flags=("contract",))
         change = builder.fsub(_constant(3.0), square, flags=("contract",))
         return builder.fmul(rough, change, flags=("contract",))

@@ -95,3 +95,15 @@ def largest_overlap(cells: Cells, n: int, scratch: Scratch) -> float:
             distance = math.hypot(cells.x[i] - cells.x[j], cells.y[i] - cells.y[j])
             largest = max(largest, cells.radius[i] + cells.radius[j] - distance)
     return largest
+
+
+@kernel
+def part(cells: Cells, n: int, touching: float, most: int, scratch: Scratch) -> int:
+    """Sweep until no overlap is larger than ``touching``: how many sweeps that took, -1 if ``most`` were too few."""
+    for made in range(most):
+        if not make_lists(cells, n, scratch):
+            return -1
+        if largest_overlap(cells, n, scratch) <= touching:
+            return made
+        separate(cells, n, scratch)
+    return -1

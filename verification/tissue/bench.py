@@ -14,7 +14,9 @@ import numpy as np
 import pandas as pd
 
 from tissue.first_order import simulate
+from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import COUNTERS
+from tissue.many import simulate_many
 from tissue.parameters import Parameters, preset
 from tissue.quasi_steady import simulate_quasi_steady
 from verification.study import Key, Study
@@ -27,8 +29,8 @@ SETTLED, REPEATS = 0.5, 5
 # Cell-substeps in one timed repeat: long against the clock, short against the patience of a reader.
 CELL_SUBSTEPS = 400_000
 HOURS = (10.0, 48.0)
-# Runs of 10 h that each thread makes.
-RUNS = 8
+# Lots of eight runs of 10 h that each thread makes.
+LOTS = 3
 
 
 def wide(name: str, cells: int) -> Parameters:
@@ -90,28 +92,54 @@ def substep_table(sizes: tuple[int, ...]) -> pd.DataFrame:
     )
 
 
-def run_table(hours: tuple[float, ...]) -> pd.DataFrame:
-    """One row for each preset and length of a whole simulation: seconds, best and median, and substeps made."""
+def abreast_table(end: float) -> pd.DataFrame:
+    """Microseconds per substep of one of eight replicates abreast, from runs to ``end`` and a fifth of it [h].
+
+    Second daughters are left out, so that the number of cells stays.
+    """
     rows = []
     for name in PRESETS:
-        for end in hours:
-            parameters = preset(name).changed({"numerics.t_end": f"{end} h", "numerics.keep": f"{end} h"})
-            made = simulate(parameters, 0)
-            seconds = [_timed(lambda parameters=parameters: simulate(parameters, 0)) for _ in range(REPEATS)]
-            times = {"s_best": min(seconds), "s_median": float(np.median(seconds))}
-            rows.append({"preset": name, "hours": end} | times | {"substeps": made.stats["substeps"]})
+        both = [wide(name, 60).changed(_until(t) | {"tissue.two_daughters": 0}) for t in (end / 5, end)]
+        simulate_many(both[0], [0])
+        seconds = [[_timed(lambda one=one: simulate_many(one, range(WIDTH))) for one in both] for _ in range(REPEATS)]
+        short, long = np.min(seconds, axis=0)
+        numbers = both[0].numbers()
+        substeps = WIDTH * 0.8 * end / numbers.dt * numbers.substeps
+        rows.append({"preset": name, "cells": 60, "us_abreast": 1e6 * (long - short) / substeps})
     return pd.DataFrame(rows)
 
 
-def thread_table(runs: int) -> pd.DataFrame:
-    """One row for each preset: throughput of two threads over that of one, each making ``runs`` simulations of 10 h."""
+def run_table(hours: tuple[float, ...]) -> pd.DataFrame:
+    """One row for each preset and length of a whole simulation: seconds of a run alone and of one of eight abreast.
+
+    The ratio is the median of pairs measured one after the other, the seconds are the best.
+    """
     rows = []
     for name in PRESETS:
-        parameters = preset(name).changed({"numerics.t_end": "10 h", "numerics.keep": "10 h"})
+        for end in hours:
+            parameters = preset(name).changed(_until(end))
+            made = simulate_many(parameters, range(WIDTH))[0]
+            pairs = []
+            for _ in range(REPEATS):
+                alone = _timed(lambda parameters=parameters: simulate(parameters, 0))
+                pairs.append(
+                    (alone, _timed(lambda parameters=parameters: simulate_many(parameters, range(WIDTH))) / WIDTH)
+                )
+            alone, abreast = np.min(pairs, axis=0)
+            times = {"s_alone": alone, "s_abreast": abreast, "ratio": float(np.median([a / b for a, b in pairs]))}
+            substeps = made.stats["substeps"]
+            rows.append({"preset": name, "hours": end} | times | {"us_substep_abreast": 1e6 * abreast / substeps})
+    return pd.DataFrame(rows)
+
+
+def thread_table(lots: int) -> pd.DataFrame:
+    """One row for each preset: throughput of two threads over that of one, each with 8 ``lots`` runs of 10 h."""
+    rows = []
+    for name in PRESETS:
+        parameters = preset(name).changed(_until(10.0))
 
         def some(parameters: Parameters = parameters) -> None:
-            for seed in range(runs):
-                simulate(parameters, seed)
+            simulate_many(parameters, range(lots * WIDTH))
 
         def both(some: Callable[[], None] = some) -> None:
             with ThreadPoolExecutor(2) as pool:
@@ -124,11 +152,15 @@ def thread_table(runs: int) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
+def _until(end: float) -> dict[str, str]:
+    """Changes for runs to the end [h] that keep no state before it."""
+    return {"numerics.t_end": f"{end} h", "numerics.keep": f"{end} h"}
+
+
 def daha_table(end: float) -> pd.DataFrame:
     """The thesis preset by PBD and by DAHA in turn, rest lengths not negative, with which DAHA gets to the end [h]."""
-    changes = {"rules.floor_rest_length": True, "numerics.t_end": f"{end} h", "numerics.keep": f"{end} h"}
-    parameters = preset("thesis").changed(changes)
-    simulate_quasi_steady(parameters.changed({"numerics.t_end": "0.1 h", "numerics.keep": "0.1 h"}), 0)
+    parameters = preset("thesis").changed({"rules.floor_rest_length": True} | _until(end))
+    simulate_quasi_steady(parameters.changed(_until(0.1)), 0)
     pbd, daha = [], []
     for _ in range(REPEATS):
         pbd.append(_timed(lambda: simulate(parameters, 0)))
@@ -138,15 +170,19 @@ def daha_table(end: float) -> pd.DataFrame:
 
 
 def tables(
-    sizes: tuple[int, ...] = SIZES, hours: tuple[float, ...] = HOURS, runs: int = RUNS
+    sizes: tuple[int, ...] = SIZES, hours: tuple[float, ...] = HOURS, lots: int = LOTS
 ) -> dict[str, tuple[str, pd.DataFrame]]:
     """All tables of the tissue by the name of their file, with what they show."""
     kernel_rows = substep_table(sizes)
     return {
         "bench_tissue": ("Tissue: microseconds per substep, with the load per substep", kernel_rows),
         "bench_tissue_growth": ("Tissue: exponent of the time in the number of cells", growth(kernel_rows)),
-        "bench_tissue_runs": ("Tissue: seconds of a whole simulation", run_table(hours)),
-        "bench_tissue_threads": ("Tissue: two threads, each with as many runs as the one", thread_table(runs)),
+        "bench_tissue_abreast": ("Tissue: microseconds per substep, one of eight abreast", abreast_table(hours[0])),
+        "bench_tissue_runs": (
+            "Tissue: seconds of a whole simulation, alone and as one of eight abreast",
+            run_table(hours),
+        ),
+        "bench_tissue_threads": ("Tissue: two threads, each with as many runs as the one", thread_table(lots)),
         "bench_tissue_daha": ("Tissue: seconds by PBD and by DAHA, and their ratio", daha_table(hours[0])),
     }
 

@@ -1,0 +1,90 @@
+"""Many steps dt of eight replicates in one call."""
+
+from __future__ import annotations
+
+import math
+
+from numpy.random import Generator
+
+from tissue.cells import Integers
+from tissue.kernels._numba import kernel
+from tissue.kernels.advance import DONE, FULL, apply_rules, find_lost
+from tissue.kernels.batch.board import RUNNING, Board, copy_in, copy_out
+from tissue.kernels.batch.forces import junctions, move, repulsion
+from tissue.kernels.batch.rows import row
+from tissue.kernels.batch.sweeps import order_basal, separate
+from tissue.kernels.division import count_due
+from tissue.kernels.lanes import WIDTH
+from tissue.kernels.store import CELLS, Store
+from tissue.numbers import Numbers
+
+Generators = tuple[Generator, ...]
+
+
+@kernel
+def advance(
+    group: Store,
+    board: Board,
+    ended: Integers,
+    made: int,
+    steps: int,
+    numbers: Numbers,
+    draws: Generators,
+    noise: Generators,
+) -> tuple[int, int]:
+    """Make the steps ``made`` to ``steps`` of the replicates that run; how many are made then, and how the call ended.
+
+    A replicate that fails stays as it is from then on: ``ended`` is set to the step that failed. After FULL nothing is
+    lost: put the cells into larger stores and go on.
+    """
+    h = numbers.dt / numbers.substeps
+    while made < steps:
+        t = (made + 1) * numbers.dt
+        for k in range(WIDTH):
+            held = row(group, k)
+            if ended[k] == RUNNING and held.sizes[CELLS] + count_due(held, t) > len(held.cells.x):
+                return made, FULL
+        for k in range(WIDTH):
+            if ended[k] == RUNNING:
+                apply_rules(row(group, k), t, numbers, draws[k], noise[k])
+        n = copy_in(group, ended, numbers, h / numbers.mu, board)
+        if n == 0:  # nobody runs any more
+            return steps, DONE
+        for _ in range(numbers.substeps):
+            make_substep(board, n, numbers, h, noise)
+        copy_out(board, n, group)
+        for k in range(WIDTH):
+            held = row(group, k)
+            if ended[k] == RUNNING and find_lost(held.cells, held.sizes[CELLS]) >= 0:
+                ended[k] = made + 1
+        made += 1
+    return made, DONE
+
+
+@kernel
+def make_substep(board: Board, n: int, numbers: Numbers, h: float, noise: Generators) -> None:
+    """One substep of all replicates on the board: forces, then one sweep of projections."""
+    if numbers.noise_in_substeps:
+        _add_noise(board, math.sqrt(numbers.variance * h), noise)
+    whole_apical, whole_basal = True, True
+    for k in range(WIDTH):
+        whole_apical = whole_apical and board.apical[k] == board.cells[k]
+        whole_basal = whole_basal and board.basal[k] == board.cells[k]
+    scale = h / numbers.mu
+    if numbers.repulsion != 0.0:
+        repulsion(board, n)
+    junctions(board, n, whole_apical, scale * numbers.junction)
+    move(board, n, scale * numbers.repulsion)
+    separate(board, n)
+    order_basal(board, n, whole_basal, numbers.max_basal)
+
+
+@kernel
+def _add_noise(board: Board, deviation: float, noise: Generators) -> None:
+    """Add N(0, deviation^2) to each coordinate of the nuclei, replicate by replicate."""
+    if deviation == 0.0:
+        return
+    for k in range(WIDTH):
+        for place in range(k, WIDTH * int(board.cells[k]), WIDTH):
+            board.x[place] += deviation * noise[k].standard_normal()
+            board.y[place] += deviation * noise[k].standard_normal()

@@ -1,0 +1,146 @@
+"""The eight values of each cell side by side: where the substeps of a batch are made."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tissue.cells import Floats, Integers
+from tissue.kernels._numba import kernel
+from tissue.kernels.batch.rows import row
+from tissue.kernels.forces import prepare
+from tissue.kernels.lanes import WIDTH
+from tissue.kernels.scratch import FAR
+from tissue.kernels.store import APICAL, BASAL, CELLS, Store
+from tissue.numbers import Numbers
+
+# What ``ended`` says of a replicate, if not the number of the step that failed.
+RUNNING, EMPTY = 0, -1
+
+
+class Board(NamedTuple):
+    """Cell i of replicate k has place WIDTH i + k in each array.
+
+    Replicates with fewer cells than others are filled up with cells that lie far from everything and never move.
+    """
+
+    # Copies of the cells, and coefficients as in Scratch
+    x: Floats
+    y: Floats
+    ax: Floats
+    ay: Floats
+    bx: Floats
+    by: Floats
+    radius: Floats
+    k_ax: Floats
+    k_bx: Floats
+    k_axb: Floats
+    l_ax: Floats
+    l_bx: Floats
+    by_moves: Floats
+    # Layers: the k-th place of a layer is that of its k-th cell; the cells outside of it follow, then what fills up
+    apical_at: Integers
+    basal_at: Integers
+    rest: Floats  # of the junction behind the k-th cell of the apical layer
+    # What is computed on the way
+    push_x: Floats  # push of the soft discs on the nucleus, for strength 1
+    push_y: Floats
+    drag_x: Floats  # displacement of the apical point by the junctions
+    drag_y: Floats
+    layer_x: Floats  # of one of the layers, in its order
+    layer_y: Floats
+    before_x: Floats  # nuclei before the sweep
+    before_y: Floats
+    front: Floats  # the rightmost end of the discs 0 to i
+    low: Integers  # the first cell that may be near cell i, one number for all replicates
+    # One for each replicate
+    cells: Floats  # numbers of cells, and of cells in the layers
+    apical: Floats
+    basal: Floats
+
+
+def board_for(capacity: int) -> Board:
+    """A board for replicates with so many cells at most."""
+    whole, single = {"apical_at", "basal_at", "low"}, {"cells", "apical", "basal"}
+    return Board(
+        **{
+            name: _aligned(WIDTH if name in single else WIDTH * capacity, np.int64 if name in whole else np.float64)
+            for name in Board._fields
+        }
+    )
+
+
+def _aligned(length: int, kind: type[np.number[Any]]) -> NDArray[Any]:
+    """Zeros, 8 bytes each, of which eight lie in one line of the cache: what lies in two takes twice as long."""
+    zeros = np.zeros(length + WIDTH - 1, kind)
+    begin = -zeros.ctypes.data % (8 * WIDTH) // 8
+    return zeros[begin : begin + length]
+
+
+@kernel
+def copy_in(group: Store, ended: Integers, numbers: Numbers, scale: float, board: Board) -> int:
+    """Copy the replicates that run to the board; ``scale`` = h / mu; the largest number of cells."""
+    largest = 0
+    for k in range(WIDTH):
+        store = row(group, k)
+        n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
+        if ended[k] != RUNNING:
+            n, apical, basal = 0, 0, 0
+        prepare(store.cells, n, store.layers, apical, numbers, scale, store.scratch)
+        _copy_layer(store.layers.apical, apical, n, k, board.apical_at)
+        _copy_layer(store.layers.basal, basal, n, k, board.basal_at)
+        board.cells[k], board.apical[k], board.basal[k] = n, apical, basal
+        largest = max(largest, n)
+    cells, scratch = group.cells, group.scratch
+    for i in range(largest):
+        for k in range(WIDTH):
+            place = WIDTH * i + k
+            if i < board.cells[k]:
+                board.x[place], board.y[place] = cells.x[k, i], cells.y[k, i]
+                board.ax[place], board.ay[place] = cells.ax[k, i], cells.ay[k, i]
+                board.bx[place], board.by[place] = cells.bx[k, i], cells.by[k, i]
+                board.radius[place] = cells.radius[k, i]
+                board.k_ax[place], board.l_ax[place] = scratch.k_ax[k, i], scratch.l_ax[k, i]
+                board.k_bx[place], board.l_bx[place] = scratch.k_bx[k, i], scratch.l_bx[k, i]
+                board.k_axb[place] = scratch.k_axb[k, i]
+                board.by_moves[place], board.rest[place] = scratch.by_moves[k, i], scratch.rest[k, i]
+            else:
+                _fill(board, i, place)
+    return largest
+
+
+@kernel
+def _copy_layer(layer: Integers, size: int, n: int, k: int, at: Integers) -> None:
+    """Places of the cells of a layer, then of those outside."""
+    inside, outside = 0, size
+    for i in range(n):
+        if inside < size and layer[inside] == i:
+            at[WIDTH * inside + k] = WIDTH * i + k
+            inside += 1
+        else:
+            at[WIDTH * outside + k] = WIDTH * i + k
+            outside += 1
+
+
+@kernel
+def _fill(board: Board, i: int, place: int) -> None:
+    """A cell that is none: upright, far from everything and from its like, without forces, in no layer."""
+    board.x[place] = board.ax[place] = board.bx[place] = FAR * (1 + i)
+    board.y[place], board.ay[place], board.by[place] = 0.0, 1.0, -1.0
+    board.radius[place] = board.k_ax[place] = board.k_bx[place] = board.k_axb[place] = 0.0
+    board.apical_at[place] = board.basal_at[place] = place
+
+
+@kernel
+def copy_out(board: Board, n: int, group: Store) -> None:
+    """Copy the positions of cells 0 to n - 1 back to the replicates that run."""
+    cells = group.cells
+    for i in range(n):
+        for k in range(WIDTH):
+            place = WIDTH * i + k
+            if i < board.cells[k]:
+                cells.x[k, i], cells.y[k, i] = board.x[place], board.y[place]
+                cells.ax[k, i], cells.ay[k, i] = board.ax[place], board.ay[place]
+                cells.bx[k, i], cells.by[k, i] = board.bx[place], board.by[place]
