@@ -24,9 +24,10 @@ PRESET = {"thesis": "#d55e00", "published": "#0072b2"}
 LOST = "#3a3a42"
 # Times of the figure of accuracy, and the widest errors that are drawn [h], [R_soft].
 SHOWN = (0.1, 1.0, 2.0, 5.0, 10.0)
-# Ticks of times, and of deviations of the height.
+# Ticks of times [ms], of deviations of the height [%], of distances [R_soft].
 MILLISECONDS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1000, 2000)
 PERCENT = (-1, 0, 1, 2, 5, 10, 20)
+DISTANCES = (0.2, 0.5, 1)
 # Amplitudes of jitter between which the maps are coloured [R_soft].
 CALM, WILD = 1e-6, 1.0
 
@@ -213,6 +214,7 @@ def jitter(summary: pd.DataFrame, path: Path) -> Path:
         for panel in panels:
             panel.set_xlabel("h/μ")
             panel.minorticks_off()
+        panels[2].set_yticks(DISTANCES, [f"{value:g}" for value in DISTANCES])
         panels[0].legend(loc="lower right")
     return path
 
