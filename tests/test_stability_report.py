@@ -36,7 +36,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     counts = pd.read_parquet(tmp_path / "tables" / "stability_outcomes.parquet")
     assert (counts[[one.value for one in Outcome]].sum(axis=1) == 4).all()
     # The page is written from the tables alone.
-    monkeypatch.setattr(Here, "submit", _nothing_runs)
+    monkeypatch.setattr(study.Study, "_make", _nothing_runs)
     page = write_report([stability.CHAPTER], Context(tmp_path, full=False, executor=Here())).read_text("utf-8")
     assert "3 failures that theory predicts" in page
     assert page.count("<img") == len(names) + 2

@@ -64,7 +64,8 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
     with workers() as executor:
         context = Context(out, full, executor)
         CHAPTER.run(context)
-    CHAPTER.sections(context)
+        CHAPTER.sections(context)
+        context.finish_drawings()
     shown = Table(show_lines=True)
     for name in ("case", "to be expected", "predicted", "found", "agrees"):
         shown.add_column(name)

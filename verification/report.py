@@ -6,11 +6,12 @@ import base64
 import os
 import platform
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
 from datetime import datetime
 from importlib.metadata import version
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -79,6 +80,7 @@ class Context:
     full: bool
     executor: Executor
     tables: dict[str, pd.DataFrame] = field(default_factory=dict)
+    drawings: list[Future[Path]] = field(default_factory=list)
 
     @property
     def folder(self) -> Path:
@@ -90,9 +92,16 @@ class Context:
         self.tables[name] = table
         write(table, self.folder / f"{name}.parquet")
 
-    def figure(self, name: str) -> Path:
-        """Where a figure goes."""
-        return self.out / "figures" / f"{name}.png"
+    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any) -> Path:
+        """Let a worker draw ``figure(*arguments, path)``; the path, where it is once the drawings are done."""
+        path = self.out / "figures" / f"{name}.png"
+        self.drawings.append(self.executor.submit(figure, *arguments, path))
+        return path
+
+    def finish_drawings(self) -> None:
+        """Wait until all figures are there; raises what went wrong with one."""
+        for drawing in self.drawings:
+            drawing.result()
 
 
 @dataclass(frozen=True)
@@ -115,8 +124,10 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
         trim_blocks=True,
         lstrip_blocks=True,
     )
+    written = [(chapter.title, list(chapter.sections(context))) for chapter in chapters]
+    context.finish_drawings()
     page = environment.get_template("report.html").render(
-        chapters=[(chapter.title, list(chapter.sections(context))) for chapter in chapters],
+        chapters=written,
         facts=list(_facts(context)),
         made=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"),
         safe=Markup,

@@ -75,7 +75,7 @@ def _constants(context: Context) -> Section:
         f"{number(table['measured'].iloc[-1] / table['printed_plane'].iloc[-1])} at N = {table['count'].iloc[-1]} "
         "(d = 2), and is 0 at N = 2."
     )
-    picture = figures_geometry.constants(table, context.figure("prox_constants"))
+    picture = context.draw("prox_constants", figures_geometry.constants, table)
     return Section(
         "How far from convex: the constant of prox-regularity",
         [
@@ -103,7 +103,7 @@ def _consistency(context: Context) -> Section:
         "largest σ(V - F, w) - σ(-N ∩ B, w) over random w, with a ball of radius 2 |F| instead of (2^M + 1) |F|, is "
         f"{number(float(steps['excess'].max()))}: never positive, as the lemma needs it."
     )
-    picture = figures_geometry.consistency(steps, settled, SHOWN, context.figure("consistency"))
+    picture = context.draw("consistency", figures_geometry.consistency, steps, settled, SHOWN)
     return Section(
         "Consistency of PBD",
         [

@@ -102,7 +102,7 @@ def _scenes(context: Context) -> Section:
     pictures = []
     for one in SCENES:
         own = reference.reference(context.tables["positions"], one.name)
-        path = plots.motion(one, SHOWN[one.name], own.at(SHOWN[one.name])[0], context.figure(f"motion_{one.name}"))
+        path = context.draw(f"motion_{one.name}", plots.motion, one, SHOWN[one.name], own.at(SHOWN[one.name])[0])
         pictures.append(Picture(path, STARTS[one.name]))
     intro = Text(
         "The thesis does not give its starting positions; these are generic ones, without symmetry, so that discs "
@@ -139,8 +139,8 @@ def _convergence(context: Context, name: str) -> Section:
     pbd = mine[mine["method"] == PBD.name]
     orders_of = ", ".join(f"{row.order} at t = {row.t:g}" for row in pbd.itertuples())
     overlaps = ", ".join(f"{row.infeasibility_order} at t = {row.t:g}" for row in pbd.itertuples())
-    error = plots.against_step(table, name, "error", context.figure(f"error_{name}"))
-    infeasible = plots.against_step(table, name, "infeasibility", context.figure(f"infeasibility_{name}"))
+    error = context.draw(f"error_{name}", plots.against_step, table, name, "error")
+    infeasible = context.draw(f"infeasibility_{name}", plots.against_step, table, name, "infeasibility")
     return Section(
         f"Convergence: {scene(name).title.lower()}",
         [
@@ -177,8 +177,8 @@ def _penalty(context: Context) -> Section:
     )
     curves = context.tables["infeasibility"]
     drawn = curves[curves["dt"].isin(infeasibility.SHORT)]
-    in_time = plots.infeasibility_in_time(drawn, SCENES, context.figure("infeasibility_in_time"))
-    scan = plots.strengths(context.tables["penalty_scan"], SCENES, context.figure("penalty_strengths"))
+    in_time = context.draw("infeasibility_in_time", plots.infeasibility_in_time, drawn, SCENES)
+    scan = context.draw("penalty_strengths", plots.strengths, context.tables["penalty_scan"], SCENES)
     return Section(
         "Infeasibility: PBD against the penalty method with its best strength",
         [
@@ -197,7 +197,7 @@ def _penalty(context: Context) -> Section:
 
 
 def _large(context: Context) -> Section:
-    figure = plots.large_steps(context.tables["large_steps"], large_steps.FAR, SCENES, context.figure("large_steps"))
+    figure = context.draw("large_steps", plots.large_steps, context.tables["large_steps"], large_steps.FAR, SCENES)
     text = Text(
         f"Runs to t = {large_steps.END:g}. At dt = 1 explicit Euler predicts all four discs into the one point that "
         "draws them, so their centres coincide and no pair of them has a direction: all methods shown here, which "

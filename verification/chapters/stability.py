@@ -76,7 +76,7 @@ def _cases(context: Context) -> Section:
 
 def _map(context: Context, plane: Plane) -> Section:
     table = context.tables[_name(plane)]
-    picture = figures_stability.plane(table, plane, context.figure(_name(plane)))
+    picture = context.draw(_name(plane), figures_stability.plane, table, plane)
     counts = context.tables["stability_outcomes"]
     mine = counts[counts["map"] == plane.name].drop(columns="map").rename(columns={"method": "Method"})
     rule = (
@@ -92,7 +92,7 @@ def _map(context: Context, plane: Plane) -> Section:
 
 def _decades(context: Context) -> Section:
     table = context.tables["stability_decades"]
-    pictures = figures_stability.decades(table, context.figure("stability_decades"))
+    pictures = context.draw("stability_decades", figures_stability.decades, table)
     held = table.groupby("method")["bounded"].all()
     steady = ", ".join(CONTESTANTS[name].label for name in decades.METHODS if held[name])
     text = Text(
@@ -107,7 +107,7 @@ def _decades(context: Context) -> Section:
 
 def _pacman(context: Context) -> Section:
     table = context.tables["stability_pacman"]
-    picture = figures_stability.pacman(table, pacman.NARROW, context.figure("stability_pacman"))
+    picture = context.draw("stability_pacman", figures_stability.pacman, table, pacman.NARROW)
     text = Text(
         "At the tip of its mouth the Pacman-like set of Figure 7 is a union of half planes, not an intersection, so it "
         "is no Problem here; its nearest points are written down by hand. The drift points into the mouth. "

@@ -118,7 +118,7 @@ def _summary(context: Context) -> Section:
 
 def _scene(context: Context, name: str) -> Section:
     table, times, winners = (context.tables[one] for one in ("work_precision", "work_times", "work_winners"))
-    path = figures_work_precision.chart(table, name, context.figure(f"work_precision_{name}"))
+    path = context.draw(f"work_precision_{name}", figures_work_precision.chart, table, name)
     return Section(
         f"Speed against accuracy: {SCENES[name]().title.lower()}",
         [

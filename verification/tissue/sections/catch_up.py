@@ -31,7 +31,7 @@ def _run(context: Context) -> None:
 
 def _catch_up(context: Context) -> Section:
     errors, orders = (context.tables[f"tissue_catch_up_{name}"] for name in ("errors", "orders"))
-    picture = figures_daha.catch_up(errors, context.figure("tissue_catch_up"))
+    picture = context.draw("tissue_catch_up", figures_daha.catch_up, errors)
     return Section(
         "PBD against catch-up on a frozen tissue",
         [

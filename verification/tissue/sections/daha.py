@@ -105,9 +105,9 @@ def _daha(context: Context) -> Section:
     made, failed, apart, speed, fits, held = (context.tables[f"tissue_daha_{name}"] for name in names)
     maps = {plane.name: context.tables[f"tissue_daha_{plane.name}"] for plane in daha_limits.PLANES}
     table = context.tables["tissue_daha"]
-    counts = figures_daha.iterations(table, daha.PRINTED, context.figure("tissue_daha_iterations"))
-    fitted = figures_daha.damping(apart, fits, context.figure("tissue_daha_damping"))
-    limits = figures_daha.limits(maps, context.figure("tissue_daha_limits"))
+    counts = context.draw("tissue_daha_iterations", figures_daha.iterations, table, daha.PRINTED)
+    fitted = context.draw("tissue_daha_damping", figures_daha.damping, apart, fits)
+    limits = context.draw("tissue_daha_limits", figures_daha.limits, maps)
     return Section(
         "DAHA against PBD",
         [

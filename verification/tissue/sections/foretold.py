@@ -39,7 +39,7 @@ def _run(context: Context) -> None:
 
 def _foretold(context: Context) -> Section:
     rates, foretold = context.tables["tissue_rates"], context.tables["tissue_foretold"]
-    picture = figures_tissue.disturbances(context.tables["tissue_distances"], context.figure("tissue_disturbances"))
+    picture = context.draw("tissue_disturbances", figures_tissue.disturbances, context.tables["tissue_distances"])
     return Section(
         "How long nuclei can be foretold",
         [

@@ -34,7 +34,7 @@ def _run_growth(context: Context) -> None:
 
 def _growth(context: Context) -> Section:
     table, ratios, doubling = (context.tables[f"tissue_{name}"] for name in ("growth", "ratios", "doubling"))
-    picture = figures_tissue.growth(table, growth.fine(table), context.figure("tissue_growth"))
+    picture = context.draw("tissue_growth", figures_tissue.growth, table, growth.fine(table))
     return Section(
         "Growth of the height",
         [

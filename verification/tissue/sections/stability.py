@@ -43,8 +43,8 @@ def _run_stability(context: Context) -> None:
 def _stability(context: Context) -> Section:
     found, swings, thrown = (context.tables[f"tissue_{name}"] for name in ("limits_found", "swing", "thrown"))
     tables = {plane.name: context.tables[f"tissue_map_{plane.name}"] for plane in maps.PLANES}
-    swing = figures_tissue.jitter(swings, context.figure("tissue_jitter"))
-    shown = figures_tissue.maps(tables, context.figure("tissue_maps"))
+    swing = context.draw("tissue_jitter", figures_tissue.jitter, swings)
+    shown = context.draw("tissue_maps", figures_tissue.maps, tables)
     particulars = found[["title", "words"]].rename(columns={"title": "Case", "words": "Particulars"})
     return Section(
         "Where substeps become unstable",

@@ -58,8 +58,8 @@ def _run_substeps(context: Context) -> None:
 def _substeps(context: Context) -> Section:
     errors, heights, distances = (context.tables[f"tissue_{name}"] for name in ("errors", "heights", "distances"))
     noise = distances[np.isinf(distances["size"])]
-    accuracy = figures_tissue.accuracy(errors, noise, context.figure("tissue_accuracy"))
-    height = figures_tissue.heights(heights, context.figure("tissue_heights"))
+    accuracy = context.draw("tissue_accuracy", figures_tissue.accuracy, errors, noise)
+    height = context.draw("tissue_heights", figures_tissue.heights, heights)
     return Section(
         "Substeps: how exact, how fast",
         [
