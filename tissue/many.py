@@ -24,7 +24,7 @@ from tissue.streams import Streams, streams
 
 
 def simulate_many(parameters: Parameters, seeds: Iterable[int], *, throw: bool = True) -> tuple[Run, ...]:
-    """Grow a tissue for each seed, as ``simulate`` does, in a third of its time for each.
+    """Grow a tissue for each seed, as ``simulate`` does, in less than half of its time for each.
 
     A run is a function of (parameters, seed): on one kind of processor the same bits, whatever the other seeds are. It
     equals that of ``simulate`` to rounding, for forces are added in another order. Of the counted work ``stats`` has
@@ -37,7 +37,7 @@ def simulate_many(parameters: Parameters, seeds: Iterable[int], *, throw: bool =
     seeds
         Integers >= 0. A last lot of less than eight takes as long as eight.
     throw
-        Whether a run that fails raises, once all runs of its lot have ended; otherwise its Status says so.
+        Whether a run that fails raises, and the others are lost; otherwise its Status says so.
 
     Raises
     ------

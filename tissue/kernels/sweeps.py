@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from tissue.cells import Cells, Layers
+from tissue.cells import Cells, Floats, Layers
 from tissue.kernels._numba import kernel
 from tissue.kernels.neighbours import SKIN, list_again, make_lists
 from tissue.kernels.scratch import BASAL_CORRECTIONS, CORRECTIONS, NEAR, STALE, Scratch
@@ -25,15 +25,7 @@ def separate(cells: Cells, n: int, scratch: Scratch) -> bool:
         while k < i * NEAR + near_count[i]:
             j = near[k]
             k += 1
-            dx, dy = x[i] - x[j], y[i] - y[j]
-            reach = radius[i] + radius[j]
-            square = dx * dx + dy * dy
-            if square < reach * reach:
-                part = 0.5 * (reach / math.sqrt(square) - 1.0)
-                x[i] += part * dx
-                y[i] += part * dy
-                x[j] -= part * dx
-                y[j] -= part * dy
+            if push_apart(x, y, radius, i, j):
                 corrections += 1
                 i_left = _left(x[i] - listed_x[i], y[i] - listed_y[i])
                 if i_left or _left(x[j] - listed_x[j], y[j] - listed_y[j]):
@@ -45,6 +37,21 @@ def separate(cells: Cells, n: int, scratch: Scratch) -> bool:
                         k += 1
     scratch.counts[CORRECTIONS] += corrections
     return room
+
+
+@kernel
+def push_apart(x: Floats, y: Floats, radius: Floats, i: int, j: int) -> bool:
+    """Move two discs that overlap apart, each by half of the overlap; whether they did."""
+    dx, dy, reach = x[i] - x[j], y[i] - y[j], radius[i] + radius[j]
+    square = dx * dx + dy * dy
+    if not square < reach * reach:
+        return False
+    part = 0.5 * (reach / math.sqrt(square) - 1.0)
+    x[i] += part * dx
+    y[i] += part * dy
+    x[j] -= part * dx
+    y[j] -= part * dy
+    return True
 
 
 @kernel

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 from tissue.kernels._numba import kernel
@@ -21,6 +20,7 @@ from tissue.kernels.lanes import (
     twice_rsqrt,
     where_positive,
 )
+from tissue.kernels.sweeps import push_apart
 
 # Pairs with a larger gap before the sweep are not looked at in it [R_soft].
 MARGIN = 0.3
@@ -80,14 +80,7 @@ def _separate_all(board: Board, k: int) -> None:
         x[place], y[place] = board.before_x[place], board.before_y[place]
     for i in range(k, end, WIDTH):
         for j in range(k, i, WIDTH):
-            dx, dy, reach = x[i] - x[j], y[i] - y[j], radius[i] + radius[j]
-            square = dx * dx + dy * dy
-            if square < reach * reach:
-                part = 0.5 * (reach / math.sqrt(square) - 1.0)
-                x[i] += part * dx
-                y[i] += part * dy
-                x[j] -= part * dx
-                y[j] -= part * dy
+            push_apart(x, y, radius, i, j)
 
 
 @kernel
