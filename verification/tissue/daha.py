@@ -52,8 +52,8 @@ class Form:
 
 SHORT = Form(
     {
-        (TERMINATING, 1e-6): 3,
-        (DOUBLED_CASE, 1e-6): 2,
+        (TERMINATING, 1e-6): 5,
+        (DOUBLED_CASE, 1e-6): 4,
         (PRINTED, 1e-6): 5,
         (PRINTED, 1e-5): 2,
         (PRINTED, 1e-7): 2,

@@ -53,7 +53,6 @@ def _verdict(steps: pd.DataFrame) -> str:
     daha, pbd, least = row.loc["DAHA"], row.loc["PBD"], row.loc["minimum from DAHA"]
     numbers = judged.floored().daha_numbers()
     bound = numbers.eps / (numbers.alpha * numbers.dtau)
-    held = [f"{'holds' if daha['steepest'] <= k * bound else 'does not hold'}" for k in (1, 2)]
     apart = row.loc["minimum", "distance"]
     return (
         "The quasi-steady model asks for a minimum in each step. From the states in which "
@@ -64,9 +63,10 @@ def _verdict(steps: pd.DataFrame) -> str:
         + (": there are several minima. " if apart > judged.TOL else ": there is one minimum. ")
         + "Remark 3.6 bounds what is "
         f"left of the gradient by ‖∇W‖/‖z‖ ≤ ε/α = {number(bound)}. With the multipliers that fit best it is "
-        f"{number(daha['gradient'])} (median), {number(daha['steepest'])} at most: the bound {held[0]}, 2ε/α = "
-        f"{number(2 * bound)}, which (3.25) has, {held[1]}. So the “minimum” is a state on the way, and the rule "
-        f"(3.24) decides how far along. The minimum takes Ipopt {least['made']:.0f} iterations and "
+        f"{number(daha['gradient'])} (median), {number(daha['steepest'])} at most: {daha['steepest'] / bound:.2f} "
+        f"times the bound, and {daha['steepest'] / (2 * bound):.2f} times 2ε/α, which (3.25) has for the gradient of "
+        "one iteration before. So the “minimum” is a state on the way, and the rule (3.24) decides how far along. The "
+        f"minimum takes Ipopt {least['made']:.0f} iterations and "
         f"{number(least['seconds'])} s from there, DAHA {daha['made']:.0f} and {number(daha['seconds'])} s."
     )
 
