@@ -106,15 +106,23 @@ class Context:
 
 @dataclass(frozen=True)
 class Chapter:
-    """``run`` completes the studies and fills ``context.tables``; ``sections`` writes about them, and only reads."""
+    """``run`` completes the studies and fills ``context.tables``; ``sections`` writes about them, and only reads.
+
+    ``prepare`` is done by one worker while the others begin with the chapters before: two that come to the same kernels
+    at the same time would both compile them.
+    """
 
     title: str
     run: Callable[[Context], None]
     sections: Callable[[Context], Sequence[Section]]
+    prepare: Callable[[], None] | None = None
 
 
 def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
     """Run all chapters and write ``index.html``; return its path."""
+    for chapter in chapters:
+        if chapter.prepare is not None:
+            context.executor.submit(chapter.prepare)
     for chapter in chapters:
         chapter.run(context)
     environment = Environment(
