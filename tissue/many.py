@@ -27,8 +27,8 @@ def simulate_many(parameters: Parameters, seeds: Iterable[int], *, throw: bool =
     """Grow a tissue for each seed, as ``simulate`` does, in less than half of its time for each.
 
     A run is a function of (parameters, seed): on one kind of processor the same bits, whatever the other seeds are. It
-    equals that of ``simulate`` to rounding, for forces are added in another order. Of the counted work ``stats`` has
-    what belongs to one run alone.
+    equals that of ``simulate`` to rounding, for forces are added in another order; where many cells divide at once such
+    differences grow like any disturbance. Of the counted work ``stats`` has what belongs to one run alone.
 
     Parameters
     ----------
