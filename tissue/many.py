@@ -65,7 +65,7 @@ def _lot(parameters: Parameters, seeds: Sequence[int]) -> list[Run]:
     steps = _steps(grouped([held for held, _ in starts]), ended, numbers, random, kept_steps(parameters))
     for step, group in steps:
         for k in range(len(seeds)):
-            if ended[k] == RUNNING or frames[k][-1].t < ended[k] * numbers.dt:
+            if ended[k] == RUNNING or frames[k][-1].t < ended[k] * numbers.dt:  # it just failed
                 last = step if ended[k] == RUNNING else ended[k]
                 frames[k].append(Frame(last * numbers.dt, *contents(replicate(group, k))))
     return [
@@ -80,13 +80,14 @@ def _steps(
     """The numbers of steps ``kept`` and the group as it is then, in as many calls as the growth of the arrays takes."""
     everyone = random + random[-1:] * (WIDTH - len(random))
     draws, noise = tuple(one.cycle for one in everyone), tuple(one.noise for one in everyone)
-    made = 0
+    made, board = 0, board_for(group.cells.x.shape[1])
     for step in kept:
         end = FULL
         while end == FULL:
-            made, end = advance(group, board_for(group.cells.x.shape[1]), ended, made, step, numbers, draws, noise)
+            made, end = advance(group, board, ended, made, step, numbers, draws, noise)
             if end == FULL:
                 group = grown_group(group)
+                board = board_for(group.cells.x.shape[1])
         yield step, group
 
 

@@ -8,6 +8,7 @@ from tissue.first_order import simulate
 from tissue.parameters import preset
 from tissue.quasi_steady import simulate_quasi_steady
 from verification.report import Chapter, Context, Section
+from verification.tissue.growing import until
 from verification.tissue.sections import (
     catch_up,
     daha,
@@ -34,7 +35,7 @@ PARTS = (
 
 def compile_kernels() -> None:
     """Let numba compile and keep what takes it longest, by the shortest runs there are."""
-    brief = preset("thesis").changed({"numerics.t_end": "0.1 h", "numerics.keep": "0.1 h"})
+    brief = preset("thesis").changed(until(0.1))
     simulate(brief, 0)
     simulate_quasi_steady(brief, 0, throw=False)
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,7 +22,7 @@ from tissue.parameters import Parameters, preset
 from tissue.quasi_steady import simulate_quasi_steady
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
-from verification.tissue.growing import COMMON, PACKAGES, PRESETS, growing_from
+from verification.tissue.growing import COMMON, PACKAGES, PRESETS, growing_from, until
 
 SIZES, SHORT = (60, 120, 1_000, 10_000), (60, 120, 1_000)
 # Hours of growth before timing starts, and repeats of which the best is taken.
@@ -99,7 +100,7 @@ def abreast_table(end: float) -> pd.DataFrame:
     """
     rows = []
     for name in PRESETS:
-        both = [wide(name, 60).changed(_until(t) | {"tissue.two_daughters": 0}) for t in (end / 5, end)]
+        both = [wide(name, 60).changed(until(t) | {"tissue.two_daughters": 0}) for t in (end / 5, end)]
         simulate_many(both[0], [0])
         seconds = [[_timed(lambda one=one: simulate_many(one, range(WIDTH))) for one in both] for _ in range(REPEATS)]
         short, long = np.min(seconds, axis=0)
@@ -110,22 +111,21 @@ def abreast_table(end: float) -> pd.DataFrame:
 
 
 def run_table(hours: tuple[float, ...]) -> pd.DataFrame:
-    """One row for each preset and length of a whole simulation: seconds of a run alone and of one of eight abreast.
+    """One row for each preset and length of a whole simulation: seconds of a run alone and of one of eight abreast,
+    means over the same eight seeds.
 
     The ratio is the median of pairs measured one after the other, the seconds are the best.
     """
     rows = []
     for name in PRESETS:
         for end in hours:
-            parameters = preset(name).changed(_until(end))
+            parameters = preset(name).changed(until(end))
             made = simulate_many(parameters, range(WIDTH))[0]
-            pairs = []
-            for _ in range(REPEATS):
-                alone = _timed(lambda parameters=parameters: simulate(parameters, 0))
-                pairs.append(
-                    (alone, _timed(lambda parameters=parameters: simulate_many(parameters, range(WIDTH))) / WIDTH)
-                )
-            alone, abreast = np.min(pairs, axis=0)
+            pairs = [
+                (_timed(partial(_each, parameters)), _timed(partial(simulate_many, parameters, range(WIDTH))))
+                for _ in range(REPEATS)
+            ]
+            alone, abreast = np.min(pairs, axis=0) / WIDTH
             times = {"s_alone": alone, "s_abreast": abreast, "ratio": float(np.median([a / b for a, b in pairs]))}
             substeps = made.stats["substeps"]
             rows.append({"preset": name, "hours": end} | times | {"us_substep_abreast": 1e6 * abreast / substeps})
@@ -136,7 +136,7 @@ def thread_table(lots: int) -> pd.DataFrame:
     """One row for each preset: throughput of two threads over that of one, each with 8 ``lots`` runs of 10 h."""
     rows = []
     for name in PRESETS:
-        parameters = preset(name).changed(_until(10.0))
+        parameters = preset(name).changed(until(10.0))
 
         def some(parameters: Parameters = parameters) -> None:
             simulate_many(parameters, range(lots * WIDTH))
@@ -152,15 +152,16 @@ def thread_table(lots: int) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def _until(end: float) -> dict[str, str]:
-    """Changes for runs to the end [h] that keep no state before it."""
-    return {"numerics.t_end": f"{end} h", "numerics.keep": f"{end} h"}
+def _each(parameters: Parameters) -> None:
+    """What ``simulate_many`` makes of eight seeds, one run after the other."""
+    for seed in range(WIDTH):
+        simulate(parameters, seed)
 
 
 def daha_table(end: float) -> pd.DataFrame:
     """The thesis preset by PBD and by DAHA in turn, rest lengths not negative, with which DAHA gets to the end [h]."""
-    parameters = preset("thesis").changed({"rules.floor_rest_length": True} | _until(end))
-    simulate_quasi_steady(parameters.changed(_until(0.1)), 0)
+    parameters = preset("thesis").changed({"rules.floor_rest_length": True} | until(end))
+    simulate_quasi_steady(parameters.changed(until(0.1)), 0)
     pbd, daha = [], []
     for _ in range(REPEATS):
         pbd.append(_timed(lambda: simulate(parameters, 0)))

@@ -14,11 +14,8 @@ from dincl.status import Status
 from tissue.daha import DampedArrowHurwicz
 from verification.stability.plane import Axis, Plane
 from verification.study import Study
-from verification.table import fingerprint
-from verification.tissue import linear
-from verification.tissue.growing import COMMON, PACKAGES
+from verification.tissue import linear, maps
 from verification.tissue.judged import begun, floored
-from verification.tissue.maps import ROUNDING
 
 # Iterations after which a step counts as not terminated, and the least violation that a reader would see [R_soft].
 MOST, SEEN = 25_000, 0.01
@@ -93,16 +90,7 @@ PLANES = (
 def study(plane: Plane, full: bool) -> Study:
     """All cells of a map; the short form has the first seed only."""
     shown = plane if full else replace(plane, methods=dict(list(plane.methods.items())[:1]))
-    files = ("daha_limits", "judged", "linear", "maps")
-    made = fingerprint(
-        *COMMON,
-        "stability/plane.py",
-        *(f"tissue/{name}.py" for name in files),
-        packages=PACKAGES,
-        x=plane.x.values(full),
-    )
-    name = f"tissue_daha_{plane.name}{'_full' if full else ''}"
-    return replace(shown.study(full), name=name, title=f"Tissue, DAHA: {plane.title}", fingerprint=made)
+    return maps.named(shown, full, "tissue_daha", "Tissue, DAHA", ("daha_limits", "judged", "linear", "maps"))
 
 
 def held(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
@@ -115,7 +103,7 @@ def held(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:
     for plane, names in zip(PLANES, (("alpha", "beta"), ("gamma", "c")), strict=True):
         for seed, table in tables[plane.name].groupby("method"):
             for name, along, across in zip(names, "xy", "yx", strict=True):
-                line = table[np.isclose(table[across], 1.0, rtol=ROUNDING)].sort_values(along)
+                line = table[np.isclose(table[across], 1.0, rtol=maps.ROUNDING)].sort_values(along)
                 foretold = float(table["limit"].iloc[0]) if name == "alpha" else np.nan
                 rows.append({"seed": seed, "parameter": name} | _around(line, along) | {"limit": foretold})
     return pd.DataFrame(rows)

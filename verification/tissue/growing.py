@@ -30,6 +30,11 @@ COMMON = ("tissue/growing.py",)
 PACKAGES = ("dincl", "tissue")
 
 
+def until(end: float) -> dict[str, str]:
+    """Changes of parameters for runs to the end [h] that keep no state before it."""
+    return {"numerics.t_end": f"{end:g} h", "numerics.keep": f"{end:g} h"}
+
+
 @dataclass
 class Growing:
     """One run that can be taken from time to time; its rules and noise are those of ``tissue.simulate``.

@@ -26,7 +26,7 @@ from tissue.quasi_steady import simulate_quasi_steady
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.tissue.frozen import Frozen
-from verification.tissue.growing import COMMON, PACKAGES, SUCCESS, growing_from
+from verification.tissue.growing import COMMON, PACKAGES, SUCCESS, growing_from, until
 from verification.tissue.intervals import over_seeds
 from verification.tissue.jitter import substepped
 
@@ -156,7 +156,7 @@ def whole(full: bool) -> Study:
 
 def grown_through_minima(key: Key) -> list[Row]:
     """One row: heights at END of the runs by the judge, by DAHA and by PBD, NaN where a run did not get there."""
-    parameters = floored().changed({"numerics.t_end": f"{END:g} h", "numerics.keep": f"{END:g} h"})
+    parameters = floored().changed(until(END))
     runs = {
         "judge": simulate_quasi_steady(parameters, key["seed"], Judge(TOL), throw=False),
         "DAHA": simulate_quasi_steady(parameters, key["seed"], throw=False),

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -111,7 +111,11 @@ GROWING, RESTING = PLANES[:2], PLANES[2:]
 
 def study(plane: Plane, full: bool) -> Study:
     """All cells of a map."""
-    files = ("beyond", "frozen", "jitter", "linear", "maps")
+    return named(plane, full, "tissue_map", "Tissue map", ("beyond", "frozen", "jitter", "linear", "maps"))
+
+
+def named(plane: Plane, full: bool, name: str, title: str, files: Iterable[str]) -> Study:
+    """The study of a map under a name of the tissue, made by these files of ``verification.tissue``."""
     made = fingerprint(
         *COMMON,
         "stability/plane.py",
@@ -119,8 +123,9 @@ def study(plane: Plane, full: bool) -> Study:
         packages=PACKAGES,
         x=plane.x.values(full),
     )
-    name = f"tissue_map_{plane.name}{'_full' if full else ''}"
-    return replace(plane.study(full), name=name, title=f"Tissue map: {plane.title}", fingerprint=made)
+    study = plane.study(full)
+    whole = f"{name}_{plane.name}{'_full' if full else ''}"
+    return replace(study, name=whole, title=f"{title}: {plane.title}", fingerprint=made)
 
 
 def thrown(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:

@@ -6,7 +6,7 @@ import math
 
 from numpy.random import Generator
 
-from tissue.cells import Integers
+from tissue.cells import Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.advance import DONE, FULL, apply_rules, find_lost
 from tissue.kernels.batch.board import RUNNING, Board, copy_in, copy_out
@@ -50,8 +50,9 @@ def advance(
         n = copy_in(group, ended, numbers, h / numbers.mu, board)
         if n == 0:  # nobody runs any more
             return steps, DONE
+        whole_apical, whole_basal = are_equal(board.apical, board.cells), are_equal(board.basal, board.cells)
         for _ in range(numbers.substeps):
-            make_substep(board, n, numbers, h, noise)
+            make_substep(board, n, whole_apical, whole_basal, numbers, h, noise)
         copy_out(board, n, group)
         for k in range(WIDTH):
             held = row(group, k)
@@ -62,14 +63,21 @@ def advance(
 
 
 @kernel
-def make_substep(board: Board, n: int, numbers: Numbers, h: float, noise: Generators) -> None:
+def are_equal(sizes: Floats, others: Floats) -> bool:
+    """Whether two numbers agree for each replicate: a layer that has all cells is whole."""
+    equal = True
+    for k in range(WIDTH):
+        equal = equal and sizes[k] == others[k]
+    return equal
+
+
+@kernel
+def make_substep(
+    board: Board, n: int, whole_apical: bool, whole_basal: bool, numbers: Numbers, h: float, noise: Generators
+) -> None:
     """One substep of all replicates on the board: forces, then one sweep of projections."""
     if numbers.noise_in_substeps:
         _add_noise(board, math.sqrt(numbers.variance * h), noise)
-    whole_apical, whole_basal = True, True
-    for k in range(WIDTH):
-        whole_apical = whole_apical and board.apical[k] == board.cells[k]
-        whole_basal = whole_basal and board.basal[k] == board.cells[k]
     scale = h / numbers.mu
     if numbers.repulsion != 0.0:
         repulsion(board, n)

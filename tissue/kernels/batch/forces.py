@@ -17,7 +17,7 @@ def repulsion(board: Board, n: int) -> int:
     Each pair is looked at once, without a branch: one that is beyond the range in a replicate adds exact zeros there.
     """
     x, y, push_x, push_y = board.x, board.y, board.push_x, board.push_y
-    find_windows(board, n, 1.0, 0.0)
+    find_windows(board, n, 0.0, 1.0)
     pairs = 0
     for i in range(n):
         here = WIDTH * i
@@ -56,8 +56,8 @@ def junctions(board: Board, n: int, whole: bool, strength: float) -> None:
         store(moved_x, here, pull * dx - behind_x)
         store(moved_y, here, pull * dy - behind_y)
         x_k, y_k, behind_x, behind_y = next_x, next_y, pull * dx, pull * dy
-    store(moved_x, WIDTH * (n - 1), spread(0.0) - behind_x)
-    store(moved_y, WIDTH * (n - 1), spread(0.0) - behind_y)
+    store(moved_x, WIDTH * (n - 1), 0.0 - behind_x)
+    store(moved_y, WIDTH * (n - 1), 0.0 - behind_y)
     if not whole:
         scatter(board.layer_x, board.apical_at, n, board.drag_x)
         scatter(board.layer_y, board.apical_at, n, board.drag_y)

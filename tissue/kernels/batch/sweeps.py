@@ -33,7 +33,7 @@ def separate(board: Board, n: int) -> None:
     A replicate in which a nucleus was pushed so far that pairs outside of the windows may have met is swept again from
     the beginning, over all pairs.
     """
-    find_windows(board, n, 0.0, MARGIN)
+    find_windows(board, n, 1.0, 0.5 * MARGIN)
     for place in range(0, WIDTH * n, WIDTH):
         store(board.before_x, place, load(board.x, place))
         store(board.before_y, place, load(board.y, place))

@@ -8,12 +8,12 @@ from tissue.kernels.lanes import WIDTH, load, maximum, positive_bits, spread, st
 
 
 @kernel
-def find_windows(board: Board, n: int, soft: float, margin: float) -> None:
+def find_windows(board: Board, n: int, share: float, extra: float) -> None:
     """low[i]: the first cell j <= i such that, in some replicate, the discs 0 to j reach as far as to disc i.
 
-    The discs have the radius ``soft``, or the hard radii and half of the margin around them if it is 0. With the
-    rightmost end F_j of the discs 0 to j, a cell j with F_j <= x_i - r_i is too far to the left, and all before it: so
-    each pair whose discs overlap is in the windows. One cell out of order makes windows longer, never wrong.
+    The discs have the radii r_i = share R_i + extra. With the rightmost end F_j of the discs 0 to j, a cell j with
+    F_j <= x_i - r_i is too far to the left, and all before it: so each pair whose discs overlap is in the windows. One
+    cell out of order makes windows longer, never wrong.
     """
     x, radius, front, low = board.x, board.radius, board.front, board.low
     ahead = spread(-1e300)
@@ -21,7 +21,7 @@ def find_windows(board: Board, n: int, soft: float, margin: float) -> None:
     for i in range(n):
         here = WIDTH * i
         x_i = load(x, here)
-        reach = spread(soft) if soft > 0.0 else load(radius, here) + 0.5 * margin
+        reach = share * load(radius, here) + extra
         ahead = maximum(ahead, x_i + reach)
         store(front, here, ahead)
         left = x_i - reach
