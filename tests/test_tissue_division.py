@@ -76,7 +76,7 @@ def test_two_daughters(model):
     ],
 )
 def test_a_second_daughter_stands_behind_the_first(model, due, ids):
-    cells, network, next_id = divided(model, row(4, due))
+    cells, network, next_id, _ = divided(model, row(4, due))
     assert cells.id.tolist() == ids
     assert next_id == 4 + len(due)
     assert [cells.id[i - 1] for i, mother in enumerate(cells.mother) if mother >= 0] == due
@@ -87,7 +87,7 @@ def test_a_second_daughter_stands_behind_the_first(model, due, ids):
 @both
 def test_daughters_of_cells_that_left_a_layer_are_not_in_it_either(model):
     network = layers(4, apical=[0, 2, 3], basal=[1, 2])
-    cells, network, _ = divided(model, row(4, [0, 1, 2, 3], network))
+    cells, network, *_ = divided(model, row(4, [0, 1, 2, 3], network))
     assert cells.id.tolist() == [0, 4, 1, 5, 2, 6, 3, 7]
     assert cells.id[network.apical].tolist() == [0, 4, 2, 6, 3, 7]
     assert cells.id[network.basal].tolist() == [1, 5, 2, 6]
@@ -96,7 +96,7 @@ def test_daughters_of_cells_that_left_a_layer_are_not_in_it_either(model):
 @both
 def test_basal_points_of_daughters_stay_on_the_line_or_off_it(model):
     state = row(2, [0, 1], layers(2, basal=[0]))
-    cells, network, _ = divided(model, state)
+    cells, network, *_ = divided(model, state)
     moved = model.make_substeps(cells, network, ALWAYS._replace(max_basal=9.0), None)
     assert (moved.by[:2] == 0.0).all()
     assert (moved.by[2:] != 0.0).all()
@@ -163,7 +163,7 @@ def test_cycles_of_sisters_are_independent(model):
 @pytest.mark.parametrize("h", [1e-3, 1e-6])
 def test_the_first_sweep_throws_daughters_that_are_alone_apart(model, h):
     """Each goes R_hard - offset to its side, to the distance 2 R_hard, however short the substep is."""
-    cells, network, _ = divided(model, row(1, due=[0]))
+    cells, network, *_ = divided(model, row(1, due=[0]))
     moved = model.make_substeps(cells, network, ALWAYS._replace(substeps=1, dt=h), None)
     assert np.hypot(*np.diff((moved.x, moved.y))) == pytest.approx(2 / 3, rel=1e-14)
     np.testing.assert_allclose(np.abs(moved.x - cells.x), 1 / 3 - 0.01, rtol=20 * h)
@@ -175,7 +175,7 @@ def test_daughters_fit_into_the_disc_of_their_mother(model):
     """Two discs of 1/3 side by side lie within 0.7: neighbours that touched the mother are not met by the sweep."""
     state = row(2, due=[0])
     state.cells.x[1] = state.cells.x[0] + 0.7 + 1 / 3
-    cells, network, _ = divided(model, state)
+    cells, network, *_ = divided(model, state)
     moved = model.make_substeps(cells, network, ALWAYS._replace(substeps=1, dt=1e-6, max_basal=9.0), None)
     np.testing.assert_allclose(np.diff(moved.x), [2 / 3, 0.7], atol=1e-4)
 

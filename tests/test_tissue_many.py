@@ -6,11 +6,11 @@ import pytest
 import dincl
 from dincl.status import Status
 from tests import tissue_kernel_calls as kernels
-from tests.tissue_kernel_calls import aged, distance, freed, heap, same_events
+from tests.tissue_kernel_calls import RUNNING, aged, distance, freed, heap, same_events, together
 from tests.tissue_states import layers, numbers
 from tissue import twins
 from tissue.first_order import simulate
-from tissue.kernels.advance import DONE, FULL
+from tissue.kernels.advance import FULL
 from tissue.kernels.batch import board as boards
 from tissue.kernels.batch import sweeps
 from tissue.kernels.batch.advance import advance
@@ -26,7 +26,6 @@ from tissue.twins import Tissue
 LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"} | LIVELY) for name in ("thesis", "published")}
 each_preset = pytest.mark.parametrize("name", SHORT)
-RUNNING = np.zeros(WIDTH, np.int64)
 
 
 def same_bits(a, b):
@@ -34,17 +33,6 @@ def same_bits(a, b):
     pairs = [(f, g) for f, g in zip(a.frames, b.frames, strict=True)]
     arrays = [(p, q) for f, g in pairs for p, q in zip((*f.cells, *f.layers), (*g.cells, *g.layers), strict=True)]
     return all(f.t == g.t for f, g in pairs) and all(p.tobytes() == q.tobytes() for p, q in arrays)
-
-
-def together(states, wanted, given_numbers, seeds):
-    """The states after steps made side by side; ``ended`` of each."""
-    room = 4 * max(len(state.cells.x) for state in states)
-    group = grouped([kernels.held(state, room) for state in states])
-    draws, noise = zip(*[kernels.generators(seed) for seed in seeds], strict=True)
-    ended = RUNNING.copy()
-    made = advance(group, boards.board_for(room), ended, 0, wanted, given_numbers, draws, noise)
-    assert made == (wanted, DONE)
-    return [kernels.taken(replicate(group, k)) for k in range(WIDTH)], ended
 
 
 # Against one run at a time

@@ -10,7 +10,10 @@ from pydantic import ValidationError
 
 from tissue.messages import known_keys
 from tissue.parameters import PRESETS, Parameters, load, preset
+from tissue.timing import Timing
+from tissue.units import Measure
 
+SIX, TWELVE = Measure(6.0, "h"), Measure(12.0, "h")
 # One change of the thesis preset for each key, and all that it changes.
 SETTABLE = {
     "tissue.cells": (30, {"cells": 30}),
@@ -64,6 +67,19 @@ SETTABLE = {
     "division.new_junction": ("0.5 R_soft", {"new_junction": 0.5, "junction": 0.5}),
     "start.nuclei": ("even", {"nuclei": "even"}),
     "start.nuclei_height": ([0.25, 0.75], {"nuclei_low": 2.0, "nuclei_high": 6.0}),
+    "emt.cells": (3, {"group": 3}),
+    "emt.inm": (0.5, {"inm": 0.5}),
+    "emt.a": ("12 h", {"times": (Timing(TWELVE, TWELVE), Timing(), Timing(), Timing())}),
+    "emt.b": ("6 h to 720 min", {"times": (Timing(), Timing(SIX, TWELVE), Timing(), Timing())}),
+    "emt.s": ("6 h to 12 h, 70 %", {"times": (Timing(), Timing(), Timing(SIX, TWELVE, 70.0), Timing())}),
+    "events.freed_stiffness": (0.1, {"freed_stiffness": 0.1}),
+    "events.bridge": ("distance", {"bridge_present": True}),
+    "events.bent_stiffness": (1.0, {"bent_stiffness": 1.0}),
+    "events.run_speed": ("10 um/h", {"run_speed": 2.0}),
+    "events.run_depth": ("5 um", {"run_depth": 1.0}),
+    "events.spring_above": ("gives way", {"spring_gives": True}),
+    "events.contraction": ("20 min", {"contraction": 1 / 3}),
+    "events.at_depth": ("forces", {"forced_below": True}),
     "daha.alpha": (1e-3, {"alpha": 1e-3}),
     "daha.beta": (0.5, {"beta": 0.5}),
     "daha.gamma": (0, {"gamma": 0.0}),
@@ -94,10 +110,14 @@ def plain(parameters: Parameters) -> dict[str, object]:
     """Collect all plain numbers; the junction stiffness of Numbers is called junction_k here."""
     numbers = parameters.numbers()._asdict()
     numbers["junction_k"] = numbers.pop("junction")
+    scenario = parameters.scenario()
     return {
         **numbers,
         **parameters.start_numbers()._asdict(),
         **parameters.daha_numbers()._asdict(),
+        "group": scenario.cells,
+        "inm": scenario.inm,
+        "times": scenario.times,
         "t_end": parameters.t_end,
         "keep": parameters.keep,
     }
@@ -108,7 +128,10 @@ def close(value: object) -> object:
 
 
 def test_the_list_of_changes_is_complete():
-    assert list(SETTABLE) == known_keys(Parameters)
+    """But for emt.p, which does not go alone: protrusions wait for [B]."""
+    assert [*SETTABLE, "emt.p"] == sorted(known_keys(Parameters), key=[*SETTABLE, "emt.p"].index)
+    changed = preset("thesis").changed({"emt.b": "6 h", "emt.p": "12 h"})
+    assert changed.scenario().times == (Timing(), Timing(SIX, SIX), Timing(), Timing(TWELVE, TWELVE))
 
 
 @pytest.mark.parametrize("key", SETTABLE)

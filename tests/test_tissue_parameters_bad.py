@@ -198,7 +198,7 @@ def test_without_base_every_value_must_be_given(file):
     with pytest.raises(InvalidProblem, match=r"cell.g2 is missing: .* a duration >= 0 with its unit, such as"):
         load(file(text.replace('g2 = "0.5 h"\n', "")))
     with pytest.raises(
-        InvalidProblem, match=r"7 errors\n  tissue is missing: .* a section \[tissue\] with the keys cells,"
+        InvalidProblem, match=r"9 errors\n  tissue is missing: .* a section \[tissue\] with the keys cells,"
     ):
         load(file(""))
 

@@ -7,8 +7,13 @@ import pytest
 
 from tests import tissue_states
 from tissue import twins
+from tissue.cells import Emt
 from tissue.energy import Forces
-from tissue.kernels import advance, store, substeps, sweeps
+from tissue.kernels import advance, scale, store, substeps, sweeps
+from tissue.kernels.batch import board as boards
+from tissue.kernels.batch.advance import advance as batch_advance
+from tissue.kernels.batch.group import grouped, replicate
+from tissue.kernels.lanes import WIDTH
 from tissue.twins import Tissue
 
 COORDINATES = Forces._fields
@@ -22,17 +27,19 @@ NEAR_BY = 1e-8
 STILL = tissue_states.numbers(variance=0.0, rate_ax=0.0, rate_bx=0.0, rate_aa=0.0, two_daughters=0.0)
 ROOM = 8
 IN_USE = store.CELLS
+RUNNING = np.zeros(WIDTH, np.int64)
 
 
 def held(tissue, capacity=None):
     """A store with the tissue in it, by default with room for each cell to divide."""
     room = 2 * len(tissue.cells.x) + ROOM if capacity is None else capacity
-    return store.stored(tissue.cells, tissue.layers, tissue.next_id, capacity=room)
+    emt = Emt(*(array.copy() for array in tissue.emt))
+    return store.stored(tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room)
 
 
 def taken(kept):
     """The tissue in a store."""
-    return Tissue(*store.contents(kept), int(kept.sizes[store.NEXT_ID]))
+    return Tissue(*store.contents(kept), int(kept.sizes[store.NEXT_ID]), kept.emt)
 
 
 def apply_rules(tissue, t, numbers, draws, noise):
@@ -54,6 +61,22 @@ def steps(tissue, made, wanted, numbers, draws, noise):
     kept = held(tissue, 4 * len(tissue.cells.x) + ROOM)
     assert advance.advance(kept, made, wanted, numbers, draws, noise) == (wanted, advance.DONE)
     return taken(kept)
+
+
+def measure(tissue, positions, controls):
+    """Fills positions of the EMT cells and what is measured of the controls."""
+    scale.measure(held(tissue), positions, controls)
+
+
+def together(states, wanted, given_numbers, seeds):
+    """The states after steps made side by side; ``ended`` of each."""
+    room = 4 * max(len(state.cells.x) for state in states)
+    group = grouped([held(state, room) for state in states])
+    draws, noise = zip(*[generators(seed) for seed in seeds], strict=True)
+    ended = RUNNING.copy()
+    made = batch_advance(group, boards.board_for(room), ended, 0, wanted, given_numbers, draws, noise)
+    assert made == (wanted, advance.DONE)
+    return [taken(replicate(group, k)) for k in range(WIDTH)], ended
 
 
 def separate(kept):
@@ -81,7 +104,7 @@ def distance(a, b):
 
 def same_events(a, b):
     """Whether all that rules decide, and no position enters, is the same bit for bit."""
-    fields = ("stiff_ax", "radius", "birth", "cycle", "moves", "divides", "id", "mother")
+    fields = ("stiff_ax", "radius", "birth", "cycle", "moves", "divides", "id", "mother", "emt", "events")
     return all(np.array_equal(getattr(a.cells, name), getattr(b.cells, name)) for name in fields) and all(
         np.array_equal(*pair) for pair in zip(a.layers, b.layers, strict=True)
     )

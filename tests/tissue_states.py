@@ -35,6 +35,14 @@ THESIS = Numbers(
     enlarge_in_g2=False,
     g2_stiffening=1.0,
     resting_enlarge=True,
+    freed_stiffness=1.0,
+    bridge_present=False,
+    bent_stiffness=0.0,
+    run_speed=1.0,
+    run_depth=2.0,
+    spring_gives=False,
+    contraction=0.0,
+    forced_below=False,
 )
 HEIGHT = 8.0
 SPACING = 1 / 6  # of basal and apical points of random tissues: half of the maximal basal distance

@@ -38,6 +38,8 @@ class Cells(NamedTuple):
     divides: Flags  # whether the end of the cycle may bring a second daughter
     id: Integers  # never used again for another cell
     mother: Integers  # id of the cell it split from, -1 for a cell of the start
+    emt: Integers  # number among the EMT cells, its place in Emt; -1 for a control cell
+    events: Integers  # the EMT events that have begun, a sum of bits of ``tissue.events.bits``
 
 
 # The fields of Cells that are coordinates.
@@ -51,10 +53,41 @@ class Layers(NamedTuple):
     basal: Integers  # (nb,): consecutive entries are ordered and at most max_basal apart (3.15)
 
 
+class Emt(NamedTuple):
+    """The EMT cells, one entry for each, from left to right: the times of their events and what came of them."""
+
+    at_a: Floats  # when the events begin [h], inf for never
+    at_b: Floats
+    at_s: Floats
+    at_p: Floats  # >= at_b: [P] waits for [B]
+    onset_ab: Floats  # y_AB when the first of [A], [B], [S] began (4.8), inf before
+    side: Integers  # where the nucleus is: -1 below the basal layer, 1 above the apical layer, else 0  (4.3)
+    since: Floats  # since when it has been there [h]; of side 0 not kept
+    since_x: Floats  # x of the nucleus then
+
+
+# The kinds of the fields that are no numbers.
+KINDS = {"moves": np.bool_, "divides": np.bool_, **dict.fromkeys(("id", "mother", "emt", "events"), np.int64)}
+
+
 def empty(capacity: int) -> Cells:
-    """Cells of length ``capacity``, all zero."""
-    kinds = {"moves": np.bool_, "divides": np.bool_, "id": np.int64, "mother": np.int64}
-    return Cells(**{name: np.zeros(capacity, kinds.get(name, np.float64)) for name in Cells._fields})
+    """Control cells of length ``capacity``, all else zero."""
+    cells = Cells(**{name: np.zeros(capacity, KINDS.get(name, np.float64)) for name in Cells._fields})
+    cells.emt[:] = -1
+    return cells
+
+
+def emt_cells(at_a: Floats, at_b: Floats, at_s: Floats, at_p: Floats) -> Emt:
+    """EMT cells with events at these times [h], each (m,); [P] waits for [B]  (section 2.2.4 of chapter 4)."""
+    m = len(at_a)
+    return Emt(
+        at_a, at_b, at_s, np.maximum(at_p, at_b), np.full(m, np.inf), np.zeros(m, np.int64), np.zeros(m), np.zeros(m)
+    )
+
+
+def no_emt() -> Emt:
+    """A tissue of control cells alone."""
+    return emt_cells(*np.zeros((4, 0)))
 
 
 def first(cells: Cells, n: int) -> Cells:

@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tissue.timing import NEVER, Timing
 from tissue.units import Measure, reduced
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
@@ -40,7 +41,7 @@ def broken(values: Mapping[str, Any]) -> list[str]:
 
 def show(value: Any) -> str:
     """A checked value as a file would give it."""
-    return f'"{value}"' if isinstance(value, (str, Measure)) else str(value)
+    return f'"{value}"' if isinstance(value, (str, Measure, Timing)) else str(value)
 
 
 def _above(value: float, limit: float) -> bool:
@@ -100,7 +101,23 @@ def _fit(cells: int, nuclei: str, part: tuple[float, float], *lengths: Measure) 
     )
 
 
+def _in_the_middle(group: int, cells: int) -> str | None:
+    """Of n cells at most n - 2 are surrounded by others; without control cells no layer would be left to measure in."""
+    most = max(0, cells - 2)
+    return None if group <= most else f"at most {most}: EMT cells have control cells on both sides"
+
+
+def _possible(protrusions: Timing, detachment: Timing) -> str | None:
+    return (
+        f'"{NEVER}": [P] waits for [B], and emt.b = {show(detachment)}'
+        if (protrusions.ever and not detachment.ever)
+        else None
+    )
+
+
 RULES = (
+    Rule(("emt.cells", "tissue.cells"), _in_the_middle),
+    Rule(("emt.p", "emt.b"), _possible),
     Rule(("cell.hard_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
     Rule(("cell.enlarged_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
     Rule(("cell.enlarged_radius", "cell.hard_radius", "cell.soft_radius"), _enlarged),

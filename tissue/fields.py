@@ -8,7 +8,8 @@ from typing import Annotated, Any
 
 from pydantic import PlainSerializer, PlainValidator
 
-from tissue.units import DIFFUSION, DURATION, LENGTH, METRIC_LENGTH, RATE, Dimension, Measure, parse
+from tissue.timing import ALLOWED, Timing, timing
+from tissue.units import DIFFUSION, DURATION, LENGTH, METRIC_LENGTH, RATE, SPEED, Dimension, Measure, parse
 
 # Sizes in the units they are kept in: between these, squares and quotients stay finite and positive.
 SMALLEST, LARGEST = 1e-12, 1e12
@@ -62,18 +63,36 @@ class Quantity:
 
 @dataclass(frozen=True)
 class Count:
-    """A whole number from 1 to ``most``."""
+    """A whole number from ``least`` to ``most``."""
 
     most: int
+    least: int = 1
 
     @property
     def allowed(self) -> str:
-        return f"a whole number from 1 to {self.most}"
+        return f"a whole number from {self.least} to {self.most}"
 
     def __call__(self, raw: Any) -> int:
-        if not _is(Integral, raw) or not 1 <= raw <= self.most:
+        if not _is(Integral, raw) or not self.least <= raw <= self.most:
             raise ValueError(f"must be {self.allowed}")
         return int(raw)
+
+
+@dataclass(frozen=True)
+class EventTime:
+    """When an event begins, see ``tissue.timing``."""
+
+    allowed: str = ALLOWED
+
+    def __call__(self, raw: Any) -> Timing:
+        try:
+            found = timing(raw)
+        except ValueError as error:
+            raise ValueError(f"must be {self.allowed}; {error}") from error
+        if found.low is not None and found.high is not None:
+            for time in (found.low, found.high):
+                _check_size(time.value, self.allowed, f" {time.unit}")
+        return found
 
 
 @dataclass(frozen=True)
@@ -129,8 +148,10 @@ Length = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=False)), _TEXT]
 LengthOrZero = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=True)), _TEXT]
 Duration = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=False)), _TEXT]
 DurationOrZero = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=True)), _TEXT]
+Speed = Annotated[Measure, PlainValidator(Quantity(SPEED, zero=False)), _TEXT]
 RateOrZero = Annotated[Measure, PlainValidator(Quantity(RATE, zero=True)), _TEXT]
 DiffusionOrZero = Annotated[Measure, PlainValidator(Quantity(DIFFUSION, zero=True)), _TEXT]
+Begin = Annotated[Timing, PlainValidator(EventTime()), _TEXT]
 Positive = Annotated[float, PlainValidator(Number(zero=False))]
 NonNegative = Annotated[float, PlainValidator(Number(zero=True))]
 Probability = Annotated[float, PlainValidator(Number(zero=True, most=1.0))]

@@ -12,7 +12,7 @@ from tissue.kernels.store import CELLS, Store, contents, grown
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters
 from tissue.run import Frame, Run, RunFailed
-from tissue.start import first_state
+from tissue.start import started
 from tissue.streams import Streams, streams
 
 # Makes the steps ``made`` to ``steps``: the store, how many are made then, how it went, and the particulars in words.
@@ -54,7 +54,7 @@ def simulate(
 def grow(parameters: Parameters, seed: int, advance: Advance, watch: Callable[[float], None] | None) -> Run:
     """The run whose steps ``advance`` makes; the arguments and the first error are those of ``simulate``."""
     numbers, random = parameters.numbers(), streams(seed)
-    held, parted = first_state(parameters.start_numbers(), numbers, random.start)
+    held, parted = started(parameters, random)
     frames = [Frame(0.0, *contents(held))]
     made, status, detail = 0, Status.SUCCESS, ""
     for step in kept_steps(parameters):

@@ -40,3 +40,12 @@ class Numbers(NamedTuple):
     enlarge_in_g2: bool  # the enlarged radius from G2 on, in place of from mitosis on
     g2_stiffening: float  # factor of alpha_ax from G2 to division
     resting_enlarge: bool  # cells without INM enlarge and stiffen like the others
+    # EMT events
+    freed_stiffness: float  # factor of the spring to a freed point: [A], [B]
+    bridge_present: bool  # the junction that bridges [A] rests at the present distance, in place of the sum of both
+    bent_stiffness: float  # of the bending spring after [S]
+    run_speed: float  # of the basal point in [P] [1/h]
+    run_depth: float  # below the basal line, where its run ends
+    spring_gives: bool  # above the basal line the basal spring grows at run_speed, in place of being without force
+    contraction: float  # time in which its rest length decreases to 1/e below the line [h]; 0: at once
+    forced_below: bool  # at run_depth the point follows the forces, in place of staying where it is

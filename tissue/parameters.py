@@ -17,10 +17,13 @@ from tissue.numbers import Numbers
 from tissue.numbers_daha import Daha
 from tissue.numbers_start import Start
 from tissue.parameter_files import FOLDER, merged, read, written
+from tissue.scenario import Scenario
 from tissue.sections import (
     CellSection,
     DahaSection,
     DivisionSection,
+    EmtSection,
+    EventsSection,
     NumericsSection,
     RulesSection,
     StartSection,
@@ -47,6 +50,8 @@ class Parameters(BaseModel):
     rules: RulesSection
     division: DivisionSection
     start: StartSection
+    emt: EmtSection
+    events: EventsSection
     daha: DahaSection
 
     @model_validator(mode="after")
@@ -100,7 +105,7 @@ class Parameters(BaseModel):
 
     def numbers(self) -> Numbers:
         """What the kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
-        tissue, cell, numerics, rules = self.tissue, self.cell, self.numerics, self.rules
+        tissue, cell, numerics, rules, events = self.tissue, self.cell, self.numerics, self.rules, self.events
         return Numbers(
             dt=numerics.dt.value,
             substeps=numerics.substeps,
@@ -130,6 +135,14 @@ class Parameters(BaseModel):
             enlarge_in_g2=rules.enlarge_from == "G2",
             g2_stiffening=rules.g2_stiffening,
             resting_enlarge=rules.resting_cells_enlarge,
+            freed_stiffness=events.freed_stiffness,
+            bridge_present=events.bridge == "distance",
+            bent_stiffness=events.bent_stiffness,
+            run_speed=reduced(events.run_speed, cell.soft_radius),
+            run_depth=reduced(events.run_depth, cell.soft_radius),
+            spring_gives=events.spring_above == "gives way",
+            contraction=events.contraction.value,
+            forced_below=events.at_depth == "forces",
         )
 
     def start_numbers(self) -> Start:
@@ -149,6 +162,11 @@ class Parameters(BaseModel):
             rest_length=reduced(self.cell.initial_rest_length, soft_radius),
             junction=reduced(self.division.new_junction, soft_radius),
         )
+
+    def scenario(self) -> Scenario:
+        """What the EMT cells are drawn from: times in h."""
+        emt = self.emt
+        return Scenario(emt.cells, emt.inm, (emt.a, emt.b, emt.s, emt.p))
 
     def daha_numbers(self) -> Daha:
         """The parameters of the quasi-steady model's solver."""

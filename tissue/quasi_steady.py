@@ -68,13 +68,15 @@ def simulate_quasi_steady(
     Raises
     ------
     InvalidProblem
-        As ``simulate``, and if noise is to be added in each substep: there are none.
+        As ``simulate``, and if noise is to be added in each substep: there are none; or if there are EMT cells.
     RunFailed
         If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
     """
     noise = parameters.numerics.noise
     if noise != "step":
         raise InvalidProblem(f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps')
+    if parameters.emt.cells:
+        raise InvalidProblem(f"emt.cells = {parameters.emt.cells}: must be 0, the quasi-steady model has no EMT events")
     steps = _Steps(minimiser or DampedArrowHurwicz(parameters.daha_numbers()))
     found = steps.run(grow(parameters, seed, steps.advance, watch))
     if throw and not found.status:

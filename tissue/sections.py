@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, fiel
 
 from tissue.fields import (
     MOST_CELLS,
+    Begin,
     Choice,
     Count,
     DiffusionOrZero,
@@ -25,6 +26,7 @@ from tissue.fields import (
     Positive,
     Probability,
     RateOrZero,
+    Speed,
 )
 
 
@@ -111,6 +113,30 @@ class StartSection(Section):
 
     nuclei: Annotated[str, PlainValidator(Choice(("box", "even", "own_basal")))]  # rule of their x
     nuclei_height: Fractions  # between which their y are drawn, of the height
+
+
+class EmtSection(Section):
+    """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4)."""
+
+    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))]  # N^EMT
+    inm: Probability  # that an EMT cell performs interkinetic nuclear movement
+    a: Begin  # T^A, loss of apical adhesion
+    b: Begin  # T^B, loss of basal adhesion
+    s: Begin  # T^S, loss of straightness
+    p: Begin  # T^P, protrusions; they wait for [B]
+
+
+class EventsSection(Section):
+    """[events]: how the variants of the model carry out the events (section 2.2 of chapter 4)."""
+
+    freed_stiffness: NonNegative  # factor of the stiffness of the spring to a freed point: [A], [B]
+    bridge: Annotated[str, PlainValidator(Choice(("sum", "distance")))]  # rest length of the junction that bridges [A]
+    bent_stiffness: NonNegative  # of the bending spring after [S]
+    run_speed: Speed  # v^run (4.1) of the basal point in [P]
+    run_depth: Length  # below the basal line, where its run ends
+    spring_above: Annotated[str, PlainValidator(Choice(("no force", "gives way")))]  # while the point is above the line
+    contraction: DurationOrZero  # time constant of the rest length below it; 0: at once
+    at_depth: Annotated[str, PlainValidator(Choice(("stays", "forces")))]  # the point at run_depth
 
 
 class DahaSection(Section):

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.cells import Cells, Floats
+from tissue.cells import Cells, Emt, Flags, Floats, no_emt
 from tissue.kernels.cycle import set_phases
 from tissue.kernels.store import Store, stored
 from tissue.kernels.sweeps import part
 from tissue.numbers import Numbers
 from tissue.numbers_start import Start
+from tissue.scenario import drawn
 
+if TYPE_CHECKING:
+    from tissue.parameters import Parameters
+    from tissue.streams import Streams
+
+NOBODY = np.zeros(0, np.bool_)
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
 TOUCHING = 1e-10
 MOST_SWEEPS = 10_000
@@ -27,8 +33,16 @@ class Parted(NamedTuple):
     moved: float  # largest displacement of a nucleus [R_soft]
 
 
-def first_state(start: Start, numbers: Numbers, draws: Generator) -> tuple[Store, Parted]:
-    """Draw a tissue and make it feasible.
+def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
+    """The first state of a run: that of ``first_state``, with the EMT cells of its scenario in the middle."""
+    group = drawn(parameters.scenario(), random.emt)
+    return first_state(parameters.start_numbers(), parameters.numbers(), random.start, group)
+
+
+def first_state(
+    start: Start, numbers: Numbers, draws: Generator, group: tuple[Emt, Flags] | None = None
+) -> tuple[Store, Parted]:
+    """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.scenario.drawn``.
 
     Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle].
     Drawn nuclei overlap: sweeps of (C1) part them, so that the hard discs do not overlap by more than 1e-10. Neighbours
@@ -39,9 +53,19 @@ def first_state(start: Start, numbers: Numbers, draws: Generator) -> tuple[Store
     InvalidProblem
         If the nuclei could not be parted: more cells than fit.
     """
-    held = stored(_drawn(start, numbers, draws), capacity=2 * start.cells)
+    cells, (emt, moves) = _drawn(start, numbers, draws), group or (no_emt(), NOBODY)
+    _choose_middle(cells, moves)
+    held = stored(cells, emt=emt, capacity=2 * start.cells)
     set_phases(held, 0.0, numbers)
     return held, _part(held, start.cells)
+
+
+def _choose_middle(cells: Cells, moves: Flags) -> None:
+    """Make the cells in the middle EMT cells, with INM or not: they begin new cycles but never divide (2.2.5)."""
+    m = len(moves)
+    first = (len(cells.x) - m) // 2
+    group = slice(first, first + m)
+    cells.emt[group], cells.moves[group], cells.divides[group] = np.arange(m), moves, False
 
 
 def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
@@ -71,6 +95,8 @@ def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
         divides=np.ones(n, np.bool_),
         id=np.arange(n),
         mother=np.full(n, -1),
+        emt=np.full(n, -1),
+        events=np.zeros(n, np.int64),
     )
 
 

@@ -20,6 +20,7 @@ class Streams(NamedTuple):
     start: Generator  # positions, ages
     cycle: Generator  # durations of cycles, second daughters
     noise: Generator  # of the nuclei
+    emt: Generator  # INM and times of the events of EMT cells
 
 
 def streams(seed: int) -> Streams:

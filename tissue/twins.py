@@ -14,9 +14,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from tissue.cells import Cells, Flags, Floats, Layers
+from tissue.cells import Cells, Emt, Flags, Floats, Layers, no_emt
 from tissue.energy import forces
 from tissue.numbers import Numbers
+from tissue.twins_events import Motion, begin_events, last_events, motion, watch_sides
 
 
 class Tissue(NamedTuple):
@@ -25,6 +26,7 @@ class Tissue(NamedTuple):
     cells: Cells
     layers: Layers
     next_id: int
+    emt: Emt = no_emt()
 
 
 def steps(tissue: Tissue, made: int, wanted: int, numbers: Numbers, draws: Generator, noise: Generator) -> Tissue:
@@ -32,12 +34,13 @@ def steps(tissue: Tissue, made: int, wanted: int, numbers: Numbers, draws: Gener
     for k in range(made, wanted):
         tissue = apply_rules(tissue, (k + 1) * numbers.dt, numbers, draws, noise)
         tissue = tissue._replace(cells=make_substeps(tissue.cells, tissue.layers, numbers, noise))
+        tissue = watch_sides(tissue, (k + 1) * numbers.dt)
     return tissue
 
 
 def apply_rules(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, noise: Generator) -> Tissue:
-    """Twin of ``advance.apply_rules``: divisions, phases, rest lengths, noise."""
-    tissue = divide(tissue, t, numbers, draws)
+    """Twin of ``advance.apply_rules``: divisions, EMT events, phases, rest lengths, noise."""
+    tissue = begin_events(divide(tissue, t, numbers, draws), t, numbers)
     cells = adapt_rest_lengths(set_phases(tissue.cells, t, numbers), t, numbers)
     if not numbers.noise_in_substeps:
         cells = add_noise(cells, numbers.variance * numbers.dt, noise)
@@ -68,7 +71,7 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator) -> Tiss
     cells = Cells(*map(np.array, zip(*one_by_one, strict=True)))
     place = {name: i for i, name in enumerate(cells.id.tolist())}
     layers = Layers(*(np.array([place[name] for name in layer], np.int64) for layer in (apical, basal)))
-    return Tissue(cells, layers, next_id)
+    return tissue._replace(cells=cells, layers=layers, next_id=next_id)
 
 
 def set_phases(cells: Cells, t: float, numbers: Numbers) -> Cells:
@@ -92,11 +95,12 @@ def adapt_rest_lengths(cells: Cells, t: float, numbers: Numbers) -> Cells:
     wanted_bx = np.where(rises, whole - 2.0, to_b - 1.0)
     if numbers.floor_rest:
         wanted_ax, wanted_bx = np.maximum(wanted_ax, 0.0), np.maximum(wanted_bx, 0.0)
-    return cells._replace(
+    relaxed = cells._replace(
         rest_ax=wanted_ax + (cells.rest_ax - wanted_ax) * math.exp(-numbers.rate_ax * numbers.dt),
         rest_bx=wanted_bx + (cells.rest_bx - wanted_bx) * math.exp(-numbers.rate_bx * numbers.dt),
         rest_aa=cells.rest_aa * math.exp(-numbers.rate_aa * numbers.dt),
     )
+    return last_events(relaxed, cells, numbers)
 
 
 def add_noise(cells: Cells, variance: float, noise: Generator) -> Cells:
@@ -107,21 +111,23 @@ def add_noise(cells: Cells, variance: float, noise: Generator) -> Cells:
 
 def make_substeps(cells: Cells, layers: Layers, numbers: Numbers, noise: Generator) -> Cells:
     """Twin of ``substeps.make_substeps``: all PBD steps in one dt (3.34)."""
-    h = numbers.dt / numbers.substeps
+    h, own = numbers.dt / numbers.substeps, motion(cells, numbers)
     for _ in range(numbers.substeps):
         if numbers.noise_in_substeps:
             cells = add_noise(cells, numbers.variance * h, noise)
-        cells = swept(moved(cells, layers, numbers, h), layers, numbers)
+        cells = swept(moved(cells, layers, numbers, h, own), layers, numbers)
     return cells
 
 
-def moved(cells: Cells, layers: Layers, numbers: Numbers, h: float) -> Cells:
-    """Z - (h / mu) grad W(Z); the basal points of the layer stay on the basal line (C3)."""
+def moved(cells: Cells, layers: Layers, numbers: Numbers, h: float, own: Motion) -> Cells:
+    """Z - (h / mu) grad W(Z); basal points of the layer stay on the basal line (C3), others may run ahead (4.1)."""
     push = forces(cells, layers, numbers)
     push.by[layers.basal] = 0.0
-    return cells._replace(
-        **{name: getattr(cells, name) + h / numbers.mu * force for name, force in push._asdict().items()}
-    )
+    push.bx[~own.forced] = push.by[~own.forced] = 0.0
+    end = {name: getattr(cells, name) + h / numbers.mu * force for name, force in push._asdict().items()}
+    ahead = np.array([cells.bx - cells.x, cells.by - cells.y])
+    ahead *= own.runs / np.hypot(*ahead)
+    return cells._replace(**end | {"bx": end["bx"] + ahead[0], "by": end["by"] + ahead[1]})
 
 
 def swept(cells: Cells, layers: Layers, numbers: Numbers) -> Cells:

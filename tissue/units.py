@@ -38,11 +38,12 @@ class Dimension:
 LENGTH = Dimension("length", ("um", "R_soft"), '"5 um" or "1.5 R_soft"')
 METRIC_LENGTH = Dimension("length in metres", ("um",), '"5 um"')  # for R_soft itself
 DURATION = Dimension("duration", ("h",), '"30 min" or "10 h"')
+SPEED = Dimension("speed", ("um/h", "R_soft/h"), '"5 um/h" or "1 R_soft/h"')
 RATE = Dimension("rate", ("1/h",), '"5 1/h"')
 DIFFUSION = Dimension("diffusion coefficient", ("um^2/h", "R_soft^2/h"), '"2.5 um^2/h" or "0.1 R_soft^2/h"')
 
 # The power of R_soft that makes a quantity of this unit free of um.
-_POWERS = {"um": 1, "um^2/h": 2}
+_POWERS = {"um": 1, "um/h": 1, "um^2/h": 2}
 
 
 @dataclass(frozen=True)

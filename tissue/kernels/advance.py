@@ -5,10 +5,12 @@ from __future__ import annotations
 from numpy.random import Generator
 
 from tissue.cells import Cells
+from tissue.events.together import begin_events
 from tissue.kernels._numba import kernel
 from tissue.kernels.cycle import adapt_rest_lengths, set_phases
 from tissue.kernels.division import count_due, divide
 from tissue.kernels.neighbours import LOST
+from tissue.kernels.scale import watch_sides
 from tissue.kernels.store import CELLS, Store
 from tissue.kernels.substeps import add_noise, make_substeps
 from tissue.numbers import Numbers
@@ -36,14 +38,16 @@ def advance(
             return made, NON_FINITE
         if not listed:
             return made, CROWDED
+        watch_sides(store, t)
         made += 1
     return made, DONE
 
 
 @kernel
 def apply_rules(store: Store, t: float, numbers: Numbers, draws: Generator, noise: Generator) -> None:
-    """What happens once per dt before the cells move: divisions, phases, rest lengths, noise."""
+    """What happens once per dt before the cells move: divisions, EMT events, phases, rest lengths, noise."""
     divide(store, t, numbers, draws)
+    begin_events(store, t, numbers)
     set_phases(store, t, numbers)
     adapt_rest_lengths(store, t, numbers)
     if not numbers.noise_in_substeps:

@@ -7,6 +7,7 @@ import math
 from numpy.random import Generator
 
 from tissue.cells import Cells
+from tissue.events.together import last_events
 from tissue.kernels._numba import kernel
 from tissue.kernels.scratch import STALE
 from tissue.kernels.store import CELLS, Store
@@ -46,12 +47,14 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
     """Relax each rest length towards what the phase wants, eta <- eta* + (eta - eta*) exp(-k dt)  (3.2), (3.3), (3.6).
 
     eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3) 0 for the apical and |A - B| - 2 for
-    the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink towards 0.
+    the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink towards 0. What has
+    begun of the EMT takes the place of these.
     """
     cells = store.cells
     keep_ax, keep_bx = math.exp(-numbers.rate_ax * numbers.dt), math.exp(-numbers.rate_bx * numbers.dt)
     keep_aa = math.exp(-numbers.rate_aa * numbers.dt)
     for i in range(store.sizes[CELLS]):
+        rest_ax, rest_bx = cells.rest_ax[i], cells.rest_bx[i]
         if cells.moves[i] and in_g2(cells, i, t, numbers):
             wanted_ax = 0.0
             wanted_bx = math.hypot(cells.ax[i] - cells.bx[i], cells.ay[i] - cells.by[i]) - 2.0
@@ -60,6 +63,8 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
             wanted_bx = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
         if numbers.floor_rest:
             wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
-        cells.rest_ax[i] = wanted_ax + (cells.rest_ax[i] - wanted_ax) * keep_ax
-        cells.rest_bx[i] = wanted_bx + (cells.rest_bx[i] - wanted_bx) * keep_bx
+        cells.rest_ax[i] = wanted_ax + (rest_ax - wanted_ax) * keep_ax
+        cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         cells.rest_aa[i] *= keep_aa
+        if cells.events[i]:
+            last_events(store, i, rest_ax, rest_bx, numbers)

@@ -52,7 +52,7 @@ def _split(store: Store, i: int, numbers: Numbers) -> None:
             array[k] = array[k - 1]
         for flags in (cells.moves, cells.divides):
             flags[k] = flags[k - 1]
-        for names in (cells.id, cells.mother):
+        for names in (cells.id, cells.mother, cells.emt, cells.events):
             names[k] = names[k - 1]
     for points in (cells.x, cells.ax, cells.bx):
         points[i] -= numbers.division_offset
@@ -90,7 +90,8 @@ def _index_again(store: Store) -> None:
     """What scratch knows by index is wrong now: sort again from the order of the tissue."""
     for s in range(store.sizes[CELLS]):
         store.scratch.order[s] = s
-        store.scratch.by_moves[s] = 1.0
+        store.scratch.bx_moves[s] = store.scratch.by_moves[s] = 1.0
+        store.scratch.runs[s] = 0.0
     for k in range(store.sizes[BASAL]):
         store.scratch.by_moves[store.layers.basal[k]] = 0.0
     store.scratch.flags[STALE] = 1

@@ -88,8 +88,10 @@ def junctions(cells: Cells, layers: Layers, apical: int, strength: float, scratc
 
 
 @kernel
-def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Plane, Plane]:
+def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Plane, Plane, Plane]:
     """Displacements of A and of B by the springs and the bending energy of eight cells; that of X is minus their sum.
+
+    Third is v / |v|, the direction of a basal point that moves by itself (4.1).
 
     With u = A - X, v = B - X, c the cosine between them, and W = alpha (c + 1):
     -dW/dA = alpha (c u / |u|^2 - v / (|u| |v|)), likewise for B. A spring is (k, l), see ``prepare``.
@@ -103,7 +105,7 @@ def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Pl
     back = 0.0 - bend
     a = fma(along_u, ux, back * vx), fma(along_u, uy, back * vy)
     b = fma(along_v, vx, back * ux), fma(along_v, vy, back * uy)
-    return a, b
+    return a, b, (by_v * vx, by_v * vy)
 
 
 @kernel
@@ -114,13 +116,14 @@ def move_by_springs(cells: Cells, n: int, scratch: Scratch) -> None:
         ax, ay, bx, by = load(cells.ax, i), load(cells.ay, i), load(cells.bx, i), load(cells.by, i)
         of_ax = load(scratch.k_ax, i), load(scratch.l_ax, i)
         of_bx = load(scratch.k_bx, i), load(scratch.l_bx, i)
-        a, b = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(scratch.k_axb, i))
+        a, b, ahead = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(scratch.k_axb, i))
+        runs = load(scratch.runs, i)
         store(cells.x, i, x - (a[0] + b[0]))
         store(cells.y, i, y - (a[1] + b[1]))
         store(cells.ax, i, ax + a[0])
         store(cells.ay, i, ay + a[1])
-        store(cells.bx, i, bx + b[0])
-        store(cells.by, i, fma(load(scratch.by_moves, i), b[1], by))
+        store(cells.bx, i, fma(runs, ahead[0], fma(load(scratch.bx_moves, i), b[0], bx)))
+        store(cells.by, i, fma(runs, ahead[1], fma(load(scratch.by_moves, i), b[1], by)))
 
 
 @kernel

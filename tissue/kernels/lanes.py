@@ -135,6 +135,16 @@ def where_positive(typing: Any, condition: Any, v: Any) -> Any:
 
 
 @intrinsic
+def either(typing: Any, condition: Any, v: Any, otherwise: Any) -> Any:
+    """v where ``condition`` > 0, else ``otherwise``, in each lane."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return builder.select(builder.fcmp_ordered(">", values[0], _constant(0.0)), *values[1:])
+
+    return LANES(condition, v, otherwise), generate
+
+
+@intrinsic
 def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
     """a b + c in one instruction, where the processor has one."""
 

@@ -29,7 +29,9 @@ class Scratch(NamedTuple):
     k_axb: Floats
     l_ax: Floats
     l_bx: Floats
-    by_moves: Floats  # 1 for a cell whose basal point left the basal layer, 0 for one on it
+    bx_moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
+    by_moves: Floats  # likewise; 0 for one on the basal line, too
+    runs: Floats  # how far a basal point that moves by itself goes in a substep
     # The apical layer, in its order
     layer_x: Floats
     layer_y: Floats

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tissue.cells import Cells, Integers, Layers, empty, first
+from tissue.cells import Cells, Emt, Integers, Layers, empty, first, no_emt
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import Scratch, scratch_for
 
@@ -19,11 +19,14 @@ class Store(NamedTuple):
 
     cells: Cells
     layers: Layers
+    emt: Emt  # always whole
     sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id
     scratch: Scratch
 
 
-def stored(cells: Cells, layers: Layers | None = None, next_id: int | None = None, *, capacity: int) -> Store:
+def stored(
+    cells: Cells, layers: Layers | None = None, next_id: int | None = None, emt: Emt | None = None, *, capacity: int
+) -> Store:
     """A store with room for ``capacity`` cells at least, all cells in both layers if none are given.
 
     Its counters are zero and its neighbour lists not yet made.
@@ -43,14 +46,15 @@ def stored(cells: Cells, layers: Layers | None = None, next_id: int | None = Non
     ]
     scratch = scratch_for(roomy)
     scratch.order[:n] = np.arange(n)
+    scratch.bx_moves[:n] = 1.0
     scratch.by_moves[:n] = 1.0
     scratch.by_moves[layers.basal] = 0.0
-    return Store(roomy, Layers(apical, basal), np.array(sizes, np.int64), scratch)
+    return Store(roomy, Layers(apical, basal), no_emt() if emt is None else emt, np.array(sizes, np.int64), scratch)
 
 
 def grown(held: Store) -> Store:
     """The same cells and counters with twice the room."""
-    larger = stored(*contents(held), int(held.sizes[NEXT_ID]), capacity=2 * len(held.cells.x))
+    larger = stored(*contents(held), int(held.sizes[NEXT_ID]), held.emt, capacity=2 * len(held.cells.x))
     larger.scratch.counts[:] = held.scratch.counts
     return larger
 

@@ -16,7 +16,7 @@ from tissue.kernels.store import CELLS, Store, contents
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters, preset
 from tissue.run import Frame
-from tissue.start import first_state
+from tissue.start import started
 from tissue.streams import Streams, streams
 
 Floats = NDArray[np.float64]
@@ -87,7 +87,7 @@ def growing(name: str, seed: int, **changes: Any) -> Growing:
 def growing_from(parameters: Parameters, seed: int, **changes: Any) -> Growing:
     """A run at its start, with some of its ``Numbers`` changed."""
     random, numbers = streams(seed), parameters.numbers()
-    held, _ = first_state(parameters.start_numbers(), numbers, random.start)
+    held, _ = started(parameters, random)
     return Growing(numbers._replace(**changes), held, random, far_from(contents(held)[0]))
 
 

@@ -10,6 +10,6 @@ No replicate knows of the others: what one of them needs less of is looked at in
 from pathlib import Path
 
 from dincl.kernels._numba import forget_stale
-from tissue.kernels import HERE, TUPLES
+from tissue.kernels import SOURCES
 
-forget_stale(Path(__file__).parent, *HERE.glob("*.py"), *TUPLES)
+forget_stale(Path(__file__).parent, *SOURCES)

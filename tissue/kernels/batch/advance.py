@@ -6,7 +6,7 @@ import math
 
 from numpy.random import Generator
 
-from tissue.cells import Floats, Integers
+from tissue.cells import Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.advance import DONE, FULL, apply_rules, find_lost
 from tissue.kernels.batch.board import RUNNING, Board, copy_in, copy_out
@@ -15,6 +15,7 @@ from tissue.kernels.batch.rows import row
 from tissue.kernels.batch.sweeps import order_basal, separate
 from tissue.kernels.division import count_due
 from tissue.kernels.lanes import WIDTH
+from tissue.kernels.scale import watch_sides
 from tissue.kernels.store import CELLS, Store
 from tissue.numbers import Numbers
 
@@ -50,41 +51,32 @@ def advance(
         n = copy_in(group, ended, numbers, h / numbers.mu, board)
         if n == 0:  # nobody runs any more
             return steps, DONE
-        whole_apical, whole_basal = are_equal(board.apical, board.cells), are_equal(board.basal, board.cells)
         for _ in range(numbers.substeps):
-            make_substep(board, n, whole_apical, whole_basal, numbers, h, noise)
+            make_substep(board, n, numbers, h, noise)
         copy_out(board, n, group)
         for k in range(WIDTH):
             held = row(group, k)
-            if ended[k] == RUNNING and find_lost(held.cells, held.sizes[CELLS]) >= 0:
-                ended[k] = made + 1
+            if ended[k] == RUNNING:
+                if find_lost(held.cells, held.sizes[CELLS]) >= 0:
+                    ended[k] = made + 1
+                else:
+                    watch_sides(held, t)
         made += 1
     return made, DONE
 
 
 @kernel
-def are_equal(sizes: Floats, others: Floats) -> bool:
-    """Whether two numbers agree for each replicate: a layer that has all cells is whole."""
-    equal = True
-    for k in range(WIDTH):
-        equal = equal and sizes[k] == others[k]
-    return equal
-
-
-@kernel
-def make_substep(
-    board: Board, n: int, whole_apical: bool, whole_basal: bool, numbers: Numbers, h: float, noise: Generators
-) -> None:
+def make_substep(board: Board, n: int, numbers: Numbers, h: float, noise: Generators) -> None:
     """One substep of all replicates on the board: forces, then one sweep of projections."""
     if numbers.noise_in_substeps:
         _add_noise(board, math.sqrt(numbers.variance * h), noise)
     scale = h / numbers.mu
     if numbers.repulsion != 0.0:
         repulsion(board, n)
-    junctions(board, n, whole_apical, scale * numbers.junction)
+    junctions(board, n, scale * numbers.junction)
     move(board, n, scale * numbers.repulsion)
     separate(board, n)
-    order_basal(board, n, whole_basal, numbers.max_basal)
+    order_basal(board, n, numbers.max_basal)
 
 
 @kernel

@@ -39,36 +39,31 @@ class Board(NamedTuple):
     k_axb: Floats
     l_ax: Floats
     l_bx: Floats
+    bx_moves: Floats
     by_moves: Floats
-    # Layers: the k-th place of a layer is that of its k-th cell; the cells outside of it follow, then what fills up
-    apical_at: Integers
-    basal_at: Integers
-    rest: Floats  # of the junction behind the k-th cell of the apical layer
+    runs: Floats
+    # Layers: whether a cell is inside, 1 or 0
+    in_apical: Floats
+    in_basal: Floats
+    rest: Floats  # of the junction from a cell to the next one of the apical layer
     # What is computed on the way
     push_x: Floats  # push of the soft discs on the nucleus, for strength 1
     push_y: Floats
     drag_x: Floats  # displacement of the apical point by the junctions
     drag_y: Floats
-    layer_x: Floats  # of one of the layers, in its order
-    layer_y: Floats
+    ends: Floats  # where the basal sweeps bring the points of the layer
     before_x: Floats  # nuclei before the sweep
     before_y: Floats
     front: Floats  # the rightmost end of the discs 0 to i
     low: Integers  # the first cell that may be near cell i, one number for all replicates
-    # One for each replicate
-    cells: Floats  # numbers of cells, and of cells in the layers
-    apical: Floats
-    basal: Floats
+    cells: Floats  # numbers of cells, one for each replicate
 
 
 def board_for(capacity: int) -> Board:
     """A board for replicates with so many cells at most."""
-    whole, single = {"apical_at", "basal_at", "low"}, {"cells", "apical", "basal"}
+    lengths, kinds = {"cells": WIDTH}, {"low": np.int64}
     return Board(
-        **{
-            name: _aligned(WIDTH if name in single else WIDTH * capacity, np.int64 if name in whole else np.float64)
-            for name in Board._fields
-        }
+        **{name: _aligned(lengths.get(name, WIDTH * capacity), kinds.get(name, np.float64)) for name in Board._fields}
     )
 
 
@@ -85,13 +80,9 @@ def copy_in(group: Store, ended: Integers, numbers: Numbers, scale: float, board
     largest = 0
     for k in range(WIDTH):
         store = row(group, k)
-        n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
-        if ended[k] != RUNNING:
-            n, apical, basal = 0, 0, 0
-        prepare(store.cells, n, store.layers, apical, numbers, scale, store.scratch)
-        _copy_layer(store.layers.apical, apical, n, k, board.apical_at)
-        _copy_layer(store.layers.basal, basal, n, k, board.basal_at)
-        board.cells[k], board.apical[k], board.basal[k] = n, apical, basal
+        n = store.sizes[CELLS] if ended[k] == RUNNING else 0
+        prepare(store.cells, n, store.layers, 0, numbers, scale, store.scratch)
+        board.cells[k] = n
         largest = max(largest, n)
     cells, scratch = group.cells, group.scratch
     for i in range(largest):
@@ -105,32 +96,33 @@ def copy_in(group: Store, ended: Integers, numbers: Numbers, scale: float, board
                 board.k_ax[place], board.l_ax[place] = scratch.k_ax[k, i], scratch.l_ax[k, i]
                 board.k_bx[place], board.l_bx[place] = scratch.k_bx[k, i], scratch.l_bx[k, i]
                 board.k_axb[place] = scratch.k_axb[k, i]
-                board.by_moves[place], board.rest[place] = scratch.by_moves[k, i], scratch.rest[k, i]
+                board.bx_moves[place], board.by_moves[place] = scratch.bx_moves[k, i], scratch.by_moves[k, i]
+                board.runs[place], board.rest[place] = scratch.runs[k, i], cells.rest_aa[k, i]
             else:
                 _fill(board, i, place)
+            board.in_apical[place] = board.in_basal[place] = 0.0
+    for k in range(WIDTH):
+        if board.cells[k] > 0:
+            store = row(group, k)
+            _mark(store.layers.apical, store.sizes[APICAL], k, board.in_apical)
+            _mark(store.layers.basal, store.sizes[BASAL], k, board.in_basal)
     return largest
 
 
 @kernel
-def _copy_layer(layer: Integers, size: int, n: int, k: int, at: Integers) -> None:
-    """Places of the cells of a layer, then of those outside."""
-    inside, outside = 0, size
-    for i in range(n):
-        if inside < size and layer[inside] == i:
-            at[WIDTH * inside + k] = WIDTH * i + k
-            inside += 1
-        else:
-            at[WIDTH * outside + k] = WIDTH * i + k
-            outside += 1
+def _mark(layer: Integers, size: int, k: int, inside: Floats) -> None:
+    """Mark the cells of a layer of replicate k."""
+    for i in layer[:size]:
+        inside[WIDTH * i + k] = 1.0
 
 
 @kernel
 def _fill(board: Board, i: int, place: int) -> None:
-    """A cell that is none: upright, far from everything and from its like, without forces, in no layer."""
+    """A cell that is none: upright, far from everything and from its like, without forces."""
     board.x[place] = board.ax[place] = board.bx[place] = FAR * (1 + i)
     board.y[place], board.ay[place], board.by[place] = 0.0, 1.0, -1.0
     board.radius[place] = board.k_ax[place] = board.k_bx[place] = board.k_axb[place] = 0.0
-    board.apical_at[place] = board.basal_at[place] = place
+    board.bx_moves[place] = board.by_moves[place] = board.runs[place] = 0.0
 
 
 @kernel

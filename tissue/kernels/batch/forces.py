@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from tissue.cells import Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.batch.board import Board
 from tissue.kernels.batch.windows import find_windows
 from tissue.kernels.forces import pulls
-from tissue.kernels.lanes import WIDTH, fma, load, spread, store, twice_rsqrt, where_positive
+from tissue.kernels.lanes import WIDTH, either, fma, load, maximum, spread, store, twice_rsqrt, where_positive
 
 
 @kernel
@@ -38,29 +37,29 @@ def repulsion(board: Board, n: int) -> int:
 
 
 @kernel
-def junctions(board: Board, n: int, whole: bool, strength: float) -> None:
-    """Displacement of the apical points by their junctions, pulls k (d - eta); ``whole``: all are in the layer."""
-    x, y, moved_x, moved_y = board.ax, board.ay, board.drag_x, board.drag_y
-    if not whole:
-        gather(board.ax, board.apical_at, n, board.layer_x)
-        gather(board.ay, board.apical_at, n, board.layer_y)
-        x, y, moved_x, moved_y = board.layer_x, board.layer_y, board.layer_x, board.layer_y
-    half, size = 0.5 * strength, load(board.apical, 0)
-    x_k, y_k = load(x, 0), load(y, 0)
-    behind_x, behind_y = spread(0.0), spread(0.0)
-    for k in range(n - 1):
-        here, next_x, next_y = WIDTH * k, load(x, WIDTH * (k + 1)), load(y, WIDTH * (k + 1))
-        dx, dy = next_x - x_k, next_y - y_k
-        pull = strength - half * load(board.rest, here) * twice_rsqrt(fma(dx, dx, dy * dy))
-        pull = where_positive(size - (k + 1.0), pull)
-        store(moved_x, here, pull * dx - behind_x)
-        store(moved_y, here, pull * dy - behind_y)
-        x_k, y_k, behind_x, behind_y = next_x, next_y, pull * dx, pull * dy
-    store(moved_x, WIDTH * (n - 1), 0.0 - behind_x)
-    store(moved_y, WIDTH * (n - 1), 0.0 - behind_y)
-    if not whole:
-        scatter(board.layer_x, board.apical_at, n, board.drag_x)
-        scatter(board.layer_y, board.apical_at, n, board.drag_y)
+def junctions(board: Board, n: int, strength: float) -> None:
+    """Displacement of the apical points by their junctions, pulls k (d - eta), for neighbours in the layer.
+
+    Forwards the pull of each junction is kept at its right end; backwards each point gets what its two junctions do.
+    """
+    half = 0.5 * strength
+    inside_before = spread(0.0)
+    x_before, y_before, rest_before = spread(0.0), spread(0.0), spread(0.0)
+    for here in range(0, WIDTH * n, WIDTH):
+        inside, x, y = load(board.in_apical, here), load(board.ax, here), load(board.ay, here)
+        dx, dy = x - x_before, y - y_before
+        pull = where_positive(inside * inside_before, strength - half * rest_before * twice_rsqrt(fma(dx, dx, dy * dy)))
+        store(board.drag_x, here, pull * dx)
+        store(board.drag_y, here, pull * dy)
+        x_before, y_before = either(inside, x, x_before), either(inside, y, y_before)
+        rest_before = either(inside, load(board.rest, here), rest_before)
+        inside_before = maximum(inside, inside_before)
+    ahead_x, ahead_y = spread(0.0), spread(0.0)
+    for here in range(WIDTH * (n - 1), -WIDTH, -WIDTH):
+        inside, behind_x, behind_y = load(board.in_apical, here), load(board.drag_x, here), load(board.drag_y, here)
+        store(board.drag_x, here, where_positive(inside, ahead_x - behind_x))
+        store(board.drag_y, here, where_positive(inside, ahead_y - behind_y))
+        ahead_x, ahead_y = either(inside, behind_x, ahead_x), either(inside, behind_y, ahead_y)
 
 
 @kernel
@@ -72,24 +71,11 @@ def move(board: Board, n: int, strength: float) -> None:
         bx, by = load(board.bx, place), load(board.by, place)
         of_ax = load(board.k_ax, place), load(board.l_ax, place)
         of_bx = load(board.k_bx, place), load(board.l_bx, place)
-        a, b = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(board.k_axb, place))
+        a, b, ahead = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(board.k_axb, place))
+        runs = load(board.runs, place)
         store(board.x, place, fma(strength, load(board.push_x, place), x - (a[0] + b[0])))
         store(board.y, place, fma(strength, load(board.push_y, place), y - (a[1] + b[1])))
         store(board.ax, place, ax + a[0] + load(board.drag_x, place))
         store(board.ay, place, ay + a[1] + load(board.drag_y, place))
-        store(board.bx, place, bx + b[0])
-        store(board.by, place, fma(load(board.by_moves, place), b[1], by))
-
-
-@kernel
-def gather(values: Floats, at: Integers, n: int, layer: Floats) -> None:
-    """The values of a layer in its order."""
-    for place in range(WIDTH * n):
-        layer[place] = values[at[place]]
-
-
-@kernel
-def scatter(layer: Floats, at: Integers, n: int, values: Floats) -> None:
-    """Put the values of a layer back to its cells."""
-    for place in range(WIDTH * n):
-        values[at[place]] = layer[place]
+        store(board.bx, place, fma(runs, ahead[0], fma(load(board.bx_moves, place), b[0], bx)))
+        store(board.by, place, fma(runs, ahead[1], fma(load(board.by_moves, place), b[1], by)))

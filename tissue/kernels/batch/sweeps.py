@@ -6,10 +6,10 @@ from typing import Any
 
 from tissue.kernels._numba import kernel
 from tissue.kernels.batch.board import Board
-from tissue.kernels.batch.forces import gather, scatter
 from tissue.kernels.batch.windows import find_windows
 from tissue.kernels.lanes import (
     WIDTH,
+    either,
     fma,
     load,
     lowest_bit,
@@ -84,30 +84,34 @@ def _separate_all(board: Board, k: int) -> None:
 
 
 @kernel
-def order_basal(board: Board, n: int, whole: bool, largest: float) -> None:
+def order_basal(board: Board, n: int, largest: float) -> None:
     """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= largest (C2) likewise.
 
     Each sweep is a chain in which one correction waits for the one before: the second follows one neighbour behind the
-    first, so that both are under way at once.
+    first, so that both are under way at once. So at each point of the layer the end of the last but one before it is
+    known, and kept there, until it is brought back to its own place from right to left.
     """
-    x, size = board.bx, load(board.basal, 0)
-    if not whole:
-        gather(board.bx, board.basal_at, n, board.layer_x)
-        x = board.layer_x
-    first, second = load(x, 0), spread(0.0)
-    for k in range(n):
-        ordered = first
-        if k < n - 1:
-            ahead = load(x, WIDTH * (k + 1))
-            gap = where_positive(size - (k + 1.0), first - ahead)
-            half = 0.5 * where_positive(gap, gap)
-            ordered, first = first - half, ahead + half
-        if k > 0:
-            excess = where_positive(size - float(k), ordered - second - largest)
-            half = 0.5 * where_positive(excess, excess)
-            store(x, WIDTH * (k - 1), second + half)
-            ordered = ordered - half
-        second = ordered
-    store(x, WIDTH * (n - 1), second)
-    if not whole:
-        scatter(board.layer_x, board.basal_at, n, board.bx)
+    x, inside_at, ends = board.bx, board.in_basal, board.ends
+    first, second, one, two = spread(0.0), spread(0.0), spread(0.0), spread(0.0)  # one, two: so many are before
+    for here in range(0, WIDTH * n, WIDTH):
+        inside, ahead = load(inside_at, here), load(x, here)
+        gap = where_positive(inside * one, first - ahead)
+        half = 0.5 * where_positive(gap, gap)
+        ordered = first - half
+        end, behind = _shortened(second, ordered, inside * two, largest)
+        store(ends, here, end)
+        first, second = either(inside, ahead + half, first), either(inside, behind, second)
+        one, two = maximum(inside, one), either(inside, one, two)
+    end_before, end = _shortened(second, first, two, largest)
+    for here in range(WIDTH * (n - 1), -WIDTH, -WIDTH):
+        inside = load(inside_at, here)
+        store(x, here, either(inside, end, load(x, here)))
+        end, end_before = either(inside, end_before, end), either(inside, load(ends, here), end_before)
+
+
+@kernel
+def _shortened(left: Any, right: Any, joined: Any, largest: float) -> tuple[Any, Any]:
+    """Two neighbours after their correction for (C2), where they are joined."""
+    excess = where_positive(joined, right - left - largest)
+    half = 0.5 * where_positive(excess, excess)
+    return left + half, right - half

@@ -1,0 +1,12 @@
+"""The events of the epithelial-to-mesenchymal transition (section 2.2 of chapter 4), one in each file.
+
+Each event has a bit in ``Cells.events``, a kernel ``begin`` for the step at which it happens, and where it lasts a
+kernel for each dt after. ``tissue.events.together`` calls them; a new event is a new file and its lines there.
+"""
+
+from pathlib import Path
+
+from dincl.kernels._numba import forget_stale
+from tissue.kernels import SOURCES
+
+forget_stale(Path(__file__).parent, *SOURCES)

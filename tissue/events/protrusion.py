@@ -1,0 +1,33 @@
+"""[P]: protrusive activity (section 2.2.4 of chapter 4), which begins when the basal point is free, after [B]."""
+
+from __future__ import annotations
+
+import math
+
+from tissue.kernels._numba import kernel
+from tissue.kernels.store import Store
+from tissue.numbers import Numbers
+
+
+@kernel
+def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
+    """For each dt: how the basal point of cell i moves, and what its spring does, by where the point is now.
+
+    Above the depth at which the run ends it moves by itself (4.1), below it rests, or follows the forces. There is
+    nothing to hold on to above the basal line: the spring has no force, or gives way as fast as the point runs. Below
+    the line its rest length tends from ``rest``, before this dt, to 0.
+    """
+    cells, scratch = store.cells, store.scratch
+    running = cells.by[i] > -numbers.run_depth
+    moves = 1.0 if not running and numbers.forced_below else 0.0
+    scratch.bx_moves[i] = scratch.by_moves[i] = moves
+    scratch.runs[i] = numbers.run_speed * numbers.dt / numbers.substeps if running else 0.0
+    stiffness = numbers.alpha_bx * numbers.freed_stiffness
+    if cells.by[i] <= 0.0:
+        cells.rest_bx[i] = rest * math.exp(-numbers.dt / numbers.contraction)
+    elif numbers.spring_gives:
+        cells.rest_bx[i] = rest + numbers.run_speed * numbers.dt
+    else:
+        cells.rest_bx[i] = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
+        stiffness = 0.0
+    cells.stiff_bx[i] = stiffness
