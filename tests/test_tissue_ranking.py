@@ -1,0 +1,271 @@
+"""Rankings find what made the outcome, and the answers to the questions follow from tables where they are known."""
+
+import math
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dincl.errors import InvalidProblem
+from tissue.study import ranking
+from tissue.study.categories import by_selection, happened
+from tissue.study.questions import GROUP, POPULATIONS, answers
+from tissue.study.ranking import by_coefficient, by_importance, by_ratio, factors, shuffled
+
+END = 48.0
+
+
+def emt_cells(runs, cells, seed, odds, *, p=0.5, shared=0.0, fixed=None):
+    """Cells as in Table 5, or all with the ``fixed`` times; ``odds``: the log odds to leave, given the table."""
+    rng, n = np.random.default_rng(seed), runs * cells
+    table = pd.DataFrame({"replicate": np.repeat(np.arange(runs), cells), "cell": np.tile(np.arange(cells), runs)})
+    table["inm"] = rng.random(n) < 0.5
+    for event, chance in (("a", 0.7), ("b", 0.7), ("s", 0.0), ("p", p)):
+        drawn = np.where(rng.random(n) < chance, rng.uniform(6, 24, n), math.inf)
+        table[f"t_{event}_h"] = drawn if fixed is None else fixed.get(event, math.inf)
+    table["t_p_h"] = table[["t_p_h", "t_b_h"]].max(axis=1)
+    table["onset_h"] = table[["t_a_h", "t_b_h", "t_s_h"]].min(axis=1)
+    onset = pd.Series(rng.random(n), dtype="Float64")
+    table["onset_ab"] = onset.where(np.isfinite(table["onset_h"]), None)
+    logit = odds(table) + shared * np.repeat(rng.normal(size=runs), cells)
+    leaves = rng.random(n) < 1 / (1 + np.exp(-np.asarray(logit, dtype=float)))
+    return table.assign(ab_0h=0.5, ab_48h=np.where(leaves, -0.2, 0.5))
+
+
+def known(table):
+    """[P] decides most, then the onset, then a late [A] hinders; INM, [B] itself and the place do nothing."""
+    onset = table["onset_ab"].fillna(0.5).astype(float)
+    late = table["t_a_h"].where(np.isfinite(table["t_a_h"]), 15.0) - 15.0
+    return -0.5 + 3 * np.isfinite(table["t_p_h"]) - 4 * (onset - 0.5) - 0.12 * late
+
+
+@pytest.fixture(scope="module")
+def cells():
+    return emt_cells(300, 10, 1, known, shared=0.5)
+
+
+@pytest.fixture(scope="module")
+def hits(cells):
+    return cells["ab_48h"] < 0
+
+
+def test_factors_are_finite_numbers(cells):
+    numbers, found = factors(cells, END)
+    assert np.isfinite(numbers.to_numpy()).all()
+    assert {factor.name for factor in found} == set(numbers) - {"S", "S time"}
+    by_name = {factor.name: factor for factor in found}
+    assert by_name["A"].columns == ("A", "A time")
+    had = happened(cells, END)["A"].to_numpy()
+    assert (by_name["A time"].among == had).all()
+    assert (numbers.loc[had, "A time"] == cells.loc[had, "t_a_h"]).all()
+    assert numbers.loc[~had, "A time"].nunique() == 1
+
+
+def test_neighbours_with_protrusions_are_counted_by_replicate(cells):
+    numbers, _ = factors(cells, END)
+    protrudes = np.isfinite(cells["t_p_h"])
+    for run in (0, 7):
+        mine = cells["replicate"] == run
+        total = protrudes[mine].sum()
+        assert list(numbers.loc[mine, "others with [P]"]) == list(total - protrudes[mine])
+
+
+def test_only_cells_with_an_event_exchange_its_times(cells):
+    numbers, found = factors(cells, END)
+    test = np.arange(500, 1500)
+    part, rng = numbers.iloc[test], np.random.default_rng(0)
+    had = happened(cells, END)["A"].to_numpy()[test]
+    for factor in found:
+        after = pd.DataFrame(shuffled(part, factor, test, rng), columns=part.columns)
+        changed = {name for name in part if not np.array_equal(after[name], part[name])}
+        assert changed == set(factor.columns)
+        assert all(sorted(after[name]) == sorted(part[name]) for name in part)
+        if factor.name == "A time":
+            assert (after["A time"].to_numpy()[~had] == part["A time"].to_numpy()[~had]).all()
+        if factor.name == "A":
+            assert (
+                (after["A time"] == numbers.loc[cells["t_a_h"] == np.inf, "A time"].iloc[0]) == (after["A"] == 0)
+            ).all()
+
+
+def test_importance_finds_what_made_the_outcome(cells, hits, monkeypatch):
+    monkeypatch.setattr(ranking, "SHUFFLES", 2)
+    found = by_importance(cells, hits, END, seed=0)
+    # Shuffling [A] shuffles its time, too: both tell of the time.
+    assert list(found.table["factor"][:2]) == ["P", "onset"]
+    assert set(found.table["factor"][2:4]) == {"A", "A time"}
+    rows = found.table.set_index("factor")
+    assert (rows.loc[["P", "onset", "A time"], "low"] > 0).all()
+    assert (rows.loc[["inm", "place", "B time", "P time", "others with [P]"], "value"].abs() < 0.01).all()
+    assert (rows["low"] <= rows["value"]).all()
+    assert (rows["value"] <= rows["high"]).all()
+    assert found.loss < 0.9 * found.without
+    assert (found.cells, found.replicates) == (3000, 300)
+
+
+def test_importance_is_a_function_of_table_and_seed(cells, hits, monkeypatch):
+    monkeypatch.setattr(ranking, "SHUFFLES", 1)
+    monkeypatch.setattr(ranking, "FOLDS", 2)
+    part = cells["replicate"] < 60
+    one, again, other = (by_importance(cells[part], hits[part], END, seed=seed) for seed in (3, 3, 4))
+    pd.testing.assert_frame_equal(one.table, again.table)
+    assert not one.table.equals(other.table)
+
+
+def test_importance_knows_of_common_fates(cells, hits, monkeypatch):
+    """Each cell four times in its replicate tells no more than once; on their own they would halve the interval."""
+    monkeypatch.setattr(ranking, "SHUFFLES", 1)
+    one = cells["replicate"] < 100
+    four = pd.concat([cells[one]] * 4, ignore_index=True)
+    tables = (cells[one], hits[one]), (four, four["ab_48h"] < 0)
+    rows = [by_importance(*pair, END, seed=0).table.set_index("factor").loc["P"] for pair in tables]
+    widths = [row["high"] - row["low"] for row in rows]
+    assert widths[1] > 0.55 * widths[0]
+
+
+def test_coefficients_have_direction_and_cover_zero_where_nothing_is(cells, hits):
+    found = by_coefficient(cells, hits, END, seed=0)
+    rows = found.table.set_index("factor")
+    assert list(found.table["factor"][:2]) == ["P", "onset"]
+    assert rows.loc["P", "low"] > 0 > rows.loc["onset", "high"]
+    assert rows.loc["A time", "high"] < 0
+    idle = rows.loc[["inm", "place", "B time", "P time"]]
+    assert ((idle["low"] < 0) & (idle["high"] > 0)).sum() >= 3
+    # One standard deviation of a uniform number on (0, 1) is 0.289; without an onset it is the mean.
+    assert rows.loc["onset", "low"] < -4 * 0.289 * math.sqrt(0.91) * 0.93 < rows.loc["onset", "high"]
+
+
+def test_coefficients_know_of_common_fates(monkeypatch):
+    """A factor of the replicate: its interval is far wider than that of as many cells on their own."""
+    monkeypatch.setattr(ranking, "RESAMPLES", 80)
+    table = emt_cells(150, 10, 5, lambda table: 0 * table["cell"], shared=2.0)
+    hits = table["ab_48h"] < 0
+    alone = table.assign(replicate=np.arange(len(table)))
+    shared = by_coefficient(table, hits, END, seed=1).table.set_index("factor").loc["others with [P]"]
+    numbers = factors(table, END)[0]["others with [P]"]
+    apart = by_coefficient(alone.assign(cell=numbers), hits, END, seed=1).table.set_index("factor").loc["place"]
+    assert shared["high"] - shared["low"] > 1.5 * (apart["high"] - apart["low"])
+
+
+def test_many_cells_are_thinned_to_whole_replicates(cells, hits, monkeypatch):
+    monkeypatch.setattr(ranking, "MOST_CELLS", 1000)
+    monkeypatch.setattr(ranking, "RESAMPLES", 10)
+    found = by_coefficient(cells, hits, END, seed=0)
+    assert (found.cells, found.replicates) == (1000, 100)
+
+
+def test_rankings_need_both_outcomes(cells, hits):
+    for rank in (by_importance, by_coefficient):
+        with pytest.raises(InvalidProblem, match="0 of 3000 cells in 300 replicates have the outcome"):
+            rank(cells, hits & ~hits, END, seed=0)
+    first = cells["replicate"] < 4
+    with pytest.raises(InvalidProblem, match="in 4 replicates"):
+        by_importance(cells[first], hits[first], END, seed=0)
+    for bad in ({"seed": -1}, {"seed": 0, "level": 1.5}):
+        with pytest.raises(InvalidProblem, match=list(bad)[-1]):
+            by_coefficient(cells, hits, END, **bad)
+
+
+def test_manual_ranking_is_sorted(cells, hits):
+    found = by_ratio(hits, cells["replicate"], by_selection(cells, END))
+    assert set(found.index[:2]) == {"BP", "ABP"}
+    assert (found["value"].diff().dropna() <= 0).all()
+    assert found["of"].sum() == len(cells)
+
+
+def log_odds(table, sign, crowd):
+    """Passive cells leave by INM, onset and a time of [A], as the thesis says, or all the other way round."""
+    protrudes = np.isfinite(table["t_p_h"])
+    some = np.isfinite(table["onset_h"])
+    onset = table["onset_ab"].fillna(0.5).astype(float)
+    early = 15 - table["t_a_h"].where(np.isfinite(table["t_a_h"]), 15)
+    passive = 2 * some + sign * (0.1 * early + (1.5 * ~table["inm"] + 6 * (0.5 - onset)) * some - crowd)
+    return -3 + np.where(protrudes, 5, passive)
+
+
+def tables(sign, runs=300):
+    """The three populations, and two programs alone and in a group; the larger ``crowd``, the more are in the way."""
+    made = {}
+    for seed, (name, p, crowd) in enumerate(zip(POPULATIONS, (0.9, 0.5, 0.1), (1, 0.5, 0), strict=True)):
+        made[name] = emt_cells(runs, 10, seed, lambda table, crowd=crowd: log_odds(table, sign, crowd), p=p)
+    for name, times in {"[Bx]": {"b": 6.0}, "[AxB]": {"a": 6.0, "b": 18.0}}.items():
+        for suffix, count, crowd in (("", 1, -2), (GROUP, 10, 2)):
+            for inm, has in (("", True), (" no INM", False)):
+                made[f"{name}{inm}{suffix}"] = emt_cells(
+                    runs,
+                    count,
+                    9,
+                    lambda table, crowd=crowd, has=has: log_odds(table.assign(inm=has), sign, crowd),
+                    fixed=times,
+                )
+    return made
+
+
+@pytest.fixture(scope="module")
+def found():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ranking, "SHUFFLES", 1)
+        patch.setattr(ranking, "FOLDS", 2)
+        return {sign: answers(tables(sign)) for sign in (1, -1)}
+
+
+def test_answers_where_the_thesis_is_right(found):
+    assert list(found[1]) == [f"Q{k}" for k in range(1, 9)]
+    verdicts = {name: answer.verdict for name, answer in found[1].items()}
+    assert {name for name, verdict in verdicts.items() if verdict == "holds"} >= {"Q1", "Q2", "Q5", "Q6", "Q7"}
+    assert "does not hold" not in verdicts.values()
+
+
+def test_answers_where_the_thesis_is_wrong(found):
+    """What helps and what hinders is exchanged: only the claims about size, not about direction, are left."""
+    verdicts = {name: answer.verdict for name, answer in found[-1].items()}
+    assert {name for name, verdict in verdicts.items() if verdict == "does not hold"} >= {"Q1", "Q3", "Q5", "Q6", "Q7"}
+
+
+@pytest.mark.parametrize(
+    ("onset", "time", "verdict"),
+    [(6, 0, "holds"), (0, 0.3, "does not hold"), (4, 0.17, "not decided"), (3, 0.17, "not decided")],
+)
+def test_rank_of_the_onset(onset, time, verdict, monkeypatch):
+    """The claim of Q7 follows what the outcome was made from: the onset, the time of [A], or both."""
+    monkeypatch.setattr(ranking, "SHUFFLES", 1)
+
+    def odds(table):
+        late = table["t_a_h"].where(np.isfinite(table["t_a_h"]), 15.0) - 15.0
+        return onset * (0.5 - table["onset_ab"].fillna(0.5).astype(float)) - time * late
+
+    answer = answers({POPULATIONS[1]: emt_cells(150, 10, 3, odds)})["Q7"]
+    assert "importance of the onset" in answer.measured[-1]
+    assert answer.measured[-1].endswith(f": {verdict}.")
+
+
+def test_events_at_any_time():
+    """Q3 and Q4 on isolated cells, Q5 on groups: an early [A] helps, so an order with early [A] does."""
+    alone = {name: emt_cells(4000, 1, 4, lambda table: log_odds(table, 1, 0), p=0) for name in ("[A]", "[B]")}
+    made = {f"{name} at any time": table[np.isfinite(table[f"t_{name[1].lower()}_h"])] for name, table in alone.items()}
+    made["[A] and [B] at any time"] = alone["[A]"]
+    verdicts = {name: [line.rpartition(": ")[2] for line in found.measured] for name, found in answers(made).items()}
+    assert verdicts["Q3"] == ["holds.", "holds."]
+    assert verdicts["Q4"] == ["not decided.", "not decided."]
+    groups = {
+        "[A] and [B] at any time no INM, 10 cells": emt_cells(100, 10, 4, lambda table: 0.5 + 0 * table["cell"]),
+        "[AB] no INM, 10 cells": emt_cells(100, 10, 4, lambda table: -0.5 + 0 * table["cell"]),
+    }
+    groups["[A] and [B] at any time, 10 cells"] = groups["[AB] no INM, 10 cells"]
+    found = answers(groups)
+    assert (found["Q5"].verdict, len(found["Q5"].measured)) == ("holds", 1)
+    assert (found["Q6"].verdict, len(found["Q6"].measured)) == ("holds", 1)
+
+
+def test_answers_that_need_more_runs(found):
+    for answer in [*found[1].values(), *found[-1].values()]:
+        assert answer.needed is None or answer.verdict == "not decided"
+        assert all(line.endswith((": holds.", ": does not hold.", ": not decided.")) for line in answer.measured)
+    few = answers({name: table for name, table in tables(1, runs=25).items() if "[Bx]" in name})
+    assert few["Q2"].measured == ()
+    assert few["Q6"].verdict in ("holds", "not decided")
+
+
+def test_answers_of_nothing():
+    for answer in answers({}).values():
+        assert (answer.verdict, answer.measured, answer.needed) == ("not decided", (), None)

@@ -1,0 +1,278 @@
+"""Two ratios against each other: difference, p-value, runs needed; and many comparisons at once."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Literal, get_args
+
+import numpy as np
+import pandas as pd
+from scipy.special import ndtr, ndtri
+from scipy.stats import false_discovery_control
+
+from dincl.checks import describe, number
+from dincl.errors import InvalidProblem
+from tissue.study.ratios import LEVEL, Ratio, quantile, ratio
+
+POWER = 0.8
+PRINTED_LEVEL = 0.99  # at which a measured ratio agrees with a printed one
+
+CLAIM_LEVEL = 0.99  # at which a claim is judged: so narrow a chance of error is for several claims of a question
+ALIKE = 0.1  # ratios that differ by less are alike: the thesis prints tenths and calls its results qualitative
+
+Correction = Literal["holm", "fdr"]
+Verdict = Literal["holds", "does not hold", "not decided"]
+
+
+@dataclass(frozen=True)
+class Difference:
+    """p_1 - p_2 with Newcombe's hybrid score interval.
+
+    Attributes
+    ----------
+    first, second
+        The ratios, with their effective numbers of cells.
+    correlation
+        Of the two estimates, from -1 to 1: 0 for ratios from different replicates.
+    """
+
+    first: Ratio
+    second: Ratio
+    correlation: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not -1 <= self.correlation <= 1:
+            raise InvalidProblem(f"correlation = {describe(self.correlation)}: must be from -1 to 1")
+
+    @property
+    def value(self) -> float:
+        """p_1 - p_2."""
+        return self.first.value - self.second.value
+
+    def interval(self, level: float = LEVEL) -> tuple[float, float]:
+        """d - sqrt(a^2 - 2 c a b + b^2) with a = p_1 - low_1, b = high_2 - p_2; above with high_1 and low_2.
+
+        Low and high are the ends of Wilson's intervals, c is the correlation.
+
+        Source
+        ------
+        R. G. Newcombe, Interval estimation for the difference between independent proportions, method 10; and for
+        paired data, Statistics in Medicine 17 (1998).
+        """
+        (low_1, high_1), (low_2, high_2) = self.first.interval(level), self.second.interval(level)
+        p_1, p_2 = self.first.value, self.second.value
+        below, above = self._joined(p_1 - low_1, high_2 - p_2), self._joined(high_1 - p_1, p_2 - low_2)
+        return max(-1.0, self.value - below), min(1.0, self.value + above)
+
+    def p_value(self) -> float:
+        """P[a difference of this size or larger, either way], if there is none: the score test of two proportions.
+
+        1 where all cells of both ratios are hits, or none is.
+        """
+        n_1, n_2 = self.first.size, self.second.size
+        pooled = (self.first.value * n_1 + self.second.value * n_2) / (n_1 + n_2)
+        spread = pooled * (1 - pooled)
+        covariance = self.correlation * spread / math.sqrt(n_1 * n_2)
+        variance = spread * (1 / n_1 + 1 / n_2) - 2 * covariance
+        if self.value == 0 or variance <= 0:
+            return 1.0
+        return float(2 * ndtr(-abs(self.value) / math.sqrt(variance)))
+
+    def __str__(self) -> str:
+        low, high = self.interval()
+        return f"{100 * self.value:+.1f} [{100 * low:+.1f}, {100 * high:+.1f}] points"
+
+    def _joined(self, a: float, b: float) -> float:
+        return math.sqrt(max(0.0, a * a - 2 * self.correlation * a * b + b * b))
+
+
+def within(hits: pd.Series, replicate: pd.Series, first: pd.Series, second: pd.Series) -> Difference:
+    """The difference between two kinds of cells of the same replicates, such as those with INM and those without.
+
+    Parameters
+    ----------
+    hits, replicate
+        Of each cell: whether it is one; its replicate.
+    first, second
+        Whether each cell is of the first and of the second kind; no cell is of both, and there are some of each.
+
+    Returns
+    -------
+    Difference
+        Its correlation is that of the two ratios over replicates, linearised as their variances are.
+
+    Raises
+    ------
+    InvalidProblem
+        If a cell is of both kinds, or no cell of one.
+    """
+    if (first & second).any():
+        raise InvalidProblem(f"first and second have {int((first & second).sum())} cells in common: must have none")
+    one, other = (ratio(hits[kind], replicate[kind]) for kind in (first, second))
+    rests = {"first": (hits - one.value) * first, "second": (hits - other.value) * second}
+    runs = pd.DataFrame(rests).groupby(replicate.to_numpy()).sum()
+    products = math.sqrt(float((runs["first"] ** 2).sum()) * float((runs["second"] ** 2).sum()))
+    shared = float((runs["first"] * runs["second"]).sum())
+    return Difference(one, other, max(-1.0, min(1.0, shared / products)) if products > 0 else 0.0)
+
+
+def runs_needed(
+    first: float, second: float, *, level: float = LEVEL, power: float = POWER, cells_per_run: float = 1.0
+) -> int | None:
+    """Replicates per group with which a difference of two ratios is seen with the given probability.
+
+    n = (z_level sqrt(2 p (1 - p)) + z_power sqrt(p_1 (1 - p_1) + p_2 (1 - p_2)))^2/(p_1 - p_2)^2 independent cells per
+    group, p = (p_1 + p_2)/2, divided by those in a replicate.
+
+    Parameters
+    ----------
+    first, second
+        Ratios p_1, p_2 from 0 to 1.
+    level
+        1 minus the probability to see a difference where there is none, two-sided.
+    power
+        Probability to see this one, above 0.5.
+    cells_per_run
+        Effective number of cells in a replicate, > 0.
+
+    Returns
+    -------
+    int | None
+        At least 1; None if the ratios are equal, which no number of runs shows to be different.
+
+    Source
+    ------
+    J. L. Fleiss, Statistical Methods for Rates and Proportions (1981), section 3.2, without continuity correction.
+    """
+    for name, value in (("first", first), ("second", second)):
+        if not 0 <= value <= 1:
+            raise InvalidProblem(f"{name} = {describe(value)}: must be a ratio from 0 to 1")
+    if not 0.5 < power < 1:
+        raise InvalidProblem(f"power = {describe(power)}: must be above 0.5 and below 1")
+    number("cells_per_run", cells_per_run, positive=True)
+    if first == second:
+        return None
+    middle = (first + second) / 2
+    equal, unequal = math.sqrt(2 * middle * (1 - middle)), math.sqrt(first * (1 - first) + second * (1 - second))
+    cells = ((quantile(level) * equal + float(ndtri(power)) * unequal) / (first - second)) ** 2
+    return max(1, math.ceil(cells / cells_per_run))
+
+
+def corrected(p_values: pd.Series, method: Correction = "holm") -> pd.Series:
+    """p-values that may be read as if each were the only one.
+
+    Parameters
+    ----------
+    p_values
+        From 0 to 1, of any number of comparisons.
+    method
+        "holm": max over j <= i of (m - j + 1) p_(j), at most 1: the chance of any false finding below 0.05 is 5 %.
+        "fdr": Benjamini and Hochberg's: of what is below 0.05, 5 % are expected to be false findings.
+
+    Returns
+    -------
+    pd.Series
+        In the order of the argument, none smaller than before.
+
+    Source
+    ------
+    S. Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of Statistics 6 (1979);
+    Y. Benjamini, Y. Hochberg, Controlling the false discovery rate, JRSS B 57 (1995).
+    """
+    if method not in get_args(Correction):
+        raise InvalidProblem(f"method = {describe(method)}: must be one of {', '.join(get_args(Correction))}")
+    p = p_values.to_numpy(dtype=np.float64)
+    if not ((p >= 0) & (p <= 1)).all():
+        raise InvalidProblem(f"p_values = {describe(p)}: must be from 0 to 1")
+    if method == "fdr":
+        adjusted = false_discovery_control(p) if len(p) else p
+    else:
+        order = np.argsort(p, kind="stable")
+        steps = np.maximum.accumulate((len(p) - np.arange(len(p))) * p[order])
+        adjusted = np.empty_like(p)
+        adjusted[order] = np.minimum(1.0, steps)
+    return pd.Series(adjusted, index=p_values.index, name=p_values.name)
+
+
+def against_printed(measured: Ratio, printed: float, of: int) -> Difference:
+    """A measured ratio minus a printed one of ``of`` independent cells, which has its own chance error.
+
+    They agree if ``agrees`` says so. A printed ratio is taken as the nearest one that ``of`` cells can have.
+
+    Parameters
+    ----------
+    measured
+        From the runs.
+    printed
+        From 0 to 1.
+    of
+        Cells it was printed for: n_rep = 400 for Figures 10 to 14, 100 for Figure 15.
+
+    Returns
+    -------
+    Difference
+    """
+    if not 0 <= printed <= 1:
+        raise InvalidProblem(f"printed = {describe(printed)}: must be a ratio from 0 to 1")
+    return Difference(measured, Ratio(round(printed * of), of))
+
+
+def agrees(difference: Difference, level: float = PRINTED_LEVEL) -> bool:
+    """Whether the interval of the difference contains 0."""
+    low, high = difference.interval(level)
+    return low <= 0 <= high
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A statement that one ratio is larger than another, or like it, and whether it holds.
+
+    Attributes
+    ----------
+    text
+        What was measured, with the 95 % interval.
+    verdict
+        By the interval at ``CLAIM_LEVEL``.
+    needed
+        Runs of each kind that would probably decide it if the measured ratios were the true ones; None if it is
+        decided, or no number of runs can be told.
+    """
+
+    text: str
+    verdict: Verdict
+    needed: int | None = None
+
+
+def more(text: str, difference: Difference, runs: int) -> Claim:
+    """The claim that the first ratio is larger; ``runs`` is how many replicates there were of each kind."""
+    low, high = difference.interval(CLAIM_LEVEL)
+    verdict: Verdict = "holds" if low > 0 else "does not hold" if high < 0 else "not decided"
+    first, second = difference.first, difference.second
+    each = min(first.size, second.size) / runs
+    needed = runs_needed(first.value, second.value, level=CLAIM_LEVEL, cells_per_run=each)
+    return Claim(_sentence(text, difference), verdict, needed if verdict == "not decided" else None)
+
+
+def alike(text: str, difference: Difference, runs: int) -> Claim:
+    """The claim that two ratios differ by less than ``ALIKE``."""
+    low, high = difference.interval(CLAIM_LEVEL)
+    if low > -ALIKE and high < ALIKE:
+        return Claim(_sentence(text, difference), "holds")
+    if low > ALIKE or high < -ALIKE:
+        return Claim(_sentence(text, difference), "does not hold")
+    return Claim(_sentence(text, difference), "not decided", _runs_for_margin(difference, runs))
+
+
+def _runs_for_margin(difference: Difference, runs: int) -> int | None:
+    """Runs with which an interval around the measured difference leaves the margin on one side."""
+    distance = abs(ALIKE - abs(difference.value))
+    ends = (difference.first, difference.second)
+    variance = sum(found.value * (1 - found.value) / (found.size / runs) for found in ends)
+    if distance == 0 or variance == 0:
+        return None
+    return math.ceil(((quantile(CLAIM_LEVEL) + float(ndtri(POWER))) / distance) ** 2 * variance)
+
+
+def _sentence(text: str, difference: Difference) -> str:
+    return f"{text}: {difference.first} against {difference.second}, a difference of {difference}"

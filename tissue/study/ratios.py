@@ -1,0 +1,211 @@
+"""Ratios of cells with intervals that know how many independent observations there are.
+
+The cells of one replicate share a tissue: one that leaves makes way for its neighbours or is in their way. Ten cells of
+one replicate therefore tell less, or at most as much, as ten cells of ten replicates. What they tell is counted by the
+effective number of cells; Wilson's interval takes that in place of the number of cells.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.special import ndtri
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+
+LEVEL = 0.95
+COLUMNS = ("count", "of", "runs", "value", "low", "high", "effective")
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Ratio:
+    """``count`` of ``of`` cells, (4.7) and (4.12).
+
+    Attributes
+    ----------
+    count, of
+        Cells of the kind asked for, and all cells: 0 <= count <= of, of >= 1. A ratio of no cells does not exist.
+    effective
+        Number of independent cells that tell as much, 0 < effective <= of; ``of`` itself if it is not given.
+    """
+
+    count: int
+    of: int
+    effective: float | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.count <= self.of or self.of < 1:
+            raise InvalidProblem(f"ratio {self.count} of {self.of}: must count at least one cell, and no more than all")
+        if self.effective is not None and not 0 < self.effective <= self.of:
+            raise InvalidProblem(f"effective = {describe(self.effective)}: must be > 0 and <= {self.of}, the cells")
+
+    @property
+    def value(self) -> float:
+        """count/of, from 0 to 1."""
+        return self.count / self.of
+
+    @property
+    def size(self) -> float:
+        """The effective number of cells."""
+        return float(self.of if self.effective is None else self.effective)
+
+    def interval(self, level: float = LEVEL) -> tuple[float, float]:
+        """Wilson's interval on the effective number of cells; it lies within [0, 1]."""
+        low, high = wilson(self.value, self.size, level)
+        return float(low), float(high)
+
+    def __str__(self) -> str:
+        low, high = self.interval()
+        return f"{100 * self.value:.1f} % [{100 * low:.1f}, {100 * high:.1f}] of {self.of}"
+
+
+def quantile(level: float) -> float:
+    """z with P[|N(0, 1)| <= z] = level.
+
+    Raises
+    ------
+    InvalidProblem
+        If the level does not lie between 0 and 1.
+    """
+    if not 0 < level < 1:
+        raise InvalidProblem(f"level = {describe(level)}: must be between 0 and 1, such as 0.95")
+    return float(ndtri(0.5 + level / 2))
+
+
+def wilson(value: Any, size: Any, level: float = LEVEL) -> tuple[Floats, Floats]:
+    """(p + z^2/2n +- z sqrt(p (1 - p)/n + z^2/4n^2))/(1 + z^2/n), for many ratios at once.
+
+    Parameters
+    ----------
+    value, size
+        Ratios p and numbers n > 0 of independent observations, which need not be whole; of one shape.
+    level
+        Probability to cover, 0 < level < 1.
+
+    Returns
+    -------
+    low, high
+        Exactly 0 for p = 0, exactly 1 for p = 1.
+
+    Source
+    ------
+    E. B. Wilson, Probable inference, the law of succession, and statistical inference, JASA 22 (1927).
+    """
+    p, n, z = np.asarray(value, dtype=np.float64), np.asarray(size, dtype=np.float64), quantile(level)
+    middle, half = p + z * z / (2 * n), z * np.sqrt(p * (1 - p) / n + (z / (2 * n)) ** 2)
+    scale = 1 + z * z / n
+    return np.where(p == 0, 0.0, (middle - half) / scale), np.where(p == 1, 1.0, (middle + half) / scale)
+
+
+def ratio(hits: pd.Series, replicate: pd.Series) -> Ratio:
+    """The ratio of the cells that are hits, with its effective number of cells.
+
+    Parameters
+    ----------
+    hits
+        Whether each cell is one; at least one cell.
+    replicate
+        Which replicate each cell is of.
+
+    Returns
+    -------
+    Ratio
+        With effective = of/deff as described under ``effective_size``.
+
+    Raises
+    ------
+    InvalidProblem
+        If there are no cells, or the columns differ in length.
+    """
+    table = ratios(hits, replicate, pd.Series(np.zeros(len(hits), dtype=np.int8)))
+    if table.empty:
+        raise InvalidProblem("ratio of no cells: must have at least one cell")
+    return as_ratio(table.iloc[0])
+
+
+def as_ratio(row: pd.Series) -> Ratio:
+    """The ratio in a row of a table of ratios."""
+    return Ratio(int(row["count"]), int(row["of"]), float(row["effective"]))
+
+
+def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: float = LEVEL) -> pd.DataFrame:
+    """r(D_k) of (4.12), one row for each category that has cells, in the order of the categories.
+
+    All cells of a category count alike, as in Remark 4.1. Cells without a category (missing) do not count.
+
+    Parameters
+    ----------
+    hits, replicate, category
+        Of each cell: whether it is one, its replicate, its category.
+    level
+        Of the intervals.
+
+    Returns
+    -------
+    pd.DataFrame
+        By category: ``count``, ``of`` [cells], ``runs`` [replicates with such a cell], ``value``, ``low``, ``high``,
+        ``effective`` [cells]. A category without cells has no row.
+    """
+    if not len(hits) == len(replicate) == len(category):
+        raise InvalidProblem(
+            f"{len(hits)} hits, {len(replicate)} replicates, {len(category)} categories: must be one of each per cell"
+        )
+    names, codes = _coded(category)
+    groups = pd.DataFrame(
+        {"category": codes, "replicate": np.asarray(replicate), "hits": np.asarray(hits, dtype=np.int64)}
+    )
+    by_run = groups[codes >= 0].groupby(["category", "replicate"])["hits"].agg(["sum", "size"]).reset_index("category")
+    rows = [(int(code), *_row(part, level)) for code, part in by_run.groupby("category")]
+    index = pd.Index([names[code] for code, *_ in rows], name=category.name, dtype=object)
+    return pd.DataFrame([row for _, *row in rows], index=index, columns=list(COLUMNS))
+
+
+def effective_size(hits: Any, cells: Any) -> float:
+    """n/deff with deff = sum_r (y_r - p n_r)^2/(n p (1 - p)), at least 1.
+
+    deff is the variance of the ratio p = sum y_r/sum n_r over replicates, linearised, over that of independent cells.
+    Before it is taken, two replicates of mean size are added, one with only hits and one with none. So deff is defined
+    for p = 0 and p = 1 too, where the data say nothing about it: there it is nearly the largest possible, the size of a
+    replicate. With one cell in each replicate it is 1.
+
+    Parameters
+    ----------
+    hits, cells
+        y_r and n_r >= 1 of each replicate; at least one replicate.
+
+    Returns
+    -------
+    float
+        > 0 and at most sum n_r.
+
+    Source
+    ------
+    L. Kish, Survey Sampling (1965); linearised as in W. G. Cochran, Sampling Techniques (1977), section 6.4.
+    """
+    y, n = np.asarray(hits, dtype=np.float64), np.asarray(cells, dtype=np.float64)
+    mean_size = float(n @ n / n.sum())  # seen by a cell: what bounds deff
+    total = n.sum() + 2 * mean_size
+    p = float((y.sum() + mean_size) / total)
+    squares = float(((y - p * n) ** 2).sum()) + mean_size**2 * (p * p + (1 - p) ** 2)
+    return float(n.sum() / max(1.0, squares / (total * p * (1 - p))))
+
+
+def _coded(category: pd.Series) -> tuple[list[Hashable], NDArray[np.intp]]:
+    if isinstance(category.dtype, pd.CategoricalDtype):
+        return list(category.cat.categories), np.asarray(category.cat.codes, dtype=np.intp)
+    codes, names = pd.factorize(category, sort=True)
+    return list(names), codes
+
+
+def _row(part: pd.DataFrame, level: float) -> tuple[int, int, int, float, float, float, float]:
+    count, of = int(part["sum"].sum()), int(part["size"].sum())
+    found = Ratio(count, of, effective_size(part["sum"], part["size"]))
+    return count, of, len(part), found.value, *found.interval(level), found.size
