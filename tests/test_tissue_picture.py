@@ -5,7 +5,7 @@ from itertools import pairwise
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgb
+from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from PIL import Image
 
@@ -17,8 +17,10 @@ from tissue import picture as drawing
 from tissue.first_order import simulate
 from tissue.observables import PHASES
 from tissue.parameters import preset
-from tissue.picture import COLOURS, picture, stills
+from tissue.picture import picture, stills
 from tissue.run import Frame
+from tissue.sheet import APICAL, BASAL, COLOURS, EMT_COLOURS
+from tissue.tables import EVENTS
 
 THESIS = preset("thesis")
 UM = 5.0
@@ -133,6 +135,59 @@ def test_the_legend_names_what_is_drawn(figures, run):
     picture([run.final], run.parameters, "x.png")
     names = [text.get_text() for text in figures[0].legends[0].get_texts()]
     assert names == [*PHASES, "soft, hard disc", "springs", "apical layer", "basal layer"]
+
+
+def trio(events="A"):
+    """Two control cells and one EMT cell with these events in the middle."""
+    x, a, b = ([[0.0, y], [6.0, y], [12.0, y]] for y in (4.0, 8.0, 0.0))
+    state = tissue(x, a, b, cycle=15.0, emt=[-1, 0, -1], events=[0, EVENTS.index(events), 0])
+    kept = {"apical": [0, 2] if "A" in events else None, "basal": [0, 2] if "B" in events else None}
+    return Frame(0.0, state, layers(3, **kept))
+
+
+@pytest.mark.parametrize("events", EMT_COLOURS)
+def test_an_emt_cell_has_the_colour_of_its_events_and_a_dark_edge(figures, events):
+    picture([trio(events)], THESIS, "x.png")
+    soft, _, _, hard = figures[0].axes[0].collections
+    wanted = [COLOURS["G1/S"], EMT_COLOURS[events], COLOURS["G1/S"]]
+    assert [to_hex(colour) for colour in hard.get_facecolors()] == wanted
+    assert [to_hex(colour) for colour in soft.get_facecolors()] == wanted
+    assert [to_hex(colour) for colour in hard.get_edgecolors()] == ["#ffffff", "#000000", "#ffffff"]
+
+
+def test_every_set_of_events_that_can_be_has_a_colour_of_its_own():
+    possible = {name for name in EVENTS if "P" not in name or "B" in name}
+    assert set(EMT_COLOURS) == possible
+    assert len(set(EMT_COLOURS.values()) | set(COLOURS.values())) == len(possible) + len(PHASES)
+
+
+@pytest.mark.parametrize(
+    ("events", "apical", "basal"), [("", 0, 0), ("A", 1, 0), ("B", 0, 1), ("AB", 1, 1), ("S", 0, 0)]
+)
+def test_crosses_mark_the_points_that_left_their_layers(figures, events, apical, basal):
+    picture([trio(events)], THESIS, "x.png")
+    lines = figures[0].axes[0].lines
+    crosses = [(line.get_color(), line.get_xydata().tolist()) for line in lines if line.get_marker() == "x"]
+    assert crosses == [(APICAL, [[30.0, 40.0]])] * apical + [(BASAL, [[30.0, 0.0]])] * basal
+    (dots,) = (line for line in lines if line.get_linestyle() == "None" and line.get_marker() == "o")
+    assert len(dots.get_xydata()) == 3 - basal
+
+
+def test_the_legend_names_the_events_that_are_there(figures):
+    picture([trio("B"), trio(""), trio("BP")], THESIS, "x.png")
+    control, emt = ([text.get_text() for text in legend.get_texts()] for legend in figures[0].legends)
+    assert control == [*PHASES, "soft, hard disc", "springs", "apical layer", "basal layer"]
+    assert emt == ["EMT cell: before any event", "[B]", "[BP]", "free basal point"]
+    picture([trio("A")], THESIS, "x.png")
+    names = [text.get_text() for text in figures[1].legends[1].get_texts()]
+    assert names == ["EMT cell: [A]", "free apical point"]
+
+
+def test_room_for_a_caption_is_left_below_the_legend(figures):
+    plain, roomy = (drawing.drawing([trio()], THESIS, room=room) for room in (0.0, 0.5))
+    assert roomy.get_size_inches()[1] == pytest.approx(plain.get_size_inches()[1] + 0.5)
+    lows = [legend.get_window_extent().y0 / figure.dpi for figure in (plain, roomy) for legend in figure.legends]
+    assert min(lows[2:]) == pytest.approx(min(lows[:2]) + 0.5)
 
 
 @pytest.mark.parametrize(
@@ -269,6 +324,6 @@ def test_a_movie_that_can_not_be_made_leaves_no_file(tmp_path, name, frames, mes
     assert list(tmp_path.iterdir()) == []
 
 
-@pytest.mark.parametrize(("library", "door"), [("matplotlib", "picture.py"), ("PIL", "movie.py")])
+@pytest.mark.parametrize(("library", "door"), [("matplotlib", "sheet.py"), ("PIL", "movie.py")])
 def test_one_file_draws_and_one_makes_movies(library, door):
     assert [path.name for path in sources("tissue") if library in imported(path.read_text("utf-8"))] == [door]

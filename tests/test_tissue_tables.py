@@ -8,11 +8,12 @@ import pandas as pd
 import pytest
 
 from dincl.status import Status
+from tissue.events import bits
 from tissue.first_order import simulate
 from tissue.observables import PHASES, height, nuclear_layers, phases
 from tissue.parameters import preset
 from tissue.run import Run
-from tissue.tables import cell_table, summary_table
+from tissue.tables import EVENTS, cell_table, summary_table
 
 CELL_KINDS = {
     "time_h": "float64",
@@ -36,6 +37,8 @@ CELL_KINDS = {
     "in_basal_layer": "bool",
     "migrates": "bool",
     "divides": "bool",
+    "emt": "int64",
+    "events": "str",
 }
 SUMMARY_KINDS = {
     "time_h": "float64",
@@ -195,3 +198,19 @@ def test_tables_come_back_from_files_as_they_were(run, tmp_path):
         pd.testing.assert_frame_equal(pd.read_parquet(tmp_path / f"{name}.parquet"), table)
     run.summary().to_csv(tmp_path / "summary.csv", index=False)
     pd.testing.assert_frame_equal(pd.read_csv(tmp_path / "summary.csv"), run.summary())
+
+
+def test_events_are_named_in_one_order_and_control_cells_have_none():
+    """[P] at 3 h waits for [B] at 4 h; cells of the group count from left to right."""
+    events = {"emt.cells": 3, "emt.a": "3 h", "emt.b": "4 h", "emt.p": "3 h", "emt.s": "5 h"}
+    table = grown(**events, **{"numerics.t_end": "5 h", "numerics.keep": "1 h"}).table()
+    group = table[table["emt"] >= 0]
+    assert group.groupby("time_h")["emt"].agg(list).tolist() == [[0, 1, 2]] * 6
+    assert group.groupby("time_h")["events"].agg(set).tolist() == [{""}, {""}, {""}, {"A"}, {"ABP"}, {"ABSP"}]
+    assert (table.loc[table["emt"] < 0, "emt"] == -1).all()
+    assert set(table.loc[table["emt"] < 0, "events"]) == {""}
+
+
+def test_every_set_of_events_has_its_name():
+    assert [EVENTS[k] for k in (0, bits.A, bits.B, bits.A | bits.S, bits.B | bits.P)] == ["", "A", "B", "AS", "BP"]
+    assert len(set(EVENTS)) == 16

@@ -10,8 +10,9 @@ if TYPE_CHECKING:
     from tissue.many import simulate_many
     from tissue.parameters import Parameters, load, preset
     from tissue.run import Frame, Run, RunFailed
+    from tissue.study.run import run_study
 
-__all__ = ["Frame", "Parameters", "Run", "RunFailed", "load", "preset", "simulate", "simulate_many"]
+__all__ = ["Frame", "Parameters", "Run", "RunFailed", "load", "preset", "run_study", "simulate", "simulate_many"]
 
 _HOMES = {
     "Frame": "run",
@@ -20,6 +21,7 @@ _HOMES = {
     "RunFailed": "run",
     "load": "parameters",
     "preset": "parameters",
+    "run_study": "study.run",
     "simulate": "first_order",
     "simulate_many": "many",
 }

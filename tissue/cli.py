@@ -1,11 +1,9 @@
-"""The commands: ``tissue run`` and ``tissue movie``."""
+"""The commands: ``tissue run`` and ``tissue movie``; ``tissue study`` has a file of its own."""
 
 from __future__ import annotations
 
 import platform
 import time
-from collections.abc import Iterator
-from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,6 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dincl.errors import InvalidProblem
+from tissue.cli_figures import figures
+from tissue.cli_messages import RUN_FAILED, messages
+from tissue.cli_study import study
 from tissue.progress import progress
 
 if TYPE_CHECKING:
@@ -20,10 +21,10 @@ if TYPE_CHECKING:
     from tissue.run import Run
 
 app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
+app.command()(study)
+app.command()(figures)
 File = Annotated[str, typer.Argument(metavar="FILE", help="A parameter file, or a preset: thesis, published.")]
 Seed = Annotated[int, typer.Option(min=0, help="The run is a function of the parameters and this.")]
-# Exit codes
-RUN_FAILED, BAD_INPUT = 1, 2
 
 
 @app.command()
@@ -36,7 +37,7 @@ def run(
 
     The first run on a machine takes longer: the kernels are compiled.
     """
-    with _messages():
+    with messages():
         parameters = _parameters(file)
         folder = out or Path("results") / f"{Path(file).stem}_seed{seed}"
         _write_parameters(parameters, file, seed, folder)
@@ -57,7 +58,7 @@ def movie(
     from tissue import movie as film
     from tissue.observables import measurable
 
-    with _messages():
+    with messages():
         film.ending(out)
         parameters = _parameters(file)
         if keep is not None:
@@ -70,17 +71,6 @@ def movie(
             film.movie(frames, parameters, out, watch)
     print(f"{out}: {len(frames)} pictures, {out.stat().st_size / 1e6:.1f} MB")
     _stop_if_failed(grown)
-
-
-@contextmanager
-def _messages() -> Iterator[None]:
-    """Bad input, and files that can not be written, end the command with one message."""
-    try:
-        yield
-    except (InvalidProblem, OSError) as error:
-        what = "--out can not be written to: " if isinstance(error, OSError) else ""
-        typer.echo(f"Error: {what}{error}", err=True)
-        raise typer.Exit(BAD_INPUT) from error
 
 
 def _parameters(file: str) -> Parameters:

@@ -1,4 +1,6 @@
-"""The tissue to scale, in um, coloured by cycle phase: discs, springs, layers. Only here is matplotlib."""
+"""The tissue to scale, in um: discs, springs, layers; control cells in the colour of their cycle phase, EMT cells in
+that of their events.
+"""
 
 from __future__ import annotations
 
@@ -8,46 +10,48 @@ from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.artist import Artist
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import EllipseCollection, LineCollection
-from matplotlib.figure import Figure
-from matplotlib.legend_handler import HandlerTuple
-from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from dincl.errors import InvalidProblem
 from tissue.observables import PHASES, height, is_measurable, phases
+from tissue.sheet import (
+    APICAL,
+    BASAL,
+    BELOW,
+    COLOURS,
+    CROSS,
+    DOT,
+    DOT_SIZE,
+    EMT_COLOURS,
+    GREY,
+    SPRING,
+    Artist,
+    Axes,
+    EllipseCollection,
+    Figure,
+    FigureCanvasAgg,
+    LineCollection,
+    control_entries,
+    emt_entries,
+    legend,
+    style,
+    write,
+)
+from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
-    from tissue.cells import Floats
+    from tissue.cells import Flags, Floats
     from tissue.parameters import Parameters
     from tissue.run import Frame
 
 ENDINGS = (".png", ".svg", ".pdf")
-# Told apart by their lightness, too, and with every kind of colour blindness.
-COLOURS = dict(zip(PHASES, ("#4b82bb", "#f0a202", "#7a1f5c"), strict=True))
-SPRING, APICAL, BASAL, BELOW, GREY = "#5d6670", "#c8232c", "#1d1d1d", "#f1efe9", "#8a8a8a"
-STYLE: Any = {
-    "font.family": "DejaVu Sans",
-    "font.size": 8.5,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.edgecolor": "#555555",
-    "legend.frameon": False,
-    "svg.hashsalt": "tissue",  # the same file for the same picture
-}
 # Inches: a picture, its panels at most, and what stands around them.
 WIDTH, TALLEST = 9.2, 7.0
 LEFT, RIGHT, TOP, GAP, BOTTOM, LEGEND = 0.55, 0.12, 0.32, 0.3, 0.48, 0.34
 COLUMNS = 3
 DPI = 200
 MOVIE_DPI = 100
-DOT: dict[str, Any] = {"marker": "o", "markeredgewidth": 0}
-DOT_SIZE = 3.0
 MARGIN = 2.0  # um around the discs
 FULL, THINNEST = 3.5, 0.25  # points per um from which on lines have their full width; what is left of it at least
 
@@ -80,12 +84,26 @@ def picture(frames: Sequence[Frame], parameters: Parameters, path: str | PathLik
     """
     if Path(path).suffix.lower() not in ENDINGS:
         raise InvalidProblem(f"path = {str(path)!r}: must end in {', '.join(ENDINGS)}")
-    with mpl.rc_context(STYLE):
-        figure, panels = _sheet(len(frames), _box(frames, parameters), DPI)
+    write(drawing(frames, parameters), path)
+
+
+def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = None, room: float = 0.0) -> Figure:
+    """The figure that ``picture`` writes.
+
+    Parameters
+    ----------
+    frames, parameters
+        As in ``picture``; the frames may be of several runs.
+    box
+        What each panel shows; everything if it is None.
+    room
+        Inches that stay free below the legend.
+    """
+    with style():
+        figure, panels = _sheet(len(frames), box or _box(frames, parameters), DPI, _begun(frames), room)
         for panel, frame in zip(panels, frames, strict=True):
             _draw(panel, frame, parameters, _decimals(frames))
-        dated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-        figure.savefig(path, metadata=dated.get(Path(path).suffix.lower()))
+    return figure
 
 
 def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
@@ -93,14 +111,14 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
 
     Arguments and errors are those of ``picture``.
     """
-    with mpl.rc_context(STYLE):
-        figure, (panel,) = _sheet(1, _box(frames, parameters), MOVIE_DPI)
+    with style():
+        figure, (panel,) = _sheet(1, _box(frames, parameters), MOVIE_DPI, _begun(frames))
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
     for frame in frames:
         canvas.restore_region(background)
-        with mpl.rc_context(STYLE):
+        with style():
             for artist in _draw(panel, frame, parameters, decimals):
                 panel.draw_artist(artist)
                 artist.remove()
@@ -125,24 +143,33 @@ def _box(frames: Sequence[Frame], parameters: Parameters) -> Box:
     return Box(left, right, low, high)
 
 
-def _sheet(count: int, box: Box, dpi: int) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels of one scale, and the legend below."""
+def _begun(frames: Sequence[Frame]) -> list[str]:
+    """The events of EMT cells to tell apart, in the order of the colours; none if there are only control cells."""
+    found = {EVENTS[k] for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
+    return [name for name in EMT_COLOURS if name in found]
+
+
+def _sheet(count: int, box: Box, dpi: int, begun: Sequence[str], room: float = 0.0) -> tuple[Figure, list[Axes]]:
+    """A figure with ``count`` panels of one scale, and the legend below, in two lines where there are EMT cells."""
+    below = BOTTOM + LEGEND * (2 if begun else 1) + room
     rows = -(-count // COLUMNS)
     columns = -(-count // rows)
     slot = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
     inches = min(slot / (box.right - box.left), TALLEST / rows / (box.high - box.low))
     wide, tall = inches * (box.right - box.left), inches * (box.high - box.low)
-    total = rows * (tall + TOP) + (rows - 1) * GAP + BOTTOM + LEGEND
+    total = rows * (tall + TOP) + (rows - 1) * GAP + below
     total = math.ceil(total * MOVIE_DPI) / MOVIE_DPI  # whole pixels
     figure = Figure(figsize=(WIDTH, total), dpi=dpi)
     panels = []
     for k in range(count):
         row, column = divmod(k, columns)
         left = LEFT + column * (slot + GAP)
-        low = BOTTOM + LEGEND + (rows - 1 - row) * (tall + TOP + GAP)
+        low = below + (rows - 1 - row) * (tall + TOP + GAP)
         panels.append(figure.add_axes((left / WIDTH, low / total, wide / WIDTH, tall / total)))
         _axes(panels[-1], box, lowest=k + columns >= count, leftmost=column == 0)
-    _legend(figure)
+    legend(figure, control_entries(), LEFT / WIDTH, room / total)
+    if begun:
+        legend(figure, emt_entries(begun), LEFT / WIDTH, (LEGEND + room) / total)
     return figure, panels
 
 
@@ -161,7 +188,7 @@ def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> l
     """Everything that belongs to one state, from below to above."""
     um, cells = parameters.cell.soft_radius.value, frame.cells
     nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
-    colours = np.array([COLOURS[name] for name in PHASES])[phases(frame, parameters.numbers())]
+    colours, edges = _colours(frame, parameters)
     soft, hard = np.full(len(nuclei), um), um * cells.radius
     thin = _thinner(panel)
     collections = (
@@ -170,16 +197,34 @@ def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> l
         LineCollection(
             list(np.stack((apical, nuclei, basal), axis=1)), colors=SPRING, linewidths=0.7 * thin, alpha=0.55, zorder=3
         ),
-        _discs(panel, nuclei, hard, facecolors=colours, edgecolors="white", linewidths=0.4 * thin, zorder=4),
+        _discs(panel, nuclei, hard, facecolors=colours, edgecolors=edges, linewidths=0.4 * thin, zorder=4),
     )
     for collection in collections:
         panel.add_collection(collection)
     dots = DOT | {"markersize": DOT_SIZE * thin, "zorder": 5}
+    free_apical, free_basal = _free(frame)
     lines = panel.plot(*apical[frame.layers.apical].T, color=APICAL, linewidth=1.5 * thin, **dots)
-    lines += panel.plot(*basal.T, color=BASAL, linestyle="none", **dots)
+    lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
+    for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
+        lines += panel.plot(*points.T, color=colour, zorder=6, **CROSS) if len(points) else []
     count = f"{len(cells.x)} cell{'s' * (len(cells.x) != 1)}"
     title = f"t = {frame.t:.{decimals}f} h  ·  {count}  ·  height {um * height(frame):.3g} µm"
     return [*collections, *lines, panel.annotate(title, (0, 1), (0, 6), "axes fraction", "offset points", size=9.5)]
+
+
+def _colours(frame: Frame, parameters: Parameters) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+    """Of the discs of each cell, and of the edge of its hard disc."""
+    cells, is_emt = frame.cells, frame.cells.emt >= 0
+    of_phase = np.array([COLOURS[name] for name in PHASES])[phases(frame, parameters.numbers())]
+    of_events = np.array([EMT_COLOURS.get(name, GREY) for name in EVENTS])[cells.events]
+    return np.where(is_emt, of_events, of_phase), np.where(is_emt, "black", "white")
+
+
+def _free(frame: Frame) -> tuple[Flags, Flags]:
+    """Whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
+    each, is_emt = np.arange(len(frame.cells.x)), frame.cells.emt >= 0
+    apical, basal = (is_emt & ~np.isin(each, layer) for layer in frame.layers)
+    return apical, basal
 
 
 def _thinner(panel: Axes) -> float:
@@ -205,30 +250,4 @@ def _discs(panel: Axes, centres: Floats, radii: Floats, **look: Any) -> EllipseC
     sizes = 2 * radii
     return EllipseCollection(
         sizes, sizes, np.zeros(len(sizes)), units="xy", offsets=centres, offset_transform=panel.transData, **look
-    )
-
-
-def _legend(figure: Figure) -> None:
-    def dot(colour: str, size: float, alpha: float = 1.0) -> Line2D:
-        return Line2D([], [], linestyle="none", color=colour, alpha=alpha, markersize=size, **DOT)
-
-    def line(colour: str, width: float, **dots: Any) -> tuple[Line2D]:
-        return (Line2D([], [], color=colour, linewidth=width, markersize=DOT_SIZE, **dots),)
-
-    entries: Any = {name: (dot(colour, 12, 0.35), dot(colour, 6)) for name, colour in COLOURS.items()}
-    entries["soft, hard disc"] = (dot(GREY, 12, 0.35), dot(GREY, 6))
-    entries["springs"] = line(SPRING, 0.9)
-    entries["apical layer"] = line(APICAL, 1.5, **DOT)
-    entries["basal layer"] = line(BASAL, 1.2, **DOT)
-    figure.legend(
-        list(entries.values()),
-        list(entries),
-        handler_map={tuple: HandlerTuple(ndivide=1)},
-        loc="lower left",
-        bbox_to_anchor=(LEFT / WIDTH, 0.0),
-        borderaxespad=0.5,
-        borderpad=0.2,
-        ncols=len(entries),
-        handletextpad=0.5,
-        columnspacing=1.6,
     )

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
+from tissue.events import bits
 from tissue.observables import (
     PHASES,
     ab_positions,
@@ -35,6 +36,9 @@ LENGTHS = {
     "basal_rest_um": "rest_bx",
     "junction_rest_um": "rest_aa",
 }
+LETTERS = {"A": bits.A, "B": bits.B, "S": bits.S, "P": bits.P}
+# The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP".
+EVENTS = ["".join(name for name, bit in LETTERS.items() if events & bit) for events in range(sum(LETTERS.values()) + 1)]
 
 
 def cell_table(run: Run) -> pd.DataFrame:
@@ -56,6 +60,8 @@ def cell_table(run: Run) -> pd.DataFrame:
     ``y_ab``                                                float64   position on the apical-basal scale (3.3.1)
     ``in_apical_layer``, ``in_basal_layer``                 bool      whether it has neighbours there
     ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
+    ``emt``                                                 int64     number among the EMT cells, from left; -1: control
+    ``events``                                              str       EMT events that have begun: "", "A", ..., "ABSP"
     ======================================================  ========  ===============================================
     """
     frames = measurable(run.frames)
@@ -98,6 +104,7 @@ def _of_cells(frame: Frame, run: Run) -> Iterator[tuple[str, Any]]:
     yield "y_ab", ab_positions(frame)
     yield from (("in_apical_layer", np.isin(each, layers.apical)), ("in_basal_layer", np.isin(each, layers.basal)))
     yield from (("migrates", cells.moves), ("divides", cells.divides))
+    yield from (("emt", cells.emt), ("events", np.array(EVENTS)[cells.events]))
 
 
 def _joined(parts: Sequence[Any]) -> Any:

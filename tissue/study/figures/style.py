@@ -1,0 +1,106 @@
+"""The one style of the figures: colours, marks with intervals, captions."""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from tissue.sheet import EMT_COLOURS, Axes, Figure, Line2D, Patch
+from tissue.study.ratios import LEVEL, Ratio
+
+WIDTH = 9.2  # inches, as the pictures and the page of the report
+DPI = 200
+LOOK: Any = {
+    "axes.titlesize": 9.5,
+    "axes.titlelocation": "left",
+    "axes.grid": True,
+    "axes.axisbelow": True,
+    "grid.color": "#e6e6e6",
+    "grid.linewidth": 0.6,
+    "lines.linewidth": 1.4,
+    "hatch.color": "white",
+    "hatch.linewidth": 1.2,
+}
+# What becomes of a cell: colour, line, name. Told apart by lightness and line, too.
+OUTCOMES = {
+    "basal": ("#a31621", "-", "basal extrusion"),
+    "apical": ("#3f7fc1", "--", "apical extrusion"),
+    "below": ("#e0a100", "-.", "below all control cells"),
+}
+# Around a cell; the populations of Table 5 by the study that makes them.
+ENVIRONMENTS = {
+    "individual": ("#808080", "individual"),
+    "homogeneous": ("#8c6bb1", "homogeneous group"),
+    "table5_63": ("#00796b", "heterogeneous, 63 % [P]"),
+    "table5_35": ("#2fa89a", "heterogeneous, 35 % [P]"),
+    "table5_7": ("#7fcabf", "heterogeneous, 7 % [P]"),
+}
+EVENT_COLOURS = EMT_COLOURS
+NO_INM_HATCH = "////"
+POSITION = "$y_{AB}$"
+PERCENT = f"{100 * LEVEL:g} %"
+INTERVALS = f"{PERCENT} Wilson intervals on the effective number of cells"
+CAPTION_SIZE, CAPTION_LETTERS = 8.0, 155  # points; in a line
+CAP = {"capsize": 2.5, "elinewidth": 1.0, "capthick": 1.0}
+
+
+def page(height: float) -> Figure:
+    """An empty figure, ``height`` in inches."""
+    return Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
+
+
+def caption(figure: Figure, text: str) -> None:
+    """Lines below the figure that say what it shows, of how many cells, and what the intervals are."""
+    lines = textwrap.fill(text.replace(" %", "\N{NO-BREAK SPACE}%"), CAPTION_LETTERS)
+    figure.supxlabel(lines, x=0.01, ha="left", fontsize=CAPTION_SIZE, color="#333333")
+
+
+def legend(figure: Figure, handles: Mapping[str, Line2D | Patch]) -> None:
+    """One legend for all panels, above them."""
+    figure.legend(list(handles.values()), list(handles), loc="outside upper left", ncols=len(handles))
+
+
+def outcome_lines() -> dict[str, Line2D | Patch]:
+    """The legend of lines over time."""
+    return {name: Line2D([], [], color=colour, linestyle=line) for colour, line, name in OUTCOMES.values()}
+
+
+def band(panel: Axes, x: pd.Series, table: pd.DataFrame, **look: Any) -> None:
+    """A line of ratios [%] with their intervals; ``table`` as that of ``ratios``."""
+    low, value, high = (100 * table[name] for name in ("low", "value", "high"))
+    panel.fill_between(x, low, high, color=look["color"], alpha=0.18, linewidth=0)
+    panel.plot(x, value, **look)
+
+
+def bars(panel: Axes, places: Sequence[float], found: Sequence[Ratio], **look: Any) -> None:
+    """Bars of ratios [%] with their intervals."""
+    values = 100 * np.array([one.value for one in found])
+    panel.bar(places, values, **look)
+    panel.errorbar(places, values, yerr=errors(found), fmt="none", ecolor="#222222", **CAP)
+
+
+def errors(found: Sequence[Ratio]) -> np.ndarray:
+    """How far intervals [%] reach below and above their values, (2, n)."""
+    ends = 100 * np.array([(one.value, *one.interval()) for one in found]).T
+    return np.abs(ends[1:] - ends[0])
+
+
+def percent_axis(panel: Axes, text: str) -> None:
+    """The whole range of ratios."""
+    panel.set(ylim=(-2, 102), ylabel=text)
+
+
+def counted(numbers: Iterable[int], what: str) -> str:
+    """How many there were: "n = 400 runs", or "n = 398 to 400 runs"."""
+    found = sorted(set(numbers))
+    span = f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
+    return f"n = {span} {what}"
+
+
+def no_inm(colour: str) -> dict[str, Any]:
+    """The look of bars of cells without INM."""
+    return {"color": colour, "alpha": 0.65, "hatch": NO_INM_HATCH}

@@ -1,0 +1,95 @@
+"""What the rows of a study depend on: its parameters, the code and the processor; and what differs between two."""
+
+from __future__ import annotations
+
+import json
+import platform
+from collections.abc import Iterator, Mapping
+from functools import cache
+from hashlib import sha256
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+from tissue.study.plan import PART, Study
+from tissue.study.wording import in_scenarios
+
+HOME = Path(__file__).parent.parent
+# Sources that no number of a run depends on; of the studies only one file makes numbers.
+ASIDE = ("cli*.py", "movie.py", "picture.py", "progress.py", "sheet.py")
+MOST_DIFFERENCES = 12
+IDENTITY = ("replicates", "seed", "trajectories", "part", "scenarios", "code")
+SETTINGS = {"replicates": "replicates", "seed": "seed", "trajectories": "trajectories", "part": "replicates of a part"}
+
+
+def identity(study: Study) -> dict[str, Any]:
+    """What the rows are a function of, on one kind of processor: equal for two studies with the same rows."""
+    return {
+        "replicates": study.replicates,
+        "seed": study.seed,
+        "trajectories": list(study.trajectories),
+        "part": PART,
+        "scenarios": {name: parameters.as_dict() for name, parameters in study.scenarios.items()},
+        "code": code(),
+    }
+
+
+def fingerprint(what: Mapping[str, Any]) -> str:
+    """A text that differs for what differs."""
+    return sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()
+
+
+@cache
+def code() -> dict[str, str]:
+    """The version of the program: of its sources, and of the libraries that make numbers."""
+    files = [file for file in HOME.glob("*.py") if not any(file.match(pattern) for pattern in ASIDE)]
+    files += [*HOME.glob("kernels/**/*.py"), *HOME.glob("events/**/*.py"), HOME / "study" / "outcomes.py"]
+    sources = sha256()
+    for file in sorted(file for file in files if file.exists()):
+        sources.update(f"{file.relative_to(HOME).as_posix()}\n".encode() + file.read_bytes())
+    return {"tissue": sources.hexdigest()[:16], **{name: version(name) for name in ("numpy", "numba")}}
+
+
+@cache
+def processor() -> str:
+    """The kind of processor: results of different kinds may differ in the last bits."""
+    from llvmlite.binding import get_host_cpu_name
+
+    return f"{platform.system()} {platform.machine()} {get_host_cpu_name()}"
+
+
+def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """What differs between two identities, with both values, in at most MOST_DIFFERENCES lines and one more."""
+    lines = [*_settings(old, new), *_scenarios(old["scenarios"], new["scenarios"]), *_code(old["code"], new["code"])]
+    more = len(lines) - MOST_DIFFERENCES
+    return lines if more <= 0 else [*lines[:MOST_DIFFERENCES], f"and {more} more"]
+
+
+def _settings(old: Mapping[str, Any], new: Mapping[str, Any]) -> Iterator[str]:
+    for key, name in SETTINGS.items():
+        if old[key] != new[key]:
+            yield f"{name}: {old[key]} -> {new[key]}"
+
+
+def _scenarios(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    found = {name: ["is there no more"] for name in old if name not in new}
+    found |= {name: ["is new"] for name in new if name not in old}
+    both = {name: _keys(old[name], new[name]) for name in old if name in new}
+    return in_scenarios(both) + [f"scenario {name!r}: {line}" for name, (line,) in found.items()]
+
+
+def _keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
+    """The parameters that differ."""
+    sections = {section: {*old.get(section, {}), *new.get(section, {})} for section in {**old, **new}}
+    pairs = [
+        (f"{section}.{key}", old.get(section, {}).get(key), new.get(section, {}).get(key))
+        for section, keys in sections.items()
+        for key in sorted(keys)
+    ]
+    return [f"{key}: {json.dumps(before)} -> {json.dumps(after)}" for key, before, after in pairs if before != after]
+
+
+def _code(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
+    for name, title in (("tissue", "the code of this program"), ("numpy", "numpy"), ("numba", "numba")):
+        if old[name] != new[name]:
+            yield f"{title}: {old[name]} -> {new[name]}"

@@ -1,0 +1,148 @@
+"""Studies: files that name scenarios, each a change of the parameters, and say how often each of them is run."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from os import PathLike
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from tissue.messages import refuse
+from tissue.parameter_files import merged, read
+from tissue.parameters import BASES, PRESETS, Parameters, load, preset
+from tissue.study.shape import checked
+from tissue.study.wording import in_scenarios, waits
+
+FOLDER = Path(__file__).parent.parent / "studies"
+# Replicates of one scenario that are computed and stored together, in lots of eight side by side.
+PART = 128
+
+
+class Piece(NamedTuple):
+    """Consecutive replicates of one scenario, which are computed and stored together."""
+
+    scenario: str
+    first: int
+    count: int
+
+    @property
+    def replicates(self) -> range:
+        """The numbers of its replicates."""
+        return range(self.first, self.first + self.count)
+
+
+@dataclass(frozen=True)
+class Study:
+    """What a study file says, made by ``load_study``."""
+
+    title: str
+    replicates: int  # of each scenario
+    seed: int
+    trajectories: tuple[int, ...]  # the replicates of which every kept state is stored
+    scenarios: Mapping[str, Parameters]
+    text: str  # the file
+
+    @property
+    def runs(self) -> int:
+        """How many runs there are."""
+        return self.replicates * len(self.scenarios)
+
+    @property
+    def remarks(self) -> list[str]:
+        """One sentence for each scenario in which [P] may come before [B], for which it waits (section 2.2.4)."""
+        found = {name: waits(parameters.emt.p, parameters.emt.b) for name, parameters in self.scenarios.items()}
+        return in_scenarios({name: [line] if line else [] for name, line in found.items()})
+
+    def pieces(self) -> Iterator[Piece]:
+        """All pieces, one scenario after the other."""
+        for name in self.scenarios:
+            for first in range(0, self.replicates, PART):
+                yield Piece(name, first, min(PART, self.replicates - first))
+
+
+def load_study(path: str | PathLike[str]) -> Study:
+    """The study in a TOML file.
+
+    Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
+    each scenario; ``seed``; on request ``trajectories``, a list of the replicates of which every kept state is stored,
+    and ``[overrides.SECTION]``, parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the parameters of
+    its own, sections as keys.
+
+    Parameters
+    ----------
+    path
+        The file, or the name of a study that comes with this package.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no such file, or it can not be read, lacks a key, has an unknown or a bad one, or a scenario that
+        can not be; all of it in one message that names the file, the scenario, each key, its value and what is allowed.
+    """
+    path = _found(path)
+    tables = read(path)
+    good, lines = checked(tables)
+    scenarios: dict[str, Parameters] = {}
+    base = _base(good["base"], path.parent, lines) if "base" in good else None
+    if base is not None and "scenarios" in good:
+        wrong: dict[str, list[str]] = {}
+        for name, table in good["scenarios"].items():
+            changed = _changed(base, merged(good["overrides"], table))
+            wrong[name] = changed if isinstance(changed, list) else []
+            if isinstance(changed, Parameters):
+                scenarios[name] = changed
+        lines += in_scenarios(wrong)
+    if lines:
+        raise refuse(str(path), lines)
+    plain = {key: good[key] for key in ("title", "replicates", "seed", "trajectories")}
+    return Study(**plain, scenarios=scenarios, text=path.read_text("utf-8"))
+
+
+def shipped() -> list[str]:
+    """The names of the studies that come with this package."""
+    return sorted(file.stem for file in FOLDER.glob("*.toml"))
+
+
+def flat(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Values by keys such as "emt.cells", as ``Parameters.changed`` takes them."""
+    values: dict[str, Any] = {}
+    for section, table in tables.items():
+        keyed = {f"{section}.{key}": value for key, value in table.items()} if isinstance(table, dict) else None
+        values |= {section: table} if keyed is None else keyed
+    return values
+
+
+def _found(path: str | PathLike[str]) -> Path:
+    """The file, or the study of this name that comes with the package."""
+    names = shipped()
+    if not Path(path).exists() and str(path) in names:
+        return FOLDER / f"{path}.toml"
+    if not Path(path).exists():
+        raise InvalidProblem(f"{path}: there is no such file; must be a TOML file, or a study: {', '.join(names)}")
+    return Path(path)
+
+
+def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:
+    """The parameters that all scenarios change; None if there are none, and lines that say why."""
+    if base in PRESETS:
+        return preset(base)
+    if not (folder / base).exists():
+        lines.append(f"base = {describe(base)}: must be {BASES}, or a parameter file; {folder / base} does not exist")
+        return None
+    try:
+        return load(folder / base)
+    except InvalidProblem as error:
+        lines.append(str(error).replace("\n", "\n  "))
+        return None
+
+
+def _changed(base: Parameters, tables: Mapping[str, Any]) -> Parameters | list[str]:
+    """The parameters of a scenario, or what is wrong with them, line by line."""
+    try:
+        return base.changed(flat(tables))
+    except InvalidProblem as error:
+        first, *lines = str(error).split("\n  ")
+        return lines or [first.partition(": ")[2]]

@@ -1,0 +1,138 @@
+"""The results of a study, read from its folder."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
+
+import pyarrow as pa
+import pyarrow.dataset as ds
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from tissue.parameters import Parameters, preset
+from tissue.study.layout import scenario_folder, trajectory
+from tissue.study.plan import flat
+from tissue.study.store import about
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+class About(NamedTuple):
+    """What a study consists of."""
+
+    title: str
+    replicates: int  # of each scenario
+    seed: int
+    trajectories: tuple[int, ...]  # replicates of which every kept state is stored
+    scenarios: tuple[str, ...]
+
+
+class Results:
+    """The stored tables of a study, whether it is complete or not: of every part that is there, whole parts only.
+
+    A missing value, such as the time of an extrusion that did not happen, is NaN, and so are the counts of a run behind
+    the time at which it failed. A time that is never reached is inf.
+
+    Parameters
+    ----------
+    folder
+        The ``out`` of ``run_study``.
+
+    Raises
+    ------
+    InvalidProblem
+        If the folder does not hold a study. The methods: for a name that is not in it, or if nothing of it is stored.
+    """
+
+    def __init__(self, folder: str | PathLike[str]) -> None:
+        self.folder = Path(folder)
+        noted = about(self.folder)
+        if noted is None:
+            raise InvalidProblem(f"{self.folder}: must be the folder of a study, of which it lacks the notes")
+        self._noted = noted
+        settings = (noted[key] for key in ("title", "replicates", "seed"))
+        self.study = About(*settings, tuple(noted["trajectories"]), tuple(noted["scenarios"]))
+
+    @property
+    def complete(self) -> bool:
+        """Whether all parts are there."""
+        parts = -(-self.study.replicates // self._noted["part"])
+        return all(len(self._parts("cells", scenario)) == parts for scenario in self.study.scenarios)
+
+    def parameters(self, scenario: str) -> Parameters:
+        """The parameters of a scenario."""
+        self._check(scenario)
+        return preset("thesis").changed(flat(self._noted["scenarios"][scenario]))
+
+    def cells(self, scenario: str, columns: Sequence[str] | None = None) -> pd.DataFrame:
+        """One row for each replicate and EMT cell, in this order; ``columns``: those to read, all if None.
+
+        =========================================  ========  =========================================================
+        ``replicate``, ``cell``                    int64     cells count from left to right
+        ``inm``                                    bool      whether it has interkinetic nuclear movement
+        ``t_a_h``, ``t_b_h``, ``t_s_h``            float64   times of the events; inf: never
+        ``t_p_h``                                  float64   when [P] begins to act, max(T^P, T^B)
+        ``onset_h``                                float64   min(T^A, T^B, T^S)
+        ``onset_ab``                               float64   y_AB then (4.8); NaN if this is not before the end
+        ``extruded``                               category  where the nucleus is at the end: "basal", "apical" or "no"
+        ``extruded_h``, ``extruded_x_um``          float64   since when without a break, and its x then; NaN if "no"
+        ``ab_0h``, ``ab_1h``, ...                  float64   y_AB at each kept time
+        ``below_0h``, ``below_1h``, ...            bool      whether it is at or below all control cells then (4.3)
+        =========================================  ========  =========================================================
+
+        A replicate that failed has no rows.
+        """
+        return self._table("cells", scenario, columns)
+
+    def runs(self, scenario: str, columns: Sequence[str] | None = None) -> pd.DataFrame:
+        """One row for each replicate, in this order; ``columns``: those to read, all if None.
+
+        =========================================  ========  =========================================================
+        ``replicate``, ``seed``                    int64     its number in the scenario; its run's seed
+        ``status``                                 category  "SUCCESS" or "NON_FINITE"
+        ``detail``                                 str       what happened, if it failed
+        ``controls_0h``, ``controls_1h``, ...      int64     control cells at each kept time
+        ``controls_apical_0h``, ...                int64     of those, with y_AB > 1
+        ``controls_basal_0h``, ...                 int64     of those, with y_AB < 0
+        =========================================  ========  =========================================================
+        """
+        return self._table("runs", scenario, columns)
+
+    def trajectory(self, scenario: str, replicate: int) -> pd.DataFrame:
+        """Every kept state of one of the replicates that the study names, as ``Run.table`` has it."""
+        self._check(scenario)
+        path = trajectory(self.folder, scenario, replicate)
+        if not path.exists():
+            stored = list(self.study.trajectories)
+            raise InvalidProblem(f"replicate = {describe(replicate)}: must be stored, as may be {stored}")
+        return self._read([path])
+
+    def _table(self, kind: str, scenario: str, columns: Sequence[str] | None) -> pd.DataFrame:
+        self._check(scenario)
+        parts = self._parts(kind, scenario)
+        if not parts:
+            raise InvalidProblem(f"{self.folder}: nothing of the scenario {describe(scenario)} is stored yet")
+        return self._read(parts, columns)
+
+    def _read(self, files: list[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
+        try:
+            stored = ds.dataset([str(file) for file in files])
+            if unknown := [name for name in columns or () if name not in stored.schema.names]:
+                raise InvalidProblem(f"columns = {describe(unknown)}: must be of {', '.join(stored.schema.names)}")
+            return stored.to_table(columns=None if columns is None else list(columns)).to_pandas()
+        except (OSError, pa.ArrowException) as error:
+            raise InvalidProblem(f"{self.folder}: a file is damaged or gone, run the study again: {error}") from error
+
+    def _parts(self, kind: str, scenario: str) -> list[Path]:
+        """The files of the parts that are there, in the order of their replicates."""
+        notes = sorted(scenario_folder(self.folder, "parts", scenario).glob("part-*.json"))
+        return [scenario_folder(self.folder, kind, scenario) / f"{path.stem}.parquet" for path in notes]
+
+    def _check(self, scenario: str) -> None:
+        if scenario not in self.study.scenarios:
+            names = ", ".join(map(describe, self.study.scenarios))
+            raise InvalidProblem(f"scenario = {describe(scenario)}: must be one of {names}")

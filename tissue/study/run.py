@@ -1,0 +1,129 @@
+"""Run a study: piece by piece, on this machine's cores or any executor, and go on where it was stopped."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import suppress
+from typing import TYPE_CHECKING, Any
+
+from tissue.study.identity import code
+from tissue.study.plan import Piece, Study, load_study
+from tissue.study.read import Results
+from tissue.study.seeds import run_seeds
+from tissue.study.stopped import StudyStopped
+from tissue.study.store import Store, opened
+
+if TYPE_CHECKING:
+    from tissue.study.outcomes import Outcomes
+
+Watch = Callable[[int], None]
+# Pieces under way at once for each worker of an executor, so that none waits for the next; and for an executor that
+# does not say how many it has.
+AHEAD = 2
+WORKERS_UNTOLD = 32
+
+
+def run_study(
+    study: str | os.PathLike[str],
+    out: str | os.PathLike[str],
+    executor: Executor | None = None,
+    watch: Watch | None = None,
+) -> Results:
+    """Make all runs of a study that are not in its folder yet.
+
+    The same call goes on after any interruption. The rows are the same, on one kind of processor, for any executor, any
+    order in which it finishes and any number of interruptions: a run is a function of (parameters, seed).
+
+    Parameters
+    ----------
+    study
+        Its file, see ``load_study``, or the name of one that comes with this package.
+    out
+        The folder of the results: new, empty or of this study.
+    executor
+        Computes the pieces; None: threads on the cores of this machine. For Dask see ``tissue.study.cluster``.
+    watch
+        Called with the number of runs that are stored, first with those that were there before.
+
+    Returns
+    -------
+    Results
+        The stored tables.
+
+    Raises
+    ------
+    InvalidProblem
+        If the study is not in order, or ``out`` is in use, can not be written to or holds something else: results of
+        other parameters or of other code, too.
+    StudyStopped
+        If it can not go on, for the disk is full or the workers are lost. What was computed is kept; any other error,
+        and Ctrl-C, too, leaves with what is under way stored.
+    """
+    return carry_out(load_study(study), out, executor, watch)
+
+
+def carry_out(
+    study: Study, out: str | os.PathLike[str], executor: Executor | None = None, watch: Watch | None = None
+) -> Results:
+    """Make the runs of a study that is loaded; see ``run_study``."""
+    with opened(study, out) as store:
+        if executor is not None:
+            _compute(store, executor, watch or _nobody)
+        else:
+            with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads:
+                _compute(store, threads, watch or _nobody)
+    return Results(out)
+
+
+def _compute(store: Store, executor: Executor, watch: Watch) -> None:
+    """Compute and store what is missing."""
+    todo = store.missing()
+    done = store.study.runs - sum(piece.count for piece in todo)
+    watch(done)
+    at_once = AHEAD * getattr(executor, "_max_workers", WORKERS_UNTOLD)
+    under_way: dict[Future[Outcomes], Piece] = {}
+    todo.reverse()
+    try:
+        while todo or under_way:
+            while todo and len(under_way) < at_once:
+                piece = todo.pop()
+                under_way[_submitted(executor, store.study, piece)] = piece
+            finished = wait(under_way, return_when=FIRST_COMPLETED).done
+            for future in [future for future in under_way if future in finished]:
+                store.write(under_way[future], future.result())
+                done += under_way.pop(future).count
+                watch(done)
+    except BrokenExecutor as error:
+        raise StudyStopped(f"the workers are lost: {error}") from error
+    finally:
+        _keep(store, under_way)
+
+
+def _submitted(executor: Executor, study: Study, piece: Piece) -> Future[Outcomes]:
+    """The outcomes to come of a piece."""
+    seeds = run_seeds(study.seed, piece.scenario, piece.replicates)
+    whole = [number for number in study.trajectories if number in piece.replicates]
+    return executor.submit(_outcomes, code(), study.scenarios[piece.scenario], list(piece.replicates), seeds, whole)
+
+
+def _outcomes(wanted: dict[str, str], *piece: Any) -> Outcomes:
+    """The outcomes of a piece on a worker, which must have the code that is wanted."""
+    from tissue.study.outcomes import outcomes
+
+    if code() != wanted:
+        raise StudyStopped(f"a worker has other code than this machine: {code()} in place of {wanted}")
+    return outcomes(*piece)
+
+
+def _keep(store: Store, under_way: dict[Future[Outcomes], Piece]) -> None:
+    """After an error: begin no other piece, and store those that are finished or can not be called back."""
+    for future in wait([future for future in under_way if not future.cancel()]).done:
+        if future.exception() is None:
+            with suppress(StudyStopped):  # the disk is still full
+                store.write(under_way[future], future.result())
+
+
+def _nobody(_: int) -> None:
+    """Watch nothing."""

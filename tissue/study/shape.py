@@ -1,0 +1,101 @@
+"""The keys of a study file and what each may be, as ``tissue.fields`` does it for parameter files."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Protocol
+from urllib.parse import quote
+
+from dincl.checks import describe
+from tissue.fields import Count
+from tissue.messages import unknown
+
+MOST_REPLICATES = 10_000_000
+# Bytes of the name of a folder, of which "scenario=" is part, that file systems take.
+LONGEST_NAME = 255 - len("scenario=")
+
+
+class Check(Protocol):
+    """Returns a value that is allowed, raises ValueError for another."""
+
+    @property
+    def allowed(self) -> str:
+        """What must be given."""
+
+    def __call__(self, raw: Any) -> Any: ...
+
+
+@dataclass(frozen=True)
+class Text:
+    """One line that says something."""
+
+    allowed: str = "a text of one line"
+
+    def __call__(self, raw: Any) -> str:
+        if not isinstance(raw, str) or not raw.strip() or not raw.isprintable():
+            raise ValueError(f"must be {self.allowed}")
+        return raw
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Replicates, each once."""
+
+    allowed: str = "a list of different replicates, which count from 0"
+
+    def __call__(self, raw: Any) -> tuple[int, ...]:
+        one = Count(MOST_REPLICATES - 1, least=0)
+        try:
+            numbers = tuple(one(item) for item in raw) if isinstance(raw, list) else None
+        except ValueError:
+            numbers = None
+        if numbers is None or len(set(numbers)) < len(numbers):
+            raise ValueError(f"must be {self.allowed}")
+        return tuple(sorted(numbers))
+
+
+@dataclass(frozen=True)
+class Tables:
+    """Tables of tables: parameters by section, or scenarios by name."""
+
+    allowed: str
+    least: int = 0
+
+    def __call__(self, raw: Any) -> dict[str, dict[str, Any]]:
+        tables = isinstance(raw, dict) and all(isinstance(table, dict) for table in raw.values())
+        if not tables or len(raw) < self.least:
+            raise ValueError(f"must be {self.allowed}")
+        for name in raw:
+            if not name or not name.isprintable() or len(quote(name, safe="")) > LONGEST_NAME:
+                raise ValueError(f"must be {self.allowed}; {describe(name)} is too long, empty or not printable")
+        return raw
+
+
+SHAPE: dict[str, Check] = {
+    "title": Text(),
+    "base": Text("a preset or the path of a parameter file, relative to this one"),
+    "replicates": Count(MOST_REPLICATES),
+    "seed": Count(2**63 - 1, least=0),
+    "trajectories": Numbers(),
+    "overrides": Tables("sections of parameters, such as [overrides.numerics]"),
+    "scenarios": Tables('at least one table, such as [scenarios."[A]"], of sections of parameters', least=1),
+}
+OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}}
+
+
+def checked(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+    """The good values of a study file by key, and a line for each bad, missing and unknown one."""
+    good, lines = dict(OPTIONAL), [unknown(key, value, SHAPE) for key, value in tables.items() if key not in SHAPE]
+    for key, check in SHAPE.items():
+        if key in tables:
+            try:
+                good[key] = check(tables[key])
+            except ValueError as error:
+                lines.append(f"{key} = {describe(tables[key])}: {error}")
+        elif key not in OPTIONAL:
+            lines.append(f"{key} is missing: must be {check.allowed}")
+    replicates = good.get("replicates", MOST_REPLICATES)
+    if any(number >= replicates for number in good["trajectories"]):
+        lines.append(f"trajectories = {describe(list(good['trajectories']))}: must be below replicates = {replicates}")
+    return good, lines
