@@ -16,6 +16,7 @@ from tissue.study.figures.environments import figure_17, figure_18, figure_19
 from tissue.study.figures.examples import figure_11, figure_16
 from tissue.study.figures.in_time import figure_10, figure_12, figure_14
 from tissue.study.figures.needs import Draw, needed
+from tissue.study.figures.style import caption
 from tissue.study.plan import FOLDER, shipped
 from tissue.study.read import Results
 from tissue.study.store import about
@@ -104,6 +105,8 @@ def _drawn(name: str, draw: Draw, results: dict[str, Results], top: Path) -> Dra
         figure = draw(results)
     except InvalidProblem as error:
         return Drawn(name, (), f"can not be drawn: {error}")
+    if name.endswith(PUBLISHED):
+        caption(figure, f"In the published model. {figure.get_supxlabel()}")
     files = tuple(top / SUBFOLDER / f"{name}{ending}" for ending in ENDINGS)
     try:
         files[0].parent.mkdir(exist_ok=True)

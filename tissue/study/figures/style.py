@@ -55,7 +55,8 @@ def page(height: float) -> Figure:
 
 def caption(figure: Figure, text: str) -> None:
     """Lines below the figure that say what it shows, of how many cells, and what the intervals are."""
-    lines = textwrap.fill(text.replace(" %", "\N{NO-BREAK SPACE}%"), CAPTION_LETTERS)
+    whole = text.replace("\n", " ").replace(" %", "\N{NO-BREAK SPACE}%")
+    lines = textwrap.fill(whole, CAPTION_LETTERS)
     figure.supxlabel(lines, x=0.01, ha="left", fontsize=CAPTION_SIZE, color="#333333")
 
 

@@ -1,0 +1,88 @@
+"""Results of the studies of chapter 4 that take no time: all columns, of random numbers. And how to read a figure."""
+
+from dataclasses import replace
+from functools import lru_cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pyarrow as pa
+from matplotlib.colors import to_hex
+
+from tissue.first_order import simulate
+from tissue.parameters import preset
+from tissue.scenario import drawn
+from tissue.study.outcomes import Outcomes
+from tissue.study.plan import load_study
+from tissue.study.ratios import ratio
+from tissue.study.run import carry_out
+
+RUNS = {"table5_63": 16, "table5_35": 256, "table5_7": 16}
+SHORT = {"numerics.keep": "24 h"}
+TIMES = (0.0, 24.0, 48.0)
+POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
+
+
+@lru_cache
+def whole(cells, seed):
+    """Of a run with [B] at 12 h."""
+    changes = {"numerics.keep": "6 h", "numerics.t_end": "24 h", "emt.cells": cells, "emt.b": "12 h"}
+    return simulate(preset("thesis").changed(changes), seed).table()
+
+
+def outcomes(parameters, replicates, seeds, asked=()):
+    """Tables with all columns, of random numbers; times of events as they are drawn for the scenario."""
+    m, rows, runs = parameters.emt.cells, [], []
+    times = [parameters.keep * k for k in range(round(parameters.t_end / parameters.keep) + 1)]
+    for replicate, seed in zip(replicates, seeds, strict=True):
+        rng = np.random.default_rng(seed)
+        emt, inm = drawn(parameters.scenario(), rng)
+        began = {"t_a_h": emt.at_a, "t_b_h": emt.at_b, "t_s_h": emt.at_s, "t_p_h": emt.at_p}
+        onset = np.minimum.reduce([emt.at_a, emt.at_b, emt.at_s])
+        table = {"replicate": np.full(m, replicate), "cell": np.arange(m), "inm": inm, **began, "onset_h": onset}
+        table["onset_ab"] = np.where(np.isfinite(onset), rng.random(m), np.nan)
+        for t in times:
+            table |= {f"ab_{t:g}h": rng.uniform(-0.8, 1.4, m), f"below_{t:g}h": rng.random(m) < 0.3}
+        rows.append(pd.DataFrame(table))
+        counts = {f"controls{side}_{t:g}h": n for t in times for side, n in (("", 50), ("_apical", seed % 7))}
+        runs.append({"replicate": replicate, "seed": seed, "status": "SUCCESS", "detail": "", **counts})
+    cells, done = pd.concat(rows, ignore_index=True), pd.DataFrame(runs)
+    tables = {number: whole(m, number) for number in asked}
+    return Outcomes(*(pa.Table.from_pandas(table, preserve_index=False) for table in (cells, done)), tables)
+
+
+def made(names, home, trajectories=(0, 1), runs=8):
+    """Results of studies that come with the package, of few runs and kept times."""
+    for name in names:
+        study = load_study(name)
+        scenarios = {key: parameters.changed(SHORT) for key, parameters in study.scenarios.items()}
+        short = replace(study, replicates=RUNS.get(name, runs), scenarios=scenarios, trajectories=trajectories)
+        carry_out(short, Path(home) / name)
+
+
+def last(cells, what="basal"):
+    return {"basal": cells["ab_48h"] < 0, "apical": cells["ab_48h"] > 1, "below": cells["below_48h"]}[what]
+
+
+def expected(cells, what="basal"):
+    """The ratio at the end [%], and the ends of its interval."""
+    one = ratio(last(cells, what), cells["replicate"])
+    return [100 * value for value in (one.value, *one.interval())]
+
+
+def caption(figure):
+    return figure.get_supxlabel().replace("\n", " ").replace("\N{NO-BREAK SPACE}", " ")
+
+
+def coloured(panel, colour):
+    (line,) = (line for line in panel.lines if line.get_color() == colour)
+    return line
+
+
+def bars(panel):
+    """Heights of bars and their whiskers, from left to right."""
+    places = [(bar.get_x(), bar.get_height(), to_hex(bar.get_facecolor())) for bar in panel.patches]
+    whiskers = [segment for lines in panel.collections for segment in lines.get_segments()]
+    ends = {round(float(segment[0][0]), 6): segment[:, 1].tolist() for segment in whiskers}
+    middles = [round(bar.get_x() + bar.get_width() / 2, 6) for bar in panel.patches]
+    return [(height, *ends[x], colour) for (_, height, colour), x in sorted(zip(places, middles, strict=True))]
