@@ -13,7 +13,6 @@ from tissue.cells import Flags, Floats
 from tissue.kernels.batch.board import RUNNING
 from tissue.kernels.batch.measure import measure_all
 from tissue.kernels.lanes import WIDTH
-from tissue.kernels.store import CELLS
 from tissue.lot import Lot
 from tissue.parameters import Parameters
 from tissue.run import Frame
@@ -101,13 +100,12 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
     """One row for each EMT cell of the sound runs."""
     kept = np.flatnonzero(sound)
     emt, m = lot.group.emt, lot.group.emt.side.shape[1]
-    group = lot.group.cells.emt[kept] >= 0
-    group &= np.arange(group.shape[1]) < lot.group.sizes[kept, CELLS][:, None]
+    group = lot.group.cells.emt[kept] >= 0  # in the order of the tissue, which is that of their numbers
     side, onset = emt.side[kept].ravel(), emt.onset_ab[kept].ravel()
     began = [getattr(emt, name)[kept].ravel() for name in ("at_a", "at_b", "at_s", "at_p")]
     scale = lot.parameters.cell.soft_radius.value
     columns: dict[str, Any] = {
-        "replicate": np.repeat(np.array(replicates)[kept[kept < len(replicates)]], m),
+        "replicate": np.repeat(np.array(replicates, np.int64)[kept], m),
         "cell": np.tile(np.arange(m), len(kept)),
         "inm": lot.group.cells.moves[kept][group],
         **dict(zip(("t_a_h", "t_b_h", "t_s_h", "t_p_h"), began, strict=True)),

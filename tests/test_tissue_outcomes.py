@@ -1,0 +1,113 @@
+"""The rows of a study, measured again from the states of the same runs."""
+
+import numpy as np
+import pytest
+
+from tissue.events import bits
+from tissue.many import simulate_many
+from tissue.observables import ab_positions
+from tissue.parameters import preset
+from tissue.study.outcomes import SIDES, outcomes
+
+SEEDS, REPLICATES = [7, 3, 11, 5, 2, 13, 17, 19, 23, 29], range(40, 50)
+TIMES = (0, 2, 4, 6, 8, 10)
+SCENARIO = {
+    "emt.cells": 6,
+    "emt.inm": 0.5,
+    "emt.a": "1 h to 8 h, 70 %",
+    "emt.b": "1 h to 4 h, 80 %",
+    "emt.p": "2 h to 4 h, 60 %",
+    "numerics.t_end": "10 h",
+    "numerics.keep": "2 h",
+}
+
+
+@pytest.fixture(scope="module", params=["thesis", "published"])
+def made(request):
+    parameters = preset(request.param).changed(SCENARIO)
+    return outcomes(parameters, REPLICATES, SEEDS, [41, 48]), simulate_many(parameters, SEEDS)
+
+
+def columns(table, name):
+    """(times, rows) of the columns of all kept times."""
+    return np.array([table[f"{name}_{t}h"].to_numpy() for t in TIMES])
+
+
+def test_rows_are_in_order(made):
+    cells, runs = (table.to_pandas() for table in made[0][:2])
+    assert cells["replicate"].tolist() == [number for number in REPLICATES for _ in range(6)]
+    assert cells["cell"].tolist() == [*range(6)] * 10
+    assert runs["replicate"].tolist() == list(REPLICATES)
+    assert runs["seed"].tolist() == SEEDS
+    assert set(runs["status"]) == {"SUCCESS"}
+    assert set(runs["detail"]) == {""}
+
+
+def test_positions_are_those_of_the_states(made):
+    cells, runs = (table.to_pandas() for table in made[0][:2])
+    positions, below = columns(cells, "ab"), columns(cells, "below")
+    counts = [columns(runs, name) for name in ("controls", "controls_apical", "controls_basal")]
+    for k, run in enumerate(made[1]):
+        for j, frame in enumerate(run.frames):
+            expected, emt = ab_positions(frame), frame.cells.emt >= 0
+            others = expected[~emt]
+            mine = slice(6 * k, 6 * k + 6)
+            np.testing.assert_allclose(positions[j, mine], expected[emt], rtol=1e-12)
+            assert below[j, mine].tolist() == (expected[emt] <= others.min()).tolist()
+            assert [count[j, k] for count in counts] == [len(others), (others > 1).sum(), (others < 0).sum()]
+
+
+def test_what_became_of_the_cells(made):
+    """Where they are at the end, since when at most; what they had, and when that began."""
+    cells = made[0].cells.to_pandas()
+    end = cells["ab_10h"].to_numpy()
+    side = np.where(end < 0, -1, np.where(end > 1, 1, 0))
+    assert cells["extruded"].tolist() == [SIDES[s + 1] for s in side]
+    assert (cells["extruded_h"].isna() == (side == 0)).all()
+    assert (cells["extruded_x_um"].isna() == (side == 0)).all()
+    for s, since, row in zip(side, cells["extruded_h"], columns(cells, "ab").T, strict=True):
+        if s:
+            after = row[np.array(TIMES) >= since]
+            assert ((after < 0) if s < 0 else (after > 1)).all()
+    assert {-1, 0} <= set(side.tolist())
+    started = np.isfinite(cells[["t_a_h", "t_b_h", "t_p_h"]].to_numpy())
+    final = np.concatenate([run.final.cells.events[run.final.cells.emt >= 0] for run in made[1]])
+    assert (final == started @ np.array([bits.A, bits.B, bits.P])).all()
+    assert (cells["onset_h"] == cells[["t_a_h", "t_b_h", "t_s_h"]].min(axis=1)).all()
+    assert (cells["onset_ab"].isna() == np.isinf(cells["onset_h"])).all()
+    moves = np.concatenate([run.frames[0].cells.moves[run.frames[0].cells.emt >= 0] for run in made[1]])
+    assert (cells["inm"] == moves).all()
+
+
+def test_every_state_of_the_replicates_asked_for(made):
+    outcome, runs = made
+    assert set(outcome.tables) == {41, 48}
+    for number, table in outcome.tables.items():
+        assert table.equals(runs[number - 40].table())
+
+
+def test_rows_do_not_depend_on_the_company(made):
+    parameters = preset("thesis").changed(SCENARIO)
+    alone = outcomes(parameters, [44], [SEEDS[4]])
+    whole = outcomes(parameters, REPLICATES, SEEDS)
+    assert alone.cells.equals(whole.cells.slice(24, 6).combine_chunks())
+    assert alone.runs.equals(whole.runs.slice(4, 1).combine_chunks())
+
+
+def test_a_run_that_fails_has_no_cells_and_says_so():
+    """Far too few substeps for the stiffness: coordinates leave the finite numbers."""
+    wild = preset("thesis").changed(SCENARIO | {"numerics.mu": "0.001 h", "numerics.substeps": 1})
+    made = outcomes(wild, [0, 1], [0, 1])
+    runs = made.runs.to_pandas()
+    assert set(runs["status"]) == {"NON_FINITE"}
+    assert runs["detail"].str.contains("has a coordinate that is not finite").all()
+    assert runs["controls_0h"].tolist() == [54, 54]
+    assert runs["controls_10h"].isna().all()
+    assert made.cells.num_rows == 0
+    assert made.cells.schema.names[:3] == ["replicate", "cell", "inm"]
+
+
+def test_a_tissue_without_emt_has_runs_and_no_cells():
+    made = outcomes(preset("thesis").changed({"numerics.t_end": "1 h"}), [0], [5])
+    assert made.cells.num_rows == 0
+    assert made.runs["controls_1h"].to_pylist() == [len(simulate_many(preset("thesis"), [5])[0].frames[1].cells.x)]
