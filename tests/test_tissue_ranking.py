@@ -8,7 +8,7 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tissue.study import ranking
-from tissue.study.categories import by_selection, happened
+from tissue.study.categories import NO_INM, by_selection, happened
 from tissue.study.questions import GROUP, POPULATIONS, answers
 from tissue.study.ranking import by_coefficient, by_importance, by_ratio, factors, shuffled
 
@@ -184,7 +184,7 @@ def log_odds(table, sign, crowd):
 
 
 def tables(sign, runs=300):
-    """The three populations, and two programs alone and in a group; the larger ``crowd``, the more are in the way."""
+    """The three populations, and four programs alone and in a group; the larger ``crowd``, the more are in the way."""
     made = {}
     for seed, (name, p, crowd) in enumerate(zip(POPULATIONS, (0.9, 0.5, 0.1), (1, 0.5, 0), strict=True)):
         made[name] = emt_cells(runs, 10, seed, lambda table, crowd=crowd: log_odds(table, sign, crowd), p=p)
@@ -198,6 +198,10 @@ def tables(sign, runs=300):
                     lambda table, crowd=crowd, has=has: log_odds(table.assign(inm=has), sign, crowd),
                     fixed=times,
                 )
+    for suffix, count, crowd in (("", 1, -2), (GROUP, 10, 2)):
+        own = emt_cells(runs, count, 9, lambda table, crowd=crowd: log_odds(table, sign, crowd), p=0)
+        for name in ("[A] at any time", "[B] at any time"):
+            made |= {f"{name}{inm}{suffix}": own[own["inm"] == (not inm)] for inm in ("", NO_INM)}
     return made
 
 

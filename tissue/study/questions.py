@@ -19,7 +19,10 @@ from tissue.study.ratios import Ratio, ratio
 
 POPULATIONS = ("63 % [P]", "35 % [P]", "7 % [P]")
 GROUP = ", 10 cells"
-PROGRAMS = {"[A]": "[Ax]", "[B]": "[Bx]", "[AB]": "[AxB]", "[BA]": "[BxA]"}  # order in a population: scenario alone
+# Cells of a population by the order of their events: the scenario with such cells at the same range of times, alone or
+# in a group of their like.
+PROGRAMS = {"[A]": "[A] at any time", "[B]": "[B] at any time"}
+PROGRAMS |= dict.fromkeys(("[AB]", "[BA]"), "[A] and [B] at any time")
 ANY_TIME = " at any time"  # scenarios with random event times: the events before it
 EARLY, LATE = 12.0, 18.0  # [h], of event times from 6 h to 24 h
 MOST_BASAL = 0.2  # of the apical-basal scale (4.6)
@@ -27,6 +30,7 @@ SEED = 0  # of the ranking
 FEW = 20  # cells of a kind; fewer make no claim
 
 Tables = Mapping[str, pd.DataFrame]
+Side = tuple[pd.DataFrame, pd.Series | None]  # a table, and which of its cells: None for all
 
 
 class Question(NamedTuple):
@@ -112,7 +116,7 @@ def _runs(*tables: pd.DataFrame) -> int:
     return min(int(table["replicate"].nunique()) for table in tables)
 
 
-def _between(claim: Callable[..., Claim], text: str, *sides: tuple[pd.DataFrame, pd.Series | None]) -> Iterator[Claim]:
+def _between(claim: Callable[..., Claim], text: str, *sides: Side) -> Iterator[Claim]:
     """A claim about cells of different replicates, if there are enough."""
     first, second = (_of(*side) for side in sides)
     if first is not None and second is not None:
@@ -131,19 +135,21 @@ def _populations(tables: Tables) -> Iterator[tuple[str, pd.DataFrame]]:
     return ((name, tables[name]) for name in POPULATIONS if name in tables)
 
 
-def _alone_and_mixed(tables: Tables, suffix: str) -> Iterator[tuple[str, pd.DataFrame, pd.DataFrame, pd.Series]]:
-    """Scenarios, alone or in a group by the suffix, with the cells of a population that have the same events."""
+def _own_and_mixed(tables: Tables, suffix: str) -> Iterator[tuple[str, Side, Side]]:
+    """Cells alone, or among their like by the suffix, and those of a population with the same events in that order."""
     for population, cells in _populations(tables):
         orders = by_order(cells, _end(cells), inm=True)
-        for order, scenario in PROGRAMS.items():
+        for order, program in PROGRAMS.items():
             for inm in ("", NO_INM):
-                if (name := f"{scenario}{inm}{suffix}") in tables:
-                    yield f"{name} against {population}", tables[name], cells, orders == f"{order}{inm}"
+                if (own := tables.get(f"{program}{inm}{suffix}")) is not None:
+                    kind = f"{order}{inm}"
+                    those = by_order(own, _end(own), inm=True) == kind
+                    yield f"{kind} against those of {population}", (own, those), (cells, orders == kind)
 
 
 def _q1(tables: Tables) -> Iterator[Claim]:
-    for text, alone, cells, kind in _alone_and_mixed(tables, ""):
-        yield from _between(more, f"{text}, alone more", (alone, None), (cells, kind))
+    for text, own, mixed in _own_and_mixed(tables, ""):
+        yield from _between(more, f"{text}, alone more", own, mixed)
 
 
 def _q2(tables: Tables) -> Iterator[Claim]:
@@ -193,8 +199,8 @@ def _q5(tables: Tables) -> Iterator[Claim]:
             yield from _between(
                 more, f"{name}, alone more than in a group", (tables[name], None), (tables[group], None)
             )
-    for text, same, cells, kind in _alone_and_mixed(tables, GROUP):
-        yield from _between(more, f"{text}, mixed more", (cells, kind), (same, None))
+    for text, own, mixed in _own_and_mixed(tables, GROUP):
+        yield from _between(more, f"{text}, mixed more", mixed, own)
     for inm in ("", NO_INM):
         mixed, same_time = f"[A] and [B]{ANY_TIME}{inm}{GROUP}", f"[AB]{inm}{GROUP}"
         if mixed in tables and same_time in tables:
