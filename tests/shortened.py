@@ -8,7 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from tests.shortened_emt import FEWEST, shorten_emt
 from tests.shortened_tissue import shorten_daha, shorten_tissue
+from tissue.study.figures import style
 from verification import (
     convergence,
     extrapolation,
@@ -35,6 +37,13 @@ class Here(Executor):
         return future
 
 
+class Nowhere(Executor):
+    """Refuses to run anything."""
+
+    def submit(self, run: Callable[..., Any], /, *arguments: Any, **options: Any) -> Future[Any]:
+        raise AssertionError(arguments)
+
+
 def shorten(patch: pytest.MonkeyPatch) -> None:
     """Few, coarse steps; small figures."""
     patch.setattr(extrapolation, "SHORT", (2, 3, 4))
@@ -50,6 +59,8 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     shorten_work_precision(patch)
     shorten_tissue(patch)
     shorten_daha(patch)
+    shorten_emt(patch, FEWEST)
+    patch.setattr(style, "DPI", 50)
 
 
 def shorten_work_precision(patch: pytest.MonkeyPatch) -> None:

@@ -52,6 +52,14 @@ EXPECTED = {
     "c3.uzawa-symmetric": Kind.CORRECTED,
     "c3.uzawa-schur": Kind.CORRECTED,
     "c3.uzawa-step": Kind.CORRECTED,
+    "c4.orders": Kind.CORRECTED,
+    "c4.orders-listed": Kind.CORRECTED,
+    "c4.selections": Kind.HOLDS,
+    "c4.table-4": Kind.CORRECTED,
+    "c4.seven-per-cent": Kind.CORRECTED,
+    "c4.data-points": Kind.CORRECTED,
+    "c4.figure-20": Kind.CORRECTED,
+    "c4.ten-per-cent": Kind.HOLDS,
 }
 CLAIMS = {claim.id: claim for claim in register.register()}
 
@@ -144,6 +152,41 @@ def test_damping_that_grows_tissue_fastest(ratios: tuple[float, ...], kind: Kind
         for mu, ratio in zip((0.05, 0.1, 0.2), ratios, strict=True)
     ]
     assert CLAIMS["c3.larger-damping"].decide({"tissue_ratios": pd.DataFrame(rows)}).kind is kind
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "kind"),
+    [
+        ("holds", "holds", Kind.HOLDS),
+        ("does not hold", "does not hold", Kind.FAILS),
+        ("holds", "does not hold", Kind.OPEN),
+        ("not decided", "not decided", Kind.OPEN),
+    ],
+)
+def test_answers_hold_if_both_models_say_so(first: str, second: str, kind: Kind) -> None:
+    rows = [{"id": "Q3", "preset": "thesis", "verdict": first}, {"id": "Q3", "preset": "published", "verdict": second}]
+    verdict = CLAIMS["c4.q3"].decide({"emt_complete_answers": pd.DataFrame(rows)})
+    assert verdict.kind is kind
+    assert f"thesis preset: {first}, published preset: {second}" in verdict.measured
+
+
+@pytest.mark.parametrize(
+    ("thesis", "published", "kind"),
+    [(2, 2, Kind.HOLDS), (1, 2, Kind.CORRECTED), (1, 1, Kind.FAILS), (1, 0, Kind.FAILS)],
+)
+def test_printed_ratios_may_be_those_of_the_published_runs(thesis: int, published: int, kind: Kind) -> None:
+    rows = [
+        {"preset": preset, "time_h": 48.0, "agrees": k < agreeing}
+        for preset, agreeing in (("thesis", thesis), ("published", published))
+        for k in range(2)
+    ]
+    assert CLAIMS["c4.isolated"].decide({"emt_complete_printed": pd.DataFrame(rows)}).kind is kind
+
+
+def test_positions_outside_of_all_categories_refute_the_partition() -> None:
+    for outside, kind in ((0, Kind.HOLDS), (3, Kind.CORRECTED)):
+        table = pd.DataFrame([{"outside": outside, "of": 1000}])
+        assert CLAIMS["c4.partition"].decide({"emt_complete_outside": table}).kind is kind
 
 
 def test_verdicts() -> None:

@@ -15,7 +15,7 @@ MAY_IMPORT = {
     "tissue": {"dincl"},
     "verification": {"dincl", "meanfield", "tissue"},
 }
-HEAVY = ("casadi", "clarabel", "cvxpy", "dask", "daqp", "matplotlib", "ot", "pint", "piqp")
+HEAVY = ("SALib", "casadi", "clarabel", "cvxpy", "daqp", "distributed", "matplotlib", "ot", "pint", "piqp", "sklearn")
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
 
 

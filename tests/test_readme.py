@@ -11,13 +11,15 @@ from typer.testing import CliRunner
 import dincl
 from tests.shortened import Here, shorten
 from tissue import cli as tissue_cli
+from tissue.study.plan import load_study
 from verification import cli, study
 
 ROOT = Path(__file__).parent.parent
 README = (ROOT / "README.md").read_text()
 BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
 PYTHON = [text for language, text in BLOCKS if language == "python"]
-COMMANDS = [line for language, text in BLOCKS if language == "sh" for line in text.splitlines()]
+SHELL = [text.splitlines() for language, text in BLOCKS if language == "sh"]
+COMMANDS = [line for lines in SHELL for line in lines]
 MENTIONED = re.findall(r"`(make [^`]*)`", README)
 
 
@@ -38,21 +40,31 @@ def test_make_commands_exist(command):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("command", [c for c in COMMANDS if not c.startswith("make ")])
-def test_other_commands_run(command, tmp_path, monkeypatch):
+@pytest.mark.parametrize("lines", [lines for lines in SHELL if not lines[0].startswith("make ")], ids=lambda x: x[0])
+def test_other_commands_run_in_their_order(lines, tmp_path, monkeypatch):
     """With the studies shortened; the complete short ones are what make report runs."""
     shorten(monkeypatch)
     monkeypatch.setattr(study, "workers", Here)
     monkeypatch.chdir(tmp_path)
-    program, *arguments = command.split()
     apps = {"verification": cli.app, "tissue": tissue_cli.app}
-    done = CliRunner().invoke(apps[Path(program).name], shlex.split(" ".join(arguments)))
-    assert done.exit_code == 0, done.output
+    for command in lines:
+        program, *arguments = shlex.split(command)
+        done = CliRunner().invoke(apps[Path(program).name], arguments)
+        assert done.exit_code == 0, done.output
+
+
+def test_the_study_of_the_text_is_one(tmp_path):
+    (text,) = (text for language, text in BLOCKS if language == "toml")
+    file = tmp_path / "study.toml"
+    file.write_text(text, "utf-8")
+    found = load_study(file)
+    assert {name: parameters.emt.cells for name, parameters in found.scenarios.items()} == {"alone": 1, "group": 10}
+    assert found.runs == 800
 
 
 def test_every_command_is_covered():
     assert len(PYTHON) >= 3
-    assert all(language in {"python", "sh"} for language, _ in BLOCKS)
+    assert all(language in {"python", "sh", "toml"} for language, _ in BLOCKS)
     assert {"make report", "make test"} <= set(COMMANDS)
 
 

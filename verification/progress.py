@@ -30,10 +30,10 @@ class Ticker:
     def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
         self._bar.stop()
 
-    def finished(self, what: str) -> None:
-        """One more run is done."""
-        self._finished += 1
-        self._bar.advance(self._task)
+    def finished(self, what: str, runs: int = 1) -> None:
+        """So many more runs are done."""
+        self._finished += runs
+        self._bar.advance(self._task, runs)
         now = time.monotonic()
         if not self._console.is_terminal and (now - self._last > INTERVAL or self._finished == self._total):
             line = f"{self._title}: {self._finished} of {self._total} runs, {now - self._start:.0f} s, last {what}"

@@ -15,6 +15,8 @@ from verification.claims import (
     chapter2_numerics,
     chapter3_minimisers,
     chapter3_tissue,
+    chapter4_counts,
+    chapter4_results,
 )
 
 
@@ -27,6 +29,8 @@ def register() -> tuple[Claim, ...]:
         chapter2_numerics,
         chapter3_tissue,
         chapter3_minimisers,
+        chapter4_counts,
+        chapter4_results,
         appendix1_uzawa,
     )
     claims = tuple(claim for part in parts for claim in part.CLAIMS)

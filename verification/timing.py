@@ -23,6 +23,7 @@ from dincl.scenes import pile
 from dincl.scenes.scene import Scene
 from dincl.stepping import Grid, Step, iterate
 from dincl.work import Work
+from verification.emt import bench as emt_bench
 from verification.tissue import bench
 
 SIZES = (1_000, 10_000, 100_000, 1_000_000)
@@ -165,6 +166,6 @@ def main(out: Path) -> None:
     projections = projection_table()
     show(projections, "Projections: milliseconds each, with the certified residual")
     projections.to_csv(out / "bench_projections.csv", index=False)
-    for name, (title, table) in bench.tables().items():
+    for name, (title, table) in (bench.tables() | emt_bench.tables()).items():
         show(table, title)
         table.to_csv(out / f"{name}.csv", index=False)

@@ -1,7 +1,7 @@
 """The scenes of the chart of speed against accuracy, and what their errors are measured against.
 
-Exact solutions where there are any; otherwise the event-driven scheme, whose error estimate is stated; for the pile a
-table that was computed once.
+Exact solutions where there are any; otherwise the event-driven scheme, whose error estimate is stated. For the piles it
+is a table that was computed once, that of the balls by ``python -m verification.work_references`` in half a minute.
 """
 
 from __future__ import annotations
@@ -33,8 +33,9 @@ SCENES: Mapping[str, Callable[[], Scene]] = {
 # them [time].
 EVERY = 0.05
 TOL = 1e-12
-# Made by ``python -m verification.pile_reference``: t, particle, x, y, error.
-FILES = {"pile_1000": Path(__file__).parent / "data" / "pile_1000.parquet"}
+# Of t, particle, the coordinates and error; the first made by ``main``, the second by ``verification.pile_reference``.
+DATA, MADE_HERE = Path(__file__).parent / "data", "ball_pile_30"
+FILES = {name: DATA / f"{name}.parquet" for name in (MADE_HERE, "pile_1000")}
 # Of an exact solution that was rounded to double numbers, relative to the largest coordinate.
 ROUNDING = 4 * np.finfo(float).eps
 
@@ -56,7 +57,10 @@ def study() -> Study:
 def rows(key: Key) -> list[Row]:
     """One row for each time and particle."""
     name = key["scene"]
-    known = _from_file(FILES[name]) if name in FILES else _computed(SCENES[name]())
+    return _rows(name, _from_file(FILES[name]) if name in FILES else _computed(SCENES[name]()))
+
+
+def _rows(name: str, known: Known) -> list[Row]:
     return [
         {"scene": name, "t": t, "particle": i, "error": error} | dict(zip("xyz", x, strict=False))
         for t, state, error in zip(known.t, known.x, known.error, strict=True)
@@ -92,3 +96,14 @@ def _stacked(table: pd.DataFrame) -> Known:
     axes = [name for name in "xyz" if name in ordered and ordered[name].notna().all()]
     x = ordered[axes].to_numpy().reshape(len(t), -1, len(axes))
     return Known(t, x, ordered["error"].to_numpy().reshape(len(t), -1).max(axis=1))
+
+
+def main() -> None:
+    """Compute the reference that this module keeps, and write its table."""
+    table = pd.DataFrame(_rows(MADE_HERE, _computed(SCENES[MADE_HERE]()))).drop(columns="scene")
+    table.to_parquet(FILES[MADE_HERE], index=False)
+    print(table.groupby("t")["error"].first())
+
+
+if __name__ == "__main__":
+    main()

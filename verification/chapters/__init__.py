@@ -1,6 +1,6 @@
 """The chapters of the report, one file each, in their order."""
 
-from verification.chapters import claims, geometry, numerics, stability, tissue, work_precision
+from verification.chapters import claims, emt, geometry, numerics, stability, tissue, work_precision
 from verification.report import Chapter
 
 # The claims read the tables of all other chapters, so they come last.
@@ -10,5 +10,6 @@ CHAPTERS: tuple[Chapter, ...] = (
     stability.CHAPTER,
     geometry.CHAPTER,
     tissue.CHAPTER,
+    emt.CHAPTER,
     claims.CHAPTER,
 )

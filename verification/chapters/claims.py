@@ -14,6 +14,7 @@ TITLES = {
     1: "Differential inclusions (chapter 1)",
     2: "First-order PBD (chapter 2)",
     3: "Growing tissue and its minimisers (chapter 3 and appendix 1)",
+    4: "Epithelial-to-mesenchymal transitions (chapter 4)",
 }
 
 

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from tissue.first_order import simulate
 from tissue.parameters import preset
 from tissue.quasi_steady import simulate_quasi_steady
+from tissue.study.outcomes import outcomes
 from verification.report import Chapter, Context, Section
 from verification.tissue.growing import until
 from verification.tissue.sections import (
@@ -34,10 +35,11 @@ PARTS = (
 
 
 def compile_kernels() -> None:
-    """Let numba compile and keep what takes it longest, by the shortest runs there are."""
+    """Let numba compile and keep what takes it longest, by the shortest runs there are; those of EMT, too."""
     brief = preset("thesis").changed(until(0.1))
     simulate(brief, 0)
     simulate_quasi_steady(brief, 0, throw=False)
+    outcomes(brief, [0], [0])
 
 
 def run(context: Context) -> None:

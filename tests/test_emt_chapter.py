@@ -1,0 +1,128 @@
+"""The chapter on EMT from its studies to the page, and the numbers it is made of."""
+
+import re
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.shortened import Here, Nowhere
+from tests.shortened_emt import FEW, shorten_emt
+from tissue.study.figures import style
+from verification.chapters import emt as chapter
+from verification.claims import chapter4_counts
+from verification.emt import bench, kept, printed, sensitivity, studies, summaries
+from verification.report import Context, write_report
+
+SECTIONS = [
+    "Isolated cells",
+    "Groups of cells with the same events",
+    "Heterogeneous groups",
+    "Position at the onset, timing, and what matters most",
+    "The eight questions",
+    "Sensitivity to the mechanics",
+    "Control cells",
+    "The runs of this page beside the complete studies",
+]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory):
+    context = Context(tmp_path_factory.mktemp("report"), False, Here())
+    with pytest.MonkeyPatch.context() as patch:
+        shorten_emt(patch, FEW)
+        patch.setattr(style, "DPI", 50)
+        path = write_report([chapter.CHAPTER], context)
+    return path.read_text("utf-8"), context
+
+
+def test_the_page_has_all_sections(made):
+    page, context = made
+    for name in SECTIONS:
+        assert f">{name}</h3>" in page
+    assert page.count("<img") == len(list((context.out / "figures").glob("*.png"))) > 12
+    assert not re.search(r"\bnan\b", re.sub('src="data:[^"]*"', "", page))
+    assert "figure15.toml" not in page
+    for row in kept.read("printed").itertuples():
+        assert f"<td>{row.scenario}</td>" in page
+
+
+def test_a_second_call_runs_nothing(made, monkeypatch):
+    shorten_emt(monkeypatch, FEW)
+    again = Context(made[1].out, False, Nowhere())
+    chapter.run(again)
+    for name, table in again.tables.items():
+        pd.testing.assert_frame_equal(table, made[1].tables[name])
+
+
+def test_tables_say_what_the_cells_say(made):
+    """Counted again from the stored cells, without the statistics."""
+    context = made[1]
+    table = context.tables["emt_ratios"].set_index(["study", "scenario", "what"])
+    assert len(table) == 3 * (4 + 4 + 3 + 44 + 3 + 4 + 4)
+    with pytest.MonkeyPatch.context() as patch:
+        shorten_emt(patch, FEW)
+        results = studies.completed(studies.chosen(full=False), context.out / "emt", Nowhere())
+    cells = results["figure15"].cells("[ABP] no INM, 10 cells")
+    row = table.loc["figure15", "[ABP] no INM, 10 cells", "basal"]
+    assert (row["count"], row["of"], row["runs"]) == ((cells["ab_25h"] < 0).sum(), 80, 8)
+    cells = results["table5_63"].cells("63 % [P]")
+    kind = (cells["t_a_h"] < 25) & (cells["t_b_h"] > 25) & cells["inm"]
+    categories = context.tables["emt_categories"].set_index(["study", "category"])
+    assert categories.loc[("table5_63", "[A]"), "of"] == kind.sum()
+    outside = context.tables["emt_outside"].iloc[0]
+    assert outside["of"] == sum(
+        results[name].cells(f"{name[7:]} % [P]")["onset_ab"].notna().sum() for name in summaries.POPULATIONS
+    )
+
+
+def test_printed_ratios_are_compared_at_their_level(made):
+    table = made[1].tables["emt_printed"]
+    assert len(table) == 2 * len(printed.PRINTED)
+    assert (table["agrees"] == ((table["low"] <= 0) & (table["high"] >= 0))).all()
+    assert np.allclose(table["difference"], table["measured"] - table["printed"])
+
+
+def test_kept_tables_are_of_the_complete_studies():
+    """As many runs as the studies say, for each of their scenarios."""
+    ratios = kept.read("ratios")
+    for name, study in studies.chosen(full=True).items():
+        mine = ratios[ratios["study"] == name]
+        wanted = 0 if name == sensitivity.NAME else 3 * len(study.scenarios)
+        assert len(mine) == wanted, name
+        assert (mine["runs"] == study.replicates).all()
+    assert set(kept.read("answers")["id"]) == {f"Q{k}" for k in range(1, 9)}
+    assert (kept.read("controls")["failed"] == 0).all()
+
+
+def test_sensitivity_has_a_scenario_for_each_point():
+    study = sensitivity.study()
+    assert len(study.scenarios) == sensitivity.BASE_POINTS * (len(sensitivity.BOUNDS) + 2)
+    stiffness = {given.cell.alpha_ax for given in study.scenarios.values()}
+    assert 1.0 <= min(stiffness) < 1.1
+    assert 2.9 < max(stiffness) <= 3.0
+    kept_table = kept.read(sensitivity.NAME)
+    assert set(kept_table["parameter"]) == set(sensitivity.BOUNDS)
+
+
+def test_the_bench_extrapolates_from_its_largest_sample():
+    table = pd.DataFrame(
+        {"threads": [1, 2, 2], "runs": [256, 512, 2048], "s": [4.0, 4.0, 17.0], "s_statistics": [0.1, 0.1, 0.2]}
+    )
+    table["ms_per_run"] = 1e3 * table["s"] / table["runs"]
+    found = bench.extrapolated(table).iloc[0]
+    assert found["min"] == pytest.approx(17.2 * 50_000 / 2048 / 60)
+    assert found["throughput_ratio"] == pytest.approx(2.0)
+    assert found["larger_over_smaller"] == pytest.approx(17 / 16)
+    assert found["of_aim"] == pytest.approx(found["min"] / 12)
+
+
+def test_the_footnote_of_orders():
+    """34 orders by another way of counting: a selection of k events has k! orders, half of them with P after B."""
+    count = 3 + 6 + 6  # of one, two and three of A, B, S
+    count += 1 + 2 * 3 + 12  # with B and P: of two, three and four events
+    assert len(chapter4_counts._orders()) == count == 34
+
+
+def test_few_runs_are_enough_for_all_tables():
+    assert set(FEW) == set(studies.SHORT)

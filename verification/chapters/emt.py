@@ -1,0 +1,25 @@
+"""EMT: what makes cells leave the tissue, by the studies of chapter 4, beside what the thesis says."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from verification.emt import kept, page, studies
+from verification.report import Chapter, Context, Section
+
+
+def run(context: Context) -> None:
+    """Complete the studies of the form, and sum them up; beside a short form stand the kept tables."""
+    results = studies.watched(studies.chosen(context.full), page.folder(context), context.executor)
+    for name, table in (kept.COMPLETE if context.full else kept.TABLES).items():
+        context.keep(f"emt_{name}", table(results))
+    for name in kept.COMPLETE:
+        context.keep(f"emt_complete_{name}", context.tables[f"emt_{name}"] if context.full else kept.read(name))
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """From the isolated cell to the heterogeneous group, the eight questions, and what the short form says."""
+    return page.sections(context)
+
+
+CHAPTER = Chapter("EMT", run, sections)
