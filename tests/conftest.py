@@ -1,6 +1,12 @@
 """The test room: floating-point faults raise, randomness is seeded, slow tests wait for a flag."""
 
+import os
+import subprocess
+import sys
+import tempfile
+import time
 from collections.abc import Iterator
+from pathlib import Path
 
 import hypothesis
 import numba
@@ -8,6 +14,9 @@ import numpy as np
 import pytest
 
 SEED = 20260101
+# Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
+COMPILED = "TISSUE_KERNELS_COMPILED"
+COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
 
 hypothesis.settings.register_profile("ci", derandomize=True, deadline=None)  # the same examples on every run
 hypothesis.settings.register_profile("explore", deadline=None)  # --hypothesis-profile=explore: new ones every time
@@ -17,6 +26,30 @@ hypothesis.settings.load_profile("ci")
 def pytest_addoption(parser: pytest.Parser) -> None:
     """Add the flag --slow."""
     parser.addoption("--slow", action="store_true", help="run the tests marked slow, too")
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Where tests run in several processes, let one more compile the kernels of the tissue: else all would."""
+    if os.environ.get("PYTEST_XDIST_WORKER") or not config.getoption("numprocesses", None):
+        return
+    file = Path(tempfile.mkdtemp(), "compiled")
+    os.environ[COMPILED] = str(file)
+    command = [sys.executable, "-m", "tests.compile_kernels", str(file)]
+    config.stash[COMPILER] = subprocess.Popen(command, cwd=Path(__file__).parent.parent)
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """End what was started."""
+    if COMPILER in config.stash:
+        config.stash[COMPILER].kill()
+        config.stash[COMPILER].wait()
+
+
+def pytest_runtest_setup(item: pytest.Item) -> None:
+    """Wait for the kernels, if the file of a test has to do with tissue."""
+    if COMPILED in os.environ and "tissue" in item.path.read_text("utf-8"):
+        while not Path(os.environ[COMPILED]).exists():
+            time.sleep(0.1)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
