@@ -14,7 +14,7 @@ from tissue.study.run import carry_out
 from verification.emt import sensitivity
 from verification.progress import Ticker
 
-# Replicates of each scenario in the short form: together half a minute on two cores, half of it where numbers are printed.
+# Replicates of each scenario in the short form: half a minute on two cores, half of it where numbers are printed.
 SHORT = {
     "figure10": 48,
     "figure12": 48,
