@@ -11,6 +11,17 @@ from verification.emt import studies
 FEW = dict.fromkeys(studies.SHORT, 8) | {"table5_35": 24, "table5_63": 16, "table5_7": 16}
 # Of the figures and tables some.
 FEWEST = {"figure10": 8, "figure12": 8, "table5_35": 24}
+# Of the page.
+SECTIONS = [
+    "Isolated cells",
+    "Groups of cells with the same events",
+    "Heterogeneous groups",
+    "Position at the onset, timing, and what matters most",
+    "The eight questions",
+    "Sensitivity to the mechanics",
+    "Control cells",
+    "The runs of this page beside the complete studies",
+]
 END = "25 h"  # after all events
 
 

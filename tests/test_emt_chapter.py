@@ -7,24 +7,12 @@ import pandas as pd
 import pytest
 
 from tests.shortened import Here, Nowhere
-from tests.shortened_emt import FEW, shorten_emt
+from tests.shortened_emt import FEW, SECTIONS, shorten_emt
 from tissue.study.figures import style
 from verification.chapters import emt as chapter
 from verification.claims import chapter4_counts
 from verification.emt import bench, kept, page, printed, sensitivity, studies, summaries
 from verification.report import Context, write_report
-
-SECTIONS = [
-    "Isolated cells",
-    "Groups of cells with the same events",
-    "Heterogeneous groups",
-    "Position at the onset, timing, and what matters most",
-    "The eight questions",
-    "Sensitivity to the mechanics",
-    "Control cells",
-    "The runs of this page beside the complete studies",
-]
-
 
 DRAWN = (10, 16, 21)  # all have tests of their own
 WHOLE = page._pictures

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.shortened import Here, Nowhere, shorten
+from tests.shortened_emt import SECTIONS as EMT_SECTIONS
 from verification import chapters, cli, report, study
 from verification.chapters import CHAPTERS
 from verification.emt import kept
@@ -44,14 +45,7 @@ SECTIONS = [
     "DAHA against PBD",
     "How far from a minimum a step ends",
     "The kernel",
-    "Isolated cells",
-    "Groups of cells with the same events",
-    "Heterogeneous groups",
-    "Position at the onset, timing, and what matters most",
-    "The eight questions",
-    "Sensitivity to the mechanics",
-    "Control cells",
-    "The runs of this page beside the complete studies",
+    *EMT_SECTIONS,
     "How the statements came out",
     "Differential inclusions (chapter 1)",
     "First-order PBD (chapter 2)",

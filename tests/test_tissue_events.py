@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests import tissue_kernel_calls as kernels
-from tests.tissue_kernel_calls import STILL, aged, both, compared, distance, same_events, together, upright
+from tests.tissue_kernel_calls import STILL, aged, both, compared, distance, same_events, together, upright, with_emt
 from tests.tissue_states import layers
 from tissue import twins
 from tissue.cells import emt_cells
@@ -23,14 +23,6 @@ PUBLISHED = RELAX._replace(
 )
 # What rounding of a long way of many cells may amount to.
 ROUNDING = 1e-9
-
-
-def with_emt(state, cells, *, a=NEVER, b=NEVER, s=NEVER, p=NEVER):
-    """The tissue with these EMT cells, all with the same times."""
-    m = len(cells)
-    state.cells.emt[cells] = np.arange(m)
-    state.cells.divides[cells] = False
-    return state._replace(emt=emt_cells(*(np.full(m, time) for time in (a, b, s, p))))
 
 
 def ruled(model, state, t, given_numbers=RELAX):

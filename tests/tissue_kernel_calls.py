@@ -7,7 +7,7 @@ import pytest
 
 from tests import tissue_states
 from tissue import twins
-from tissue.cells import Emt
+from tissue.cells import Emt, emt_cells
 from tissue.energy import Forces
 from tissue.kernels import advance, scale, store, substeps, sweeps
 from tissue.kernels.batch import board as boards
@@ -167,6 +167,14 @@ def upright(n=1, height=8.0, nucleus=5.0, spacing=3.0, **fields):
     place = spacing * np.arange(n)
     points = (np.column_stack((place, np.full(n, y))) for y in (nucleus, height, 0.0))
     return Tissue(tissue_states.tissue(*points, **{"cycle": 12.0, **fields}), tissue_states.layers(n), n)
+
+
+def with_emt(state, cells, *, a=np.inf, b=np.inf, s=np.inf, p=np.inf):
+    """The tissue with these EMT cells, all with the same times."""
+    m = len(cells)
+    state.cells.emt[cells] = np.arange(m)
+    state.cells.divides[cells] = False
+    return state._replace(emt=emt_cells(*(np.full(m, time) for time in (a, b, s, p))))
 
 
 both = pytest.mark.parametrize("model", [sys.modules[__name__], twins], ids=["kernels", "twins"])

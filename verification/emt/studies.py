@@ -64,13 +64,13 @@ def completed(
     studies: Mapping[str, Study],
     folder: Path,
     executor: Executor | None,
-    watch: Callable[[str, int, int], None] | None = None,
+    watch: Callable[[str, int], None] | None = None,
 ) -> dict[str, Results]:
-    """Make the runs that are missing in ``folder``; ``watch`` is told the study, its runs so far and all of them."""
+    """Make the runs that are missing in ``folder``; ``watch`` is told the study and how many of its runs are there."""
     results = {}
     for name, study in studies.items():
         folder.mkdir(parents=True, exist_ok=True)
-        seen = None if watch is None else lambda done, name=name, study=study: watch(name, done, study.runs)
+        seen = None if watch is None else lambda done, name=name: watch(name, done)
         results[name] = carry_out(study, place(name, study, folder), executor, seen)
     return results
 
@@ -80,7 +80,7 @@ def watched(studies: Mapping[str, Study], folder: Path, executor: Executor | Non
     stored = dict.fromkeys(studies, 0)
     with Ticker("EMT", sum(study.runs for study in studies.values())) as bar:
 
-        def watch(name: str, done: int, _: int) -> None:
+        def watch(name: str, done: int) -> None:
             bar.finished(name, done - stored[name])
             stored[name] = done
 
