@@ -9,8 +9,9 @@ import numpy as np
 
 from meanfield.closure import closure
 from meanfield.interaction import forces
+from meanfield.loop import summed
 from meanfield.symbolic import library, program
-from meanfield.translate import summed, vectorised
+from meanfield.translate import vectorised
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -13,9 +13,9 @@ import numpy as np
 from meanfield.chebyshev import Line, line
 from meanfield.closure import is_affine
 from meanfield.errors import Breakdown
+from meanfield.loop import summed
 from meanfield.status import Status
 from meanfield.symbolic import library, program
-from meanfield.translate import summed
 
 if TYPE_CHECKING:
     from collections.abc import Callable

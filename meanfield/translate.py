@@ -1,11 +1,10 @@
-"""A list of elementary operations as a NumPy function on all particles at once, and as one compiled loop over them.
+"""A list of elementary operations as lines of Python, and as a NumPy function on all particles at once.
 
 Constants are arguments of the generated code, so that models that differ only in their numbers share one compilation.
 """
 
 from __future__ import annotations
 
-import math
 from functools import cache
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -33,8 +32,6 @@ TEMPLATES = {
     **{name: f"np.{name}({{0}})" for name in _SAME.split()},
     **{f"a{name}": f"np.arc{name}({{0}})" for name in _INVERSE.split()},
 }  # fmt: skip
-# Sums of this many particles are added up apart, so that rounding does not grow with their number.
-BLOCK = 2048
 
 
 class Body(NamedTuple):
@@ -98,62 +95,14 @@ def vectorised(
     forms = [f"{name}[:, {{}}]" if own else f"{name}[{{}}]" for name, own in zip(inputs, particle, strict=True)]
     text = body(program, forms, particle)
     lines = [f"def f({', '.join(inputs)}, numbers):", *text.common, *text.each, f"return [{', '.join(text.outputs)}]"]
-    function = _executed("\n    ".join(lines))
+    function = executed("\n    ".join(lines))
     constants = np.array(text.constants)
     return lambda *values: function(*values, constants)
 
 
-def summed(
-    program: Sequence[Instruction], nx: int, *, pulled: bool, weighted: bool, signed: bool
-) -> Callable[..., Any]:
-    """A compiled loop over particles: keeps the first nx outputs for each, averages the others.
-
-    The inputs of the program are X, then the force of interaction if ``pulled``, y and v. The average is over the
-    weights if ``weighted``; that of the last output is plain if ``signed``, so that equal signs average to 1 exactly.
-
-    Returns
-    -------
-    function
-        of (X, force, weights, y, v, U): fills U (Q, nx), returns the averages; arguments not used are ignored.
-    """
-    names = ["X", "P", "y", "v"] if pulled else ["X", "y", "v"]
-    own = [name in ("X", "P") for name in names]
-    text = body(program, [f"{n}[i, {{}}]" if o else f"{n}[{{}}]" for n, o in zip(names, own, strict=True)], own)
-    weights = ["w[i] * " if weighted else ""] * len(text.outputs[nx:])
-    if signed:
-        weights[-1] = ""
-    kernel = _compiled(_loop(text, nx, weights))
-    constants = np.array(text.constants)
-    return lambda X, P, w, y, v, U: kernel(X, P, w, y, v, constants, U)
-
-
-def _loop(text: Body, nx: int, weights: Sequence[str]) -> str:
-    """The source of a loop in blocks over all particles."""
-    sums = text.outputs[nx:]
-    lines = ["def kernel(X, P, w, y, v, numbers, U):", f"    total = np.zeros({len(sums)})"]
-    lines += [f"    {line}" for line in text.common]
-    lines += ["    n = X.shape[0]", f"    for begin in range(0, n, {BLOCK}):"]
-    lines += [f"        s{k} = 0.0" for k in range(len(sums))]
-    lines += [f"        for i in range(begin, min(begin + {BLOCK}, n)):"]
-    lines += [f"            {line}" for line in text.each]
-    lines += [f"            U[i, {k}] = {name}" for k, name in enumerate(text.outputs[:nx])]
-    lines += [f"            s{k} += {weights[k]}({name})" for k, name in enumerate(sums)]
-    lines += [f"        total[{k}] += s{k}" for k in range(len(sums))]
-    lines += [f"    total[{k}] /= n" for k in range(len(sums)) if not weights[k]]
-    return "\n".join([*lines, "    return total", ""])
-
-
 @cache
-def _executed(source: str) -> Any:
+def executed(source: str) -> Any:
     """The function that a generated source defines."""
-    place: dict[str, Any] = {"np": np, "math": math}
+    place: dict[str, Any] = {"np": np}
     exec(compile(source, "<model>", "exec"), place)
-    return place["f"] if "f" in place else place["kernel"]
-
-
-@cache
-def _compiled(source: str) -> Any:
-    """A generated loop, compiled; sums may be reordered, which changes their last bits only."""
-    from numba import njit
-
-    return njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz", "arcp"})(_executed(source))
+    return place["f"]

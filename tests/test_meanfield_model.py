@@ -1,11 +1,13 @@
 """The derivatives of a model: against finite differences, CasADi's own evaluation and each other."""
 
 import casadi as ca
+import mpmath
 import numpy as np
 import pytest
 
 import meanfield
 from meanfield.field import FEW, field, field_by_numpy
+from meanfield.kernels import trig
 from meanfield.symbolic import program
 from meanfield.translate import TEMPLATES, vectorised
 from tests.meanfield_models import EVERY, MODELS, start
@@ -97,6 +99,21 @@ def test_sums_over_many_particles_keep_their_digits():
     X = np.full((10**6, 1), 0.1)
     found = field(model, X, None, np.array([1.0]), np.array([0.0]))
     assert found.force[0] == pytest.approx(-0.5 * 0.1, abs=1e-14)
+
+
+def test_sine_and_cosine_of_the_loop():
+    x = np.concatenate([np.linspace(-7, 7, 201), np.linspace(-trig.FARTHEST, trig.FARTHEST, 200)])
+    with mpmath.workprec(150):
+        wrong = [max(abs(trig.sin(a) - mpmath.sin(a)), abs(trig.cos(a) - mpmath.cos(a))) for a in x.tolist()]
+    assert max(wrong) < 2e-16
+
+
+def test_far_angles_are_left_to_the_library():
+    X = np.full((FEW, 1), 10 * trig.FARTHEST)
+    y, v = np.array([0.0]), np.array([1.0])
+    np.testing.assert_allclose(
+        field(MODELS["wavy"], X, None, y, v).U, field_by_numpy(MODELS["wavy"], X, None, y, v).U, rtol=1e-15
+    )
 
 
 def test_examples_have_constant_effective_mass_but_the_wave():

@@ -1,0 +1,1 @@
+"""Compiled loops on plain arrays; each has a plain NumPy twin in :mod:`meanfield.kernels.twins`."""
