@@ -32,7 +32,7 @@ test: .venv/installed
 lint: .venv/installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
-	$(BIN)/mypy dincl
+	$(BIN)/mypy
 
 bench: .venv/installed
 	$(BIN)/verification bench

@@ -18,7 +18,7 @@ class Status(Enum):
         "or end the run earlier."
     )
     TOO_MANY_STEPS = "The run needs more steps than allowed: use a looser tol, softer springs or a shorter run."
-    NOT_CONVERGED = "The equations of a step were not solved: use a smaller dt, or another tol."
+    NOT_CONVERGED = "An iteration did not reach its tolerance: use a smaller dt, a looser tol, or fewer points."
     NON_FINITE = "A force, an energy or the state left the finite numbers: end the run earlier, or bound the forces."
     LEFT_GRID = "The density reached the boundary of the grid: give wider bounds."
 

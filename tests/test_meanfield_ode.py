@@ -1,5 +1,7 @@
 """The reduced equations: against closed forms in high precision, the constrained equations, the energy, each other."""
 
+import math
+
 import casadi as ca
 import mpmath
 import numpy as np
@@ -7,47 +9,19 @@ import pytest
 
 import meanfield
 from meanfield import Positions, Status
-from tests.meanfield_models import EVERY, MODELS, SPRINGS, start
+from tests.meanfield_exact import CLOSED, FIBRE, TIMES, fibre_start, worst
+from tests.meanfield_models import EVERY, MODELS, start
 
 FOLD = meanfield.Model(g=lambda X, y: X + 1.5 * ca.sin(X) - y, W0=lambda y: y**2 / 2, W1=lambda X: X**2)
 
 
-def harmonic(mass, stiffness, pull, y0, v0, t):
-    """The solution of mass y'' = pull - stiffness y and its first two derivatives, in 30 digits."""
-    with mpmath.workdps(30):
-        omega, rest = mpmath.sqrt(mpmath.mpf(stiffness) / mass), mpmath.mpf(pull) / stiffness
-        y = lambda s: rest + (y0 - rest) * mpmath.cos(omega * s) + v0 / omega * mpmath.sin(omega * s)  # noqa: E731
-        return [float(mpmath.diff(y, t, k)) for k in range(3)]
-
-
-def exact(name, X, y0, v0, t):
-    """y, y'' and the multipliers of StraightFibre and LinearFibre with linear forces, derived from (5.6) by hand.
-
-    Straight: X = xi y, lambda = y (-k1 X - m xi y''); linear: X = c + y, lambda = -k1 X - m y''.
-    """
-    m, k0, k1 = SPRINGS["m"], SPRINGS["k0"], SPRINGS["k1"]
-    if name == "straight":
-        xi = X / y0
-        s = float((xi**2).mean())
-        y, v, a = harmonic(1 + m * s, k0 + k1 * s, k0, y0, v0, t)
-        return y, v, xi * y, y * (-k1 * xi * y - m * xi * a)
-    c = X - y0
-    y, v, a = harmonic(1 + m, k0 + k1, k0 - k1 * float(c.mean()), y0, v0, t)
-    return y, v, c + y, -k1 * (c + y) - m * a
-
-
 @pytest.mark.parametrize("reduced", [False, True])
-@pytest.mark.parametrize("name", ["straight", "linear"])
+@pytest.mark.parametrize("name", CLOSED)
 def test_against_closed_forms(name, reduced):
-    state = start(name, 12)
-    model = meanfield.reduce(MODELS[name]) if reduced else MODELS[name]
-    motion = meanfield.solve_ode(model, state, t=[0.0, 0.7, 5.0], tol=1e-12)
-    for k, t in enumerate(motion.t):
-        y, v, X, forces = exact(name, state.X, state.y[0], state.v[0], t)
-        assert motion.y[k, 0] == pytest.approx(y, abs=2e-11)
-        assert motion.v[k, 0] == pytest.approx(v, abs=2e-11)
-        np.testing.assert_allclose(motion.X[k], X, atol=5e-11)
-        np.testing.assert_allclose(motion.multipliers[k], forces, atol=5e-11)
+    make, closed = CLOSED[name]
+    model = make(**FIBRE)
+    motion = meanfield.solve_ode(meanfield.reduce(model) if reduced else model, fibre_start(), TIMES, tol=1e-12)
+    assert worst(motion, closed(fibre_start(), TIMES)) < 5e-11
 
 
 @pytest.mark.parametrize("name", EVERY)
@@ -164,7 +138,12 @@ def test_fibre_that_is_pushed_through_zero_ends_there(reduced):
     with pytest.raises(meanfield.SolveFailed, match="full rank") as caught:
         meanfield.solve_ode(model, state, t=np.linspace(0, 3, 31), tol=1e-9)
     motion = caught.value.result
-    crossing = mpmath.findroot(lambda t: exact("straight", state.X, 1.0, -3.0, float(t))[0], 0.34)
+    s = 0.625  # <X^2>
+    stiffness, mass = 1.0 + 0.5 * s, 1 + 0.5 * s
+    rest, rate = 1 / stiffness, math.sqrt(stiffness / mass)
+    crossing = mpmath.findroot(
+        lambda t: rest + (1 - rest) * mpmath.cos(rate * t) - 3 / rate * mpmath.sin(rate * t), 0.34
+    )
     assert motion.status is Status.SINGULAR
     assert float(motion.detail.split()[-1].rstrip(".")) == pytest.approx(float(crossing), abs=1e-5)
     assert motion.t[-1] < crossing < motion.t[-1] + 0.1

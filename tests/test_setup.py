@@ -16,7 +16,7 @@ SETUP_FILES = ("Makefile", "pyproject.toml", "requirements.lock")
 COMMANDS = {
     "report": ".venv/bin/verification report",
     "test": ".venv/bin/python -m pytest -n 2 --dist loadfile -q",
-    "lint": ".venv/bin/mypy dincl",
+    "lint": ".venv/bin/mypy",
     "bench": ".venv/bin/verification bench",
 }
 FAILS = "#!/bin/sh\nexit 1\n"

@@ -1,1 +1,1 @@
-"""Compiled loops on plain arrays; each has a plain NumPy twin in :mod:`meanfield.kernels.twins`."""
+"""Compiled loops on plain arrays: ``finite_volume`` with its NumPy twin in ``twins``, ``trig`` for generated loops."""

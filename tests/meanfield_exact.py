@@ -1,0 +1,128 @@
+"""Starts, closed forms in 40 digits and plain formulas of the models, for the tests of all solvers of particles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import mpmath
+import numpy as np
+
+from meanfield import LinearFibre, Model, State, StraightFibre, TissueElement, WavyFibre
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from meanfield import Motion
+
+M, K0, REST, K1 = 0.7, 1.2, 0.9, 0.4
+FIBRE = {"m": M, "k0": K0, "y_rest": REST, "k1": K1}
+Y0, V0 = 1.3, 0.4
+TIMES = np.linspace(0.0, 4.0, 9)
+
+
+def fibre_start(n: int = 20) -> State:
+    return State(X=0.2 + 1.3 * np.random.default_rng(3).random((n, 1)), y=[Y0], v=[V0])
+
+
+def element_start(n: int = 20) -> State:
+    return State(X=np.random.default_rng(4).normal(size=(n, 2)), y=[1.2, 0.9, 0.1], v=[0.3, -0.2, 0.1])
+
+
+class Exact(NamedTuple):
+    y: NDArray[np.float64]
+    v: NDArray[np.float64]
+    X: NDArray[np.float64]
+    U: NDArray[np.float64]
+    multipliers: NDArray[np.float64]
+
+
+def harmonic(stiffness: Any, pull: Any, mass: Any, times: NDArray[np.float64]) -> list[tuple[Any, Any, Any]]:
+    """y, y' and y'' of mass y'' = pull - stiffness y at each time, to 40 digits."""
+    with mpmath.workdps(40):
+        omega, rest = mpmath.sqrt(stiffness / mass), pull / stiffness
+        a, b = mpmath.mpf(Y0) - rest, mpmath.mpf(V0) / omega
+        waves = [(mpmath.cos(omega * t), mpmath.sin(omega * t)) for t in map(mpmath.mpf, times)]
+        return [(rest + a * c + b * s, omega * (b * c - a * s), -(omega**2) * (a * c + b * s)) for c, s in waves]
+
+
+def straight(start: State, t: NDArray[np.float64]) -> Exact:
+    """X_i = c_i y, so m X_i'' = F1 - lambda_i/y gives lambda_i = y (F1 - m c_i y''), and the sum of (5.6b) the rest."""
+    c = [mpmath.mpf(x) / mpmath.mpf(Y0) for x in np.asarray(start.X)[:, 0]]
+    square = sum(x**2 for x in c) / len(c)
+    motion = harmonic(K0 + K1 * square, mpmath.mpf(K0) * REST, 1 + M * square, t)
+    return exact(
+        motion, lambda y: [x * y for x in c], lambda v: [x * v for x in c], lambda y, x, a: y * (-K1 * x - M * a)
+    )
+
+
+def linear(start: State, t: NDArray[np.float64]) -> Exact:
+    """X_i = y + d_i and lambda_i = F1 - m y''; (5.6b) with g_y = -1 gives (1 + m) y'' = F0 + <F1>."""
+    d = [mpmath.mpf(x) - mpmath.mpf(Y0) for x in np.asarray(start.X)[:, 0]]
+    mean = sum(d) / len(d)
+    motion = harmonic(mpmath.mpf(K0) + K1, mpmath.mpf(K0) * REST - K1 * mean, 1 + mpmath.mpf(M), t)
+    return exact(motion, lambda y: [y + x for x in d], lambda v: [v] * len(d), lambda _, x, a: -K1 * x - M * a)
+
+
+def exact(
+    motion: list[tuple[Any, Any, Any]],
+    place: Callable[[Any], list[Any]],
+    rate: Callable[[Any], list[Any]],
+    multiplier: Callable[[Any, Any, Any], Any],
+) -> Exact:
+    """Arrays from y, y', y'' and the particles as functions of them; ``rate`` also gives X'' from y''."""
+    multipliers = [
+        [multiplier(y, x, a) for x, a in zip(place(y), rate(second), strict=True)] for y, _, second in motion
+    ]
+    return Exact(
+        np.array([[y] for y, _, _ in motion], dtype=float),
+        np.array([[v] for _, v, _ in motion], dtype=float),
+        np.array([place(y) for y, _, _ in motion], dtype=float)[..., None],
+        np.array([rate(v) for _, v, _ in motion], dtype=float)[..., None],
+        np.array(multipliers, dtype=float)[..., None],
+    )
+
+
+def worst(motion: Motion, other: Any) -> float:
+    """The largest difference in anything a solver returns."""
+    return max(float(np.abs(getattr(motion, name) - getattr(other, name)).max()) for name in Exact._fields)
+
+
+CLOSED = {"straight": (StraightFibre, straight), "linear": (LinearFibre, linear)}
+
+
+# Plain formulas of the models, complex numbers allowed, so that derivatives can be had without the library.
+def g_element(X: Any, y: Any) -> Any:
+    return np.linalg.solve(np.array([[y[0], y[2]], [y[2], y[1]]]), X)
+
+
+def g_askew(X: Any, y: Any) -> Any:
+    """A constraint whose Jacobians are not symmetric, det dg/dX = 1 + X_0^2 + X_0/2 > 0."""
+    return [X[0] + X[1] / 2 + X[0] ** 3 / 3 - y[0], X[1] - X[0] ** 2 / 2 - y[1] * (1 + y[0] / 4)]
+
+
+PLAIN: dict[str, tuple[Any, Any]] = {
+    "straight": (lambda: StraightFibre(**FIBRE), lambda X, y: X / y),
+    "linear": (lambda: LinearFibre(**FIBRE), lambda X, y: X - y),
+    "wavy": (lambda: WavyFibre(**FIBRE), lambda X, y: X + np.sin(X) / 2 - y),
+    "element": (lambda: TissueElement(m=M, k0=K0, y_rest=[1.0, 1.1, 0.1], k1=K1), g_element),
+    "askew": (
+        lambda: Model(
+            g=g_askew,
+            W0=lambda y: K0 / 2 * ((y[0] - REST) ** 2 + (y[1] - REST) ** 2),
+            W1=lambda X: K1 / 2 * (X[0] ** 2 + X[1] ** 2),
+            V=lambda r: (r[0] ** 2 + r[1] ** 2) / (1 + r[0] ** 2 + r[1] ** 2),
+            m=M,
+            nx=2,
+            ny=2,
+        ),
+        lambda X, y: np.array(g_askew(X, y)),
+    ),
+}
+
+
+def start_of(name: str, n: int = 20) -> State:
+    if name == "askew":
+        return State(X=np.random.default_rng(5).normal(size=(n, 2)) / 2, y=[1.2, 0.7], v=[0.3, -0.2])
+    return element_start(n) if name == "element" else fibre_start(n)

@@ -1,0 +1,144 @@
+"""The characteristics of the mean-field limit: closed forms, particle runs, the stated error, the carried density."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from numpy.polynomial import Legendre
+from numpy.typing import NDArray
+
+import meanfield
+from meanfield import characteristics
+from meanfield.characteristics import solve_characteristics
+from meanfield.density import Density
+from meanfield.errors import InvalidModel, SolveFailed
+from meanfield.ode import solve_ode, solve_weighted
+from meanfield.pde import solve_pde
+from meanfield.state import State
+from meanfield.status import Status
+from meanfield.wasserstein import w1
+
+Array = NDArray[np.float64]
+SPRINGS = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
+STRAIGHT, WAVY = meanfield.StraightFibre(**SPRINGS), meanfield.WavyFibre(**SPRINGS)
+BUMP = Density.bump(0.3, 1.0)
+TIMES = [0.5, 1.0, 2.0]
+
+
+def test_straight_fibre_is_a_harmonic_oscillator() -> None:
+    flow = solve_characteristics(STRAIGHT, BUMP, [1.0], [0.4], TIMES, 1e-12)
+    s, t = 0.3**2 + 1 / 11, np.array(TIMES)
+    rest, omega = 1 / (1 + 0.5 * s), np.sqrt((1 + 0.5 * s) / (1 + 0.5 * s))
+    y = rest + (1 - rest) * np.cos(omega * t) + 0.4 / omega * np.sin(omega * t)
+    np.testing.assert_allclose(flow.y[:, 0], y, rtol=0, atol=1e-11)
+    assert flow.quadrature_error < 1e-11
+    for k in range(3):
+        np.testing.assert_allclose(flow.density(k), BUMP.density(flow.X[k] / y[k]) / y[k], rtol=1e-9, atol=1e-12)
+
+
+def test_carried_density_is_mass_over_length() -> None:
+    flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], TIMES, 1e-10)
+    nodes, _ = BUMP.nodes(len(flow.level_density))
+    carried = Legendre.fit(nodes[:, 0], flow.X[2, :, 0], 24, domain=[-0.7, 1.3])
+    np.testing.assert_allclose(
+        flow.density(2) * carried.deriv()(nodes[:, 0]), BUMP.density(nodes), rtol=1e-6, atol=1e-8
+    )
+
+
+def test_many_particles_come_to_the_same() -> None:
+    density = Density.uniform(-0.7, 1.3)
+    flow = solve_characteristics(WAVY, density, [0.2], [0.5], TIMES, 1e-11)
+    errors = []
+    for n in (500, 2000):
+        motion = solve_ode(WAVY, State(X=density.quantiles(n), y=[0.2], v=[0.5]), TIMES, 1e-11)
+        errors.append(np.abs(motion.y - flow.y).max())
+    # Points in the middles of probabilities are a rule of second order here.
+    assert errors[1] < 1e-7
+    assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
+
+
+def test_energy_is_kept() -> None:
+    drifts = []
+    for tol in (1e-5, 1e-10):
+        flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], [0.0, *TIMES], tol)
+        drifts.append(np.ptp(flow.energy()))
+    assert drifts[1] < 1e-9 < drifts[0] < 1e-3
+
+
+@pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-9])
+def test_stated_quadrature_error_is_honest(tol: float) -> None:
+    steep = meanfield.WavyFibre(**SPRINGS, amplitude=0.8)  # nearly singular, so that few nodes do not do
+    density = Density.uniform(-1.0, 4.0)
+    flow = solve_characteristics(steep, density, [0.2], [0.5], TIMES, tol)
+    nodes, weights = density.nodes(1000)
+    fine = solve_weighted(steep, State(X=nodes, y=[0.2], v=[0.5]), weights, TIMES, tol)
+    error = max(np.abs(flow.y - fine.y).max(), np.abs(flow.v - fine.v).max())
+    assert error <= flow.quadrature_error <= 3 * tol
+    assert len(flow.level_density) < 1000
+    assert flow.work.unknowns == 2 + len(flow.level_density)
+
+
+def test_attraction_stiffens_the_fibre() -> None:
+    """V = k r^2/2 adds k var(X)/y^2 to the stiffness of the straight fibre."""
+    model = meanfield.Model(
+        g=lambda X, y: X / y, W0=lambda y: (y - 1) ** 2 / 2, W1=lambda X: X**2 / 4, V=lambda r: 0.4 * r**2, m=0.5
+    )
+    variance, t = 1 / 11, np.array(TIMES)
+    s = 0.3**2 + variance
+    stiffness = 1 + 0.5 * s + 0.8 * variance
+    rest, omega = 1 / stiffness, np.sqrt(stiffness / (1 + 0.5 * s))
+    y = rest + (1 - rest) * np.cos(omega * t) + 0.4 / omega * np.sin(omega * t)
+    flow = solve_characteristics(model, BUMP, [1.0], [0.4], TIMES, 1e-11)
+    np.testing.assert_allclose(flow.y[:, 0], y, rtol=0, atol=1e-10)
+    assert np.ptp(flow.energy()) < 1e-10
+    grid = solve_pde(model, BUMP, [1.0], [0.4], TIMES, cells=100)
+    np.testing.assert_allclose(grid.y[:, 0], y, rtol=0, atol=2e-5)
+    assert np.ptp(grid.energy()) < 1e-4
+
+
+def test_measure_meets_the_density_of_the_grid() -> None:
+    flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], TIMES, 1e-11)
+    grid = solve_pde(WAVY, BUMP, [0.2], [0.5], TIMES, cells=100)
+    for k in range(len(TIMES)):
+        points, weights = flow.measure(k)
+        assert weights.sum() == pytest.approx(1.0, abs=1e-14)
+        assert weights @ points[:, 0] == pytest.approx(grid.mean()[k, 0], abs=3e-4)
+        assert w1(flow.measure(k), grid.density(k)) < np.diff(points[:, 0]).max() / 2
+
+
+def test_too_few_nodes_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(characteristics, "MOST_NODES", 32)
+    flow = solve_characteristics(WAVY, Density.uniform(-5.0, 9.0), [0.2], [0.5], TIMES, 1e-9, throw=False)
+    assert flow.status is Status.NOT_CONVERGED
+    assert flow.quadrature_error > 1e-9
+    assert "32 nodes" in flow.detail
+    with pytest.raises(SolveFailed, match="32 nodes"):
+        solve_characteristics(WAVY, Density.uniform(-5.0, 9.0), [0.2], [0.5], TIMES, 1e-9)
+
+
+def test_a_fibre_that_vanishes_ends_the_run() -> None:
+    with pytest.raises(SolveFailed) as caught:
+        solve_characteristics(STRAIGHT, BUMP, [1.0], [-4.0], [0.0, 0.1, 1.0], 1e-9)
+    assert caught.value.status is Status.SINGULAR
+    assert caught.value.result.t.tolist() == [0.0, 0.1]
+    assert caught.value.result.quadrature_error < 1e-8
+    assert len(caught.value.result.density(1)) == len(caught.value.result.level_density)
+
+
+GOOD = {"model": WAVY, "density": BUMP, "y0": [0.2], "v0": [0.5], "t": [1.0], "tol": 1e-8}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"density": Density.uniform((0.0, 0.0), (1.0, 1.0))}, "density has nx = 2: must be 1"),
+        ({"y0": 0.2}, "y0 = 0.2: .*shape"),
+        ({"v0": [np.inf]}, "v0 = inf"),
+        ({"t": [-1.0, 1.0]}, "t = .*increasing"),
+        ({"tol": 0.0}, "tol = 0.0: must be"),
+        ({"model": STRAIGHT, "y0": [0.0]}, "dg/dX"),
+    ],
+)
+def test_bad_input(change: dict[str, object], message: str) -> None:
+    with pytest.raises(InvalidModel, match=message):
+        solve_characteristics(**(GOOD | change))

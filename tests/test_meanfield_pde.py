@@ -1,0 +1,271 @@
+"""The mean-field PDE on a grid: mass, sign, order, closed forms, and where it ends."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+from scipy.linalg import expm
+from scipy.optimize import brentq
+
+import meanfield
+from meanfield import grid_run
+from meanfield.characteristics import solve_characteristics
+from meanfield.density import Density
+from meanfield.errors import InvalidModel, SolveFailed
+from meanfield.grid import Grid
+from meanfield.grid_run import Run
+from meanfield.grid_step import GridState, Stepper
+from meanfield.kernels import finite_volume, twins
+from meanfield.pde import solve_pde
+from meanfield.status import Status
+from meanfield.wasserstein import w1
+
+Array = NDArray[np.float64]
+SPRINGS = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
+LINEAR, STRAIGHT, WAVY = (f(**SPRINGS) for f in (meanfield.LinearFibre, meanfield.StraightFibre, meanfield.WavyFibre))
+BUMP, BOX = Density.bump(0.3, 1.0), Density.uniform(0.0, 1.0)
+ROUNDING = 1e-14
+
+
+def exact_averages(grid: Grid, density: Callable[[Array], Array]) -> Array:
+    """Cell averages of a smooth density on the whole space."""
+    far = np.full(len(grid.edges), np.inf)
+    return grid.averages(SimpleNamespace(density=density, lower=-far, upper=far, breaks=()))
+
+
+def slope(cells: list[int], errors: list[float]) -> float:
+    return float(-np.polyfit(np.log(cells), np.log(errors), 1)[0])
+
+
+# --- kernels ---------------------------------------------------------------------------------------------------------
+
+
+def random_step(rng: np.random.Generator, n0: int, n1: int) -> tuple[Array, Array, Array, Array]:
+    """Densities with holes, speeds of both signs, and a time step with which the largest share is 1."""
+    f = rng.uniform(size=(n0, n1)) * (rng.uniform(size=(n0, n1)) < 0.7)
+    speed0, speed1 = rng.normal(size=(n0 + 1, n1)), rng.normal(size=(n0, n1 + 1))
+    share, _ = twins.euler_step(f, speed0, speed1, np.array([0.2, 0.1]), f, 0.0, np.empty_like(f))
+    return f, speed0, speed1, np.array([0.2, 0.1]) / share
+
+
+@pytest.mark.parametrize("shape", [(1, 1), (2, 1), (50, 1), (1, 3), (23, 17)])
+def test_kernel_equals_its_twin(rng: np.random.Generator, shape: tuple[int, int]) -> None:
+    f, speed0, speed1, ratio = random_step(rng, *shape)
+    base, compiled, plain = rng.uniform(size=shape), np.empty(shape), np.empty(shape)
+    found = finite_volume.euler_step(f, speed0, speed1, ratio, base, 0.75, compiled)
+    expected = twins.euler_step(f, speed0, speed1, ratio, base, 0.75, plain)
+    np.testing.assert_array_equal(compiled, plain)
+    np.testing.assert_allclose(found, expected, rtol=ROUNDING)
+
+
+def test_largest_step_keeps_sign_and_mass(rng: np.random.Generator) -> None:
+    for _ in range(20):
+        f, speed0, speed1, ratio = random_step(rng, 20, 15)
+        out = np.empty_like(f)
+        share, _ = finite_volume.euler_step(f, speed0, speed1, ratio, f, 0.0, out)
+        assert share == pytest.approx(1.0, rel=1e-12)
+        assert out.min() >= -ROUNDING
+        assert out.sum() == pytest.approx(f.sum(), rel=ROUNDING)
+
+
+def test_a_larger_step_can_lose_the_sign() -> None:
+    f, speed, none = np.array([[0.0], [1.0], [0.0]]), np.array([[0.0], [-1.0], [1.0], [0.0]]), np.zeros((3, 2))
+    for ratio, sign in ((0.5, 0.0), (0.51, -1.0)):
+        out = np.empty_like(f)
+        share, _ = finite_volume.euler_step(f, speed, none, np.array([ratio, 0.0]), f, 0.0, out)
+        assert share == 2 * ratio
+        assert np.sign(out[1, 0]) == sign
+
+
+def test_a_step_that_is_too_long_is_void() -> None:
+    grid = Grid((np.linspace(-1.0, 3.0, 41),))
+    z = GridState(grid.averages(BUMP)[:, None], np.array([0.0]), np.array([0.5]))
+    stepper = Stepper(LINEAR, grid, orientation=1.0)
+    for dt, void in ((0.095, False), (0.101, True)):  # 2 v dt / h > 1 from dt = 0.1 on, and v grows
+        trial = stepper.tried(z, stepper.rate(z)._replace(a=np.array([0.0])), dt)
+        assert (trial.share > 1) == void
+        assert (trial.state is z) == void
+    run = Run(stepper, z, stepper.rate(z), end=1.0, dt=1.0)
+    run.go_to(0.5)
+    assert run.now == 0.5
+    assert run.state.f.min() >= 0
+
+
+# --- order and closed forms ------------------------------------------------------------------------------------------
+
+
+def linear_fibre(y0: float, v0: float, mean: float, t: float) -> float:
+    """y of LINEAR: (1 + m) y'' = -k0 (y - y_rest) - k1 (mean + y - y0)."""
+    stiffness = SPRINGS["k0"] + SPRINGS["k1"]
+    rest = (SPRINGS["k0"] * SPRINGS["y_rest"] - SPRINGS["k1"] * (mean - y0)) / stiffness
+    omega = np.sqrt(stiffness / (1 + SPRINGS["m"]))
+    return float(rest + (y0 - rest) * np.cos(omega * t) + v0 / omega * np.sin(omega * t))
+
+
+def straight_fibre(y0: float, v0: float, second: float, t: float) -> float:
+    """y of STRAIGHT: (1 + m s) y'' = -k0 (y - y_rest) - k1 s y with s = second / y0^2 constant."""
+    s = second / y0**2
+    stiffness = SPRINGS["k0"] + SPRINGS["k1"] * s
+    rest, omega = SPRINGS["k0"] * SPRINGS["y_rest"] / stiffness, np.sqrt(stiffness / (1 + SPRINGS["m"] * s))
+    return float(rest + (y0 - rest) * np.cos(omega * t) + v0 / omega * np.sin(omega * t))
+
+
+def test_straight_fibre_scales_with_second_order() -> None:
+    cells, t, second = [60, 120, 240, 480], np.linspace(0.25, 2.0, 8), 0.3**2 + 1 / 11
+    y = np.array([straight_fibre(1.0, 0.4, second, time) for time in t])
+    errors: dict[str, list[float]] = {"y": [], "f": [], "second": [], "energy": []}
+    for n in cells:
+        grid = solve_pde(STRAIGHT, BUMP, [1.0], [0.4], t, cells=n, bounds=(-1.2, 2.0))
+        exact = exact_averages(Grid(grid.edges), lambda x: BUMP.density(x / y[-1]) / y[-1])
+        errors["f"].append(np.abs(grid.f[-1] - exact).sum() * 3.2 / n)
+        errors["y"].append(np.abs(grid.y[:, 0] - y).max())
+        errors["second"].append(np.abs(grid.second_moment()[:, 0, 0] - second * y**2).max())
+        errors["energy"].append(np.ptp(grid.energy()))
+    for name, last in (("f", 3e-5), ("y", 5e-7), ("second", 3e-6), ("energy", 2e-6)):
+        assert errors[name][-1] < last
+        assert slope(cells, errors[name]) == pytest.approx(2.0, abs=0.2)
+
+
+def test_wavy_fibre_meets_its_characteristics_with_second_order() -> None:
+    cells, t, y0 = [70, 140, 280, 560], np.linspace(0.25, 1.5, 6), np.array([0.2])
+    flow = solve_characteristics(WAVY, BUMP, y0, [0.5], t, 1e-11)
+
+    def carried(x: Array) -> Array:
+        level, start = WAVY.level(x, flow.y[-1]), x.copy()
+        for _ in range(30):
+            start -= (WAVY.level(start, y0) - level) / (1 + np.cos(start) / 2)
+        return BUMP.density(start) * (1 + np.cos(x[:, 0]) / 2) / (1 + np.cos(start[:, 0]) / 2)
+
+    errors: dict[str, list[float]] = {"y": [], "v": [], "f": []}
+    for n in cells:
+        grid = solve_pde(WAVY, BUMP, y0, [0.5], t, cells=n, bounds=(-1.0, 3.0))
+        exact = exact_averages(Grid(grid.edges), carried)
+        errors["f"].append(np.abs(grid.f[-1] - exact).sum() * 4 / n)
+        errors["y"].append(np.abs(grid.y - flow.y).max())
+        errors["v"].append(np.abs(grid.v - flow.v).max())
+    for name, last in (("f", 2e-4), ("y", 4e-6), ("v", 8e-6)):
+        assert errors[name][-1] < last
+        assert slope(cells, errors[name]) == pytest.approx(2.0, abs=0.2)
+
+
+def test_density_comes_back_with_second_order() -> None:
+    cells, errors = [60, 120, 240], []
+    for n in cells:
+        grid = solve_pde(LINEAR, BUMP, [0.0], [0.5], [0.0, 2 * np.pi], cells=n, bounds=(-1.2, 2.8))
+        errors.append(np.abs(grid.f[1] - grid.f[0]).sum() * 4 / n)
+        assert grid.y[1] == pytest.approx(grid.y[0], abs=1e-3)
+    assert errors[-1] < 5e-3
+    assert slope(cells, errors) == pytest.approx(2.0, abs=0.2)
+
+
+@pytest.mark.parametrize("n", [25, 200])
+def test_a_jump_stays_non_negative_within_bounds_found_beforehand(n: int) -> None:
+    t = [1.0, 2.0, 4.0]
+    grid = solve_pde(LINEAR, BOX, [0.0], [0.5], t, cells=n)
+    assert grid.status
+    assert grid.work.unknowns == n + 2
+    assert grid.f.min() == 0.0
+    assert grid.f.max() <= 1 + ROUNDING
+    np.testing.assert_allclose(grid.mass(), 1.0, rtol=0, atol=ROUNDING)
+    for k, time in enumerate(t):
+        y = linear_fibre(0.0, 0.5, 0.5, time)
+        assert grid.y[k, 0] == pytest.approx(y, abs=20 / n**2)
+        assert grid.mean()[k, 0] == pytest.approx(0.5 + y, abs=20 / n**2)
+        # Jumps are smeared over a width h^(2/3) by a scheme of second order.
+        assert w1(grid.density(k), Density.uniform(y, 1 + y)) < 0.7 * np.diff(grid.edges[0])[0] ** (4 / 3)
+
+
+def test_tissue_element_in_the_plane() -> None:
+    element = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=(1.0, 1.0, 0.0), k1=0.5)
+    density, start, velocity, t = Density.bump((0.3, 0.1), 1.0), [1.0, 1.2, 0.1], [0.4, -0.2, 0.3], 1.0
+    y = tissue_element(density, np.array(start), np.array(velocity), t)
+    grid = solve_pde(element, density, start, velocity, [t], cells=40, bounds=[(-1.4, -1.2), (2.0, 1.4)])
+    back = stretch(np.array(start)) @ np.linalg.inv(stretch(y))
+    exact = exact_averages(Grid(grid.edges), lambda x: density.density(x @ back.T) * np.linalg.det(back))
+    np.testing.assert_allclose(grid.y[0], y, atol=4e-4)
+    assert np.abs(grid.f[0] - exact).sum() * Grid(grid.edges).volume < 1e-2
+    assert grid.f.min() == 0.0
+    assert grid.mass()[0] == pytest.approx(1.0, abs=ROUNDING)
+    np.testing.assert_allclose(grid.mean()[0], np.linalg.solve(back, [0.3, 0.1]), atol=1e-3)
+    with pytest.raises(InvalidModel, match="two axes"):
+        grid.density(0)
+
+
+def stretch(y: Array) -> Array:
+    return np.array([[y[0], y[2]], [y[2], y[1]]])
+
+
+def tissue_element(density: Density, y0: Array, v0: Array, t: float) -> Array:
+    """L = |y'|^2/2 + m/2 tr(F' C F'^T) - k0/2 |y - y_rest|^2 - k1/2 tr(F C F^T) with C = E[xi xi^T]: linear in y."""
+    inverse = np.linalg.inv(stretch(y0))
+    C = inverse @ density.moments()[1] @ inverse.T
+    rows = [np.array([[1.0, 0, 0], [0, 0, 1]]), np.array([[0, 0, 1.0], [0, 1, 0]])]
+    A = sum(row.T @ C @ row for row in rows)
+    inertia, stiffness = np.eye(3) + 0.5 * A, np.eye(3) + 0.5 * A
+    rest = np.linalg.solve(stiffness, [1.0, 1.0, 0.0])
+    system = np.block([[np.zeros((3, 3)), np.eye(3)], [-np.linalg.solve(inertia, stiffness), np.zeros((3, 3))]])
+    return rest + (expm(t * system) @ np.concatenate([y0 - rest, v0]))[:3]
+
+
+# --- where it ends ---------------------------------------------------------------------------------------------------
+
+
+def test_density_at_the_wall_ends_the_run() -> None:
+    arrives = brentq(lambda t: linear_fibre(0.0, 0.5, 0.3, t) - 0.2, 0.0, 1.0)
+    t = [0.0, 0.7 * arrives, 1.3 * arrives, 3.0]
+    with pytest.raises(SolveFailed, match=r"wider bounds\. At t = ") as caught:
+        solve_pde(LINEAR, BUMP, [0.0], [0.5], t, cells=200, bounds=(-1.0, 1.5))
+    result = caught.value.result
+    assert caught.value.status is result.status is Status.LEFT_GRID
+    assert result.t.tolist() == t[:2]
+    assert result.y.shape == (2, 1)
+    np.testing.assert_allclose(result.mass(), 1.0, atol=ROUNDING)
+
+
+def test_singular_models_end_the_run() -> None:
+    rolling = meanfield.Model(g=lambda X, y: X * X / 2 - y, W0=lambda y: y * y / 2, W1=lambda X: X * X / 2)
+    grid = solve_pde(
+        rolling, Density.bump(1.0, 0.3), [1.0], [-4.0], [0.01, 1.0], cells=16, bounds=(-0.45, 1.5), throw=False
+    )
+    assert grid.status is Status.SINGULAR
+    assert grid.t.tolist() == [0.01]
+    grid = solve_pde(STRAIGHT, BUMP, [1.0], [-4.0], [0.01, 1.0], cells=16, bounds=(-1.2, 2.0), throw=False)
+    assert grid.status is Status.STEP_TOO_SMALL  # the fibre vanishes at t = 0.25
+    assert grid.t.tolist() == [0.01]
+    assert np.isfinite(grid.energy()).all()
+
+
+def test_too_many_steps_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(grid_run, "MOST_STEPS", 10)
+    grid = solve_pde(LINEAR, BUMP, [0.0], [0.5], [2.0], bounds=(-2.0, 4.0), throw=False)
+    assert grid.status is Status.TOO_MANY_STEPS
+    assert grid.work.steps == 10
+    assert grid.f.shape == (0, 400)
+
+
+GOOD = {"model": LINEAR, "density": BUMP, "y0": [0.0], "v0": [0.5], "t": [1.0], "cells": 20, "bounds": (-2.0, 4.0)}
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"density": Density.bump((0.0, 0.0), 1.0)}, "density has nx = 2: must be 1"),
+        ({"y0": [0.0, 1.0]}, "y0 = .*shape"),
+        ({"v0": [np.nan]}, "v0 = nan"),
+        ({"t": [1.0, 0.5]}, "t = .*increasing"),
+        ({"cells": 7}, "cells = 7: must be an integer from 8"),
+        ({"cells": 40.0}, "cells = 40.0"),
+        ({"bounds": (2.0, -2.0)}, "lower corner must be below"),
+        ({"bounds": (-2.0, 2.0, 3.0)}, "bounds = .*shape"),
+        ({"bounds": (0.0, 4.0)}, "bounds hold 0.82828.* of the mass"),
+        ({"model": STRAIGHT}, "y0 = .*the model must hold"),
+        ({"model": meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y, W1=lambda X: X[0], nx=3)}, "model.nx = 3"),
+    ],
+)
+def test_bad_input(change: dict[str, object], message: str) -> None:
+    with pytest.raises(InvalidModel, match=message):
+        solve_pde(**(GOOD | change))
