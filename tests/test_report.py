@@ -51,6 +51,7 @@ SECTIONS = [
     "First-order PBD (chapter 2)",
     "Growing tissue and its minimisers (chapter 3 and appendix 1)",
     "Epithelial-to-mesenchymal transitions (chapter 4)",
+    "The mean-field limit of constrained particles (chapter 5 and appendix 2)",
 ]
 TABLES = {
     "references",

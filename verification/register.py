@@ -9,6 +9,7 @@ import pandas as pd
 from verification.claim import Claim, Tables
 from verification.claims import (
     appendix1_uzawa,
+    appendix2_derivation,
     chapter1_inclusions,
     chapter1_proofs,
     chapter2_method,
@@ -17,6 +18,15 @@ from verification.claims import (
     chapter3_tissue,
     chapter4_counts,
     chapter4_results,
+    chapter5_energy,
+    chapter5_examples,
+    chapter5_introduction,
+    chapter5_limit,
+    chapter5_linear,
+    chapter5_lipschitz,
+    chapter5_model,
+    chapter5_reduced,
+    chapter5_stability,
 )
 
 
@@ -31,7 +41,17 @@ def register() -> tuple[Claim, ...]:
         chapter3_minimisers,
         chapter4_counts,
         chapter4_results,
+        chapter5_introduction,
+        chapter5_model,
+        chapter5_reduced,
+        chapter5_examples,
+        chapter5_linear,
+        chapter5_energy,
+        chapter5_lipschitz,
+        chapter5_limit,
+        chapter5_stability,
         appendix1_uzawa,
+        appendix2_derivation,
     )
     claims = tuple(claim for part in parts for claim in part.CLAIMS)
     twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]

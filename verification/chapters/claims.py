@@ -15,6 +15,7 @@ TITLES = {
     2: "First-order PBD (chapter 2)",
     3: "Growing tissue and its minimisers (chapter 3 and appendix 1)",
     4: "Epithelial-to-mesenchymal transitions (chapter 4)",
+    5: "The mean-field limit of constrained particles (chapter 5 and appendix 2)",
 }
 
 
