@@ -34,9 +34,9 @@ def scene(name: str) -> Scene:
 def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, float]:
     """The run and its seconds; loading, compiling and importing are paid before by two steps that are thrown away.
 
-    A scheme without time steps is run to the end before.
+    A scheme without time steps is run to the first time that is kept before.
     """
-    warm = 2 * scheme.dt if isinstance(scheme, TimeStepping) else np.inf
+    warm = 2 * scheme.dt if isinstance(scheme, TimeStepping) else float(t[t > 0][0])
     dincl.solve(problem, scheme, t=[min(warm, float(t[-1]))], throw=False)
     start = time.perf_counter()
     path = dincl.solve(problem, scheme, t=t, throw=False)
