@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from tests.shortened_emt import FEWEST, shorten_emt
+from tests.shortened_meanfield import shorten_meanfield
 from tests.shortened_tissue import shorten_daha, shorten_tissue
 from tissue.study.figures import style
 from verification import (
@@ -54,12 +55,15 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(infeasibility, "PUSHES", np.geomspace(0.5, 20.0, 5))
     patch.setattr(large_steps, "STEPS", (0.1, 1.0))
     patch.setattr(prox_regularity, "COUNTS", (2, 3, 4))
+    few = dict(list(prox_regularity.arrangements().items())[:3])
+    patch.setattr(prox_regularity, "arrangements", lambda: few)
     patch.setattr(sheet, "DPI", 50)
     shorten_stability(patch)
     shorten_work_precision(patch)
     shorten_tissue(patch)
     shorten_daha(patch)
     shorten_emt(patch, FEWEST)
+    shorten_meanfield(patch)
     patch.setattr(style, "DPI", 50)
 
 

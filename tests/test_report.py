@@ -11,6 +11,9 @@ from typer.testing import CliRunner
 
 from tests.shortened import Here, Nowhere, shorten
 from tests.shortened_emt import SECTIONS as EMT_SECTIONS
+from tests.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
+from tests.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
+from tests.shortened_meanfield import TABLES as MEANFIELD_TABLES
 from verification import chapters, cli, report, study
 from verification.chapters import CHAPTERS
 from verification.emt import kept
@@ -46,6 +49,7 @@ SECTIONS = [
     "How far from a minimum a step ends",
     "The kernel",
     *EMT_SECTIONS,
+    *MEANFIELD_SECTIONS,
     "How the statements came out",
     "Differential inclusions (chapter 1)",
     "First-order PBD (chapter 2)",
@@ -120,7 +124,9 @@ TABLES = {
     "tissue_thrown",
     *(f"emt_{name}" for name in kept.TABLES),
     *(f"emt_complete_{name}" for name in kept.COMPLETE),
+    *MEANFIELD_TABLES,
 }
+IMAGES = 34 + MEANFIELD_PICTURES
 
 
 class Page(HTMLParser):
@@ -177,7 +183,7 @@ def test_page_opens_offline(made: tuple[Path, Context]) -> None:
     text = made[0].read_text("utf-8")
     page = Page(text)
     assert "://" not in text
-    assert len(page.images) == 34
+    assert len(page.images) == IMAGES
     assert all(image.startswith("data:image/png;base64,") for image in page.images)
     outside = [link for link in page.links if not link.startswith("#")]
     assert outside
@@ -188,7 +194,7 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
     folder = made[0].parent
     assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
     assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
-    assert len(list((folder / "figures").glob("*.png"))) == 34
+    assert len(list((folder / "figures").glob("*.png"))) == IMAGES
     assert list(folder.rglob(".*.new")) == []
 
 

@@ -29,7 +29,7 @@ RATIOS = (1.6, 2.5)
 # step, differs from run to run. So twice the largest difference at a time and at its two neighbours is stated.
 SAFETY = 2.0
 # The three steps, coarsest first, are STEP / 2^k.
-SHORT, FULL = (5, 6, 7), (8, 9, 10)
+SHORT, FULL = (4, 5, 6), (8, 9, 10)
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
 
 # Steps compared [time]; the curves are drawn for those of the short form.
-SHORT, FULL = (0.02, 0.005), (0.02, 0.01, 0.005, 0.0025, 0.00125)
+SHORT, FULL = (0.02, 0.01), (0.02, 0.01, 0.005, 0.0025, 0.00125)
 # dt strength, on a logarithmic scale: from far too weak to unstable. For exponent 1 the strength itself is scanned.
 SPRINGS = np.geomspace(0.01, 10.0, 25)
 PUSHES = np.geomspace(0.3, 100.0, 25)

@@ -123,8 +123,11 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
     for chapter in chapters:
         if chapter.prepare is not None:
             context.executor.submit(chapter.prepare)
+    written = []
     for chapter in chapters:
         chapter.run(context)
+        # At once, so that the figures of a chapter are drawn while the next one runs.
+        written.append((chapter.title, list(chapter.sections(context))))
     environment = Environment(
         loader=PackageLoader("verification"),
         autoescape=select_autoescape(),
@@ -132,7 +135,6 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    written = [(chapter.title, list(chapter.sections(context))) for chapter in chapters]
     context.finish_drawings()
     page = environment.get_template("report.html").render(
         chapters=written,

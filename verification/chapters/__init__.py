@@ -1,6 +1,6 @@
 """The chapters of the report, one file each, in their order."""
 
-from verification.chapters import claims, emt, geometry, numerics, stability, tissue, work_precision
+from verification.chapters import claims, emt, geometry, meanfield, numerics, stability, tissue, work_precision
 from verification.report import Chapter
 
 # The claims read the tables of all other chapters, so they come last.
@@ -11,5 +11,6 @@ CHAPTERS: tuple[Chapter, ...] = (
     geometry.CHAPTER,
     tissue.CHAPTER,
     emt.CHAPTER,
+    meanfield.CHAPTER,
     claims.CHAPTER,
 )

@@ -54,9 +54,9 @@ SHORT = Form(
     {
         (TERMINATING, 1e-6): 5,
         (DOUBLED_CASE, 1e-6): 4,
-        (PRINTED, 1e-6): 5,
+        (PRINTED, 1e-6): 4,
         (PRINTED, 1e-5): 2,
-        (PRINTED, 1e-7): 2,
+        (PRINTED, 1e-7): 1,
         (TERMINATING, 1e-5): 2,
     },
     (COMPARED, 0.2667),

@@ -1,0 +1,111 @@
+"""The models, densities and starts that the studies of the mean-field chapter share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from meanfield import LinearFibre, Model, State, StraightFibre, TissueElement, WavyFibre
+from meanfield.density import Density
+from meanfield.symbolic import library
+from verification.table import fingerprint
+
+Floats = NDArray[np.float64]
+FIBRE = {"m": 1.0, "k0": 1.0, "y_rest": 1.5, "k1": 0.5}
+# Number of each stream of random numbers.
+STREAMS = {"start": 1, "rates": 2, "pairs": 3, "fit": 4}
+
+
+@dataclass(frozen=True)
+class Case:
+    """A model, the density its particles start with, y(0) and y'(0)."""
+
+    title: str
+    made: Callable[[], Model]
+    law: Callable[[], Density]
+    y0: tuple[float, ...] = (1.0,)
+    v0: tuple[float, ...] = (0.5,)
+
+
+def _line() -> Density:
+    return Density.bump(1.0, 0.6)
+
+
+def _interacting() -> Model:
+    """WavyFibre whose particles attract each other by a Gaussian well: no moment closes, no pair is left out."""
+    ca = library()
+    return Model(
+        g=lambda X, y: X + 0.5 * ca.sin(X) - y,
+        W0=lambda y: FIBRE["k0"] / 2 * (y - FIBRE["y_rest"]) ** 2,
+        W1=lambda X: FIBRE["k1"] / 2 * X**2,
+        V=lambda r: 1 - ca.exp(-(r**2) / 2),
+        m=FIBRE["m"],
+    )
+
+
+def _cube() -> Model:
+    """g = diag(y)^{-1} X in space: a block stretched along its axes."""
+    return Model(
+        g=lambda X, y: X / y,
+        W0=lambda y: ((y - 1.2) ** 2)[0] / 2 + ((y - 1.0) ** 2)[1] / 2 + ((y - 0.9) ** 2)[2] / 2,
+        W1=lambda X: FIBRE["k1"] / 2 * library().sumsqr(X),
+        nx=3,
+        ny=3,
+    )
+
+
+CASES = {
+    "straight": Case("StraightFibre", lambda: StraightFibre(**FIBRE), _line),
+    "linear": Case("LinearFibre", lambda: LinearFibre(**FIBRE), _line),
+    "wavy": Case("WavyFibre", lambda: WavyFibre(**FIBRE), _line),
+    "element": Case(
+        "TissueElement",
+        lambda: TissueElement(m=1.0, k0=1.0, y_rest=(1.2, 1.0, 0.1), k1=0.5),
+        lambda: Density.bump([0.6, 0.4], 0.4),
+        (1.0, 1.1, 0.1),
+        (0.3, -0.2, 0.1),
+    ),
+    "interacting": Case("WavyFibre, interacting", _interacting, _line),
+    "uniform": Case("StraightFibre, uniform", lambda: StraightFibre(**FIBRE), lambda: Density.uniform(0.4, 1.6)),
+    "cube": Case(
+        "Block, g = diag(y)⁻¹X", _cube, lambda: Density.bump([0.6, 0.5, 0.4], 0.4), (1.0, 1.0, 1.0), (0.3, -0.2, 0.1)
+    ),
+}
+TITLES = {name: case.title for name, case in CASES.items()}
+
+
+@cache
+def model(name: str) -> Model:
+    """The model, made once in a process."""
+    return CASES[name].made()
+
+
+@cache
+def law(name: str) -> Density:
+    """The density of its particles at the start, made once in a process."""
+    return CASES[name].law()
+
+
+def state(name: str, X: Floats) -> State:
+    """The start of a case with particles X (N, nx)."""
+    return State(X=X, y=CASES[name].y0, v=CASES[name].v0)
+
+
+def few(name: str, n: int) -> State:
+    """The start with n particles drawn from the density, always the same."""
+    return state(name, law(name).sample(stream("start", n), n))
+
+
+def stream(name: str, *numbers: int) -> np.random.Generator:
+    """Random numbers of their own for each name and each tuple of numbers."""
+    return np.random.default_rng(np.random.SeedSequence([STREAMS[name], *numbers]))
+
+
+def made_by(*sources: str, **parameters: object) -> dict[str, str]:
+    """What the rows of a study depend on: the package, the shared files, its own files, parameters."""
+    files = [f"meanfield/{name}" for name in ("cases.py", *sources)]
+    return fingerprint(*files, packages=("meanfield",), **parameters)

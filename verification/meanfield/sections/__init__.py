@@ -1,0 +1,1 @@
+"""The sections of the mean-field chapter, one file each."""

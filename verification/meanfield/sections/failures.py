@@ -1,0 +1,75 @@
+"""Where methods fail."""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+
+from __future__ import annotations
+
+import pandas as pd
+
+from verification.meanfield import drift, failures, figures
+from verification.meanfield.sections.words import listed
+from verification.report import Context, Grid, Picture, Section, Text, number
+from verification.tissue.sections.part import Part
+
+CASES = {
+    "title": "Case",
+    "solver": "Solver",
+    "predicted": "Predicted",
+    "found": "Found",
+    "agrees": "Agrees",
+    "seconds": "Seconds",
+}
+GROWTH = {
+    "method": "Method",
+    "power_g": "|g − c| ~ t^p, p [95 %]",
+    "end_g": "at the end",
+    "power_rate": "|g'| ~ t^p, p [95 %]",
+    "end_rate": "at the end ",
+}
+
+
+def _run(context: Context) -> None:
+    where = context.folder, context.executor
+    context.keep("meanfield_failed", failures.named(failures.study().complete(*where)))
+    table = drift.study(context.full).complete(*where)
+    context.tables["meanfield_drift"] = table
+    context.keep("meanfield_drift_growth", drift.growth(table))
+
+
+def _section(context: Context) -> Section:
+    found, growth = context.tables["meanfield_failed"], context.tables["meanfield_drift_growth"]
+    picture = context.draw("meanfield_drift", figures.drift, context.tables["meanfield_drift"])
+    return Section(
+        "Where the mean-field solvers fail",
+        [
+            Text(_words(found)),
+            Grid(found[list(CASES)].rename(columns=CASES), "Predicted and found.", "meanfield_failed"),
+            Text(_drift(growth, float(context.tables["meanfield_drift"]["t"].max()))),
+            Picture(picture, "WavyFibre with five particles; values below 10⁻¹⁶ are drawn there."),
+            Grid(growth[list(GROWTH)].rename(columns=GROWTH), "Drift of the constraint.", "meanfield_drift_growth"),
+        ],
+    )
+
+
+def _words(found: pd.DataFrame) -> str:
+    off = listed([f"{row.title} ({row.solver})" for row in found[~found["agrees"]].itertuples()])
+    return (
+        f"{len(found)} failures that can be predicted, each provoked: {int(found['agrees'].sum())} end as predicted, "
+        f"at the predicted place, with a Status or a refusal that says why; not so: {off}. No result holds a number "
+        "that is not finite. Close to dg/dX without full rank every solver stops before it: y → 0 (all particles in "
+        "one point), det F(y) → 0, a fold of g."
+    )
+
+
+def _drift(growth: pd.DataFrame, end: float) -> str:
+    naive = growth[growth["power_g"] != "—"]
+    told = listed(
+        [f"{row.method}: |g − c| with power {row.power_g}, |g'| with {row.power_rate}" for row in naive.itertuples()]
+    )
+    kept = listed([f"{row.method} {number(row.end_g)}" for row in growth[growth["power_g"] == "—"].itertuples()])
+    return (
+        "The equations of index 1, integrated as they are, forget the constraint: errors add up in g', and these in g. "
+        f"Until t = {end:g} the drift grows, measured, {told}. Others at t = {end:g}: {kept}."
+    )
+
+
+PART = Part(_run, _section)
