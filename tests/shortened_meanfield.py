@@ -1,5 +1,7 @@
 """The studies of the mean-field chapter with few, coarse settings: the whole way to its page in seconds."""
 
+from dataclasses import replace
+
 import pytest
 
 from verification.meanfield import (
@@ -9,6 +11,7 @@ from verification.meanfield import (
     energy,
     failures,
     grid_order,
+    maps,
     motion,
     stability_constant,
 )
@@ -41,18 +44,21 @@ TABLES = {
     "meanfield_flow_means",
     "meanfield_grid",
     "meanfield_grid_orders",
+    "meanfield_maps",
     "meanfield_motion",
     "meanfield_orders",
+    "meanfield_pushed",
     "meanfield_side",
     "meanfield_stability",
     "meanfield_stability_envelopes",
     "meanfield_stability_laws",
     "meanfield_stability_summary",
+    "meanfield_stiff",
     "meanfield_start_exponents",
     "meanfield_start_laws",
     "meanfield_start_means",
 }
-PICTURES = 8
+PICTURES = 10
 FEW_FAILURES = ("U-ode", "zero-moments", "kernel-1/r²")
 
 
@@ -81,6 +87,11 @@ def shorten_cost_and_failures(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(cost, "SIDES", ("straight",))
     patch.setattr(cost, "MANY", 10_000)
     patch.setattr(failures, "FAILURES", {name: failures.FAILURES[name] for name in FEW_FAILURES})
+    planes = [
+        replace(plane, x=replace(plane.x, short=plane.x.short[2:5:2]), y=replace(plane.y, short=plane.y.short[1:3]))
+        for plane in maps.PLANES
+    ]
+    patch.setattr(maps, "PLANES", tuple(planes))
     kept = {name: drift.METHODS[name] for name in ("naive_rk4", "rattle2")}
     patch.setattr(drift, "METHODS", kept)
     patch.setattr(drift, "END", 20.0)

@@ -17,6 +17,7 @@ from verification.meanfield import (
     failures,
     flow_rates,
     grid_order,
+    maps,
     provoked,
     stability_constant,
 )
@@ -267,3 +268,31 @@ def test_words():
     table = pd.DataFrame({"model": ["straight"], "method": ["dae"], "N": [3]})
     assert words.named(table, {"model": "Model", "method": "M"}).iloc[0].tolist() == ["StraightFibre", "DAE (IDAS)"]
     assert words.form("a", True) == "a_full"
+
+
+@pytest.mark.parametrize("plane", maps.PLANES, ids=lambda plane: plane.name)
+def test_maps_have_their_limits_where_theory_says(plane):
+    """On both sides of the limit at one height, 10 % away from it."""
+    heights = np.array([plane.y.short[2]])
+    for method in plane.methods:
+        (line,) = (line for line in plane.lines if method in line.methods)
+        at = float(line.x(heights)[0])
+        failed = [plane.cell(method, factor * at, float(heights[0]))["outcome"] for factor in (0.9, 1.1)]
+        assert failed[0] in ("converged", "inaccurate")
+        assert failed[1] in ("unstable", "refused")
+
+
+def test_limits_of_the_steps():
+    assert maps.limit("rattle2") == pytest.approx(2.0, abs=2e-3)
+    assert maps.limit("rk4") == pytest.approx(2 * np.sqrt(2), abs=2e-3)
+    x = np.array([0.5, 2.5])  # the product of steps of order 4 stays in bounds where a single step would not
+    assert maps.grows("rattle2", x).tolist() == [False, True]
+    assert maps.grows("rattle4", x).tolist() == [False, False]
+
+
+def test_map_counts_what_failed_elsewhere():
+    plane = maps.PLANES[1]
+    outcomes = ["converged", "refused", "refused", "converged"]
+    table = pd.DataFrame({"method": "ode", "y": 1.0, "x": [0.1, 0.2, 50.0, 60.0], "outcome": outcomes})
+    (found,) = maps.agreement(table, plane).itertuples()
+    assert (found.cells, found.right) == (4, 2)

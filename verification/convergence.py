@@ -19,7 +19,7 @@ SCENES = ("four_disks", "ten_disks_corner")
 TIMES = {name: scene(name).times for name in SCENES}
 # Steps are STEP / 2^k for k below these [time].
 STEP = 0.1
-SHORT, SHORT_COSTLY, FULL = 8, 5, 10
+SHORT, SHORT_COSTLY, FULL = 8, 6, 10
 # Errors and infeasibilities below this come from the tolerances of the projections, not from the method [length].
 FLOOR = 1e-9
 
