@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 
 from meanfield.closure import closure
-from meanfield.interaction import forces
+from meanfield.interaction import FEW, forces
 from meanfield.loop import summed
 from meanfield.symbolic import library, program
 from meanfield.translate import vectorised
@@ -21,9 +21,6 @@ if TYPE_CHECKING:
     from meanfield.model import Model
     from meanfield.symbolic import Expressions
 
-
-# Below this many particles a loop is not worth compiling.
-FEW = 64
 _NONE = np.zeros((0, 0))
 
 

@@ -12,11 +12,17 @@ import hypothesis
 import numba
 import numpy as np
 import pytest
+from hypothesis.internal.conjecture import providers
+from hypothesis.internal.constants_ast import Constants
 
 SEED = 20260101
 # Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
 COMPILED = "TISSUE_KERNELS_COMPILED"
 COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
+
+# Hypothesis would read all sources for numbers to try, which takes minutes in a fresh clone and makes the examples
+# change with any of them. There is no setting against it.
+providers._get_local_constants = Constants
 
 hypothesis.settings.register_profile("ci", derandomize=True, deadline=None)  # the same examples on every run
 hypothesis.settings.register_profile("explore", deadline=None)  # --hypothesis-profile=explore: new ones every time

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield.field import FEW, field, field_by_numpy
+from meanfield.field import field, field_by_numpy
+from meanfield.interaction import FEW
 from meanfield.kernels import trig
 from meanfield.symbolic import program
 from meanfield.translate import TEMPLATES, vectorised

@@ -43,7 +43,7 @@ SETTINGS: dict[str, Sequence[float]] = {
 # Of N quantiles, whose y has an error of about 1/(30 N): a tenth of that for the solver, or its step of order 4.
 QUANTILE_ERROR, LEAST_TOLERANCE = 0.003, 1e-12
 # Finer settings are left out after a run that takes longer [s]; of the others the best of so many.
-ENOUGH, FULL_ENOUGH, REPEATS = 0.05, 3.0, 4
+ENOUGH, FULL_ENOUGH, REPEATS = 0.2, 3.0, 4
 # One right-hand side: particles, and with all pairs.
 MANY, PAIRED = 1_000_000, 3000
 SIDES = ("straight", "linear", "wavy", "element", "interacting")
