@@ -12,6 +12,7 @@ from meanfield.interaction import FEW, forces
 from meanfield.loop import summed
 from meanfield.symbolic import library, program
 from meanfield.translate import vectorised
+from meanfield.weights import each
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -89,7 +90,7 @@ def field_by_numpy(
 ) -> Field:
     """The twin of ``field`` in NumPy, which adds up each particle's share as (5.13), (5.14) say; equal to rounding."""
     values = [X, y, v] if model.V is None else [X, forces(model, X, weights), y, v]
-    w = np.full(len(X), 1 / len(X)) if weights is None else weights
+    w = each(weights, len(X))
     with np.errstate(all="ignore"):
         elements = [np.broadcast_to(element, len(X)) for element in _shares(model)(*values)]
         sums = np.array([*(w @ element for element in elements[model.nx : -1]), elements[-1].mean()])

@@ -16,6 +16,7 @@ from meanfield.errors import Breakdown
 from meanfield.loop import summed
 from meanfield.status import Status
 from meanfield.symbolic import library, program
+from meanfield.weights import each
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -50,7 +51,7 @@ def forces(model: Model, X: NDArray[np.float64], weights: NDArray[np.float64] | 
 
     Source: (5.4), (5.6a).
     """
-    w = np.full(len(X), 1 / len(X)) if weights is None else weights
+    w = each(weights, len(X))
     if is_quadratic(model):
         return model.K(w @ X - X)
     smooth = _line(model, X)
@@ -62,7 +63,7 @@ def forces(model: Model, X: NDArray[np.float64], weights: NDArray[np.float64] | 
 
 def pair_energy(model: Model, X: NDArray[np.float64], weights: NDArray[np.float64] | None) -> float:
     """sum_ik w_i w_k V(X_k - X_i): twice the energy of the pairs in (5.37)."""
-    w = np.full(len(X), 1 / len(X)) if weights is None else weights
+    w = each(weights, len(X))
     if is_quadratic(model):
         # The mean over pairs of a quadratic form is twice that of the deviations from the mean.
         return 2 * float(w @ model.pair_energy(X - w @ X))

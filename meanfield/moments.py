@@ -13,6 +13,7 @@ from meanfield.errors import Breakdown, InvalidModel, NotClosed, SolveFailed
 from meanfield.integrate import integrate
 from meanfield.interaction import pair_energy
 from meanfield.motion import Work
+from meanfield.weights import each
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -68,7 +69,7 @@ def points(moments: Moments) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 def sample_moments(X: NDArray[np.float64], weights: NDArray[np.float64] | None) -> Moments:
     """The moments of particles (N, nx) of weights (N,) that sum to 1; None: 1/N each."""
-    w = np.full(len(X), 1 / len(X)) if weights is None else weights
+    w = each(weights, len(X))
     return Moments(w @ X, (X * w[:, None]).T @ X)
 
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from meanfield.interaction import forces, pair_energy
 from meanfield.state import State
+from meanfield.weights import each
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -81,7 +82,7 @@ class Motion:
 
     def _energy(self, k: int) -> float:
         model, X, U = self.model, self.X[k], self.U[k]
-        w = np.full(len(X), 1 / len(X)) if self.weights is None else self.weights
+        w = each(self.weights, len(X))
         kinetic = (self.v[k] @ self.v[k] + model.m * (w @ (U**2).sum(axis=1))) / 2
         pairs = 0.0 if model.V is None else pair_energy(model, X, self.weights) / 2
         return float(kinetic + model.energy0(self.y[k]) + w @ model.energy1(X) + pairs)
