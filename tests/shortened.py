@@ -13,18 +13,25 @@ from tests.shortened_meanfield import shorten_meanfield
 from tests.shortened_tissue import shorten_daha, shorten_tissue
 from tissue.study.figures import style
 from verification import (
+    chapters,
     convergence,
+    decide,
     extrapolation,
     infeasibility,
     large_steps,
     prox_regularity,
+    register,
     sheet,
     work_precision,
     work_references,
 )
+from verification.claim import Claim
 from verification.methods import CATCH_UP, CHIPMUNK, LINEARISED_CLARABEL, LINEARISED_DAQP, LSODA, PBD, PENALTIES
 from verification.stability import catalogue, decades
 
+# At least one correction of notation, and of each chapter one claim.
+KEPT = ("c5.layout",)
+CLAIMS = register.register()
 FEW_PLANES = {"penalty", "radius", "drift"}
 FEW_CASES = ("gap-linearised", "pacman-split", "closing-pbd")
 
@@ -65,6 +72,13 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     shorten_emt(patch, FEWEST)
     shorten_meanfield(patch)
     patch.setattr(style, "DPI", 50)
+    for module in (register, decide, chapters.claims):
+        patch.setattr(module, "register", few_claims)
+
+
+def few_claims() -> tuple[Claim, ...]:
+    """Those that read tables, and some of the others; tests/test_claims_*.py decide all."""
+    return tuple(claim for number, claim in enumerate(CLAIMS) if claim.needs or number % 8 == 0 or claim.id in KEPT)
 
 
 def shorten_work_precision(patch: pytest.MonkeyPatch) -> None:

@@ -9,8 +9,10 @@ from typing import Annotated
 import typer
 from rich.console import Console
 from rich.table import Table
+from rich.text import Text
 
-from verification.claim import Kind
+from verification.claim import Cost
+from verification.evidence import Kind
 
 app = typer.Typer(
     help="Measure the methods, check the statements of the thesis, write the report.", no_args_is_help=True
@@ -34,24 +36,43 @@ def report(full: Full = False, out: Out = Path("report")) -> None:
 
 
 @app.command()
-def claims(full: Full = False, out: Out = Path("report")) -> None:
-    """Print every claim with its verdict; studies that are missing in <out>/tables are run first."""
-    from verification.chapters import CHAPTERS
+def claims(
+    name: Annotated[list[str] | None, typer.Option("--id", help="Only these; * stands for anything.")] = None,
+    chapter: Annotated[list[int] | None, typer.Option(help="Only those of this chapter of the thesis.")] = None,
+    cost: Annotated[Cost | None, typer.Option(help="Only those that take no longer.")] = None,
+    full: Full = False,
+    out: Out = Path("report"),
+) -> None:
+    """Decide the statements of the thesis; the code of the exit is 1 if a verdict differs from the recorded one.
+
+    Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
+    """
+    from verification import decide, selection
+    from verification.register import register
     from verification.report import Context
     from verification.study import workers
 
+    try:
+        chosen = selection.selected(register(), chapter or (), name or (), cost)
+    except ValueError as error:
+        raise typer.BadParameter(str(error)) from None
     with workers() as executor:
         context = Context(out, full, executor)
-        for chapter in CHAPTERS:
-            chapter.run(context)
+        tables = selection.tables_for(chosen, context)
+        table = decide.decided(chosen, tables, context.folder, executor)
     shown = Table(show_lines=True)
-    for name in ("claim", "source", "verdict"):
-        shown.add_column(name, no_wrap=name != "source")
-    shown.add_column("measured", ratio=1)
-    for row in context.tables["claims"].itertuples():
+    for heading, options in (("claim", {"min_width": 20}), ("verdict", {"max_width": 12}), ("measured", {"ratio": 1})):
+        shown.add_column(heading, **options)
+    for row in table.itertuples():
         colour = COLOURS[Kind(row.verdict)]
-        shown.add_row(row.id, row.source, f"[{colour}]{row.verdict}[/]", row.measured)
-    Console().print(shown)
+        shown.add_row(f"{row.id}\n{row.source}", f"[{colour}]{row.verdict}[/]", Text(row.measured))
+    console = Console()
+    console.print(shown)
+    other = decide.differing(table)
+    console.print(f"{len(table)} claims, {len(other)} with another verdict than the recorded one")
+    for row in other.itertuples():
+        console.print(f"{row.id}: {row.verdict}, recorded is {row.recorded}", highlight=False)
+    raise typer.Exit(0 if other.empty else 1)
 
 
 @app.command()

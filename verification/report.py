@@ -18,7 +18,7 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
-from verification.claim import Kind
+from verification.evidence import Kind
 from verification.table import PACKAGES, write
 
 # Numbers smaller than this are written with an exponent.
@@ -65,11 +65,32 @@ class Grid:
 
 
 @dataclass(frozen=True)
+class Search:
+    """A field that hides the statements below it that lack a word that is typed, or have another verdict."""
+
+    kind: str = field(default="search", init=False)
+    verdicts: tuple[str, ...] = tuple(VERDICTS)
+
+
+@dataclass(frozen=True)
+class Statements:
+    """Claims, one below the other; the rows of ``verification.decide.decided``."""
+
+    table: pd.DataFrame
+    kind: str = field(default="statements", init=False)
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One dictionary for each claim, with the CSS class of its verdict as ``look``."""
+        return [row | {"look": VERDICTS[row["verdict"]]} for row in self.table.to_dict("records")]
+
+
+@dataclass(frozen=True)
 class Section:
     """A heading with its parts."""
 
     title: str
-    parts: Sequence[Text | Picture | Grid]
+    parts: list[Text | Picture | Grid | Search | Statements]
 
 
 @dataclass
@@ -108,14 +129,16 @@ class Context:
 class Chapter:
     """``run`` completes the studies and fills ``context.tables``; ``sections`` writes about them, and only reads.
 
-    ``prepare`` is done by one worker while the others begin with the chapters before: two that come to the same kernels
-    at the same time would both compile them.
+    ``tables`` says how the names of its tables begin, so that one can be had without the other chapters. ``prepare`` is
+    done by one worker while the others begin with the chapters before: two that come to the same kernels at the same
+    time would both compile them.
     """
 
     title: str
     run: Callable[[Context], None]
     sections: Callable[[Context], Sequence[Section]]
     prepare: Callable[[], None] | None = None
+    tables: tuple[str, ...] = ()
 
 
 def write_report(chapters: Sequence[Chapter], context: Context) -> Path:

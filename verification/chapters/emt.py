@@ -22,4 +22,4 @@ def sections(context: Context) -> Sequence[Section]:
     return page.sections(context)
 
 
-CHAPTER = Chapter("EMT", run, sections)
+CHAPTER = Chapter("EMT", run, sections, tables=("emt_",))

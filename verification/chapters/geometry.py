@@ -122,4 +122,4 @@ def _consistency(context: Context) -> Section:
     )
 
 
-CHAPTER = Chapter("The geometry of the feasible set", run, sections)
+CHAPTER = Chapter("The geometry of the feasible set", run, sections, tables=("prox_", "consistency"))

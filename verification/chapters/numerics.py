@@ -210,4 +210,9 @@ def _large(context: Context) -> Section:
     )
 
 
-CHAPTER = Chapter("Numerical experiments with first-order PBD", run, sections)
+CHAPTER = Chapter(
+    "Numerical experiments with first-order PBD",
+    run,
+    sections,
+    tables=("positions", "catch_up", "references", "convergence", "orders", "penalty_", "infeasibility", "large_steps"),
+)

@@ -53,4 +53,4 @@ def sections(context: Context) -> Sequence[Section]:
     return [part.section(context) for part in PARTS]
 
 
-CHAPTER = Chapter("Tissue", run, sections, compile_kernels)
+CHAPTER = Chapter("Tissue", run, sections, compile_kernels, tables=("tissue_",))

@@ -1,79 +1,135 @@
-"""Appendix, section 1.1: Uzawa's method as printed."""
+"""Appendix, section 1: Uzawa's method as printed, linear and nonlinear."""
 # ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import minimize
 
-from verification.claim import Claim, Tables, Verdict, corrected_if
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 Floats = NDArray[np.float64]
 SEED = 33
 STEPS = 2000
 TOL = 1e-8
+# Of a minimum that a solver without gradients of our own finds.
+FOUND = 1e-5
 # Where a recursion that blows up is cut off.
 FAR = 1e12
+# A slope or a distance above this is no rounding.
+SEEN = 0.1
+PROGRAMS = 100
 
 
-def _saddle() -> tuple[Floats, Floats, Floats, Floats]:
+def saddle(seed: int = SEED) -> tuple[Floats, Floats, Floats, Floats]:
     """A (5, 5) symmetric positive definite, B (2, 5), f, g."""
-    rng = np.random.default_rng(SEED)
+    rng = np.random.default_rng(seed)
     root = rng.normal(size=(5, 5))
     return root @ root.T + np.eye(5), rng.normal(size=(2, 5)), rng.normal(size=5), rng.normal(size=2)
 
 
-def _solved(a: Floats) -> tuple[Floats, Floats, Floats]:
-    """The matrix of (A.1) for ``a`` in the place of A, its solution x, and lambda."""
-    _, b, f, g = _saddle()
-    matrix = np.block([[a, b.T], [b, np.zeros((2, 2))]])
-    solution = np.linalg.solve(matrix, np.concatenate((f, g)))
-    return matrix, solution[:5], solution[5:]
+def system(seed: int = SEED) -> Floats:
+    """The matrix of (A.1)."""
+    a, b, _, _ = saddle(seed)
+    return np.block([[a, b.T], [b, np.zeros((2, 2))]])
 
 
-def _first_order(_: Tables) -> Verdict:
+def solution() -> tuple[Floats, Floats]:
+    """x and lambda of (A.1)."""
+    _, _, f, g = saddle()
+    both = np.linalg.solve(system(), np.concatenate((f, g)))
+    return both[:5], both[5:]
+
+
+def _first_order(_: Tables) -> Evidence:
     """Slope of the energy along the feasible directions at the solution of (A.1)."""
-    a, b, f, _g = _saddle()
-    _, x, _ = _solved(a)
+    a, b, f, _g = saddle()
+    x, _ = solution()
     along = np.linalg.svd(b)[2][2:]
     printed, right = (float(np.abs(along @ (factor * a @ x - f)).max()) for factor in (2.0, 1.0))
-    return corrected_if(
-        printed < TOL,
-        right < TOL,
+    return Evidence(
         f"a random program: at the solution of (A.1) the slope of xᵀAx - fᵀx within Bx = g is {printed:.2f}, that of "
-        f"½xᵀAx - fᵀx is {right:.0e}: the energy lacks ½ (and ℒ must read ½xᵀAx - fᵀx + λᵀ(Bx - g), f ∈ ℝᵈ)",
+        f"½xᵀAx - fᵀx is {right:.0e}",
+        printed=(at_most("slope of xᵀAx - fᵀx", printed, TOL),),
+        corrected=(at_most("slope of ½xᵀAx - fᵀx", right, TOL),),
+        seed=SEED,
     )
 
 
-def _symmetric(_: Tables) -> Verdict:
-    matrix, _, _ = _solved(_saddle()[0])
-    eigenvalues = np.linalg.eigvalsh(matrix)
-    skew = float(np.abs(matrix - matrix.T).max())
-    return corrected_if(
-        False,
-        skew == 0 and eigenvalues[0] < 0 < eigenvalues[-1],
-        f"with a symmetric A it is always symmetric (here to {skew:g}), and never positive definite: eigenvalues from "
-        f"{eigenvalues[0]:.2f} to {eigenvalues[-1]:.2f}; as many are negative as there are constraints",
+def _lagrangian(_: Tables) -> Evidence:
+    """The saddle of ½xᵀAx - fᵀx + λᵀBx, the only number that the printed sum can stand for, and of that with g."""
+    a, b, f, g = saddle()
+    misses = []
+    for level in (np.zeros(2), g):
+        inverse = np.linalg.inv(a)
+        lam = np.linalg.solve(b @ inverse @ b.T, b @ inverse @ f - level)
+        misses.append(float(np.abs(b @ inverse @ (f - b.T @ lam) - g).max()))
+    return Evidence(
+        f"Bᵀλ has {b.shape[1]} entries and cannot be added to numbers; with λᵀBx for it the saddle point misses Bx = g "
+        f"by {misses[0]:.2f}, since g does not occur; with λᵀ(Bx - g) by {misses[1]:.0e}",
+        printed=(at_most("misfit of Bx = g, ℒ without g", misses[0], TOL),),
+        corrected=(at_most("misfit of Bx = g, ℒ with λᵀ(Bx - g)", misses[1], TOL),),
+        seed=SEED,
     )
 
 
-def _schur(_: Tables) -> Verdict:
-    a, b, f, g = _saddle()
-    _, x, lam = _solved(a)
+def definite(matrix: Floats) -> bool:
+    """Whether a matrix is symmetric and positive definite."""
+    return bool(np.array_equal(matrix, matrix.T) and np.linalg.eigvalsh(matrix)[0] > 0)
+
+
+def _indefinite(_: Tables) -> Evidence:
+    matrices = [system(seed) for seed in range(PROGRAMS)]
+    count = sum(not definite(matrix) for matrix in matrices)
+    negative = {int((np.linalg.eigvalsh(matrix) < 0).sum()) for matrix in matrices}
+    return Evidence(
+        f"{count} of {PROGRAMS} random systems are not symmetric positive definite: with a symmetric A they are "
+        f"symmetric, but have {', '.join(map(str, sorted(negative)))} negative eigenvalues, as many as constraints",
+        printed=(at_least("share of systems that are not symmetric positive definite", count / PROGRAMS, 0.5),),
+        seed=SEED,
+    )
+
+
+def _schur(_: Tables) -> Evidence:
+    a, b, f, g = saddle()
+    x, lam = solution()
     left = b @ np.linalg.solve(a, f - b.T @ lam)
     short = f"Bx = BA⁻¹f - BA⁻¹Bᵀλ to {np.abs(b @ x - left).max():.0e}, = g to {np.abs(left - g).max():.0e}"
-    return corrected_if(
-        b.shape[1] == len(lam),
-        bool(np.abs(left - g).max() < TOL),
+    return Evidence(
         f"B is {b.shape[0]} × {b.shape[1]} and λ has {len(lam)} entries, so Bλ does not exist; {short}",
+        printed=(equal("columns of B less entries of λ", b.shape[1] - len(lam), 0.0),),
+        corrected=(
+            at_most("|Bx - (BA⁻¹f - BA⁻¹Bᵀλ)|", float(np.abs(b @ x - left).max()), TOL),
+            at_most("|BA⁻¹f - BA⁻¹Bᵀλ - g|", float(np.abs(left - g).max()), TOL),
+        ),
+        seed=SEED,
     )
 
 
-def _ascent(_: Tables) -> Verdict:
+def dual(lam: Floats) -> float:
+    """F(λ) = λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)."""
+    a, b, f, g = saddle()
+    return float(lam @ b @ np.linalg.solve(a, b.T @ lam) - 2 * lam @ (b @ np.linalg.solve(a, f) - g))
+
+
+def _dual(_: Tables) -> Evidence:
+    _, lam = solution()
+    found = minimize(dual, np.zeros(2), tol=1e-12, method="Nelder-Mead").x
+    off = float(np.abs(found - lam).max())
+    return Evidence(
+        f"a solver that sees only values of F ends {off:.0e} from the λ of (A.1)",
+        printed=(at_most("distance of the least F from λ", off, FOUND),),
+        seed=SEED,
+    )
+
+
+def _ascent(_: Tables) -> Evidence:
     """Both printed lines, and the limit of the step."""
-    a, b, f, g = _saddle()
+    a, b, f, g = saddle()
     schur, target = b @ np.linalg.solve(a, b.T), b @ np.linalg.solve(a, f)
-    exact = np.linalg.solve(schur, target - g)
+    _, exact = solution()
     limit = 2 / float(np.linalg.eigvalsh(schur)[-1])
 
     def misses(step: float, first: bool) -> float:
@@ -86,22 +142,105 @@ def _ascent(_: Tables) -> Verdict:
         return float(np.abs(lam - exact).max())
 
     first, second, beyond = misses(0.95 * limit, True), misses(0.95 * limit, False), misses(1.05 * limit, False)
-    return corrected_if(
-        first < TOL,
-        second < TOL < beyond,
+    return Evidence(
         f"at 0.95 of the limit step 2/λ_max(BA⁻¹Bᵀ) the first line misses λ by {first:.0e}, the second by {second:.0e} "
-        f"(at 1.05 by {beyond:.0e}): the first must read α(BA⁻¹f - BA⁻¹Bᵀλ - g), descent of F, ascent of ℒ",
+        f"(at 1.05 by {beyond:.0e})",
+        printed=(at_most("distance from λ, first line", first, TOL),),
+        corrected=(
+            at_most("distance from λ, second line", second, TOL),
+            at_least("the same beyond the limit step", beyond, SEEN),
+        ),
+        seed=SEED,
+    )
+
+
+def constraint(x: Floats) -> float:
+    """g: the unit circle."""
+    return float(x @ x - 1)
+
+
+def _nonlinear(_: Tables) -> Evidence:
+    """The nearest point of the circle to (2, 1), W = |x - (2, 1)|^2/2: (2, 1)/√5, λ = (√5 - 1)/2."""
+    x, lam, far = np.array([1.0, -1.0]), 0.0, np.array([2.0, 1.0])
+    for _ in range(STEPS):
+        x = x - 0.1 * ((x - far) + 2 * x * lam)
+        lam = lam + 0.1 * constraint(x)
+        if np.abs(x).max() > FAR:
+            break
+    off = max(float(np.abs(x - far / np.sqrt(5)).max()), abs(lam - (np.sqrt(5) - 1) / 2))
+    return Evidence(
+        f"the point of the unit circle next to (2, 1): after {STEPS} steps with γ = α = 0.1 it ends {off:.0e} from the "
+        "solution and its multiplier",
+        printed=(at_most("distance from the solution and its multiplier", off, TOL),),
     )
 
 
 CLAIMS = (
-    Claim("c3.uzawa-energy", "appendix 1.1, (A.1)", "minimise xᵀAx - fᵀx … ℒ := xᵀAx + Bᵀλ - fᵀx", _first_order),
+    Claim(
+        "c3.uzawa-energy",
+        "appendix 1.1, (A.1)",
+        "minimise xᵀAx - fᵀx subject to Bx = g … The corresponding first order conditions yield the linear problem",
+        _first_order,
+        statement="The quadratic program whose first-order conditions are the linear system (A.1).",
+        recorded=Kind.CORRECTED,
+        correction=Correction("minimise ½xᵀAx - fᵀx", Effect.MODEL, "ℒ, which needs the same factor ½, and (A.1)"),
+    ),
+    Claim(
+        "c3.uzawa-lagrangian",
+        "appendix 1.1",
+        "ℒ(x, λ) := xᵀAx + Bᵀλ - fᵀx … We note that sup_λ ℒ(x, λ) = ∞ if Bx ≠ g",
+        _lagrangian,
+        statement="The Lagrangian whose saddle points solve the program.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "ℒ(x, λ) := ½xᵀAx - fᵀx + λᵀ(Bx - g)", Effect.MODEL, "(A.1), the steps of Uzawa's method"
+        ),
+        chosen="the factor ½, so that this is another matter than the energy",
+    ),
     Claim(
         "c3.uzawa-symmetric",
         "appendix 1.1",
         "this linear system is often not symmetric and positive definite",
-        _symmetric,
+        _indefinite,
+        statement="The matrix of (A.1) is in general not symmetric positive definite.",
+        chosen="read as: not both at once",
     ),
-    Claim("c3.uzawa-schur", "(A.3)", "Bλ = BA⁻¹f - BA⁻¹Bᵀλ = g", _schur),
-    Claim("c3.uzawa-step", "appendix 1.1", "λ_{k+1} = λ_k + α(BA⁻¹Bᵀλ_k - BA⁻¹f - g) = λ_k + α(Bx_{k+1} - g)", _ascent),
+    Claim(
+        "c3.uzawa-schur",
+        "(A.3)",
+        "Bλ = BA⁻¹f - BA⁻¹Bᵀλ = g",
+        _schur,
+        statement="x eliminated from the second row of (A.1).",
+        recorded=Kind.CORRECTED,
+        correction=Correction("Bx = BA⁻¹f - BA⁻¹Bᵀλ = g", Effect.NOTATION, "nothing: the right sides are used"),
+    ),
+    Claim(
+        "c3.uzawa-dual",
+        "appendix 1.1",
+        "min_λ F(λ) with F(λ) := λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)",
+        _dual,
+        statement="The multiplier of (A.1) minimises this quadratic function.",
+    ),
+    Claim(
+        "c3.uzawa-step",
+        "appendix 1.1",
+        "λ_{k+1} = λ_k + α(BA⁻¹Bᵀλ_k - BA⁻¹f - g) = λ_k + α(Bx_{k+1} - g)",
+        _ascent,
+        statement="The step for the multiplier in Uzawa's method, in two forms.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "the first form is λ_k + α(BA⁻¹f - BA⁻¹Bᵀλ_k - g): descent of F, ascent of ℒ",
+            Effect.MODEL,
+            "the method, if it is run by the first form: it diverges",
+        ),
+        chosen="“The gradient of F is given by” is followed by nothing: 2(BA⁻¹Bᵀλ - BA⁻¹f + g)",
+    ),
+    Claim(
+        "c3.uzawa-nonlinear",
+        "appendix 1.2",
+        "x_{k+1} = x_k - γ(∇W(x_k) + (∇g(x_k))ᵀλ_k), λ_{k+1} = λ_k + αg(x_{k+1})",
+        _nonlinear,
+        statement="The nonlinear variant of Uzawa's method for equality constraints.",
+        chosen="one constraint, the unit circle; both step sizes 0.1",
+    ),
 )

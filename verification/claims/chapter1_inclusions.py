@@ -1,160 +1,154 @@
-"""Chapter 1, sections 1 to 4: energies, normal cones, prox-regularity."""
-# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+"""Chapter 1, section 2.1: one-sided Lipschitz continuity, and when solutions are unique."""
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
+from scipy.linalg import expm
 
-import dincl
-from dincl.geometry import proved_constant
-from verification.claim import Claim, Tables, Verdict, corrected_if, holds_if
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims.chapter1_sets import Floats
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 SAMPLES = 2000
 SEED = 11
 ROUNDING = 1e-12
+# Places on both sides of 0, the nearest as near as numbers that are squared allow.
+LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
 
 
-def _ball_at_rest(_: Tables) -> Verdict:
-    """v in dW(0) iff W(y) - W(0) >= v y for all y; for y < 0 that is inf >= v y, so only y >= 0 decides."""
-    weight, y = 2.0, np.linspace(0.0, 5.0, 501)
-    slopes = np.linspace(-4.0, 4.0, 81)
-    inside = slopes[[bool((weight * y >= v * y).all()) for v in slopes]]
-    top = float(inside.max())
-    return corrected_if(
-        top <= 0,
-        abs(top - weight) < ROUNDING,
-        f"with mg = {weight:g} every slope up to {top:g} supports W at 0, so ∂W(0) = (-∞, mg], not (-∞, 0]; and the "
-        "line {mg} belongs to x > 0, not x ≥ 0",
+def damped_step(start: Floats, t: float) -> Floats:
+    """The solutions of x' in -x - sign(x) from start > 0, which reach 0 and stay; L = -1."""
+    return np.asarray(np.maximum((start + 1) * np.exp(-t) - 1, 0.0))
+
+
+def growth(rate: float, t: float) -> float:
+    """The factor of Theorem 1.13."""
+    return float(np.exp(rate * t))
+
+
+def _one_sided(_: Tables) -> Evidence:
+    """Linear systems, for which the best L is the largest eigenvalue of the symmetric part, and a set-valued one."""
+    rng, worst, sharp, constants = np.random.default_rng(SEED), 0.0, 0.0, []
+    for shift in rng.uniform(-4.0, 1.0, 40):
+        a = rng.normal(size=(3, 3)) + shift * np.eye(3)
+        constants.append(float(np.linalg.eigvalsh((a + a.T) / 2)[-1]))
+        worst = max(worst, float(np.linalg.norm(expm(a), 2)) / growth(constants[-1], 1.0))
+        symmetric = (a + a.T) / 2
+        sharp = max(sharp, float(np.linalg.norm(expm(symmetric), 2)) / growth(constants[-1], 1.0))
+    first, second = rng.uniform(0.0, 5.0, (2, SAMPLES))
+    gone = np.abs(damped_step(first, 0.7) - damped_step(second, 0.7)) / np.abs(first - second)
+    worst = max(worst, float(gone.max()) / growth(-1.0, 0.7))
+    return Evidence(
+        f"40 linear systems with L from {min(constants):.2f} to {max(constants):.2f} and ẋ ∈ -x - sign(x) with L = -1: "
+        f"distances grow by at most {worst:.6f} times exp(Lt); symmetric systems attain {sharp:.6f}.",
+        printed=(
+            at_most("growth over exp(Lt)", worst, 1.0, 1e-9),
+            at_most("least L of the samples", min(constants), 0.0),
+            equal("growth over exp(Lt), sharp case", sharp, 1.0, 1e-9),
+        ),
+        seed=SEED,
     )
 
 
-def _drag(_: Tables) -> Verdict:
-    radius, viscosity = 5e-6, 0.1
-    drag = 6 * math.pi * radius * viscosity * 1e3
-    return holds_if(abs(drag / 9.42e-3 - 1) < 1e-3, f"6πRη = {drag:.3e} g/s")
+def step_values(x: float) -> tuple[float, float]:
+    """The least and the largest value of the right-hand side of (1.13)."""
+    return (-1.0, 1.0) if x == 0 else (-np.sign(x), -np.sign(x))
 
 
-def _density(_: Tables) -> Verdict:
-    volume, drag = 4 / 3 * math.pi * 5e-6**3, 6 * math.pi * 5e-6 * 0.1
-    printed, right = 1.05 * volume, 1.05e3 * volume  # [kg]: 1.05 g/L is 1.05 kg/m^3, water has 1000 kg/m^3
-    return corrected_if(
-        abs(right * 1e3 / 0.55e-12 - 1) < 0.01,
-        right / drag < 1e-6,
-        f"1.05 g/L is a thousandth of the density of water; with 1.05 g/mL the mass is {right * 1e3:.2e} g instead "
-        f"of {printed * 1e3:.2e} g and m/μ = {right / drag:.2e} s instead of {printed / drag:.2e} s; far below "
-        "minutes, so the conclusion (overdamped) stands",
+def steepest(sign: float) -> float:
+    """The largest (v - w)(x - y)/(x - y)^2 of sign times (1.13), over x = 0 and x != 0 and all y of the line."""
+    largest = -np.inf
+    for x in (0.0, 1e-8, 0.5):
+        for y in LINE[np.abs(LINE - x) > 0]:
+            ends = ((v - w) * (x - y) / (x - y) ** 2 for v in step_values(x) for w in step_values(y))
+            largest = max(largest, *(sign * end for end in ends))
+    return float(largest)
+
+
+def _remark(_: Tables) -> Evidence:
+    low, high = step_values(0.0)
+    away = sum(not low <= end <= high for y in LINE for end in step_values(y))
+    slope = steepest(1.0)
+    return Evidence(
+        f"At {LINE.size} places y no value of (1.13) lies outside of [-1, 1], its value at 0; the largest "
+        f"(v - w)(x - y)/(x - y)² is {slope:g} ≤ 0.",
+        printed=(equal("values outside of [-1, 1]", away, 0), at_most("largest one-sided slope", slope, 0.0)),
     )
 
 
-def _step(_: Tables) -> Verdict:
-    problem = dincl.scenes.step_inclusion()
-    dt, times = 1e-3, [0.25, 0.5, 1.0]
-    path = dincl.solve(problem, dincl.PBD(dt=dt), t=times)
-    start = float(problem.x0[0, 0])
-    worst = max(abs(float(x[0, 0]) - max(start - t, 0.0)) for t, x in zip(times, path.x, strict=True))
-    return holds_if(worst < ROUNDING, f"catch-up from c = {start:.6f} with dt = {dt:g} differs by {worst:.1e} at most")
-
-
-def _monotone(_: Tables) -> Verdict:
-    """Normal cones of the unit box at random points of its faces, edges and corners."""
-    rng = np.random.default_rng(SEED)
-    x, v = _box_normals(rng)
-    y, w = _box_normals(rng)
-    products = ((v - w) * (x - y)).sum(axis=1)
-    positive = int((products > ROUNDING).sum())
-    return corrected_if(
-        positive == 0,
-        bool(products.min() > -ROUNDING),
-        f"for {SAMPLES} pairs on the unit cube (v - w)·(x - y) lies in [{products.min():.1e}, {products.max():.2f}], "
-        f"{positive} are positive: the sign must be ≥ 0 (it is -N that has ≤ 0)",
+def _monotone_maps(_: Tables) -> Evidence:
+    plain, turned = steepest(-1.0), steepest(1.0)
+    return Evidence(
+        f"The largest (v - w)(x - y)/(x - y)² of sign is {plain:.0e}, at places that are that near to 0, and of -sign "
+        f"{turned:g}: what Remark 1.14 shows, and what is one-sided Lipschitz with L = 0, is -sign.",
+        printed=(at_most("largest one-sided slope of sign", plain, 0.0),),
+        corrected=(
+            at_most("largest one-sided slope of -sign", turned, 0.0),
+            at_least("largest one-sided slope of sign", plain, 1e6),
+        ),
     )
 
 
-def _box_normals(rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    x = np.clip(rng.uniform(-0.5, 1.5, (SAMPLES, 3)), 0.0, 1.0)
-    outward = np.where(x == 1.0, 1.0, np.where(x == 0.0, -1.0, 0.0))
-    return x, outward * rng.uniform(0.0, 2.0, x.shape)
+def touching(angle: float) -> tuple[Floats, Floats]:
+    """Two discs of radius 1/2 in contact, (2, 2), and the unit normal of S there, which pushes them together."""
+    arrow = np.array([np.cos(angle), np.sin(angle)])
+    return np.array([-arrow, arrow]) / 2, np.array([arrow, -arrow]) / np.sqrt(2)
 
 
-def _outside(_: Tables) -> Verdict:
-    """C = [0, 1], x = 2: v (y - 2) <= 0 for all y in C."""
-    y = np.linspace(0.0, 1.0, 101)
-    inside = [v for v in np.linspace(-2, 2, 41) if (v * (y - 2.0) <= 0).all()]
-    return corrected_if(
-        not inside,
-        True,
-        f"for C = [0, 1] and x = 2 the definition as printed gives all v ≥ {min(inside):g}, not ∅: the definition "
-        "needs x ∈ C",
-    )
-
-
-def _sweeping(_: Tables) -> Verdict:
-    problem = dincl.scenes.sweeping_interval()
-    times = np.linspace(0.0, problem.times[-1], 2001)
-    path = dincl.solve(problem, dincl.PBD(dt=times[1]), t=times)
-    speed = np.abs(np.diff(path.x[:, 0, 0])).max() / times[1]
-    return holds_if(speed <= 1 + ROUNDING, f"C(t) = [sin t, sin t + 1/2] has L = 1; largest speed {speed:.6f}")
-
-
-def _prox_constant(_: Tables) -> Verdict:
-    """Two discs: the projection is unique unless the centres coincide, at distance sqrt(2) R from S."""
-    radius = 0.5
-    values = {n: radius / (6 * n) * (math.sin(2 * math.pi / n) / 3) ** 2 for n in (1, 2, 3, 10)}
-    proved = {n: proved_constant(n, radius) for n in (2, 3, 10)}
-    return corrected_if(
-        values[2] > ROUNDING,
-        all(0 < values[n] < proved[n] for n in (3, 10)) and abs(proved[2] - math.sqrt(2) * radius) < ROUNDING,
-        "for N = 2 the formula gives sin(π) = 0, so no η > 0, though two discs have η = √2 R = "
-        f"{math.sqrt(2) * radius:.3f}; positive only for N ≥ 3 (N = 3: {values[3]:.1e}, N = 10: {values[10]:.1e} "
-        f"with R = 1/2). η = R √(2/(2N - 3)) can be proved for all N ≥ 2 and d: {proved[3]:.2f} and {proved[10]:.2f}",
-    )
-
-
-def _hypomonotone(_: Tables) -> Verdict:
-    """S = outside of a ball of radius eta; v = -a x/|x|, w = -b y/|y| on its boundary."""
-    rng = np.random.default_rng(SEED)
-    eta = 0.7
-    x, y = (eta * z / np.linalg.norm(z, axis=1, keepdims=True) for z in rng.normal(size=(2, SAMPLES, 3)))
-    a, b = rng.uniform(0, 3, (2, SAMPLES, 1))
-    left = ((a * x - b * y) / eta * (x - y)).sum(axis=1)
-    right = ((a + b)[:, 0] / (2 * eta)) * ((x - y) ** 2).sum(axis=1)
-    worst = float((left - right).max())
-    return holds_if(worst < ROUNDING, f"outside of a ball both sides agree to {np.abs(left - right).max():.1e}: sharp")
-
-
-def _support(_: Tables) -> Verdict:
-    """A = {1/2}, B = {0, 1} in R."""
-    w = np.linspace(-3, 3, 61)
-    ordered = bool((0.5 * w <= np.maximum(0.0, w)).all())
-    return corrected_if(
-        not ordered,
-        ordered,
-        "A = {1/2} and B = {0, 1} have σ(A, ·) ≤ σ(B, ·) but A ⊄ B: “⇐” needs B closed and convex (step 6 of the "
-        "proof uses it for such a B)",
+def _neither(_: Tables) -> Evidence:
+    """-N(S, .) of two discs at two angles, with a normal of length s at the first and none at the second."""
+    (x, n), (y, m) = touching(0.0), touching(0.3)
+    slopes, gaps = [], []
+    for s in (1.0, 1e3, 1e6):
+        slopes.append(float(-(s * n * (x - y)).sum() / ((x - y) ** 2).sum()))
+        along = max(float((s * n * m).sum()), 0.0)
+        gaps.append(float(np.linalg.norm(s * n - along * m)))
+    return Evidence(
+        f"Two touching discs turned by 0.3, a normal of length s = 1, 10³, 10⁶ at one place: one-sided slopes "
+        f"{slopes[0]:.2g}, {slopes[1]:.2g}, {slopes[2]:.2g}, and distances {gaps[0]:.2g}, {gaps[1]:.2g}, {gaps[2]:.2g} "
+        "from the cone at the other place; neither is bounded.",
+        printed=(
+            at_least("one-sided slope, s = 10⁶ over s = 1", slopes[2] / slopes[0], 1e5),
+            at_least("one-sided slope, s = 1", slopes[0], 0.1),
+            at_least("distance from the other cone, s = 10⁶", gaps[2], 1e5),
+        ),
     )
 
 
 CLAIMS = (
     Claim(
-        "c1.ball-at-rest",
-        "chapter 1, introduction",
-        "∂W(x) = {mg} if x ≥ 0, (-∞, 0] if x = 0, ∅ if x < 0",
-        _ball_at_rest,
+        "c1.one-sided",
+        "Theorem 1.13",
+        "‖x(t) - y(t)‖ ≤ exp(Lt) ‖x(0) - y(0)‖",
+        _one_sided,
+        statement="Solutions of a one-sided Lipschitz inclusion stay within exp(Lt) times their first distance.",
     ),
-    Claim("c1.drag", "Example 1.1", "μ ≈ 6πRη = 9.42 × 10⁻³ g s⁻¹", _drag),
-    Claim("c1.density", "Example 1.1", "m ≈ 1.05 g L⁻¹ · 4/3 π R³ = 0.55 × 10⁻¹² g, m/μ = 5.833 × 10⁻¹¹ s", _density),
-    Claim("c1.step", "Example 1.9", "It turns out that the unique solution is x(t) = max(c - t, 0).", _step),
-    Claim("c1.outside", "after Definition 1.16", "If x ∉ C then N_C(x) = ∅.", _outside),
-    Claim("c1.monotone", "after (1.15)", "(v - w)·(x - y) ≤ 0 for all v ∈ N_C(x), w ∈ N_C(y)", _monotone),
-    Claim("c1.sweeping", "Theorem 1.18", "For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.", _sweeping),
     Claim(
-        "c1.prox-constant",
-        "Proposition 1.22",
-        "S is η-prox-regular with η = R/(6N) (1/3 sin(2π/N))^d for N ∈ ℕ",
-        _prox_constant,
+        "c1.step-continuity",
+        "Remark 1.14",
+        "(v - w)(x - y) = (v + 1)(0 - y) ≤ 0 ≤ 2(x - y)²",
+        _remark,
+        statement="The right-hand side of the step inclusion is upper semicontinuous and one-sided Lipschitz at 0.",
     ),
-    Claim("c1.hypomonotone", "(1.28)", "-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²", _hypomonotone),
-    Claim("c1.support", "(1.30)", "A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v", _support),
+    Claim(
+        "c1.monotone-maps",
+        "Remark 1.15",
+        "we actually showed a stronger property for the sign function, namely that it is a monotone map … with L = 0.",
+        _monotone_maps,
+        statement="The set-valued sign function is one-sided Lipschitz with L = 0.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence",
+            Effect.PROOF,
+            "the remark itself; Theorem 1.13 is applied to -sign",
+        ),
+    ),
+    Claim(
+        "c1.neither",
+        "after Remark 1.15",
+        "the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous.",
+        _neither,
+        statement="The right-hand side of the model of discs fulfils neither assumption of the classical theorems.",
+        chosen="F = 0 and two discs",
+    ),
 )

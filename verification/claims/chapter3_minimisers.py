@@ -1,4 +1,4 @@
-"""Chapter 3, section 2.3: the Arrow-Hurwicz methods as printed."""
+"""Chapter 3, section 2.3: the signs of the Arrow-Hurwicz methods as printed, and where the methods converge."""
 # ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
@@ -8,87 +8,162 @@ from collections.abc import Callable
 import numpy as np
 
 import dincl
-from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, RelativeMove, Stationary, minimise
-from verification.claim import Claim, Tables, Verdict, corrected_if, holds_if
+from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Minimum, RelativeMove, Stationary, minimise
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 STEPS = 2000
-ROUNDING = 1e-12
+# Steps of the methods for discs: a few more than the damped one needs.
+PATIENCE = 500
+# Of a recursion that is cut off where it blows up.
+FAR = 1e12
 TOL = 1e-8
+# Of a residual that is no rounding, and of a rate that is no zero.
+SEEN, SLOWEST = 0.1, 1e-6
 # Table 4.
-ALPHA, BETA, GAMMA, C, EPS = 1e-4, 0.25, 1e-3, 2.0, 1e-6
+ALPHA, BETA, GAMMA, C = 1e-4, 0.25, 1e-3, 2.0
+
+Step = Callable[[float, float], tuple[float, float]]
 
 
-def _on_a_wall(step: Callable[[float, float, float], tuple[float, float]]) -> tuple[float, float]:
-    """(x, lambda) after STEPS of a recursion in (x_n, x_{n-1}, lambda_n), from (1, 1, 0); cut off where it blows up."""
-    before = x = 1.0
-    lam = 0.0
+def slope(x: float) -> float:
+    """Grad W for W = (x + 1)^2/2; on x >= 0 the minimum is x = 0, where it is 1."""
+    return x + 1
+
+
+def on_a_wall(step: Step) -> tuple[float, float]:
+    """(x, lambda) after STEPS of a recursion from (1, 0)."""
+    x, lam = 1.0, 0.0
     for _ in range(STEPS):
-        (after, lam), before = step(x, before, lam), x
-        x = after
-        if abs(x) > 1 / ROUNDING:
+        x, lam = step(x, lam)
+        if abs(x) > FAR:
             break
     return x, lam
 
 
-def _method(_: Tables) -> Verdict:
-    """W = (x + 1)^2/2, g = x >= 0: the minimum is x = 0, where grad W = 1."""
+def first_method(side: float, turn: float) -> tuple[float, float]:
+    """Where Method 3.3 ends: + side * lambda grad g in its first step, lambda + turn * beta g of the sign -side."""
     alpha, beta = 0.1, 0.5
+    bound = min if side > 0 else max
 
-    def step(sign: float) -> Callable[[float, float, float], tuple[float, float]]:
-        def recursion(x: float, _before: float, lam: float) -> tuple[float, float]:
-            z = x - alpha * (x + 1 + lam)
-            return z, min(0.0, lam + sign * beta * z)
+    def step(x: float, lam: float) -> tuple[float, float]:
+        z = x - alpha * (slope(x) + side * lam)
+        return z, bound(0.0, lam + turn * beta * z)
 
-        return recursion
+    return on_a_wall(step)
 
-    (printed, _), (right, lam) = _on_a_wall(step(-1.0)), _on_a_wall(step(1.0))
-    return corrected_if(
-        abs(printed) < TOL,
-        abs(right) < TOL and abs(lam + 1) < TOL,
-        f"W = (x + 1)²/2 on x ≥ 0: as printed it ends at x = {printed:.3g}, for the multiplier grows where the row "
-        f"holds and vanishes where it is violated; with λ + βg it ends at x = {right:.0e}, λ = {lam:.6f}. The same "
-        "with multipliers ≥ 0: minus in the first step, max(0, λ - βg) in the second",
+
+def _method(_: Tables) -> Evidence:
+    """Method 3.3 with the printed signs and with both consistent ones."""
+    printed, (negative, below), (positive, above) = first_method(1, -1)[0], first_method(1, 1), first_method(-1, -1)
+    return Evidence(
+        f"W = (x + 1)²/2 on x ≥ 0, minimum 0: as printed it ends at x = {printed:.3g}, for the multiplier grows where "
+        f"the row holds and vanishes where it is violated; with λ ≤ 0 and λ + βg, as in the appendix, at x = "
+        f"{negative:.0e}, λ = {below:.6f}; with λ ≥ 0 and -λ∇g at x = {positive:.0e}, λ = {above:.6f}",
+        printed=(equal("x at the end, as printed", printed, 0.0, TOL),),
+        corrected=(
+            equal("x at the end, λ ≤ 0", negative, 0.0, TOL),
+            equal("λ at the end, λ ≤ 0", below, -1.0, TOL),
+            equal("x at the end, λ ≥ 0", positive, 0.0, TOL),
+            equal("λ at the end, λ ≥ 0", above, 1.0, TOL),
+        ),
     )
 
 
-def _equilibria(_: Tables) -> Verdict:
-    """The system linearised at x = 0 with its multiplier, for W = (x + 1)^2/2, g = x."""
-    alpha, beta = 0.1, 0.5
-    growth = {sign: np.linalg.eigvals([[-alpha, -sign * alpha], [-beta, 0.0]]).real.max() for sign in (1.0, -1.0)}
-    return corrected_if(
-        growth[1.0] < 0,
-        growth[-1.0] < 0,
-        f"W = (x + 1)²/2 on x ≥ 0: with the printed plus the minimum is an equilibrium at λ = -1 only, a saddle with "
-        f"growth rate {growth[1.0]:.3f}, and (3.22) lets λ grow to positive values where g < 0; with a minus, as in "
-        f"(3.23), the equilibrium is λ = 1 and attracts with rate {growth[-1.0]:.3f}",
+def growth_rate(side: float, turn: float) -> float:
+    """Of x' = -alpha (grad W + side * lambda), lambda' = turn * beta x, linearised at x = 0 with its multiplier."""
+    alpha, beta, bend = 0.1, 0.5, slope(1.0) - slope(0.0)
+    return float(np.linalg.eigvals([[-alpha * bend, -side * alpha], [turn * beta, 0.0]]).real.max())
+
+
+def _equilibria(_: Tables) -> Evidence:
+    printed, negative, positive = growth_rate(1, -1), growth_rate(1, 1), growth_rate(-1, -1)
+    return Evidence(
+        f"W = (x + 1)²/2 on x ≥ 0: as printed the minimum is an equilibrium at λ = -1 only, a saddle with growth rate "
+        f"{printed:.3f}, and (3.22) lets λ grow to positive values where g < 0; with λ ≤ 0 and λ̇ = +βg it attracts "
+        f"with rate {negative:.3f}, with λ ≥ 0 and a minus in (3.21), as in (3.23), with {positive:.3f}",
+        printed=(at_most("growth rate at the minimum, as printed", printed, -SLOWEST),),
+        corrected=(
+            at_most("growth rate at the minimum, λ ≤ 0", negative, -SLOWEST),
+            at_most("growth rate at the minimum, λ ≥ 0", positive, -SLOWEST),
+        ),
     )
 
 
-def _damped_multiplier(_: Tables) -> Verdict:
-    """The same minimum by Method 3.4 with c dtau = 2."""
-    alpha, beta, gamma = 0.2, 0.1, 0.2
-
-    def step(bound: Callable[[float, float], float]) -> Callable[[float, float, float], tuple[float, float]]:
-        def recursion(x: float, _before: float, lam: float) -> tuple[float, float]:
-            return x - (alpha * (x + 1 - lam) + gamma * x * lam) / 2, bound(0.0, lam - beta * x)
-
-        return recursion
-
-    (printed, negative), (right, lam) = _on_a_wall(step(min)), _on_a_wall(step(max))
-    return corrected_if(
-        abs(printed) < TOL,
-        abs(right) < TOL and abs(lam - 1) < TOL,
-        f"W = (x + 1)²/2 on x ≥ 0: with min it ends at x = {printed:.3g}, λ = {negative:.3g}; with max at {right:.0e}, "
-        f"λ = {lam:.6f}, for (3.25) pushes along +λ∇g",
+def _not_always(_: Tables) -> Evidence:
+    """Two and four discs that are drawn to one point, distances squared."""
+    stop, problems = Stationary(TOL), {"two discs": two_discs(), "four discs": dincl.scenes.four_disks()}
+    plain = {
+        name: found(problem, ArrowHurwicz(0.1, 0.1, stop, PATIENCE, squared=True)) for name, problem in problems.items()
+    }
+    damped = [
+        found(problem, DampedArrowHurwicz(0.1, 0.1, 1.0, 2.0, 1.0, stop, PATIENCE, squared=True))
+        for problem in problems.values()
+    ]
+    left = ", ".join(f"{name} {run.residual:.2f}" for name, run in plain.items())
+    done = " and ".join(f"{run.iterations}" for run in damped)
+    return Evidence(
+        f"residual after {PATIENCE} steps: {left}; the damped method meets {TOL:g} after {done} steps",
+        printed=(
+            at_least("least residual of the Arrow-Hurwicz method", min(run.residual for run in plain.values()), SEEN),
+            at_most("largest residual of the damped method", max(run.residual for run in damped), TOL),
+        ),
     )
 
 
-def _two_discs() -> dincl.Problem:
+def found(problem: dincl.Problem, method: ArrowHurwicz | DampedArrowHurwicz) -> Minimum:
+    """The end of the iteration, whether or not it converged."""
+    return minimise(problem, method, throw=False)
+
+
+def two_discs() -> dincl.Problem:
     """Two discs of radius 1/2 drawn to the origin with W = |x|^2/2, from a little apart."""
     return dincl.Problem([[-0.6, 0.1], [0.7, 0.0]], lambda _t, x: -x, [dincl.NonOverlap(0.5)])
 
 
-def _attractive(_: Tables) -> Verdict:
+def _damped_multiplier(_: Tables) -> Evidence:
+    """The same wall by Method 3.4 with c dtau = 2."""
+    alpha, beta, gamma = 0.2, 0.1, 0.2
+
+    def step(bound: Callable[[float, float], float]) -> Step:
+        def recursion(x: float, lam: float) -> tuple[float, float]:
+            return x - (alpha * (slope(x) - lam) + gamma * x * lam) / 2, bound(0.0, lam - beta * x)
+
+        return recursion
+
+    (printed, negative), (right, lam) = on_a_wall(step(min)), on_a_wall(step(max))
+    return Evidence(
+        f"W = (x + 1)²/2 on x ≥ 0, minimum 0: with min it ends at x = {printed:.3g}, λ = {negative:.3g}; with max at "
+        f"{right:.0e}, λ = {lam:.6f}, for (3.25) pushes along +λ∇g",
+        printed=(equal("x at the end, min as printed", printed, 0.0, TOL),),
+        corrected=(equal("x at the end, max", right, 0.0, TOL), equal("λ at the end, max", lam, 1.0, TOL)),
+    )
+
+
+def scaled(alpha: float, beta: float, gamma: float, c: float, dtau: float) -> tuple[float, float, float, float]:
+    """The parameters with which the step dtau does what these do with the step 1."""
+    return alpha / dtau**2, beta / dtau, gamma / dtau**2, c / dtau
+
+
+def _rescaled(_: Tables) -> Evidence:
+    """A power of two, so that equal means equal to the last bit."""
+    scene, dtau, stop = dincl.scenes.four_disks(), 4.0, 1e-5
+    alpha, beta, gamma, c = 0.1, 0.1, 1.0, 1.5
+    one = DampedArrowHurwicz(alpha, beta, gamma, c, 1.0, RelativeMove(stop), STEPS)
+    other = DampedArrowHurwicz(*scaled(alpha, beta, gamma, c, dtau), dtau, RelativeMove(stop / dtau), STEPS)
+    a, b = found(scene, one), found(scene, other)
+    apart = float(np.abs(a.x - b.x).max())
+    return Evidence(
+        f"Δτ = {dtau:g} with α/Δτ², γ/Δτ², β/Δτ, c/Δτ, ε/Δτ against Δτ = 1, four discs: {a.iterations} and "
+        f"{b.iterations} steps, {apart:g} apart",
+        printed=(
+            equal("difference of the numbers of steps", a.iterations - b.iterations, 0.0),
+            equal("largest distance of the ends", apart, 0.0),
+        ),
+    )
+
+
+def _attractive(_: Tables) -> Evidence:
     """N = 2, distances squared, |r| = 1: curvature h = 0 and J J^T = 8 at contact, multiplier scale/4."""
 
     def growth(scale: float) -> float:
@@ -98,77 +173,10 @@ def _attractive(_: Tables) -> Verdict:
 
     strong, weak = growth(1.0), growth(0.02)
     bound = ALPHA * BETA / (C * GAMMA)
-    return holds_if(
-        strong < 0,
+    return Evidence(
         f"linearised at two discs in contact, Table 4: growth rate {strong:.1e} with W = ‖z‖²/2 (λ* = 1/4), but "
         f"{weak:+.1e} with 1/50 of it: it attracts just if c(αh + γλ*‖∇g‖²) > αβ‖∇g‖², here λ* > {bound:.4f}",
-    )
-
-
-def _not_always(_: Tables) -> Verdict:
-    stop, four, two = Stationary(TOL), dincl.scenes.four_disks(), _two_discs()
-    plain = {
-        "two discs": minimise(two, ArrowHurwicz(0.1, 0.1, stop, STEPS, squared=True), throw=False),
-        "four discs": minimise(four, ArrowHurwicz(0.1, 0.1, stop, STEPS, squared=True), throw=False),
-    }
-    damped = [
-        minimise(problem, DampedArrowHurwicz(0.1, 0.1, 1.0, 2.0, 1.0, stop, STEPS, squared=True), throw=False)
-        for problem in (two, four)
-    ]
-    left = ", ".join(f"{name} {found.residual:.2f}" for name, found in plain.items())
-    done = " and ".join(f"{found.iterations}" for found in damped)
-    return holds_if(
-        not any(found.status for found in plain.values()) and all(found.status for found in damped),
-        f"residual after {STEPS} steps, distances squared: {left}; the damped method meets {TOL:g} after {done} steps",
-    )
-
-
-def _rescaled(_: Tables) -> Verdict:
-    """A power of two, so that equal means equal to the last bit."""
-    scene, dtau, stop = dincl.scenes.four_disks(), 4.0, 1e-5
-    alpha, beta, gamma = 0.1, 0.1, 1.0
-    one = DampedArrowHurwicz(alpha, beta, gamma, 1.5, 1.0, RelativeMove(stop), STEPS)
-    other = DampedArrowHurwicz(
-        alpha / dtau**2, beta / dtau, gamma / dtau**2, 1.5 / dtau, dtau, RelativeMove(stop / dtau), STEPS
-    )
-    a, b = minimise(scene, one), minimise(scene, other)
-    apart = float(np.abs(a.x - b.x).max())
-    return holds_if(
-        a.iterations == b.iterations and apart == 0,
-        f"Δτ = {dtau:g} with α/Δτ², γ/Δτ², β/Δτ, c/Δτ, ε/Δτ against Δτ = 1, four discs: {a.iterations} and "
-        f"{b.iterations} steps, {apart:g} apart",
-    )
-
-
-REST = np.array([1.0, 2.0])
-
-
-def _pulled() -> dincl.Problem:
-    """One particle without constraints, W = |x - REST|^2/2; at the start grad W is a fortieth of x."""
-    return dincl.Problem([1.025 * REST], lambda _t, x: REST - x)
-
-
-def _update(_: Tables) -> Verdict:
-    problem = _pulled()
-    step = minimise(problem, DampedArrowHurwicz(ALPHA, BETA, GAMMA, C, 1.0, Stationary(TOL), 1), throw=False)
-    ratio = float((step.x - problem.x0)[0, 0] / (ALPHA * problem.drift(0.0, problem.x0)[0, 0]))
-    return corrected_if(
-        abs(ratio - 1) < 1e-6,
-        abs(ratio - 0.5) < 1e-6,
-        f"the formula above it divides by 1 + cΔτ/2 = 2: the step is {ratio:.4f} times the printed one, so α/2 and γ/2 "
-        "must stand for α and γ, in (3.27) and (3.28) as well; then (3.32) gives μ = 2Δt/(n* α) = 0.267",
-    )
-
-
-def _stopping(_: Tables) -> Verdict:
-    found = minimise(_pulled(), DampedArrowHurwicz.published())
-    gradient = float(np.linalg.norm(found.x - REST) / np.linalg.norm(found.x))
-    bound = EPS / ALPHA
-    return corrected_if(
-        gradient <= bound,
-        gradient <= 2 * bound,
-        f"W = ‖z - a‖²/2 with Table 4: after {found.iterations} steps ‖∇W‖/‖z‖ = {gradient:.4f}: the bound is 2ε/α = "
-        f"{2 * bound:.2f}, since the step is α/2 (with Δτ: 2ε/(αΔτ))",
+        printed=(at_most("growth rate at the contact of two discs", strong, -SLOWEST),),
     )
 
 
@@ -178,27 +186,64 @@ CLAIMS = (
         "Method 3.3",
         "z_{n+1} := z_n - α(∇W(z_n) + Σ λ_ℓ ∇g_ℓ(z_n)), λ_{ℓ,n+1} := min(0, λ_{ℓ,n} - β g_ℓ(z_{n+1}))",
         _method,
+        statement="The two steps of the Arrow-Hurwicz method, which find a minimum of W over g ≥ 0.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)",
+            Effect.MODEL,
+            "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
+        ),
+        chosen="step sizes and one row, the wall x ≥ 0; the first step is from z_0 to z_1, though “n > 0” is printed",
     ),
     Claim(
         "c3.equilibria",
         "(3.21), (3.22)",
         "attractive equilibria of the constructed dynamical system … ż = -α(∇W + Σ λ_ℓ ∇g_ℓ), λ̇_ℓ = -βg_ℓ",
         _equilibria,
+        statement="The system whose attractive equilibria are to be the minima.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ in (3.21) and λ̇_ℓ = +βg_ℓ in (3.22), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ, as in "
+            "(3.23), and λ̇_ℓ = -βg_ℓ",
+            Effect.MODEL,
+            "Method 3.3, which is the semi-implicit Euler method for this system, as in c3.arrow-hurwicz",
+        ),
     ),
     Claim(
         "c3.not-always",
         "section 2.3",
         "the direct application of the Arrow-Hurwicz algorithm does not always converge for … non-overlapping spheres",
         _not_always,
+        statement="The undamped method can fail for discs where the damped one converges.",
+        chosen="signs that the optimality conditions ask for; step sizes 0.1",
     ),
-    Claim("c3.daha-multiplier", "Method 3.4", "λ_{ℓ,n+1} = min(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))", _damped_multiplier),
-    Claim("c3.rescaled", "Remark 3.5", "For example, we can choose without loss of generality Δτ = 1.", _rescaled),
+    Claim(
+        "c3.daha-multiplier",
+        "Method 3.4",
+        "λ_{ℓ,n+1} = min(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+        _damped_multiplier,
+        statement="How the damped method updates its multipliers.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "λ_{ℓ,n+1} = max(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+            Effect.MODEL,
+            "the method: with min, discs that overlap do not notice each other",
+        ),
+        chosen="n starts at 1 with z_1 = z_0, and λ_1 = 0: the text sets only λ_0",
+    ),
+    Claim(
+        "c3.rescaled",
+        "Remark 3.5",
+        "For example, we can choose without loss of generality Δτ = 1.",
+        _rescaled,
+        statement="The step Δτ can be absorbed in the other parameters.",
+    ),
     Claim(
         "c3.attractive",
         "section 2.3",
         "For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
         _attractive,
+        statement="For two discs the damped system is attracted by the minimum.",
+        chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
     ),
-    Claim("c3.update", "(3.26)", "z_{n+1} = z_n - α∇W(z_n) + Σ (αλ_ℓ - γλ_ℓ g_ℓ(z_n)) ∇g_ℓ", _update),
-    Claim("c3.stopping", "Remark 3.6", "‖∇W(z_{n*})‖ / ‖z_{n*}‖ ≤ ε/α = 10⁻⁶/10⁻⁴ = 0.01", _stopping),
 )

@@ -1,0 +1,43 @@
+"""Ratios for claims about runs: what two models say together, and how many runs a difference would need."""
+
+import numpy as np
+import pytest
+
+from tissue.study.comparisons import Difference
+from tissue.study.ratios import Ratio
+from verification.claims import frequencies
+from verification.emt.studies import PRESETS
+from verification.evidence import Evidence, Kind
+
+
+def test_runs_for_a_bound_are_those_of_the_textbook() -> None:
+    """(1.96 sqrt(0.25) + 0.8416 sqrt(0.24))^2/0.1^2 = 193.9."""
+    assert frequencies.runs_for_bound(0.6, 0.5, level=0.95) == 194
+    assert frequencies.runs_for_bound(0.5, 0.5) is None
+
+
+def test_outcomes_of_the_same_cells_differ_as_those_of_a_multinomial() -> None:
+    """The variance of p - q is (p + q - (p - q)^2)/n."""
+    found = frequencies.exclusive(Ratio(200, 400), Ratio(100, 400))
+    p, q = found.first.value, found.second.value
+    spread = [share * (1 - share) / 400 for share in (p, q)]
+    variance = sum(spread) - 2 * found.correlation * np.sqrt(np.prod(spread))
+    assert variance == pytest.approx((p + q - (p - q) ** 2) / 400)
+
+
+def test_models_that_differ_decide_nothing() -> None:
+    def found(first: int, second: int) -> Kind:
+        both = [Difference(Ratio(count, 1000), Ratio(500, 1000)) for count in (first, second)]
+        return Evidence("", (frequencies.more("", dict(zip(PRESETS, both, strict=True))),)).kind
+
+    assert found(700, 800) is Kind.HOLDS
+    assert found(300, 400) is Kind.FAILS
+    assert found(700, 400) is found(500, 500) is Kind.OPEN
+
+
+def test_runs_for_a_margin_shrink_with_the_square_of_the_distance() -> None:
+    """((1.96 + 0.8416)/0.1)^2 (0.25 + 0.25) = 392.4 for two equal ratios of a half."""
+    found = Difference(Ratio(500, 1000), Ratio(500, 1000))
+    assert frequencies.runs_for_margin(found, 0.1, level=0.95) == 393
+    assert frequencies.runs_for_margin(found, 0.2, level=0.95) == 99
+    assert frequencies.runs_for_margin(Difference(Ratio(3, 4), Ratio(1, 4)), 0.5) is None

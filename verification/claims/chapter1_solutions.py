@@ -1,0 +1,174 @@
+"""Chapter 1, section 2: absolutely continuous functions, and the step inclusion of Example 1.9."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_most, equal
+
+ROUNDING = 1e-12
+# The start c of Example 1.9 where quotients are formed, and their step; both exact in binary.
+C, STEP = 0.75, 2.0**-10
+# Ternary digits of Cantor's function, and a distance from the ends of the intervals where it is constant.
+LEVELS, EDGE = 20, 1e-7
+# Cells of [0, 1]; Cantor's function is constant on all but a part of length (2/3)^8 < SHORT of them.
+CELLS, SHORT = 3**8, 0.04
+
+
+def step_solution(c: float, t: float) -> float:
+    """x(t) of Example 1.9 as printed."""
+    return max(c - t, 0.0)
+
+
+def _step(_: Tables) -> Evidence:
+    problem = dincl.scenes.step_inclusion()
+    dt, times = 1e-3, [0.25, 0.5, 1.0]
+    path = dincl.solve(problem, dincl.PBD(dt=dt), t=times)
+    start = float(problem.x0[0, 0])
+    worst = max(abs(float(x[0, 0]) - step_solution(start, t)) for t, x in zip(times, path.x, strict=True))
+    return Evidence(
+        f"Catch-up from c = {start:.6f} with dt = {dt:g} differs from max(c - t, 0) by {worst:.1e} at most.",
+        printed=(at_most("largest difference", worst, 0.0, ROUNDING),),
+    )
+
+
+def speed(t: float, h: float) -> float:
+    """(x(t + h) - x(t))/h for a numerical solution of (1.13) from c."""
+    problem = dincl.Problem([[C]], lambda _t, x: 0 * x - 1.0, [dincl.HalfSpace(normal=(1,))])
+    first, last = sorted((t, t + h))
+    path = dincl.solve(problem, dincl.PBD(dt=STEP), t=[first, last])
+    return float((path.x[1, 0, 0] - path.x[0, 0, 0]) / (last - first))
+
+
+def _no_classical(_: Tables) -> Evidence:
+    arriving, wanted = speed(C, -STEP), 0.0 - float(np.sign(0.0))
+    return Evidence(
+        f"From c = {C} the solution comes to 0 with the velocity {arriving:g}, where -sign(0) = {wanted:g} is wanted: "
+        "a derivative does not jump, so there is no solution in C¹, nor one that is differentiable everywhere.",
+        printed=(equal("velocity on arrival less the one wanted", arriving - wanted, -1.0, ROUNDING),),
+    )
+
+
+def _kink(_: Tables) -> Evidence:
+    before, after = speed(C, -STEP), speed(C, STEP)
+    times = (0.25, C - STEP, C + STEP, 1.0)
+    off = max(abs(speed(t, h) + float(t < C)) for t in times for h in (-STEP, STEP))
+    return Evidence(
+        f"Quotients of a numerical solution from c = {C}: {before:g} before t = c and {after:g} after it; at other "
+        f"times they differ from -1 for t < c and 0 for t > c by {off:.0e}.",
+        printed=(
+            equal("jump of the derivative at c", after - before, 1.0, ROUNDING),
+            at_most("error elsewhere", off, 0, ROUNDING),
+        ),
+    )
+
+
+def cantor(x: float) -> float:
+    """Cantor's function, to LEVELS ternary digits."""
+    value, weight = 0.0, 0.5
+    for _ in range(LEVELS):
+        x *= 3
+        if 1 <= x <= 2:
+            return value + weight
+        if x > 2:
+            value, x = value + weight, x - 2
+        weight /= 2
+    return value
+
+
+FUNCTIONS: dict[str, Callable[[float], float]] = {
+    "√x": math.sqrt,
+    "|x - 0.4|": lambda x: abs(x - 0.4),
+    "Cantor's function": cantor,
+    "a step": lambda x: float(x >= 0.3),
+}
+
+
+def largest_rise(f: Callable[[float], float]) -> float:
+    """The most that the increments over cells of a total length of SHORT add up to, as in Definition 1.6."""
+    increments = np.abs(np.diff([f(k / CELLS) for k in range(CELLS + 1)]))
+    return float(np.sort(increments)[-int(SHORT * CELLS) :].sum())
+
+
+def lost_rise(f: Callable[[float], float]) -> float:
+    """f(1) - f(0) less the integral of the derivative, as in Lemma 1.7, by the midpoint rule."""
+    middles = (np.arange(CELLS) + 0.5) / CELLS
+    slopes = [(f(x + EDGE) - f(x - EDGE)) / (2 * EDGE) for x in middles]
+    return float(f(1.0) - f(0.0) - np.mean(slopes))
+
+
+def _absolutely_continuous(_: Tables) -> Evidence:
+    rises, lost = ({name: part(f) for name, f in FUNCTIONS.items()} for part in (largest_rise, lost_rise))
+    unlike = sum((rises[name] < 0.5) != (abs(lost[name]) < 0.5) for name in FUNCTIONS)
+    return Evidence(
+        f"Most rise over intervals of total length {SHORT}, and rise less integral of the derivative: "
+        + "; ".join(f"{name} {rises[name]:.2f}, {lost[name]:.2f}" for name in FUNCTIONS)
+        + f". The definition and the lemma disagree for {unlike}; the first two are absolutely continuous.",
+        printed=(
+            equal("functions on which they disagree", unlike, 0),
+            equal("functions that are absolutely continuous", sum(rise < 0.5 for rise in rises.values()), 2),
+        ),
+    )
+
+
+def _almost_everywhere(_: Tables) -> Evidence:
+    lost, ours = lost_rise(cantor), lost_rise(lambda t: step_solution(C, t))
+    return Evidence(
+        f"Cantor's function has the derivative 0 almost everywhere, but rises by {lost:.3f}: it is not absolutely "
+        f"continuous. For max(c - t, 0), c = {C}, rise and integral of the derivative differ by {abs(ours):.0e}, and "
+        "that is what Lemma 1.7 asks.",
+        printed=(equal("rise less integral of the derivative, Cantor's function", lost, 0.0, 0.05),),
+        corrected=(equal("rise less integral of the derivative, Example 1.9", ours, 0.0, 1e-3),),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c1.absolutely-continuous",
+        "Definition 1.6, Lemma 1.7",
+        "f is absolutely continuous if and only if there exists a Lebesgue integrable function g … f(x) = f(a) + ∫ g",
+        _absolutely_continuous,
+        statement="Absolutely continuous functions are the integrals of integrable ones.",
+        chosen="four functions on [0, 1]; g can only be the derivative",
+    ),
+    Claim(
+        "c1.no-classical",
+        "Example 1.9",
+        "ẋ = -sign(x) with the convention sign(0) = 0. This equation has no classical solutions.",
+        _no_classical,
+        statement="The equation with the sign function has no differentiable solution.",
+        chosen="a start at c ≠ 0 and T ≥ |c|: x = 0 for all times is a classical solution, and so is c - t until t = c",
+    ),
+    Claim(
+        "c1.step",
+        "Example 1.9",
+        "It turns out that the unique solution is x(t) = max(c - t, 0).",
+        _step,
+        statement="The solution of the step inclusion.",
+    ),
+    Claim(
+        "c1.kink",
+        "Example 1.9",
+        "the derivative does not exist at t = c … for t ≠ c is equal to -1_{t < c}(t)",
+        _kink,
+        statement="The derivative of the solution of the step inclusion, and where there is none.",
+    ),
+    Claim(
+        "c1.almost-everywhere",
+        "Example 1.9",
+        "The existence of an almost everywhere defined derivative proves that x is absolutely continuous by Lemma 1.7.",
+        _almost_everywhere,
+        statement="A function with a derivative almost everywhere is absolutely continuous.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "x is absolutely continuous by Lemma 1.7, as it is the integral of its derivative",
+            Effect.PROOF,
+            "nothing else: max(c - t, 0) is absolutely continuous",
+        ),
+    ),
+)

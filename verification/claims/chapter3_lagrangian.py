@@ -1,0 +1,242 @@
+"""Chapter 3, section 2.3: the constraints, the Lagrangian and the equilibria on which the minimisers rest."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+from itertools import combinations, pairwise, product
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize
+
+import dincl
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+
+Floats = NDArray[np.float64]
+SEED = 37
+SAMPLES = 1000
+# The hard radius, the largest distance of neighbouring basal points [R_soft], and a small tissue.
+HARD, MOST, CELLS = 1 / 3, 1 / 3, 5
+# Of the solver that finds the minimum, far above its tolerance 1e-12.
+TOL = 1e-5
+# A sup over all multipliers is taken over those up to this; exact where it is beyond the multipliers of the minimum.
+LARGE = 1e3
+
+
+def next_to(n: int) -> list[tuple[int, int]]:
+    """The edges of a layer of n cells."""
+    return [(i, i + 1) for i in range(n - 1)]
+
+
+def _count(_: Tables) -> Evidence:
+    """(C1) for each pair, (C2) and (C4) for each edge, (C3) for each cell."""
+    sizes = range(1, 61)
+    counted = [len(list(combinations(range(n), 2))) + 2 * len(next_to(n)) + n for n in sizes]
+    told = [n * (n - 1) / 2 + 2 * (n - 1) + n for n in sizes]
+    off = float(np.abs(np.subtract(counted, told)).max())
+    return Evidence(
+        f"counted for 1 to 60 cells, the formula is off by {off:g} at most; the 60 cells of Table 1 have {counted[-1]}",
+        printed=(equal("largest difference of count and formula", off, 0.0),),
+    )
+
+
+def basal_pairs() -> Floats:
+    """x of two neighbouring basal points, shape (SAMPLES, 2), in either order."""
+    return np.random.default_rng(SEED).uniform(-1.0, 1.0, (SAMPLES, 2))
+
+
+def _squared(_: Tables) -> Evidence:
+    left, right = basal_pairs().T
+    answers = ((right - left) ** 2 >= 0, left**2 <= right**2, right - left >= 0)
+    wrong = [int((told != (left <= right)).sum()) for told in answers]
+    h = 1e-6
+    signed, plain = (abs(edge(h) - edge(-h)) / (2 * h) for edge in (lambda s: -(min(0.0, s) ** 2), lambda s: s))
+    return Evidence(
+        f"of {SAMPLES} random pairs (x(B_j) - x(B_i))² ≥ 0 judges {wrong[0]} wrongly, x(B_j)² ≥ x(B_i)² {wrong[1]}, "
+        f"(C4) itself {wrong[2]}; -min(0, x(B_j) - x(B_i))² ≥ 0 has the gradient {signed:.0e} where it is met, so that "
+        "no multiplier can push along it",
+        printed=(equal("pairs judged wrongly, better of two squares", min(wrong[:2]), 0.0),),
+        corrected=(
+            equal("pairs judged wrongly, (C4) as it is", wrong[2], 0.0),
+            at_least("gradient of (C4) where it is met", plain, 0.5),
+        ),
+        seed=SEED,
+    )
+
+
+def states() -> Floats:
+    """Nuclei, apical and basal points of CELLS cells, shape (SAMPLES, 3 CELLS, 2); many of them break something."""
+    rng = np.random.default_rng(SEED)
+    z = rng.uniform(0.0, 3.0, (SAMPLES, 3 * CELLS, 2))
+    z[:, 2 * CELLS :, 0] = rng.uniform(-0.05, 1.2 * MOST, (SAMPLES, CELLS)).cumsum(axis=1)
+    z[:, 2 * CELLS :, 1] *= rng.uniform(size=(SAMPLES, 1)) < 0.2
+    return z
+
+
+def apart(nuclei: Floats) -> bool:
+    """(C1) as printed."""
+    return all(math.dist(one, other) >= 2 * HARD for one, other in combinations(nuclei.tolist(), 2))
+
+
+def lined_up(basal: Floats) -> bool:
+    """(C2), (C3) and (C4) as printed."""
+    steps = [(math.dist(basal[i], basal[j]), basal[j, 0] - basal[i, 0]) for i, j in next_to(CELLS)]
+    return all(length <= MOST and step >= 0 for length, step in steps) and not basal[:, 1].any()
+
+
+def in_all(z: Floats) -> bool:
+    """Whether z lies in each S_j of (C1), (C4) and (C2), sets of the program, and (C3) holds."""
+    chain = np.arange(2 * CELLS, 3 * CELLS)
+    sets = (
+        dincl.NonOverlap(HARD, among=np.arange(CELLS)),
+        dincl.Ordered(chain, axis=0),
+        dincl.MaxDistance(np.column_stack((chain[1:], chain[:-1])), MOST),
+    )
+    return bool(all((one.near(0.0, z, 0.0).values(z) >= 0).all() for one in sets) and not z[chain, 1].any())
+
+
+def _set(_: Tables) -> Evidence:
+    """Nuclei and basal points of different states are put together, and midpoints are taken."""
+    z, split = states(), 2 * CELLS
+    nuclei = [one[:CELLS] for one in z if apart(one[:CELLS])]
+    basal = [one[split:] for one in z if lined_up(one[split:])]
+    wrong = sum(in_all(one) != (apart(one[:CELLS]) and lined_up(one[split:])) for one in z)
+    mixed = sum(not in_all(np.vstack((x, z[0, CELLS:split], b))) for x, b in zip(nuclei, basal, strict=False))
+    flat = sum(not lined_up((b + other) / 2) for b, other in pairwise(basal))
+    bent = sum(not apart((x + other) / 2) for x, other in pairwise(nuclei))
+    return Evidence(
+        f"{SAMPLES} random states of {CELLS} cells: {wrong} are either in all S_j of the program or in S as printed, "
+        f"not in both; {mixed} feasible nuclei do not go with feasible basal points of another state; of midpoints of "
+        f"{len(basal)} feasible basal layers {flat} are not feasible, of {len(nuclei)} states of nuclei {bent}",
+        printed=(
+            equal("states in S or in all S_j, but not in both", wrong, 0.0),
+            equal("feasible nuclei that do not go with feasible basal points", mixed, 0.0),
+            equal("midpoints of feasible basal layers that are not feasible", flat, 0.0),
+            at_least("feasible states of nuclei and of basal points", min(len(nuclei), len(basal)), SAMPLES / 20),
+        ),
+        seed=SEED,
+    )
+
+
+def lagrangian(w: Floats, g: Floats, multipliers: Floats) -> Floats:
+    """W + sum_l lambda_l min(0, g_l), for W (K,), g (K, 2), lambda (2,)."""
+    return w + np.minimum(0.0, g) @ multipliers
+
+
+def _saddle(_: Tables) -> Evidence:
+    """W = |z - a|^2 / 2 outside of the unit disc and right of x = 0, all on a grid."""
+    grid = np.stack(np.meshgrid(np.linspace(-2, 2, 201), np.linspace(-2, 2, 201)), axis=-1).reshape(-1, 2)
+    w = ((grid - [0.3, 0.2]) ** 2).sum(axis=1) / 2
+    g = np.stack((grid[:, 0], (grid**2).sum(axis=1) - 1), axis=1)
+    highest = np.max([lagrangian(w, g, np.array(lam)) for lam in product((-LARGE, 0.0, LARGE), repeat=2)], axis=0)
+    inside = (g >= 0).all(axis=1)
+    saddle, least = grid[np.argmin(highest)], grid[np.argmin(np.where(inside, w, np.inf))]
+    apart = float(np.linalg.norm(saddle - least))
+    return Evidence(
+        f"on a grid, sup over |λ| ≤ {LARGE:g}: inf sup ℒ is taken at ({saddle[0]:.2f}, {saddle[1]:.2f}), the least W "
+        f"with g ≥ 0 at ({least[0]:.2f}, {least[1]:.2f})",
+        printed=(equal("distance of the two points", apart, 0.0),),
+    )
+
+
+class Rest(NamedTuple):
+    """A minimum of W over S: z (6,), grad W (6,), g (3,), the gradients of g (3, 6), and multipliers >= 0."""
+
+    z: Floats
+    gradient: Floats
+    g: Floats
+    rows: Floats
+    multipliers: Floats
+
+
+PAIRS = ((0, 1), (0, 2), (1, 2))
+FROM = np.array([0.9, 0.1, -0.7, 0.6, -0.2, -0.9])
+
+
+def gaps(z: Floats) -> Floats:
+    """|X_i - X_j|^2 - 1 for three discs of radius 1/2."""
+    x = z.reshape(3, 2)
+    return np.array([((x[i] - x[j]) ** 2).sum() - 1 for i, j in PAIRS])
+
+
+def three_discs() -> Rest:
+    """Three discs with W = |z|^2/2: the minimum by sequential quadratic programming, multipliers by least squares."""
+    found = minimize(lambda z: z @ z / 2, FROM, constraints={"type": "ineq", "fun": gaps}, tol=1e-12).x
+    x, gradients = found.reshape(3, 2), np.zeros((3, 3, 2))
+    for k, (i, j) in enumerate(PAIRS):
+        gradients[k, i] = 2 * (x[i] - x[j])
+        gradients[k, j] = -gradients[k, i]
+    rows = gradients.reshape(3, 6)
+    multipliers = np.linalg.lstsq(rows.T, found, rcond=None)[0]
+    return Rest(found, found, gaps(found), rows, multipliers)
+
+
+def _rest(_: Tables) -> Evidence:
+    at = three_discs()
+    first = float(np.abs(at.gradient + at.rows.T @ -at.multipliers).max())
+    damping = at.rows.T @ (at.multipliers * at.g)
+    second = float(np.abs(at.gradient - at.rows.T @ at.multipliers + damping).max())
+    moving = float(np.abs(np.where((at.multipliers == 0) & (at.g >= 0), 0.0, at.g)).max())
+    return Evidence(
+        f"three discs drawn to one point, minimum by another solver: the right side of (3.21) is {first:.0e} with "
+        f"λ = {-at.multipliers[0]:.3f}, that of (3.22) {moving:.0e}, that of (3.23) {second:.0e} with λ = "
+        f"{at.multipliers[0]:.3f}",
+        printed=(
+            at_most("|ż| of (3.21)", first, TOL),
+            at_most("|λ̇| of (3.22)", moving, TOL),
+            at_most("|z̈| of (3.23)", second, TOL),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c3.feasible-set",
+        "(3.16), sections 3.2 and 3.3",
+        "S = ⋂_{j=1}^M S_j, which is the key assumption for the application of PBD",
+        _set,
+        statement="S is the intersection of the sets of single constraints: the nuclei that meet (C1), times all "
+        "apical points, times a convex set of basal points. So S is prox-regular if the set of (C1) is.",
+        chosen="equal hard radii, as Proposition 1.22 has them",
+    ),
+    Claim(
+        "c3.constraint-count",
+        "section 2.3",
+        "in the setup of Section 2.2.7 we have M = N(N-1)/2 + 2(N-1) + N constraints",
+        _count,
+        statement="How many scalar constraints a tissue of N cells has.",
+        chosen="the basal line counts as one constraint for each cell",
+    ),
+    Claim(
+        "c3.squared",
+        "section 2.3",
+        "Since the convergence rates can depend on the representation, we define g_ℓ as the square of (C1) to (C4).",
+        _squared,
+        statement="All four kinds of constraints are taken squared.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "distances (C1), (C2) are squared; the order (C4) is taken as it stands, and (C3) is eliminated",
+            Effect.NOTATION,
+            "(3.19) and every method that uses these g_ℓ",
+        ),
+    ),
+    Claim(
+        "c3.saddle",
+        "(3.20)",
+        "Solutions of (3.20) will also be solutions of the original problem (3.18).",
+        _saddle,
+        statement="inf sup of ℒ = W + Σ λ_ℓ min(0, g_ℓ) over all λ gives the minima of W over S.",
+    ),
+    Claim(
+        "c3.rests",
+        "(3.21) to (3.23)",
+        "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … has also "
+        "all solutions of (3.18) as equilibria.",
+        _rest,
+        statement="A constrained minimum, with its multipliers, is an equilibrium of both systems.",
+        chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
+    ),
+)

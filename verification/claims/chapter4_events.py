@@ -1,0 +1,200 @@
+"""Chapter 4, sections 2.2.1 to 2.2.3 and 2.2.5: how cells leave the layers, what their springs do, and who divides."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from itertools import permutations
+
+import numpy as np
+
+from tissue.first_order import simulate
+from tissue.parameters import preset
+from tissue.run import Frame, Run
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+
+SEED = 4
+GROUP = 10
+# The freed apical spring of Table 2 of chapter 3, in R_soft and hours: stiffness, rate, damping, and its start.
+ALPHA, RATE, MU, ETA, STEP, HOURS = 2.0, 5.0, 0.15, 1.5, 1e-3, 3.0
+# A contraction worth the name: the spring becomes at least a tenth shorter.
+SHORTER = 0.9
+# What rounding leaves of y = 0 and of a length.
+ROUNDING = 1e-12
+# A bend that can be seen [degrees], and how many times that of a cell with a stiff bending spring.
+BEND, TIMES = 10.0, 2.0
+
+Edges = frozenset[tuple[int, int]]
+
+
+def bridged(edges: Edges, i: int) -> Edges:
+    """The edges (j1, i) and (i, j2) replaced by (j1, j2); at the boundary the one edge is removed."""
+    left = [a for a, b in edges if b == i]
+    right = [b for a, b in edges if a == i]
+    return frozenset(edge for edge in edges if i not in edge) | frozenset((a, b) for a in left for b in right)
+
+
+def _bridge(_: Tables) -> Evidence:
+    """Four of six cells leave in every order."""
+    start = frozenset((k, k + 1) for k in range(5))
+    broken = tried = 0
+    for gone in permutations(range(6), 4):
+        edges = start
+        for i in gone:
+            edges = bridged(edges, i)
+        stay = sorted(set(range(6)) - set(gone))
+        broken += edges != frozenset({(stay[0], stay[1])})
+        tried += 1
+    return Evidence(
+        f"Four of six cells leave a layer in each of {tried} ways; {broken} of them leave other edges than the one "
+        "that joins the two cells that stay.",
+        printed=(at_most("ways that break the layer", broken, 0),),
+    )
+
+
+def contracted(relaxes: bool) -> float:
+    """|X - A| of a freed spring after some hours, over that before; η* = 0, and (3.2) holds or does not."""
+    eta, d = ETA, 1.0 + ETA
+    for _ in range(round(HOURS / STEP)):
+        # Both ends move along the spring, each by its force 2 α (d - l)/l.
+        d -= STEP / MU * 2 * (2 * ALPHA * (d - 1.0 - eta) / (1.0 + eta))
+        eta -= STEP * RATE * eta * relaxes
+    return d / (1.0 + ETA)
+
+
+def _rest_length(_: Tables) -> Evidence:
+    printed, right = contracted(relaxes=False), contracted(relaxes=True)
+    return Evidence(
+        f"{HOURS:g} h after [A] a freed spring that began at rest has {printed:.2f} of its length if (3.2) applies no "
+        f"more, {right:.2f} if it does, with η* = 0: without (3.2) nothing contracts, against Figures 5 and 6.",
+        printed=(at_most("length over the one before, without (3.2)", printed, SHORTER),),
+        corrected=(at_most("length over the one before, with (3.2) and η* = 0", right, SHORTER),),
+    )
+
+
+def run_with(changes: dict[str, object]) -> Run:
+    """Ten EMT cells in the model as printed."""
+    return simulate(preset("thesis").changed({"emt.cells": GROUP} | changes), SEED)
+
+
+def _free(_: Tables) -> Evidence:
+    frame = run_with({"emt.b": "6 h", "numerics.t_end": "12 h"}).final
+    cells, layer = frame.cells, frame.layers.basal
+    group = cells.emt >= 0
+    off = int((np.abs(cells.by[group]) > ROUNDING).sum())
+    held = float(np.abs(cells.by[layer]).max())
+    steps = np.diff(cells.bx[layer])
+    everyone = int((np.abs(cells.by) > ROUNDING).sum())
+    return Evidence(
+        f"6 h after [B] {off} of {GROUP} basal points have left the x-axis, so (C3) for all i puts this state outside "
+        f"of S; the vertices of ℬ lie on it to {held:.0e}, in order (least step {steps.min():.2g} R_soft).",
+        printed=(at_most("basal points that break (C3) as printed, for all i", everyone, 0),),
+        corrected=(
+            equal("free basal points off the line", off, GROUP),
+            at_most("|y(B)| of the vertices of ℬ", held, 0.0, ROUNDING),
+            at_least("least step along the layer", float(steps.min()), 0.0, 1e-6),
+        ),
+        seed=SEED,
+    )
+
+
+def bend(frames: tuple[Frame, ...]) -> float:
+    """Mean of 180° - γ over the EMT cells of these states [degrees]."""
+    angles = []
+    for frame in frames:
+        cells = frame.cells
+        group = cells.emt >= 0
+        a = np.stack((cells.ax - cells.x, cells.ay - cells.y))[:, group]
+        b = np.stack((cells.bx - cells.x, cells.by - cells.y))[:, group]
+        cosine = (a * b).sum(axis=0) / np.hypot(*a) / np.hypot(*b)
+        angles.append(180 - np.degrees(np.arccos(np.clip(cosine, -1, 1))))
+    return float(np.mean(angles))
+
+
+def _bent(_: Tables) -> Evidence:
+    straight, loose = (
+        bend(run_with({"emt.s": time, "numerics.t_end": "18 h"}).frames[9:]) for time in ("never", "6 h")
+    )
+    return Evidence(
+        f"From 3 h after [S] the springs of {GROUP} cells enclose {180 - loose:.0f}° on average, {180 - straight:.0f}° "
+        "without [S].",
+        printed=(
+            at_least("mean bend after [S] [degrees]", loose, BEND),
+            at_least("bend with [S] over that without", loose / straight, TIMES),
+        ),
+        seed=SEED,
+    )
+
+
+def _constant(_: Tables) -> Evidence:
+    run = run_with({"numerics.t_end": "48 h", "numerics.keep": "12 h"})
+    counts = [int((frame.cells.emt >= 0).sum()) for frame in run.frames]
+    last = run.final.cells
+    group = last.emt >= 0
+    daughters = int(np.isin(last.mother, last.id[group]).sum())
+    renewed, all_cells = int((last.birth[group] > 0).sum()), len(last.x)
+    return Evidence(
+        f"In 48 h a tissue of {len(run.frames[0].cells.x)} cells grows to {all_cells}; its EMT cells stay "
+        f"{counts[-1]}, have {daughters} daughters, and {renewed} of them began a new cycle.",
+        printed=(
+            equal("least number of EMT cells", min(counts), GROUP),
+            equal("greatest number of EMT cells", max(counts), GROUP),
+            equal("daughters of EMT cells", daughters, 0),
+            equal("EMT cells with a new cycle", renewed, GROUP),
+        ),
+        seed=SEED,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c4.bridged",
+        "sections 2.2.1, 2.2.2",
+        "we replace the edges (j₁, i) and (i, j₂) with the new edge (j₁, j₂)",
+        _bridge,
+        statement="When cells leave a layer their neighbours are joined, so that the rest is again one line of cells.",
+    ),
+    Claim(
+        "c4.rest-length",
+        "sections 2.2.1, 2.2.2",
+        "the INM-specific cell event (3.2) [(3.3)] will not apply anymore for the i th cell",
+        _rest_length,
+        statement="After the loss of adhesion an equation of chapter 3 no longer holds for the rest length.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "the rules of sections 2.2.2 and 2.2.3 of chapter 3 that set η^{ax*} and η^{bx*} do not apply any more; "
+            "(3.2) and (3.3), by which η tends to η* = 0, do",
+            Effect.MODEL,
+            "events [A] and [B], the contraction in Figures 5 and 6, the pull-in effect of section 4.3.2",
+        ),
+    ),
+    Claim(
+        "c4.free-basal",
+        "section 2.2.2",
+        "We recall, that the constraints for basal points (C3) and (C4) do only hold for vertices of the basal "
+        "network.",
+        _free,
+        statement="A state with a freed basal point off the x-axis is in the set S of (3.16).",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "(C3) of chapter 3 is for all B_i; it must be restricted: B_i ∈ ℝ × {0} for the vertices i of ℬ",
+            Effect.NOTATION,
+            "(3.16), (3.33) and the freedom of B_i after [B]; chapter 3 is not concerned, for there all are vertices",
+        ),
+        chosen="the rest length of the spring relaxes at the rate of Table 2",
+    ),
+    Claim(
+        "c4.bent",
+        "section 2.2.3, Figure 7",
+        "the angle between the apical-nuclei and basal-nuclei springs is no longer straight",
+        _bent,
+        statement="A cell whose bending spring has no stiffness is bent.",
+    ),
+    Claim(
+        "c4.constant-group",
+        "sections 2.2.5, 2.3.1",
+        "the EMT cells will effectively reset their cell cycle instead of performing cell division",
+        _constant,
+        statement="The number of EMT cells is constant: they begin new cycles and have no daughters.",
+    ),
+)

@@ -1,0 +1,196 @@
+"""Chapter 4, sections 2.1 and 2.2.4: how a basal point runs, and how it pulls its cell."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from scipy.optimize import brentq
+
+from tissue.cells import Floats
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+
+SEED = 224
+# Units of R_soft; v^run has no value in the thesis, 1 R_soft/h is that of the published runs.
+SPEED, ALPHA, STEP = 1.0, 2.0, 1e-3
+DEPTH = 2.0
+# Where a nucleus rests; k^bx of Table 2 [1/h]; for how long; a rise in a step of 1e-3 h that is none: 50 steps to full.
+CENTRE, RATE, HOURS, SMOOTH = 3.0, 5.0, 2.0, 0.02
+# The rate of a rest length that is set to zero.
+AT_ONCE = math.inf
+# Of central differences of the energy.
+H, TOL = 1e-6, 1e-7
+PLACES = 200
+
+
+def velocity(B: Floats, X: Floats) -> Floats:
+    """(4.1)."""
+    away = B - X
+    return SPEED * away / np.hypot(*away) if B[1] > -DEPTH else np.zeros(2)
+
+
+def run(B: Floats, X: Floats, hours: float) -> tuple[Floats, float]:
+    """Where the basal point is after some hours while the nucleus rests, and how long its path was."""
+    length = 0.0
+    for _ in range(round(hours / STEP)):
+        by = STEP * velocity(B, X)
+        B, length = B + by, length + float(np.hypot(*by))
+    return B, length
+
+
+def _law(_: Tables) -> Evidence:
+    X = np.array([0.3, 1.5])
+    down, path = run(np.array([0.6, 0.5]), X, 10.0)
+    off = abs((down - X)[0] / (down - X)[1] - (0.6 - 0.3) / (0.5 - 1.5))
+    distance = float(np.hypot(*(down - np.array([0.6, 0.5]))))
+    up, _ = run(np.array([0.6, 2.5]), X, 10.0)
+    return Evidence(
+        f"From below its nucleus the point runs straight on (direction off by {off:.0e}), {path:.3f} R_soft for a "
+        f"distance of {distance:.3f}, to y = {down[1]:.3f} R_soft; from above it is at y = {up[1]:.1f} after 10 h.",
+        printed=(
+            at_most("change of direction", off, TOL),
+            equal("y where the point stops [R_soft]", float(down[1]), -DEPTH, 2 * SPEED * STEP),
+            equal("path over distance", path / distance, 1.0, TOL),
+            at_least("y of a point that began above its nucleus [R_soft]", float(up[1]), 5.0),
+        ),
+    )
+
+
+def energy(X: Floats, B: Floats, eta: float) -> float:
+    """W^bx of (3.10), in R_soft."""
+    return float(ALPHA / (1.0 + eta) * (np.hypot(*(X - B)) - 1.0 - eta) ** 2)
+
+
+def pull(X: Floats, B: Floats, eta: float) -> Floats:
+    """The force on the nucleus, as printed before the rule of η^bx."""
+    d = np.hypot(*(B - X))
+    return np.asarray(2 * ALPHA / (1.0 + eta) * (d - 1.0 - eta) * (B - X) / d)
+
+
+def _force(_: Tables) -> Evidence:
+    rng = np.random.default_rng(SEED)
+    worst = 0.0
+    for _k in range(PLACES):
+        X, B, eta = rng.uniform(-3, 3, 2), rng.uniform(4, 6, 2), float(rng.uniform(0, 2))
+        slopes = [(energy(X + h, B, eta) - energy(X - h, B, eta)) / (2 * H) for h in H * np.eye(2)]
+        worst = max(worst, float(np.abs(pull(X, B, eta) + slopes).max()))
+    return Evidence(
+        f"At {PLACES} random places the printed force differs from −∂W^bx/∂X_i of (3.10) by at most {worst:.0e}.",
+        printed=(at_most("largest difference from −∂W/∂X", worst, 0.0, 1e-6),),
+        seed=SEED,
+    )
+
+
+def rest_length(X: Floats, B: Floats) -> float:
+    """η^bx(t) of section 2.2.4."""
+    return float(np.hypot(*(X - B)) - 1.0) if B[1] > 0 else 0.0
+
+
+def _grip(_: Tables) -> Evidence:
+    rng = np.random.default_rng(SEED)
+    above, below = 0.0, np.inf
+    for _k in range(PLACES):
+        X, x = np.array([0.0, rng.uniform(1.5, 5)]), rng.uniform(-2, 2)
+        high, low = np.array([x, rng.uniform(0, 5) + 1e-9]), np.array([x, -rng.uniform(0, 2)])
+        above = max(above, float(np.abs(pull(X, high, rest_length(X, high))).max()))
+        below = min(below, float(pull(X, low, rest_length(X, low)) @ (low - X) / np.hypot(*(low - X))))
+    return Evidence(
+        f"At {PLACES} places above the line the force is {above:.0e}; at as many below, from nuclei in the tissue, it "
+        f"pulls towards the basal point with at least {below:.2f}.",
+        printed=(
+            at_most("force above the line", above, 0.0, TOL),
+            at_least("pull towards B below the line", below, TOL),
+        ),
+        seed=SEED,
+    )
+
+
+def gripping(rate: float) -> Floats:
+    """The pull over that of a spring with rest length 0, in each step after the basal point came below the line."""
+    X, B = np.array([0.0, CENTRE]), np.zeros(2)
+    eta = CENTRE - 1.0
+    steps = np.arange(1, round(HOURS / STEP) + 1) * STEP
+    full = np.hypot(*pull(X, B, 0.0))
+    return np.array([np.hypot(*pull(X, B, eta * math.exp(-rate * t))) / full for t in steps])
+
+
+def _at_once(_: Tables) -> Evidence:
+    shares = [gripping(rate) for rate in (AT_ONCE, RATE)]
+    jumps = [float(np.diff(each, prepend=0.0).max()) for each in shares]
+    half = float(np.searchsorted(shares[1], 0.5)) * STEP
+    return Evidence(
+        f"Within {STEP:g} h below the line the pull rises by {100 * jumps[0]:.0f} % of its full size if η := 0, by "
+        f"{100 * jumps[1]:.1f} % at most if η* := 0 and (3.3) holds; then half of it is there after {half:.2f} h.",
+        printed=(at_most("largest rise of the pull in one step, η := 0", jumps[0], SMOOTH),),
+        corrected=(
+            at_most("largest rise of the pull in one step, η* := 0", jumps[1], SMOOTH),
+            at_least(f"pull {HOURS:g} h after crossing, over the full one", float(shares[1][-1]), 1.0, SMOOTH),
+        ),
+    )
+
+
+def _outside(_: Tables) -> Evidence:
+    """The nucleus straight above the basal point, in units of R_soft."""
+    B = np.array([0.0, -DEPTH])
+
+    def lift(y: float) -> float:
+        X = np.array([0.0, y])
+        return float(pull(X, B, rest_length(X, B))[1])
+
+    rest = brentq(lift, -DEPTH + 0.1, 3.0)
+    return Evidence(
+        f"The spring of a basal point at −2 R_soft has no force on a nucleus at {rest:.6f} R_soft: the soft disc ends "
+        f"at y = {rest + 1.0:.0e}, just below the basal layer.",
+        printed=(at_most("top of the soft disc at rest [R_soft]", rest + 1.0, 0.0, TOL),),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c4.protrusion-law",
+        "(4.1)",
+        "Ḃ_i = v^run (B_i − X_i)/‖B_i − X_i‖ if y(B_i) > −2R^soft, 0 else",
+        _law,
+        statement="A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; "
+        "one that begins above its nucleus never gets there.",
+        chosen="the nucleus rests; v^run = 1 R_soft/h, for the thesis gives no value",
+    ),
+    Claim(
+        "c4.outside-depth",
+        "section 2.2.4",
+        "The motion stops once B_i … has distance 2R^soft from the basal layer (i.e. the full cell must have left)",
+        _outside,
+        statement="A cell drawn to a basal point at this depth lies below the basal layer with its whole soft disc.",
+    ),
+    Claim(
+        "c4.basal-force",
+        "section 2.2.4",
+        "F = 2α^bx/(R^soft + η) (‖B − X‖ − R^soft − η) (B − X)/‖B − X‖",
+        _force,
+        statement="The force of the basal spring on the nucleus is the one that its energy (3.10) gives.",
+    ),
+    Claim(
+        "c4.grip",
+        "section 2.2.4",
+        "η^bx := ‖X − B‖ − R^soft if y(B) > 0, 0 if y(B) ≤ 0",
+        _grip,
+        statement="With this rest length the spring has no force above the basal layer and pulls once below.",
+    ),
+    Claim(
+        "c4.grip-at-once",
+        "sections 2.1, 2.2.4",
+        "as soon as the basal point is below the basal layer, we set the desired rest length of the basal-nuclei "
+        "spring to zero … η^bx(t) := 0 if y(B) ≤ 0. This equation replaces (3.3).",
+        _at_once,
+        statement="The rule of 2.2.4 is that of 2.1, by which the desired rest length is zero and the pull grows.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "below the layer η^bx* := 0 and (3.3) goes on to hold; only above it the rule for η^bx replaces (3.3)",
+            Effect.MODEL,
+            "how suddenly [P] pulls: the two sections contradict each other; the published runs relax, at 3 per hour",
+        ),
+        chosen="the nucleus and the basal point rest; k^bx of Table 2",
+    ),
+)

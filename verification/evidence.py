@@ -1,0 +1,138 @@
+"""What a check found: numbers beside what was expected of them, and the verdict that follows."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from enum import Enum
+
+Interval = tuple[float, float]
+
+
+class Kind(Enum):
+    """How a statement came out."""
+
+    HOLDS = "holds"
+    CORRECTED = "holds after the correction"
+    FAILS = "fails"
+    OPEN = "inconclusive"
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """A measured number and the range in which a statement wants it.
+
+    Attributes
+    ----------
+    what
+        What was measured, with its unit.
+    value
+        The number; NaN where nothing could be measured.
+    low, high
+        The range that is wanted, tolerance included.
+    interval
+        What the true value may be, where ``value`` is an estimate.
+    """
+
+    what: str
+    value: float
+    low: float
+    high: float
+    interval: Interval | None = None
+
+    @property
+    def true(self) -> bool | None:
+        """Whether the number is in the range; None if it is NaN or its interval reaches over an end of the range."""
+        least, most = self.interval or (self.value, self.value)
+        if math.isnan(self.value) or math.isnan(least) or math.isnan(most):
+            return None
+        if self.low <= least and most <= self.high:
+            return True
+        return False if most < self.low or self.high < least else None
+
+    def __str__(self) -> str:
+        """The number, its interval and the range: ``order 0.98 [0.96, 1.01], wanted 0.9 … 1.1``."""
+        found = f"{self.what} {self.value:.4g}"
+        if self.interval is not None:
+            found += f" [{self.interval[0]:.4g}, {self.interval[1]:.4g}]"
+        return f"{found}, wanted {self._range()}"
+
+    def _range(self) -> str:
+        if self.low == self.high:
+            return f"{self.low:.6g}"
+        if math.isinf(self.low):
+            return f"≤ {self.high:.4g}"
+        if math.isinf(self.high):
+            return f"≥ {self.low:.4g}"
+        middle = (self.low + self.high) / 2
+        return f"{middle:.6g} ± {self.high - middle:.1g}"
+
+
+def equal(
+    what: str, value: float, expected: float, tolerance: float = 0.0, interval: Interval | None = None
+) -> Comparison:
+    """|value - expected| <= tolerance."""
+    return Comparison(what, float(value), expected - tolerance, expected + tolerance, interval)
+
+
+def at_most(
+    what: str, value: float, bound: float, tolerance: float = 0.0, interval: Interval | None = None
+) -> Comparison:
+    """Value <= bound + tolerance."""
+    return Comparison(what, float(value), -math.inf, bound + tolerance, interval)
+
+
+def at_least(
+    what: str, value: float, bound: float, tolerance: float = 0.0, interval: Interval | None = None
+) -> Comparison:
+    """Value >= bound - tolerance."""
+    return Comparison(what, float(value), bound - tolerance, math.inf, interval)
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What a check found.
+
+    Attributes
+    ----------
+    measured
+        One or two sentences with the numbers.
+    printed
+        All of these hold if the statement does as printed; none: nothing could be measured.
+    corrected
+        All of these hold if the statement does after its correction.
+    seed
+        Of the random numbers, where there are any.
+    runs_needed
+        Of a statement about frequencies or means: the simulations it would take to show a difference of the size that
+        was measured (or stated).
+    """
+
+    measured: str
+    printed: tuple[Comparison, ...]
+    corrected: tuple[Comparison, ...] = ()
+    seed: int | None = None
+    runs_needed: int | None = None
+
+    @property
+    def kind(self) -> Kind:
+        """The verdict."""
+        printed, corrected = every(self.printed), every(self.corrected)
+        if printed is None:
+            return Kind.OPEN
+        if printed:
+            return Kind.HOLDS
+        if not self.corrected:
+            return Kind.FAILS
+        if corrected is None:
+            return Kind.OPEN
+        return Kind.CORRECTED if corrected else Kind.FAILS
+
+
+def every(comparisons: Sequence[Comparison]) -> bool | None:
+    """Whether all are true; False if one is false, else None if one is open or there are none."""
+    truths = [comparison.true for comparison in comparisons]
+    if False in truths:
+        return False
+    return None if None in truths or not truths else True
