@@ -152,9 +152,9 @@ def test_a_graze_is_no_trouble(height):
 def test_brief_contact_after_a_release_is_seen(monkeypatch):
     """The gaps are found also when they dip below zero between two nodes: with nodes eight times denser, the same."""
     problem, t = random_discs(20, 3, "shaken", 2), [1.5]
-    path = dincl.solve(problem, dincl.EventDriven(tol=1e-10), t)
+    path = dincl.solve(problem, dincl.EventDriven(tol=1e-8), t)
     monkeypatch.setattr("dincl.events.watch.PARTS", 32)
-    dense = dincl.solve(problem, dincl.EventDriven(tol=1e-10), t)
+    dense = dincl.solve(problem, dincl.EventDriven(tol=1e-8), t)
     assert [event[1:] for event in path.events] == [event[1:] for event in dense.events]
     assert farthest(path.final, dense.final) <= path.error[0]
 

@@ -7,6 +7,7 @@ import dincl
 from tests.catalog import FIRST_ORDER, SCHEMES, spring
 from verification.order import estimate
 
+# The last step is for springs, which come into their order late.
 STEPS = 0.01 * 2.0 ** -np.arange(6)
 
 
@@ -60,8 +61,9 @@ def test_a_drift_that_fails_ends_every_scheme_alike(make):
 def test_order_against_the_exact_solution(make, name):
     scene = getattr(dincl.scenes, name)()
     exact = scene.exact(np.array(scene.times))
-    errors = [np.abs(dincl.solve(scene, make(dt), t=scene.times).x - exact).max() for dt in STEPS]
-    found = estimate(STEPS, errors)
+    steps = STEPS if make is spring else STEPS[:-1]
+    errors = [np.abs(dincl.solve(scene, make(dt), t=scene.times).x - exact).max() for dt in steps]
+    found = estimate(steps, errors)
     assert found.slope == pytest.approx(order(make), abs=0.1), found.verdict
     assert errors[-1] < 0.05
 
