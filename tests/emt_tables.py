@@ -7,7 +7,9 @@ from typing import Any
 
 import pandas as pd
 
+from verification.claims.chapter4_results import ANSWERS
 from verification.emt import kept
+from verification.emt.studies import PRESETS
 
 KEPT = {
     f"emt_complete_{name}": kept.read(name)
@@ -15,6 +17,15 @@ KEPT = {
 }
 
 Frames = Mapping[str, pd.DataFrame]
+
+
+def answers(question: str, *verdicts: str) -> Frames:
+    """What each preset says of a question."""
+    rows = [
+        {"id": question, "preset": preset, "verdict": verdict, "needed": float("nan")}
+        for preset, verdict in zip(PRESETS, verdicts, strict=True)
+    ]
+    return {ANSWERS: pd.DataFrame(rows)}
 
 
 def with_published_alone(tables: Frames) -> Frames:

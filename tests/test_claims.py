@@ -4,6 +4,14 @@ from pathlib import Path
 
 import pytest
 
+from tests import (
+    test_claims_chapter1,
+    test_claims_chapter2,
+    test_claims_chapter3_methods,
+    test_claims_chapter3_model,
+    test_claims_chapter4,
+    test_claims_chapter5,
+)
 from verification import register
 from verification.chapters import CHAPTERS
 from verification.claim import Claim, Effect
@@ -17,6 +25,18 @@ def test_every_file_with_claims_is_in_the_register() -> None:
     folder = Path(chapter1_newton.__file__).parent
     files = {file.stem for file in folder.glob("*.py") if "\nCLAIMS" in file.read_text("utf-8")}
     assert files == set(register.FILES)
+
+
+def test_of_every_claim_something_is_made_wrong() -> None:
+    files = (
+        test_claims_chapter1,
+        test_claims_chapter2,
+        test_claims_chapter3_methods,
+        test_claims_chapter3_model,
+        test_claims_chapter4,
+        test_claims_chapter5,
+    )
+    assert {name for file in files for name in file.CHANGES} == CLAIMS.keys()
 
 
 def test_an_id_given_twice_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -63,7 +63,7 @@ def test_selection(chapters: tuple[int, ...], names: tuple[str, ...], cost: Cost
 
 
 def test_a_name_or_chapter_without_claims_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"no claim is named c1\.rihgt: known are c1\.right"):
+    with pytest.raises(ValueError, match=r"no claim is named c1\.rihgt; the nearest are c1\.right"):
         selection.selected(CLAIMS, names=("c1.rihgt",))
     with pytest.raises(ValueError, match="chapter 7 has no claims: those that have are 1, 2"):
         selection.selected(CLAIMS, chapters=(7,))

@@ -6,6 +6,7 @@ import time
 from pathlib import Path
 from typing import Annotated
 
+import pandas as pd
 import typer
 from rich.console import Console
 from rich.table import Table
@@ -60,19 +61,26 @@ def claims(
         context = Context(out, full, executor)
         tables = selection.tables_for(chosen, context)
         table = decide.decided(chosen, tables, context.folder, executor)
+    _list_claims(table)
+    raise typer.Exit(0 if decide.differing(table).empty else 1)
+
+
+def _list_claims(table: pd.DataFrame) -> None:
+    """Each claim with its verdict and what was measured; at last those with another verdict than the recorded one."""
+    from verification.decide import differing
+
     shown = Table(show_lines=True)
     for heading, options in (("claim", {"min_width": 20}), ("verdict", {"max_width": 12}), ("measured", {"ratio": 1})):
         shown.add_column(heading, **options)
     for row in table.itertuples():
-        colour = COLOURS[Kind(row.verdict)]
-        shown.add_row(f"{row.id}\n{row.source}", f"[{colour}]{row.verdict}[/]", Text(row.measured))
-    console = Console()
+        verdict = Text(row.verdict, style=COLOURS[Kind(row.verdict)])
+        shown.add_row(Text(f"{row.id}\n{row.source}"), verdict, Text(row.measured))
+    console = Console(highlight=False)
     console.print(shown)
-    other = decide.differing(table)
+    other = differing(table)
     console.print(f"{len(table)} claims, {len(other)} with another verdict than the recorded one")
     for row in other.itertuples():
-        console.print(f"{row.id}: {row.verdict}, recorded is {row.recorded}", highlight=False)
-    raise typer.Exit(0 if other.empty else 1)
+        console.print(f"{row.id}: {row.verdict}, recorded is {row.recorded}")
 
 
 @app.command()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from difflib import get_close_matches
 from fnmatch import fnmatchcase
 
 from verification.claim import Claim, Cost, Tables
@@ -25,7 +26,8 @@ def selected(
     claims = tuple(claims)
     for name in names:
         if not any(fnmatchcase(claim.id, name) for claim in claims):
-            raise ValueError(f"no claim is named {name}: known are {', '.join(claim.id for claim in claims)}")
+            near = get_close_matches(name, [claim.id for claim in claims], n=5, cutoff=0.0)
+            raise ValueError(f"no claim is named {name}; the nearest are {', '.join(near)}")
     known = sorted({claim.chapter for claim in claims})
     for chapter in chapters:
         if chapter not in known:

@@ -48,6 +48,7 @@ def _iterations(tables: Tables) -> Evidence:
             at_most("lower quartile of the iterations", row["low"], USUAL),
             at_least("upper quartile of the iterations", row["high"], USUAL),
         ),
+        runs_needed=needed(row["terminated"], half / USUAL, CLOSE - abs(row["median"] / USUAL - 1)),
     )
 
 

@@ -7,12 +7,22 @@ import math
 import pandas as pd
 
 from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference
-from tissue.study.ratios import Ratio, as_ratio
+from tissue.study.ratios import LEVEL, Ratio, as_ratio
 from verification.claim import Claim, Tables
-from verification.claims.frequencies import CONDITIONAL, alike, hull, more
+from verification.claims.frequencies import (
+    CONDITIONAL,
+    alike,
+    hull,
+    more,
+    most_runs,
+    needed,
+    runs_by_width,
+    runs_for_bound,
+    runs_for_margin,
+)
 from verification.emt.studies import PRESETS
 from verification.emt.summaries import POPULATIONS
-from verification.evidence import Evidence, Kind
+from verification.evidence import Evidence, Interval, Kind
 
 RANKING = "emt_complete_ranking"
 # The middle row of Table 5, whose cells Figure 22 shows.
@@ -49,11 +59,13 @@ def by_kind(tables: Tables, given: str) -> dict[str, Difference]:
 def _timing(tables: Tables) -> Evidence:
     a, b, p = (by_kind(tables, f"t_{event}_h") for event in "abp")
     size = [100 * each.value for each in a.values()]
+    within = (runs_for_margin(each, ALIKE) for both in (b, p) for each in both.values())
     return Evidence(
         "Basal extrusion of cells with an event at 6 h to 9 h minus at 21 h to 24 h, with and without INM, model as "
         f"printed, then published: [A] {_points(a)}; [B] {_points(b)}; [P] {_points(p)} points. The dependence on [A] "
         f"is {min(size):.0f} to {max(size):.0f} points.",
         printed=(more("early minus late [A]", a), alike("early [B]", b, ALIKE), alike("early [P]", p, ALIKE)),
+        runs_needed=most_runs((needed(a), *within)),
     )
 
 
@@ -61,19 +73,26 @@ def _points(found: dict[str, Difference]) -> str:
     return ", ".join(f"{100 * each.value:+.1f}" for each in found.values())
 
 
+def lead(first: Interval, second: Interval) -> Interval:
+    """The first number minus the second."""
+    return first[0] - second[1], first[1] - second[0]
+
+
 def _onset(tables: Tables) -> Evidence:
     """How much the first interval differs from the last, by the position and by the time of [A] or [B]."""
     onset, *times = (by_kind(tables, given) for given in ("onset_ab", "t_a_h", "t_b_h"))
-    margins = {
-        name: min(each.interval(CLAIM_LEVEL)[0] - time[name].interval(CLAIM_LEVEL)[1] for time in times)
+    pairs = [
+        (each, max((time[name] for time in times), key=lambda fall: fall.interval(CLAIM_LEVEL)[1]))
         for name, each in onset.items()
-    }
-    least = min(margins.values())
+    ]
+    leads = [lead(each.interval(CLAIM_LEVEL), time.interval(CLAIM_LEVEL)) for each, time in pairs]
+    fewest = [min(side.size for found in pair for side in (found.first, found.second)) for pair in pairs]
     return Evidence(
         "From the lowest to the highest position at the onset basal extrusion falls by "
         f"{_points(onset)} points with and without INM, model as printed, then published; from early to late [A] by "
         f"{_points(times[0])}, [B] by {_points(times[1])}.",
-        printed=(hull("fall by position minus fall by time", [(least, max(margins.values()))], 0.0, math.inf),),
+        printed=(hull("fall by position minus fall by time", leads, 0.0, math.inf),),
+        runs_needed=most_runs(runs_by_width(*found, CLAIM_LEVEL) for found in zip(fewest, leads, strict=True)),
     )
 
 
@@ -83,12 +102,13 @@ def _predictor(tables: Tables) -> Evidence:
     for preset in PRESETS:
         found = table[(table["preset"] == preset) & (table["factor"] != "P")].set_index("factor")
         onset, others = found.loc["onset"], found.drop(index="onset").sort_values("value")
-        leads.append((float(onset["low"] - others["high"].max()), float(onset["high"] - others["low"].max())))
+        leads.append(lead((onset["low"], onset["high"]), (others["low"].max(), others["high"].max())))
         lines.append(f"{onset['value']:.3f} nats against {others['value'].iloc[-1]:.3f} of {others.index[-1]}")
     return Evidence(
         "The position at the onset has the greatest importance for basal extrusion beside [P], in the model as printed "
         f"{lines[0]}, in the published one {lines[1]}.",
         printed=(hull("importance of the onset minus that of the next factor [nats]", leads, 0.0, math.inf),),
+        runs_needed=most_runs(runs_by_width(table["cells"].max(), each, LEVEL) for each in leads),
     )
 
 
@@ -121,6 +141,7 @@ def _lower_half(tables: Tables) -> Evidence:
         f"Of the basally extruded cells without [P] and INM {found[0]} began EMT in the lower half in the model as "
         f"printed, {found[1]} in the published one.",
         printed=(hull("from the lower half", [each.interval(CLAIM_LEVEL) for each in found], 0.5, math.inf),),
+        runs_needed=most_runs(runs_for_bound(each.value, 0.5) for each in found),
     )
 
 

@@ -15,8 +15,10 @@ from verification.claims.frequencies import (
     hull,
     in_both,
     more,
+    most_runs,
     needed,
     ratio_of,
+    runs_for_bound,
     told,
 )
 from verification.emt.studies import PRESETS
@@ -52,6 +54,7 @@ def _dominates(tables: Tables) -> Evidence:
         "Basal extrusion by the weakest program of Table 4 with [P] minus the strongest without, model as printed and "
         f"published one: {'; '.join(lines)} points.",
         printed=tuple(more(f"least lead of [P], {SIZES[kind]}", each) for kind, each in found.items()),
+        runs_needed=needed(*found.values()),
     )
 
 
@@ -66,6 +69,7 @@ def _only(tables: Tables) -> Evidence:
             hull("basal extrusion without [P], at most", [best.interval(CLAIM_LEVEL)], 0.0, NEARLY_ALL),
             hull("with [P], best program", [each.interval(CLAIM_LEVEL) for each in protruding], NEARLY_ALL, math.inf),
         ),
+        runs_needed=most_runs(runs_for_bound(each.value, NEARLY_ALL) for each in (best, *protruding)),
     )
 
 
@@ -84,6 +88,7 @@ def _fewer(tables: Tables) -> Evidence:
         "Apical extrusion of ten cells with INM, model as printed and published one: "
         f"{'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
         printed=tuple(more(f"apical extrusion, {name}", each) for name, each in found.items()),
+        runs_needed=needed(*found.values()),
     )
 
 
@@ -134,7 +139,7 @@ def _mixed(tables: Tables, inm: str, sign: int, kinds: tuple[str, ...]) -> Evide
     return Evidence(
         f"Basal extrusion in groups of ten, {what}, 35 % [P], model as printed and published one: {lines}.",
         printed=tuple(more(f"{events}{inm}, {what}", each) for events, each in found.items()),
-        runs_needed=max((needed(each) or 0 for each in found.values()), default=None),
+        runs_needed=needed(*found.values()),
     )
 
 
@@ -160,6 +165,7 @@ def _competition(tables: Tables) -> Evidence:
         "Basal extrusion of cells without INM among 7 % with [P] minus that among 63 %, model as printed and published "
         f"one: {'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
         printed=tuple(more(f"{name} no INM, 7 % [P] minus 63 % [P]", each) for name, each in found.items()),
+        runs_needed=needed(*found.values()),
     )
 
 

@@ -14,6 +14,7 @@ from verification.claims.frequencies import (
     hull,
     in_both,
     more,
+    most_runs,
     of_event,
     ratio_of,
     runs_for_bound,
@@ -61,6 +62,7 @@ def _protrusions(tables: Tables) -> Evidence:
             hull(f"[BP] minus {event}", [each[p].interval(CLAIM_LEVEL) for p in PRESETS], HALF, math.inf)
             for event, each in found.items()
         ),
+        runs_needed=most_runs(runs_for_margin(each, HALF) for both in found.values() for each in both.values()),
     )
 
 
@@ -72,14 +74,13 @@ def _remain(tables: Tables) -> Evidence:
             out, below = (of_event(tables, suffix, event, what) for what in ("apical", "below"))
             parts[event].append(Ratio(out.of - out.count - below.count, out.of))
             lines.append(f"{event}, {preset} preset: {parts[event][-1]}")
-    runs = max(runs_for_bound(each.value, HALF) or 0 for both in parts.values() for each in both)
     return Evidence(
         f"Neither above the tissue nor below all control cells are: {'; '.join(lines)}.",
         printed=tuple(
             hull(f"share of {event} that remains", [each.interval(CLAIM_LEVEL) for each in both], HALF, math.inf)
             for event, both in parts.items()
         ),
-        runs_needed=runs,
+        runs_needed=most_runs(runs_for_bound(each.value, HALF) for both in parts.values() for each in both),
     )
 
 
@@ -91,6 +92,7 @@ def _mostly_basally(tables: Tables) -> Evidence:
         f"Model as printed and published one: cells with [A] below all control cells minus apically extruded ones "
         f"{told(below)}; apically minus basally extruded ones {told(out)}.",
         printed=(more("below all control cells minus apical", below), more("apical minus basal extrusion", out)),
+        runs_needed=most_runs(runs_for_margin(each, 0.0) for both in (below, out) for each in both.values()),
     )
 
 
@@ -104,6 +106,9 @@ def _apical(tables: Tables) -> Evidence:
         printed=tuple(
             hull(f"apical extrusion by {event}", [r.interval(CLAIM_LEVEL) for r in found[event]], *ranges[event])
             for event in events
+        ),
+        runs_needed=most_runs(
+            runs_for_bound(each.value, end) for event in events for each in found[event] for end in ranges[event]
         ),
     )
 
@@ -120,7 +125,7 @@ def _timing(tables: Tables) -> Evidence:
         "Basal extrusion by [A☒B] minus that by [B☒A] at the end of the runs, model as printed and published one: "
         f"{told(found)}.",
         printed=(alike("[A☒B] minus [B☒A]", found, ALIKE),),
-        runs_needed=max(runs_for_margin(each, ALIKE) or 0 for each in found.values()),
+        runs_needed=most_runs(runs_for_margin(each, ALIKE) for each in found.values()),
     )
 
 

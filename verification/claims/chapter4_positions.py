@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import product
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from tissue.cells import Cells, Floats, Layers, empty
 from tissue.observables import ab_positions
 from tissue.run import Frame
+from tissue.study.comparisons import POWER
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_most
 
@@ -98,6 +100,11 @@ def members(points: Floats, closed: bool, unbounded: bool) -> Floats:
     return np.asarray(counts + (unbounded & ((points < 0) | (points > 1))))
 
 
+def cells_for_one(share: float) -> int | None:
+    """Cells among which one of such a share is seen with the given probability: one is enough."""
+    return math.ceil(math.log1p(-POWER) / math.log1p(-share)) if 0 < share < 1 else None
+
+
 def _partition(tables: Tables) -> Evidence:
     """Exactly at 0, and by the onsets of the runs, some of which are above the apical layer."""
     found = tables["emt_complete_outside"].iloc[0]
@@ -112,6 +119,7 @@ def _partition(tables: Tables) -> Evidence:
             at_most("onsets outside of all D_k", int(found["outside"]), 0),
         ),
         corrected=(at_most("positions that are not in one set", int((right != 1).sum()), 0),),
+        runs_needed=cells_for_one(found["outside"] / found["of"]),
     )
 
 

@@ -11,7 +11,18 @@ from tissue.study.comparisons import CLAIM_LEVEL, Difference
 from tissue.study.questions import QUESTIONS
 from tissue.study.ratios import Ratio, as_ratio
 from verification.claim import Claim, Correction, Effect, Tables
-from verification.claims.frequencies import CATEGORIES, CONDITIONAL, category, hull, in_both, more, told
+from verification.claims.frequencies import (
+    CATEGORIES,
+    CONDITIONAL,
+    category,
+    hull,
+    in_both,
+    more,
+    most_runs,
+    needed,
+    runs_for_bound,
+    told,
+)
 from verification.emt.studies import PRESETS
 from verification.emt.summaries import POPULATIONS
 from verification.evidence import Comparison, Evidence, Kind
@@ -100,6 +111,9 @@ def _with_inm(tables: Tables) -> Evidence:
             *others,
             leave("by [B] from the lower half", low, -math.inf, SOME),
             more("began in the lower minus in the upper half", by_onset),
+        ),
+        runs_needed=most_runs(
+            (needed(by_onset), *(runs_for_bound(each.value, SOME) for both in (p, a, low) for each in both.values()))
         ),
     )
 

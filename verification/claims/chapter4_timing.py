@@ -14,6 +14,7 @@ from tissue.study.ratios import wilson
 from tissue.timing import timing
 from verification.claim import Claim, Tables
 from verification.claims.chapter4_tables import NEVER, TABLE_3, TABLE_4
+from verification.claims.frequencies import most_runs, runs_for_bound
 from verification.evidence import Comparison, Evidence, at_most, equal
 
 SEED = 231
@@ -48,11 +49,13 @@ def _mixture(_: Tables) -> Evidence:
         for a, b in ((6, 24), (6, 9), (10, 20), (23, 24))
     ]
     never = _chance("P[T = ∞]", np.isinf(T), 0.3)
+    ends = ((each.value, end) for each in (never, *inside) for end in (each.low, each.high))
     return Evidence(
         f"Of {DRAWS} draws {100 * never.value:.2f} % are ∞, and the four intervals that were tried get "
         f"{', '.join(f'{100 * each.value:.2f}' for each in inside)} %.",
         printed=(never, *inside),
         seed=SEED,
+        runs_needed=most_runs(runs_for_bound(*each) for each in ends),
     )
 
 

@@ -6,7 +6,18 @@ from __future__ import annotations
 from tissue.study.comparisons import ALIKE, Difference
 from tissue.study.ratios import Ratio
 from verification.claim import Claim, Correction, Effect, Tables
-from verification.claims.frequencies import RATIOS, alike, in_both, more, needed, of_event, ratio_of, told
+from verification.claims.frequencies import (
+    RATIOS,
+    alike,
+    in_both,
+    more,
+    most_runs,
+    needed,
+    of_event,
+    ratio_of,
+    runs_for_margin,
+    told,
+)
 from verification.emt.studies import PRESETS
 from verification.evidence import Comparison, Evidence, Kind
 
@@ -35,6 +46,7 @@ def _without_inm(tables: Tables) -> Evidence:
         "More basal and less apical extrusion without INM, model as printed and published one: "
         f"{'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
         printed=tuple(more(f"{name} extrusion", each) for name, each in found.items()),
+        runs_needed=needed(*found.values()),
     )
 
 
@@ -45,7 +57,7 @@ def _swapped(tables: Tables) -> Evidence:
         f"Basal extrusion, model as printed and published one: without INM [B] minus [A] {told(still)}; with INM [A] "
         f"minus [B] {told(moving)}.",
         printed=(more("[B] minus [A], without INM", still), more("[A] minus [B], with INM", moving)),
-        runs_needed=max(needed(still) or 0, needed(moving) or 0),
+        runs_needed=needed(still, moving),
     )
 
 
@@ -62,6 +74,7 @@ def _drift(tables: Tables) -> Evidence:
         f"Cells below all control cells without INM minus with it, model as printed and published one: no event "
         f"{told(none)}; [S] {told(loose)}.",
         printed=(more("no event", none), more("[S]", loose)),
+        runs_needed=needed(none, loose),
     )
 
 
@@ -78,12 +91,18 @@ def by_straightness(tables: Tables, suffix: str) -> dict[str, Difference]:
     }
 
 
+def little(what: str) -> float:
+    """By so much an outcome of ``by_straightness`` may change."""
+    return ALIKE if "no INM" in what else LITTLE
+
+
 def _straightness(tables: Tables) -> Evidence:
     straight, kept = (by_straightness(tables, suffix) for suffix in PRESETS.values())
+    largest = max(straight, key=lambda what: abs(straight[what].value) - little(what))
 
-    def little(found: dict[str, Difference], alpha: int) -> tuple[Comparison, ...]:
+    def changes(found: dict[str, Difference], alpha: int) -> tuple[Comparison, ...]:
         return tuple(
-            alike(f"change of {what} extrusion, α^axb := {alpha}", {"": each}, ALIKE if "no INM" in what else LITTLE)
+            alike(f"change of {what} extrusion, α^axb := {alpha}", {"": each}, little(what))
             for what, each in found.items()
         )
 
@@ -93,8 +112,11 @@ def _straightness(tables: Tables) -> Evidence:
     return Evidence(
         f"By [S] extrusion changes, if α^axb := 0 as printed, by {points(straight)} points; in the published runs, "
         f"which set it to 1 of 15, by {points(kept)}. Figure 12, of which 4.2.2 speaks, is without INM.",
-        printed=little(straight, 0),
-        corrected=little(kept, 1),
+        printed=changes(straight, 0),
+        corrected=changes(kept, 1),
+        runs_needed=most_runs(
+            runs_for_margin(each, little(what)) for what, each in ((largest, straight[largest]), *kept.items())
+        ),
     )
 
 

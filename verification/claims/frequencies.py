@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 from scipy.special import ndtri
@@ -68,23 +68,27 @@ def alike(what: str, found: Mapping[str, Difference], margin: float) -> Comparis
     return hull(what, _intervals(found), -margin, margin)
 
 
-def needed(found: Mapping[str, Difference]) -> int | None:
-    """Runs of each kind with which the measured differences would be seen, of those that runs can show."""
-    sizes = [
-        runs_needed(each.first.value, each.second.value, level=CLAIM_LEVEL)
-        for each in found.values()
-        if each.first.value != each.second.value
-    ]
+def most_runs(sizes: Iterable[int | None]) -> int | None:
+    """The largest of some numbers of runs; None stands for what no number of runs shows."""
     return max((size for size in sizes if size is not None), default=None)
+
+
+def needed(*found: Mapping[str, Difference]) -> int | None:
+    """Runs of each kind with which the measured differences would be seen, of those that runs can show."""
+    return most_runs(
+        runs_needed(each.first.value, each.second.value, level=CLAIM_LEVEL)
+        for differences in found
+        for each in differences.values()
+    )
 
 
 def runs_for_bound(value: float, bound: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
     """Independent cells with which a ratio is seen to be above or below a bound with the given probability.
 
     n = (z_level sqrt(b (1 - b)) + z_power sqrt(p (1 - p)))^2/(p - b)^2 for the ratio p and the bound b; None if they
-    are equal, which no number of cells tells apart.
+    are equal, which no number of cells tells apart, and for a bound that no ratio crosses.
     """
-    if value == bound:
+    if value == bound or not 0 < bound < 1:
         return None
     spread = quantile(level) * math.sqrt(bound * (1 - bound)) + float(ndtri(power)) * math.sqrt(value * (1 - value))
     return max(1, math.ceil((spread / (value - bound)) ** 2))
@@ -93,13 +97,27 @@ def runs_for_bound(value: float, bound: float, level: float = CLAIM_LEVEL, power
 def runs_for_margin(found: Difference, margin: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
     """Independent cells of each kind with which a difference is seen to be above or below a margin.
 
-    n = ((z_level + z_power)/(|d| - margin))^2 (p_1 (1 - p_1) + p_2 (1 - p_2)); None for a difference at the margin.
+    n = ((z_level + z_power)/(|d| - margin))^2 (v_1 + v_2 - 2 c sqrt(v_1 v_2)) with v = p (1 - p) and the correlation c;
+    None for a difference at the margin.
     """
     distance = abs(abs(found.value) - margin)
     if distance == 0:
         return None
-    variance = sum(side.value * (1 - side.value) for side in (found.first, found.second))
+    variances = [side.value * (1 - side.value) for side in (found.first, found.second)]
+    variance = sum(variances) - 2 * found.correlation * math.sqrt(math.prod(variances))
     return max(1, math.ceil(((quantile(level) + float(ndtri(power))) / distance) ** 2 * variance))
+
+
+def runs_by_width(cells: float, interval: Interval, level: float) -> int | None:
+    """Independent cells with which a number is seen to be above or below 0, by its interval from ``cells`` of them.
+
+    n = cells (h/m (z_claim + z_power)/z_level)^2 for the middle m and the half-width h; None for m = 0.
+    """
+    half, middle = (interval[1] - interval[0]) / 2, (interval[0] + interval[1]) / 2
+    if middle == 0:
+        return None
+    factor = (quantile(CLAIM_LEVEL) + float(ndtri(POWER))) / quantile(level)
+    return max(1, math.ceil(cells * (half / middle * factor) ** 2))
 
 
 def told(found: Mapping[str, Difference]) -> str:
