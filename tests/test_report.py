@@ -55,6 +55,7 @@ SECTIONS = [
     *MEANFIELD_SECTIONS,
     "How the statements came out",
     "Corrections that change results",
+    "All statements, to be searched",
     *TITLES.values(),
 ]
 TABLES = {

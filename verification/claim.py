@@ -28,7 +28,7 @@ class Effect(Enum):
 
 
 class Cost(Enum):
-    """How long a check takes, with the studies whose tables it reads."""
+    """How long a check takes, with the studies whose tables it reads; those that the repository keeps cost nothing."""
 
     SECONDS = "seconds"
     MINUTES = "minutes"

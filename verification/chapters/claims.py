@@ -41,12 +41,11 @@ def run(context: Context) -> None:
 def sections(context: Context) -> Sequence[Section]:
     """Counts, the corrections that change results, and all statements in the order of the thesis, to be searched."""
     table = context.tables["claims"]
-    found = [_counts(table), _corrections(table)]
+    found = [_counts(table), _corrections(table), Section("All statements, to be searched", [Search()])]
     for number, title in TITLES.items():
         rows = table[table["chapter"] == number]
         if not rows.empty:
             found.append(Section(title, [Statements(rows)]))
-    found[2].parts.insert(0, Search())
     return found
 
 

@@ -10,7 +10,7 @@ import numpy as np
 import dincl
 from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
 from tissue.study.ratios import Ratio, as_ratio
-from verification.claim import Claim, Cost, Tables
+from verification.claim import Claim, Tables
 from verification.claims.chapter1_sets import Floats
 from verification.claims.instant import effective_mass, phi, wavy_system
 from verification.emt.studies import PRESETS
@@ -193,7 +193,6 @@ CLAIMS = (
         needs=("emt_complete_ratios",),
         statement="Cells with protrusions leave basally more often; those without may leave apically.",
         chosen="isolated cells with one event, with INM, by the model as printed and by the published one",
-        cost=Cost.HOURS,
     ),
     Claim(
         "c0.mean-field-mass",
