@@ -15,7 +15,7 @@ ROOT = Path(__file__).parent.parent
 SETUP_FILES = ("Makefile", "pyproject.toml", "requirements.lock")
 COMMANDS = {
     "report": ".venv/bin/verification report",
-    "test": ".venv/bin/python -m pytest -n 2 --dist loadfile -q",
+    "test": ".venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q",
     "lint": ".venv/bin/mypy",
     "bench": ".venv/bin/verification bench",
 }
