@@ -1,7 +1,6 @@
 """The page has every section, opens offline, and is written from tables without running anything again."""
 
 import re
-from html.parser import HTMLParser
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +8,7 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from tests.page import Page
 from tests.shortened import Here, Nowhere, few_claims, shorten
 from tests.shortened_emt import SECTIONS as EMT_SECTIONS
 from tests.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
@@ -24,7 +24,6 @@ from verification.evidence import Kind
 from verification.report import Context, cell, number, write_report
 from verification.table import write
 
-EMPTY = {"meta", "img", "br", "link", "input"}  # elements without an end
 SECTIONS = [
     "Two scenes in time",
     "The reference",
@@ -129,36 +128,6 @@ TABLES = {
     *MEANFIELD_TABLES,
 }
 IMAGES = 34 + MEANFIELD_PICTURES
-
-
-class Page(HTMLParser):
-    """What a page links to and contains; elements must be closed in order."""
-
-    def __init__(self, text: str) -> None:
-        super().__init__()
-        self.open: list[str] = []
-        self.headings: list[str] = []
-        self.ids: list[str] = []
-        self.links: list[str] = []
-        self.images: list[str] = []
-        self.feed(text)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        given = {name: value or "" for name, value in attrs}
-        self.ids += [given["id"]] if "id" in given else []
-        self.links += [given["href"]] if "href" in given else []
-        self.images += [given["src"]] if "src" in given else []
-        if tag in {"h2", "h3"}:
-            self.headings.append("")
-        if tag not in EMPTY:
-            self.open.append(tag)
-
-    def handle_endtag(self, tag: str) -> None:
-        assert self.open.pop() == tag
-
-    def handle_data(self, data: str) -> None:
-        if self.open and self.open[-1] in {"h2", "h3"}:
-            self.headings[-1] += data
 
 
 @pytest.fixture(scope="module")

@@ -10,8 +10,6 @@ from verification.claim import Claim, Cost, Tables
 from verification.emt import kept
 from verification.report import Context
 
-COMPLETE = "emt_complete_"
-
 
 def selected(
     claims: Iterable[Claim], chapters: Sequence[int] = (), names: Sequence[str] = (), cost: Cost | None = None
@@ -48,8 +46,7 @@ def tables_for(claims: Iterable[Claim], context: Context) -> Tables:
 
     needed = {name for claim in claims for name in claim.needs}
     if not context.full:
-        for name in kept.COMPLETE:
-            context.tables[f"{COMPLETE}{name}"] = kept.read(name)
+        context.tables |= kept.tables()
     for chapter in CHAPTERS:
         if any(name.startswith(chapter.tables) for name in needed - context.tables.keys()):
             chapter.run(context)

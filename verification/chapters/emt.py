@@ -13,8 +13,11 @@ def run(context: Context) -> None:
     results = studies.watched(studies.chosen(context.full), page.folder(context), context.executor)
     for name, table in (kept.COMPLETE if context.full else kept.TABLES).items():
         context.keep(f"emt_{name}", table(results))
-    for name in kept.COMPLETE:
-        context.keep(f"emt_complete_{name}", context.tables[f"emt_{name}"] if context.full else kept.read(name))
+    complete = kept.tables()
+    if context.full:
+        complete = {f"{kept.COMPLETE_PREFIX}{name}": context.tables[f"emt_{name}"] for name in kept.COMPLETE}
+    for name, table in complete.items():
+        context.keep(name, table)
 
 
 def sections(context: Context) -> Sequence[Section]:

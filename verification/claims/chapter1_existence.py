@@ -96,7 +96,7 @@ def _dependence(_: Tables) -> Evidence:
 
 def _start(_: Tables) -> Evidence:
     """A solution is in S at almost all times, so at the start, too, as it is continuous."""
-    off = {name: float(np.abs(apart(x[None])[0] - x).max()) for name, x in (("in", APART), ("out", OVERLAPPING))}
+    off = {name: float(np.abs(apart(x) - x).max()) for name, x in (("in", APART), ("out", OVERLAPPING))}
     y = apart(np.random.default_rng(SEED).normal(size=(SAMPLES, 2, 2)))
     gap = float(np.linalg.norm(y[:, 1] - y[:, 0], axis=1).min()) - 1.0
     return Evidence(

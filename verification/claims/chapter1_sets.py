@@ -28,12 +28,12 @@ def unlike(first: Floats, second: Floats) -> int:
     return np.setxor1d(first, second).size
 
 
-def apart(y: Floats) -> Floats:
-    """The projection of Example 2.5 for pairs of discs of radius 1/2; y of shape (K, 2, 2)."""
-    arrow = y[:, 1] - y[:, 0]
-    length = np.linalg.norm(arrow, axis=1, keepdims=True)
-    push = np.maximum(1.0 - length, 0.0) / 2 * arrow / length
-    return np.stack((y[:, 0] - push, y[:, 1] + push), axis=1)
+def apart(y: Floats, least: float = 1.0) -> Floats:
+    """The projection of Example 2.5 for pairs of points, (..., 2, d), that must be ``least`` apart: half each."""
+    arrow = y[..., 1, :] - y[..., 0, :]
+    length = np.linalg.norm(arrow, axis=-1, keepdims=True)
+    push = np.maximum(least - length, 0.0) / 2 * arrow / length
+    return np.stack((y[..., 0, :] - push, y[..., 1, :] + push), axis=-2)
 
 
 def outside(y: Floats) -> Floats:

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from verification.claims.chapter1_sets import Floats, apart
+
 RADIUS = 0.5
 # What is left of numbers of size 1 after a few hundred operations.
 ROUNDING = 1e-12
@@ -18,9 +18,7 @@ def overlap(x: Floats) -> float:
 
 def parted(x: Floats) -> Floats:
     """Both discs moved apart by half of their overlap: the formulas of Example 2.5."""
-    along = (x[1] - x[0]) / np.linalg.norm(x[1] - x[0])
-    half = overlap(x) / 2
-    return np.array([x[0] - half * along, x[1] + half * along])
+    return apart(x, 2 * RADIUS)
 
 
 def points_of_step(x: Floats, force: Floats, dt: float) -> list[Floats]:

@@ -13,6 +13,7 @@ from scipy.special import stdtrit
 from tissue.first_order import simulate
 from tissue.observables import ab_positions
 from tissue.parameters import preset
+from tissue.study.ratios import Ratio
 from tissue.tables import cell_table
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most, equal
@@ -100,16 +101,9 @@ def _last_hour(_: Tables) -> Evidence:
     )
 
 
-def _wilson(found: int, of: int) -> tuple[float, float]:
-    """The 95 % interval of a share."""
-    z, share = 1.96, found / of
-    middle, half = share + z**2 / (2 * of), z * math.sqrt(share * (1 - share) / of + z**2 / (4 * of**2))
-    return (middle - half) / (1 + z**2 / of), (middle + half) / (1 + z**2 / of)
-
-
 def cycles_for(share: float) -> int:
     """How many cycles would show that such a share is above LEVEL."""
-    enough = (n for n in range(1, MOST_RUNS) if _wilson(round(share * n), n)[0] > LEVEL)
+    enough = (n for n in range(1, MOST_RUNS) if Ratio(round(share * n), n).interval()[0] > LEVEL)
     return next(enough, MOST_RUNS)
 
 
@@ -122,7 +116,7 @@ def divided_apically(**phases: str) -> tuple[int, int]:
 def _apical(_: Tables) -> Evidence:
     """Without the phases of section 2.2.3 there is no rise."""
     (apical, of), (without, of_those) = divided_apically(), divided_apically(g2="0 h", mitosis="0 h")
-    share, other = _wilson(apical, of), _wilson(without, of_those)
+    share, other = Ratio(apical, of).interval(), Ratio(without, of_those).interval()
     return Evidence(
         f"{apical} of {of} cell cycles end with the nucleus in the apical half, 95 % interval of the share "
         f"[{share[0]:.3f}, {share[1]:.3f}]; without INM {without} of {of_those}",

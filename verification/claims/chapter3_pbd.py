@@ -13,6 +13,8 @@ from scipy.optimize import minimize
 from tissue.cells import empty
 from tissue.parameters import preset
 from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims.chapter1_sets import apart
+from verification.claims.chapter3_first_order import START, slope
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.tissue.linear import own_hessians
 
@@ -72,15 +74,6 @@ def _well_posed(_: Tables) -> Evidence:
 LIPSCHITZ = 2 * 15 * 3 + 2 * 4 * 2 * 1.5 / 2.5
 
 
-def apart(z: Floats, least: float) -> Floats:
-    """(C1) for two nuclei (2, 2) that are too near: each moves half of what is missing."""
-    arrow = z[1] - z[0]
-    length = float(np.linalg.norm(arrow))
-    move = max(0.0, least - length) / 2 * arrow / length
-    moved: Floats = z + np.stack((-move, move))
-    return moved
-
-
 def together(z: Floats, most: float) -> Floats:
     """(C2) for two basal points that are too far apart."""
     arrow = z[1] - z[0]
@@ -129,12 +122,6 @@ def _projections(_: Tables) -> Evidence:
     )
 
 
-def slope(z: Floats) -> Floats:
-    """Grad W of three different springs, one of them not linear."""
-    return np.array([40.0 * (z[0] - 1), 9.0 * (z[1] + 2), 30.0 * np.tanh(z[2])])
-
-
-START = np.array([0.2, 1.0, 3.0])
 LOWEST = np.array([-np.inf, -np.inf, 1.0])
 
 

@@ -49,6 +49,7 @@ def _answer(question: str) -> Callable[[Tables], Evidence]:
     """What the heterogeneous and the isolated studies say of an answer of section 4.7, by the published model, too."""
 
     def check(tables: Tables) -> Evidence:
+        """The verdicts of both models on one question."""
         table = tables[ANSWERS]
         mine = table[table["id"] == question].set_index("preset")
         said = ", ".join(f"{preset} preset: {row['verdict']}" for preset, row in mine.iterrows())

@@ -9,9 +9,9 @@ import numpy as np
 
 import dincl
 from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
-from tissue.study.ratios import Ratio, as_ratio
 from verification.claim import Claim, Tables
 from verification.claims.chapter1_sets import Floats
+from verification.claims.frequencies import RATIOS, ratio_of
 from verification.claims.instant import effective_mass, phi, wavy_system
 from verification.emt.studies import PRESETS
 from verification.evidence import Comparison, Evidence, at_least, at_most, equal
@@ -102,20 +102,15 @@ def _scenarios(_: Tables) -> Evidence:
     )
 
 
-def _ratio(tables: Tables, study: str, scenario: str, what: str) -> Ratio:
-    table = tables["emt_complete_ratios"].set_index(["study", "scenario", "what"])
-    return as_ratio(table.loc[(study, scenario, what)])
-
-
 def _protrusions(tables: Tables) -> Evidence:
     """[BP] against the best other event, by basal extrusion; and the most of apical extrusion without [P]."""
     comparisons: list[Comparison] = []
     told, runs = [], 0
     for preset, suffix in PRESETS.items():
         study = f"figure10{suffix}"
-        with_p = _ratio(tables, study, PROTRUSIONS, "basal")
-        others = [_ratio(tables, study, event, "basal") for event in OTHERS]
-        risk = [_ratio(tables, study, event, "apical") for event in OTHERS]
+        with_p = ratio_of(tables, study, PROTRUSIONS, "basal")
+        others = [ratio_of(tables, study, event, "basal") for event in OTHERS]
+        risk = [ratio_of(tables, study, event, "apical") for event in OTHERS]
         most = max(others, key=lambda ratio: ratio.value)
         more, worst = Difference(with_p, most), max(risk, key=lambda ratio: ratio.value)
         interval = more.interval(CLAIM_LEVEL)
@@ -190,7 +185,7 @@ CLAIMS = (
         "cells showing protrusive activities … are much more efficient at exiting basally than cells relying on "
         "passive forces",
         _protrusions,
-        needs=("emt_complete_ratios",),
+        needs=(RATIOS,),
         statement="Cells with protrusions leave basally more often; those without may leave apically.",
         chosen="isolated cells with one event, with INM, by the model as printed and by the published one",
     ),

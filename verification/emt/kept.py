@@ -30,11 +30,17 @@ TABLES: dict[str, Callable[[Mapping[str, Results]], pd.DataFrame]] = {
 }
 # Only of the complete form.
 COMPLETE = TABLES | {sensitivity.NAME: sensitivity.indices}
+COMPLETE_PREFIX = "emt_complete_"
 
 
 def read(name: str) -> pd.DataFrame:
     """A kept table of the complete studies."""
     return pd.read_parquet(DATA / f"emt_{name}.parquet")
+
+
+def tables() -> dict[str, pd.DataFrame]:
+    """All kept tables, by the names that they have in the report."""
+    return {f"{COMPLETE_PREFIX}{name}": read(name) for name in COMPLETE}
 
 
 def main(folder: Path) -> None:
