@@ -80,7 +80,7 @@ def distance(one, other):
 
 CASES = {
     "table 4": ({}, {}),
-    "published energies": ({}, {"power": 2, "junction": 1.25, "repulsion": 0.5}),
+    "published energies": ({}, {"power": 2, "junction_factor": 0.25, "repulsion": 0.5}),
     "three levels": ({"c": 0.3, "dtau": 1.0}, {}),
     "overdamped": ({"c": 5.0, "dtau": 2.0}, {}),
 }
@@ -196,7 +196,7 @@ def two(gap):
     return tissue(places, places + np.array((0.0, 4.0)), places * (1, 0), stiff_ax=0.01, stiff_bx=0.01, stiff_axb=0.0)
 
 
-FREE = numbers(junction=0.0, repulsion=0.0, max_basal=9.0)
+FREE = numbers(junction_factor=0.0, repulsion=0.0, max_basal=9.0)
 
 
 @pytest.mark.parametrize("gap", [-0.1, 0.05])

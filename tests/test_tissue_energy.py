@@ -28,9 +28,8 @@ def only(part, state, given):
     """The state and the numbers with all stiffnesses zero but those of one part."""
     if part == "all":
         return state, given
-    off = {f"stiff_{name}": 0.0 * state.x for name in ("ax", "bx", "axb") if name != part}
-    off_numbers = {name: 0.0 for name, owner in (("junction", "aa"), ("repulsion", "xx")) if owner != part}
-    return state._replace(**off), given._replace(**off_numbers)
+    off = {f"stiff_{name}": 0.0 * state.x for name in ("ax", "bx", "axb", "aa") if name != part}
+    return state._replace(**off), given._replace(repulsion=given.repulsion * (part == "xx"))
 
 
 def slope(state, network, given, name, k):
@@ -55,7 +54,8 @@ def typed_out(state, network, given):
             d = np.linalg.norm(x[i] - x[j])
             w["xx"] += given.repulsion / 2 * (d - 2) ** 2 if d <= 2 else 0.0
     for i, j in zip(network.apical[:-1], network.apical[1:], strict=True):
-        w["aa"] += given.junction / 2 * (np.linalg.norm(a[i] - a[j]) - state.rest_aa[i]) ** 2
+        mean = (state.stiff_aa[i] + state.stiff_aa[j]) / 2
+        w["aa"] += given.junction_factor * mean / 2 * (np.linalg.norm(a[i] - a[j]) - state.rest_aa[i]) ** 2
     return w
 
 
@@ -63,7 +63,7 @@ def typed_out(state, network, given):
 @each_power
 def test_energy_is_the_formulas(seed, power):
     for state, network in (wild(seed), (cells(30, seed), layers(30))):
-        given = numbers(power=power, junction=1.7, repulsion=0.6)
+        given = numbers(power=power, junction_factor=1.7, repulsion=0.6)
         expected = typed_out(state, network, given)
         assert parts(state, network, given)._asdict() == pytest.approx(expected, rel=1e-13)
         assert energy(state, network, given) == pytest.approx(sum(expected.values()), rel=1e-13)
@@ -75,7 +75,7 @@ def test_energy_is_the_formulas(seed, power):
 @each_part
 def test_forces_are_the_slope_of_the_energy(seed, power, part):
     for drawn, network in (wild(seed), (cells(9, seed), layers(9))):
-        state, given = only(part, drawn, numbers(power=power, junction=1.7, repulsion=0.6))
+        state, given = only(part, drawn, numbers(power=power, junction_factor=1.7, repulsion=0.6))
         found = forces(state, network, given)
         largest = np.abs(found).max()
         assert largest > 0
@@ -152,7 +152,7 @@ def test_junctions_attract_beyond_their_rest_length_and_repel_below():
 
 
 def test_the_rest_length_of_a_junction_is_that_of_its_left_cell():
-    state = cells(3, 0, rest_aa=[0.1, 0.2, 0.3])
+    state = cells(3, 0, rest_aa=[0.1, 0.2, 0.3], stiff_aa=5.0)
     right_to_left = layers(3, apical=[2, 1, 0])
     a = np.array([state.ax, state.ay])
     d = np.linalg.norm(np.diff(a), axis=0)
@@ -213,6 +213,22 @@ def test_stiffness_of_one_cell_acts_on_its_own_points():
         change -= np.array(forces(state, network, numbers()))
         assert np.abs(change[:, 7]).max() > 0.1
         assert np.abs(np.delete(change, 7, axis=1)).max() == 0
+
+
+def test_stiffness_of_one_cell_acts_on_its_two_junctions():
+    """Three times as stiff, a cell makes the junctions twice as stiff: each of the two pulls twice as much."""
+    state, network = cells(20, 3, stiff_aa=5.0), layers(20)
+    stiff = state.stiff_aa.copy()
+    stiff[7] *= 3
+    change = np.array(forces(state._replace(stiff_aa=stiff), network, numbers()))
+    change -= np.array(forces(state, network, numbers()))
+    gaps = np.hypot(np.diff(state.ax), np.diff(state.ay))
+    pulls = 5.0 * (gaps - state.rest_aa[:-1]) * np.array([np.diff(state.ax), np.diff(state.ay)]) / gaps
+    expected = np.zeros_like(change)
+    for k in (6, 7):  # the junctions on both sides
+        expected[2:4, k] += pulls[:, k]
+        expected[2:4, k + 1] -= pulls[:, k]
+    np.testing.assert_allclose(change, expected, atol=1e-13)
 
 
 def test_cost_does_not_grow_with_the_number_of_all_pairs():

@@ -73,14 +73,14 @@ def test_a_contracts_the_apical_spring(model):
 
 @both
 def test_a_weakens_the_freed_spring_in_the_published_runs(model):
-    """A tenth of what the phase gives, which G2 doubles; once, not again and again."""
+    """A tenth of alpha_ax, once and not again and again, in G2, too, which doubles what only the layer has."""
     state = with_emt(upright(2, birth=-10.95), [0], a=0.0)
     given = PUBLISHED._replace(g2_stiffening=2.0)
     seen = []
     for k in range(3):
         state = ruled(model, state, 0.1 * k, given)
-        seen.append(state.cells.stiff_ax.tolist())
-    assert seen == [[0.2, 2.0], [0.4, 4.0], [0.4, 4.0]]
+        seen.append((state.cells.stiff_ax.tolist(), state.cells.stiff_aa.tolist()))
+    assert seen == [([0.2, 2.0], [5.0, 5.0]), ([0.2, 2.0], [10.0, 10.0]), ([0.2, 2.0], [10.0, 10.0])]
 
 
 # Loss of basal adhesion [B]
@@ -173,7 +173,7 @@ def test_p_in_the_published_runs(model):
 @pytest.mark.parametrize(("given", "way"), [(STILL, 0.0), (PUBLISHED, 0.1)])
 def test_p_at_its_depth(model, given, way):
     """At y(B) <= -2 the point stays for good, or is pulled back by the spring."""
-    given = given._replace(junction=0.0)  # so that the cell stays upright
+    given = given._replace(junction_factor=0.0)  # so that the cell stays upright
     end = steps_of(model, free(-2.0), given).cells
     assert end.bx[0] == 0.0
     assert end.by[0] == -2.0 if way == 0.0 else end.by[0] > -2.0 + way
@@ -187,7 +187,7 @@ def test_p_at_its_depth(model, given, way):
 def test_p_pulls_a_lonely_cell_out(model, given):
     """With a free apical point the nucleus passes the basal line, and it is kept when and where."""
     state = with_emt(upright(3, spacing=4.0, rest_ax=0.0), [1], a=0.0, b=0.0, p=0.0)
-    end = steps_of(model, state, given._replace(junction=0.0), 200)
+    end = steps_of(model, state, given._replace(junction_factor=0.0), 200)
     assert end.cells.y[1] < 0.0
     assert end.emt.side.tolist() == [-1]
     assert 0.0 < end.emt.since[0] < 20.0

@@ -24,7 +24,7 @@ LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", 
 NO_FORCES = {f"cell.alpha_{name}": 0 for name in ("aa", "ax", "bx", "xx", "axb")}
 SMALL_DISCS = {"cell.hard_radius": "1e-6 R_soft", "cell.enlarged_radius": "1e-6 R_soft"}
 COORDINATES = Forces._fields
-EVENTS = ("birth", "cycle", "id", "mother", "radius", "stiff_ax")
+EVENTS = ("birth", "cycle", "id", "mother", "radius", "stiff_aa")
 each_preset = pytest.mark.parametrize("name", SHORT)
 
 

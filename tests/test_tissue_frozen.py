@@ -86,7 +86,7 @@ def literal_substeps(state, network, given, h, steps):
     return state, counts
 
 
-@pytest.mark.parametrize("changes", [{}, {"power": 2, "junction": 1.25, "repulsion": 0.5}])
+@pytest.mark.parametrize("changes", [{}, {"power": 2, "junction_factor": 0.25, "repulsion": 0.5}])
 @pytest.mark.parametrize("detached", [[], [7, 20]])
 def test_pbd_is_the_substep_of_the_model(changes, detached):
     state, given = cells(30, 4), numbers(max_basal=0.4, **changes)

@@ -62,7 +62,7 @@ def test_a_chain_at_the_maximal_basal_distance():
     arrows = np.diff(particles(at)[:6].reshape(2, 3, 2), axis=1)
     (gap, _), (reach, _) = np.linalg.norm(arrows, axis=2)
     push = given.repulsion * (2 - gap) * arrows[0, 0, 0] / gap
-    tension = given.junction * (reach - 1 / 3) * arrows[1, 0, 0] / reach
+    tension = given.alpha_aa * (reach - 1 / 3) * arrows[1, 0, 0] / reach
     far = at.x[2] - at.x[0], at.y[2] - at.y[0]
     push += given.repulsion * max(0.0, 2 - np.hypot(*far)) * far[0] / np.hypot(*far)
     hold = on["DistanceRows", "particle 7 and 6"]
@@ -82,7 +82,7 @@ def test_basal_points_that_would_cross_stay_in_order():
 
 TISSUES = {
     "crowded": (cells(14, 0), layers(14), {}),
-    "published": (cells(14, 1), layers(14), {"power": 2, "junction": 1.25, "repulsion": 0.5}),
+    "published": (cells(14, 1), layers(14), {"power": 2, "junction_factor": 0.25, "repulsion": 0.5}),
     "some in no layer": (cells(10, 2), layers(10, apical=[0, 1, 4, 5, 8, 9], basal=[0, 2, 3, 5, 6, 7, 9]), {}),
     "upside down": (cells(8, 3)._replace(y=-cells(8, 3).y, ay=-cells(8, 3).ay), layers(8), {}),
 }

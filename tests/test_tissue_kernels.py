@@ -36,11 +36,10 @@ def test_forces(n, power, network):
 
 
 @each_size
-@pytest.mark.parametrize("only", ["stiff_ax", "stiff_bx", "stiff_axb", "junction", "repulsion"])
+@pytest.mark.parametrize("only", ["stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa", "repulsion"])
 def test_each_force_alone(n, only):
-    off = {name: 0.0 for name in ("stiff_ax", "stiff_bx", "stiff_axb") if name != only}
-    off_numbers = {name: 0.0 for name in ("junction", "repulsion") if name != only}
-    given_numbers = numbers(substeps=1, dt=0.005, **off_numbers)
+    off = {name: 0.0 for name in ("stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa") if name != only}
+    given_numbers = numbers(substeps=1, dt=0.005, repulsion=float(only == "repulsion"))
     moved = assert_equal_substep(cells(n, 4, radius=0.0, **off), layers(n), given_numbers)
     assert n <= 2 or moved > 1e-4
 
@@ -49,7 +48,7 @@ def test_each_force_alone(n, only):
 def test_repulsion_at_the_ends_of_its_range(distance_of_centres):
     x = [(0.0, 4.0), (distance_of_centres, 4.0)]
     state = tissue(x, [(0.0, 8.0), (0.0, 8.0)], [(0.0, 0.0), (0.0, 0.0)], radius=0.0, rest_ax=3.0, rest_bx=3.0)
-    given_numbers = numbers(substeps=1, dt=0.005, junction=0.0)
+    given_numbers = numbers(substeps=1, dt=0.005, junction_factor=0.0)
     state = state._replace(ax=np.array([0.0, 1.0]), bx=np.array([0.0, 0.3]))
     assert assert_equal_substep(state, layers(2), given_numbers) > 1e-3
 

@@ -45,7 +45,7 @@ SETTABLE = {
     "cell.rate_aa": ("0.05 1/min", {"rate_aa": 3.0}),
     "cell.rate_ax": ("0 1/h", {"rate_ax": 0.0}),
     "cell.rate_bx": ("2/h", {"rate_bx": 2.0}),
-    "cell.alpha_aa": (0, {"junction_k": 0.0}),
+    "cell.alpha_aa": (0, {"alpha_aa": 0.0}),
     "cell.alpha_ax": (3, {"alpha_ax": 3.0}),
     "cell.alpha_bx": (4, {"alpha_bx": 4.0}),
     "cell.alpha_xx": (6, {"repulsion": 6.0}),
@@ -57,7 +57,7 @@ SETTABLE = {
     "numerics.t_end": ("10 h", {"t_end": 10.0}),
     "numerics.keep": ("0.5 h", {"keep": 0.5}),
     "rules.spring_power": (2, {"power": 2}),
-    "rules.junction_factor": (0.25, {"junction_k": 1.25}),
+    "rules.junction_factor": (0.25, {"junction_factor": 0.25}),
     "rules.repulsion_factor": (0.5, {"repulsion": 0.5}),
     "rules.floor_rest_length": (True, {"floor_rest": True}),
     "rules.enlarge_from": ("G2", {"enlarge_in_g2": True}),
@@ -107,12 +107,10 @@ LENGTHS_IN_UM = {
 
 
 def plain(parameters: Parameters) -> dict[str, object]:
-    """Collect all plain numbers; the junction stiffness of Numbers is called junction_k here."""
-    numbers = parameters.numbers()._asdict()
-    numbers["junction_k"] = numbers.pop("junction")
+    """Collect all plain numbers."""
     scenario = parameters.scenario()
     return {
-        **numbers,
+        **parameters.numbers()._asdict(),
         **parameters.start_numbers()._asdict(),
         **parameters.daha_numbers()._asdict(),
         "group": scenario.cells,

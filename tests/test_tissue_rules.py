@@ -41,15 +41,15 @@ def test_cycles_are_uniform(model):
 
 @both
 def test_phases_begin_to_the_step(model):
-    """Age 11.25 begins G2, 11.5 mitosis, 12 division, in steps of 1/8 h; the apical spring stiffens, the disc grows."""
+    """Age 11.25 begins G2, 11.5 mitosis, 12 division, in steps of 1/8 h; junctions stiffen, the disc grows."""
     given_numbers = STILL._replace(dt=0.125, g2=0.25, mitosis=0.5, g2_stiffening=3.0)
     state, seen = upright(birth=-10.75), []
     for k in range(12):
         cells = ruled(model, state, 0.125 * k, given_numbers)
-        seen.append((cells.stiff_ax[0], cells.radius[0], cells.birth[0]))
+        seen.append((cells.stiff_aa[0], cells.radius[0], cells.birth[0]))
         state = state._replace(cells=cells)
-    resting, late, mitotic = (2.0, 1 / 3, -10.75), (6.0, 1 / 3, -10.75), (6.0, 0.7, -10.75)
-    assert seen == [resting] * 4 + [late] * 2 + [mitotic] * 4 + [(2.0, 1 / 3, 1.25)] * 2
+    resting, late, mitotic = (5.0, 1 / 3, -10.75), (15.0, 1 / 3, -10.75), (15.0, 0.7, -10.75)
+    assert seen == [resting] * 4 + [late] * 2 + [mitotic] * 4 + [(5.0, 1 / 3, 1.25)] * 2
 
 
 @given(st.floats(-21.0, 0.0), st.floats(10.0, 21.0), st.sampled_from([0.1, 0.05, 0.3]))
@@ -137,21 +137,21 @@ def test_rest_lengths_relax_exponentially(model):
 @pytest.mark.parametrize(
     ("moving", "variant", "at_rest", "in_g2", "in_mitosis"),
     [
-        (True, {}, (1 / 3, 2.0), (1 / 3, 2.0), (0.7, 2.0)),
-        (True, {"enlarge_in_g2": True}, (1 / 3, 2.0), (0.7, 2.0), (0.7, 2.0)),
-        (True, {"g2_stiffening": 2.0}, (1 / 3, 2.0), (1 / 3, 4.0), (0.7, 4.0)),
-        (False, {"resting_enlarge": True, "g2_stiffening": 2.0}, (1 / 3, 2.0), (1 / 3, 4.0), (0.7, 4.0)),
-        (False, {"resting_enlarge": False, "g2_stiffening": 2.0}, (1 / 3, 2.0), (1 / 3, 2.0), (1 / 3, 2.0)),
-        (False, {"resting_enlarge": True, "enlarge_in_g2": True}, (1 / 3, 2.0), (0.7, 2.0), (0.7, 2.0)),
-        (False, {"resting_enlarge": False, "enlarge_in_g2": True}, (1 / 3, 2.0), (1 / 3, 2.0), (1 / 3, 2.0)),
+        (True, {}, (1 / 3, 5.0), (1 / 3, 5.0), (0.7, 5.0)),
+        (True, {"enlarge_in_g2": True}, (1 / 3, 5.0), (0.7, 5.0), (0.7, 5.0)),
+        (True, {"g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 10.0), (0.7, 10.0)),
+        (False, {"resting_enlarge": True, "g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 10.0), (0.7, 10.0)),
+        (False, {"resting_enlarge": False, "g2_stiffening": 2.0}, (1 / 3, 5.0), (1 / 3, 5.0), (1 / 3, 5.0)),
+        (False, {"resting_enlarge": True, "enlarge_in_g2": True}, (1 / 3, 5.0), (0.7, 5.0), (0.7, 5.0)),
+        (False, {"resting_enlarge": False, "enlarge_in_g2": True}, (1 / 3, 5.0), (1 / 3, 5.0), (1 / 3, 5.0)),
     ],
 )
 def test_radius_and_stiffness_by_phase(model, moving, variant, at_rest, in_g2, in_mitosis):
     for age, expected in ((10.9, at_rest), (11.0, in_g2), (11.4, in_g2), (11.5, in_mitosis), (11.9, in_mitosis)):
         state = upright(birth=-age, moves=moving)
         cells = ruled(model, state, 0.0, STILL._replace(**variant))
-        assert (cells.radius[0], cells.stiff_ax[0]) == expected
-        assert (cells.stiff_bx[0], cells.stiff_axb[0]) == (2.0, 15.0)
+        assert (cells.radius[0], cells.stiff_aa[0]) == expected
+        assert (cells.stiff_ax[0], cells.stiff_bx[0], cells.stiff_axb[0]) == (2.0, 2.0, 15.0)
 
 
 # 2.2.4 Apical junctions

@@ -72,8 +72,7 @@ def test_limits_are_found_where_they_are_predicted(case):
 
 
 def test_the_prediction_for_junctions_is_that_of_their_energy():
-    state = limits.standing(2.5, 2.5, 10)
-    state = state._replace(numbers=state.numbers._replace(junction=5.0))
+    state = limits.standing(2.5, 2.5, 10, stiff_aa=5.0)
     junctions = next(case for case in limits.CASES if case.id == "junctions")
     assert frozen.limit(state) == pytest.approx(junctions.find().expected, rel=1e-9)
 

@@ -55,7 +55,8 @@ def test_springs_begin_with_the_lengths_of_the_parameters():
     assert (cells.rest_ax == 1.25).all()
     assert (cells.rest_bx == 1.25).all()
     assert (cells.rest_aa == 0.7).all()
-    assert {*cells.stiff_bx, *cells.stiff_axb} == {2.0, 15.0}
+    assert {*cells.stiff_ax, *cells.stiff_bx} == {2.0}
+    assert {*cells.stiff_axb} == {15.0}
 
 
 @pytest.mark.parametrize("nuclei", ["box", "even", "own_basal"])
@@ -103,7 +104,8 @@ def test_cells_begin_in_the_phase_of_their_age(name, from_g2):
     enlarged = left <= (1.3 if from_g2 else 0.5)
     assert 5 < enlarged.sum() < 60
     np.testing.assert_array_equal(cells.radius, np.where(enlarged, 0.7, numbers.hard_radius))
-    np.testing.assert_array_equal(cells.stiff_ax, np.where(left <= 1.3, 6.0, 2.0))
+    np.testing.assert_array_equal(cells.stiff_aa, np.where(left <= 1.3, 15.0, 5.0))
+    assert (cells.stiff_ax == 2.0).all()
 
 
 @each_preset

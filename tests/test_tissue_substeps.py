@@ -71,35 +71,37 @@ def test_straightness_turns_a_right_angle(model):
 def test_soft_repulsion_ends_at_two_radii(model):
     for gap, push in ((1.5, 0.5), (0.75, 1.25), (2.0, 0.0), (2.5, 0.0)):
         state = upright(2, spacing=gap, **alone(), radius=0.1)
-        cells = stepped(model, state, STILL._replace(repulsion=3.0, junction=0.0, max_basal=9.0))
+        cells = stepped(model, state, STILL._replace(repulsion=3.0, junction_factor=0.0, max_basal=9.0))
         np.testing.assert_allclose(cells.x, [-0.3 * push, gap + 0.3 * push], rtol=1e-12)
         np.testing.assert_array_equal(cells.y, 5.0)
 
 
 @both
 def test_junctions_pull_or_push_neighbours_of_the_apical_layer(model):
-    """Distances 3 and 1 with rest lengths 1 and 2 and k = 5: forces 10 together and 5 apart; cell 3 has left."""
-    state = upright(4, **alone(), rest_aa=[1.0, 2.0, 7.0, 7.0])
+    """Distances 3 and 1, rest lengths 1 and 2, k = 5 and 6, each the mean of its two cells: forces 10 together and 6
+    apart; cell 3 has left.
+    """
+    state = upright(4, **alone(), rest_aa=[1.0, 2.0, 7.0, 7.0], stiff_aa=[2.0, 8.0, 4.0, 100.0])
     state.cells.ax[:] = 0.0, 3.0, 4.0, 5.0
     state = state._replace(layers=layers(4, apical=[0, 1, 2]))
-    cells = stepped(model, state, STILL._replace(junction=5.0, max_basal=9.0))
-    np.testing.assert_allclose(cells.ax, [1.0, 3.0 - 1.0 - 0.5, 4.5, 5.0], rtol=1e-12)
+    cells = stepped(model, state, STILL._replace(max_basal=9.0))
+    np.testing.assert_allclose(cells.ax, [1.0, 3.0 - 1.0 - 0.6, 4.6, 5.0], rtol=1e-12)
     np.testing.assert_array_equal(cells.x, state.cells.x)
 
 
 @both
 def test_junction_of_a_cell_goes_to_the_next_in_the_layer(model):
-    """Cell 1 has left the apical layer: its neighbours are joined, with the rest length of the left one."""
-    state = upright(3, **alone(), rest_aa=[4.0, 9.0, 9.0])
+    """Cell 1 has left the apical layer: its neighbours are joined, with the rest length of the left one, k of both."""
+    state = upright(3, **alone(), rest_aa=[4.0, 9.0, 9.0], stiff_aa=[3.0, 90.0, 7.0])
     state = state._replace(layers=layers(3, apical=[0, 2]))
-    cells = stepped(model, state, STILL._replace(junction=5.0, max_basal=9.0))
+    cells = stepped(model, state, STILL._replace(max_basal=9.0))
     np.testing.assert_allclose(cells.ax, [1.0, 3.0, 5.0], rtol=1e-12)
 
 
 # 2.2.7 Constraints: one sweep, without forces
 
 FREE = {**alone(), "radius": 0.5}
-SWEEP = STILL._replace(junction=0.0, repulsion=0.0, max_basal=9.0)
+SWEEP = STILL._replace(junction_factor=0.0, repulsion=0.0, max_basal=9.0)
 
 
 @both

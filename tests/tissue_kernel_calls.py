@@ -104,7 +104,7 @@ def distance(a, b):
 
 def same_events(a, b):
     """Whether all that rules decide, and no position enters, is the same bit for bit."""
-    fields = ("stiff_ax", "radius", "birth", "cycle", "moves", "divides", "id", "mother", "emt", "events")
+    fields = ("stiff_aa", "radius", "birth", "cycle", "moves", "divides", "id", "mother", "emt", "events")
     return all(np.array_equal(getattr(a.cells, name), getattr(b.cells, name)) for name in fields) and all(
         np.array_equal(*pair) for pair in zip(a.layers, b.layers, strict=True)
     )

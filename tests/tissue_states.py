@@ -13,9 +13,10 @@ THESIS = Numbers(
     variance=0.2,
     noise_in_substeps=False,
     power=1,
-    junction=5.0,
+    junction_factor=1.0,
     repulsion=1.0,
     max_basal=1 / 3,
+    alpha_aa=5.0,
     alpha_ax=2.0,
     alpha_bx=2.0,
     alpha_axb=15.0,
@@ -75,6 +76,7 @@ def tissue(x, a, b, **fields):
         "stiff_ax": THESIS.alpha_ax,
         "stiff_bx": THESIS.alpha_bx,
         "stiff_axb": THESIS.alpha_axb,
+        "stiff_aa": THESIS.alpha_aa,
         "radius": THESIS.hard_radius,
         "cycle": 15.0,
         "moves": True,
@@ -110,6 +112,7 @@ def cells(n, seed, **fields):
         "stiff_bx": THESIS.alpha_bx * rng.uniform(0.5, 2.0, n),
         "stiff_axb": THESIS.alpha_axb * rng.uniform(0.5, 2.0, n),
         "cycle": rng.uniform(THESIS.min_cycle, THESIS.max_cycle, n),
+        "stiff_aa": THESIS.alpha_aa * np.random.default_rng((seed, n)).uniform(0.5, 2.0, n),
     }
     return tissue(_thrown(rng, place, radius), a, b, **{**drawn, **fields})
 
@@ -117,7 +120,8 @@ def cells(n, seed, **fields):
 def start(n, seed):
     """The same positions as a run begins with: all cells alike, rest lengths 1.5, junctions at rest."""
     same = {"rest_ax": 1.5, "rest_bx": 1.5, "rest_aa": SPACING, "stiff_ax": THESIS.alpha_ax}
-    same |= {"stiff_bx": THESIS.alpha_bx, "stiff_axb": THESIS.alpha_axb, "radius": THESIS.hard_radius}
+    same |= {"stiff_bx": THESIS.alpha_bx, "stiff_axb": THESIS.alpha_axb, "stiff_aa": THESIS.alpha_aa}
+    same |= {"radius": THESIS.hard_radius}
     return cells(n, seed, **same)
 
 

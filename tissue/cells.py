@@ -31,6 +31,7 @@ class Cells(NamedTuple):
     stiff_ax: Floats  # alpha_ax, alpha_bx, alpha_axb
     stiff_bx: Floats
     stiff_axb: Floats
+    stiff_aa: Floats  # alpha_aa: a junction has the mean of its two cells
     radius: Floats  # R_hard
     birth: Floats  # t_birth
     cycle: Floats  # t_cycle (3.1)

@@ -57,12 +57,13 @@ def parts(cells: Cells, layers: Layers, numbers: Numbers) -> Parts:
 
         W_i^ax  = alpha_i^ax (|A_i - X_i| - l)^2 / l^p,  l = 1 + eta_i^ax                   (3.9)
         W_i^bx  = alpha_i^bx (|B_i - X_i| - l)^2 / l^p,  l = 1 + eta_i^bx                   (3.10)
-        W_ij^aa = k_aa/2 (|A_j - A_i| - eta_i^aa)^2  for j next after i in the layer        (3.11)
+        W_ij^aa = k_ij/2 (|A_j - A_i| - eta_i^aa)^2  for j next after i in the layer        (3.11)
         W_i^axb = alpha_i^axb (cos gamma_i + 1),  gamma_i = angle(A_i - X_i, B_i - X_i)     (3.12)
         W_ij^xx = k_xx/2 (|X_i - X_j| - 2)^2  where |X_i - X_j| < 2, else 0                 (3.13)
 
-    (3.13) is printed with a minus sign, which would attract. The other form of (3.12) that is printed, alpha (cos pi -
-    cos(gamma - pi)), is alpha (cos gamma - 1): smaller by 2 alpha, with the same forces.
+    with k_ij = junction_factor (alpha_i^aa + alpha_j^aa)/2. (3.13) is printed with a minus sign, which would attract.
+    The other form of (3.12) that is printed, alpha (cos pi - cos(gamma - pi)), is alpha (cos gamma - 1): smaller by
+    2 alpha, with the same forces.
 
     Parameters
     ----------
@@ -71,7 +72,7 @@ def parts(cells: Cells, layers: Layers, numbers: Numbers) -> Parts:
     layers
         The apical layer, from left to right.
     numbers
-        ``power`` p, ``junction`` k_aa and ``repulsion`` k_xx.
+        ``power`` p, ``junction_factor`` and ``repulsion`` k_xx.
 
     Raises
     ------
@@ -80,10 +81,11 @@ def parts(cells: Cells, layers: Layers, numbers: Numbers) -> Parts:
     """
     arrows = _arrows(cells, layers)
     l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
+    stiffness, strain = _strained(cells, arrows.aa, numbers)
     return Parts(
         ax=np.sum(cells.stiff_ax * (arrows.xa.length - l_ax) ** 2 / l_ax**numbers.power),
         bx=np.sum(cells.stiff_bx * (arrows.xb.length - l_bx) ** 2 / l_bx**numbers.power),
-        aa=np.sum(numbers.junction / 2 * (arrows.aa.length - cells.rest_aa[arrows.aa.start]) ** 2),
+        aa=np.sum(stiffness / 2 * strain**2),
         axb=np.sum(cells.stiff_axb * (_cosine(arrows) + 1)),
         xx=np.sum(numbers.repulsion / 2 * (arrows.xx.length - SOFT) ** 2),
     )
@@ -96,7 +98,7 @@ def forces(cells: Cells, layers: Layers, numbers: Numbers) -> Forces:
         on B_i  -2 alpha^bx (|B - X| - l)/l^p v - alpha^axb (u - c v)/|B - X|
         on X_i  the opposite of both sums                                      + repulsion
 
-    A junction pulls A_i towards A_j with k_aa (|A_j - A_i| - eta_i^aa), and A_j the opposite way; the repulsion pulls
+    A junction pulls A_i towards A_j with k_ij (|A_j - A_i| - eta_i^aa), and A_j the opposite way; the repulsion pulls
     X_i towards X_j with k_xx (|X_i - X_j| - 2) < 0. Arguments and errors are those of ``parts``.
     """
     arrows = _arrows(cells, layers)
@@ -107,7 +109,8 @@ def forces(cells: Cells, layers: Layers, numbers: Numbers) -> Forces:
     on_a -= cells.stiff_axb * (xb.unit - cosine * xa.unit) / xa.length
     on_b -= cells.stiff_axb * (xa.unit - cosine * xb.unit) / xb.length
     on_x = -(on_a + on_b)
-    _pull(on_a, arrows.aa, numbers.junction * (arrows.aa.length - cells.rest_aa[arrows.aa.start]))
+    stiffness, strain = _strained(cells, arrows.aa, numbers)
+    _pull(on_a, arrows.aa, stiffness * strain)
     _pull(on_x, arrows.xx, numbers.repulsion * (arrows.xx.length - SOFT))
     return Forces(*on_x, *on_a, *on_b)
 
@@ -177,6 +180,12 @@ def _spring_lengths(name: str, rest: Floats) -> Floats:
     if wrong.size:
         raise InvalidProblem(f"cells.{name}[{wrong[0]}] = {rest[wrong[0]]}: must be above -1, the radius R_soft")
     return length
+
+
+def _strained(cells: Cells, junctions: _Bundle, numbers: Numbers) -> tuple[Floats, Floats]:
+    """k_ij and |A_j - A_i| - eta_i of the junctions, each of shape (m,)."""
+    i, j = junctions.start, junctions.end
+    return numbers.junction_factor * (cells.stiff_aa[i] + cells.stiff_aa[j]) / 2, junctions.length - cells.rest_aa[i]
 
 
 def _cosine(arrows: _Arrows) -> Floats:

@@ -279,8 +279,9 @@ def _pair_energy(cells: Cells, layers: Layers, numbers: Numbers, x: Any, a: Any,
     """(3.11) and, of the pairs ``soft``, (3.13)."""
     left, right = layers.apical[:-1], layers.apical[1:]
     strain = _lengths(a, (left, right)) - _row(cells.rest_aa[left])
+    stiffness = _row(numbers.junction_factor * (cells.stiff_aa[left] + cells.stiff_aa[right]) / 2)
     overlap = casadi.fmax(0, SOFT - _lengths(x, soft))
-    return numbers.junction / 2 * casadi.sumsqr(strain) + numbers.repulsion / 2 * casadi.sumsqr(overlap)
+    return casadi.sum2(stiffness * strain**2) / 2 + numbers.repulsion / 2 * casadi.sumsqr(overlap)
 
 
 def _arrows(points: Any, ends: Ends) -> Any:

@@ -16,10 +16,11 @@ class Numbers(NamedTuple):
     noise_in_substeps: bool  # noise in each substep, in place of once before them
     # Energies
     power: int  # p of the springs, W = alpha (d - l)^2 / l^p with l = 1 + eta
-    junction: float  # k of a junction, force k (d - eta)
+    junction_factor: float  # k of a junction over the mean alpha_aa of its cells, force k (d - eta)
     repulsion: float  # k of the soft repulsion, force k (2 - d) for d < 2
     max_basal: float  # largest distance of neighbours in the basal layer (C2)
     # Cells (Table 2)
+    alpha_aa: float
     alpha_ax: float
     alpha_bx: float
     alpha_axb: float
@@ -38,7 +39,7 @@ class Numbers(NamedTuple):
     new_junction: float  # rest length of the junction between two daughters
     floor_rest: bool  # desired rest length max(0, d - 1) in place of d - 1
     enlarge_in_g2: bool  # the enlarged radius from G2 on, in place of from mitosis on
-    g2_stiffening: float  # factor of alpha_ax from G2 to division
+    g2_stiffening: float  # factor of alpha_aa of a cell from G2 to division
     resting_enlarge: bool  # cells without INM enlarge and stiffen like the others
     # EMT events
     freed_stiffness: float  # factor of the spring to a freed point: [A], [B]

@@ -93,11 +93,11 @@ class RulesSection(Section):
     """[rules]: where the variants of the model differ in more than a number."""
 
     spring_power: Annotated[int, PlainValidator(Choice((1, 2)))]  # p of W = alpha (d - l)^2/l^p (3.9), (3.10)
-    junction_factor: NonNegative  # k of a junction (3.11) over alpha_aa
+    junction_factor: NonNegative  # k of a junction (3.11) over the mean alpha_aa of its two cells
     repulsion_factor: NonNegative  # k of the soft repulsion (3.13) over alpha_xx
     floor_rest_length: Flag  # desired rest length max(0, d - R_soft) in place of d - R_soft
     enlarge_from: Annotated[str, PlainValidator(Choice(("mitosis", "G2")))]  # when the enlarged radius begins
-    g2_stiffening: NonNegative  # factor of alpha_ax from G2 to division
+    g2_stiffening: NonNegative  # factor of alpha_aa of a cell from G2 to division
     resting_cells_enlarge: Flag  # whether a cell without INM enlarges and stiffens all the same
 
 

@@ -88,6 +88,7 @@ def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
         stiff_ax=np.full(n, numbers.alpha_ax),
         stiff_bx=np.full(n, numbers.alpha_bx),
         stiff_axb=np.full(n, numbers.alpha_axb),
+        stiff_aa=np.full(n, numbers.alpha_aa),
         radius=np.full(n, numbers.hard_radius),
         birth=-age,
         cycle=cycle,

@@ -75,13 +75,13 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator) -> Tiss
 
 
 def set_phases(cells: Cells, t: float, numbers: Numbers) -> Cells:
-    """Twin of ``cycle.set_phases``: hard radius (3.4), (3.8), and stiffness of the apical spring."""
+    """Twin of ``cycle.set_phases``: hard radius (3.4), (3.8), and stiffness of the apical junctions."""
     changes = cells.moves | numbers.resting_enlarge
     late = changes & _in_g2(cells, t, numbers)
     mitosis = changes & (t - cells.birth >= cells.cycle - numbers.mitosis)
     return cells._replace(
         radius=np.where(late if numbers.enlarge_in_g2 else mitosis, numbers.enlarged_radius, numbers.hard_radius),
-        stiff_ax=numbers.alpha_ax * np.where(late, numbers.g2_stiffening, 1.0),
+        stiff_aa=numbers.alpha_aa * np.where(late, numbers.g2_stiffening, 1.0),
     )
 
 

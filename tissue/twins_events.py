@@ -47,6 +47,7 @@ def begin_events(tissue: Tissue, t: float, numbers: Numbers) -> Tissue:
         cells.events[i] += new
         if new & bits.A and i in apical:
             apical = _without(apical, i, cells, numbers)
+            cells.stiff_ax[i] = numbers.freed_stiffness * numbers.alpha_ax
         if new & bits.B and i in basal:
             basal = basal[basal != i]
             cells.stiff_bx[i] = numbers.freed_stiffness * numbers.alpha_bx
@@ -71,7 +72,6 @@ def last_events(cells: Cells, before: Cells, numbers: Numbers) -> Cells:
     for i in np.flatnonzero(cells.events):
         if cells.events[i] & bits.A:
             cells.rest_ax[i] = before.rest_ax[i] * math.exp(-numbers.rate_ax * numbers.dt)
-            cells.stiff_ax[i] *= numbers.freed_stiffness
         if cells.events[i] & bits.P:
             cells.rest_bx[i], cells.stiff_bx[i] = _grip(cells, i, before.rest_bx[i], numbers)
         elif cells.events[i] & bits.B:

@@ -27,10 +27,10 @@ def begin(store: Store, i: int, numbers: Numbers) -> None:
         else:
             cells.rest_aa[left] += cells.rest_aa[i]
     sizes[APICAL] = remove(layer, sizes[APICAL], k)
+    cells.stiff_ax[i] = numbers.alpha_ax * numbers.freed_stiffness
 
 
 @kernel
 def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
     """For each dt after: the spring relaxes from its length ``rest`` before towards 0, and (3.2) holds no more."""
     store.cells.rest_ax[i] = rest * math.exp(-numbers.rate_ax * numbers.dt)
-    store.cells.stiff_ax[i] *= numbers.freed_stiffness  # of what the phase has just set

@@ -28,7 +28,7 @@ def in_g2(cells: Cells, i: int, t: float, numbers: Numbers) -> bool:
 
 @kernel
 def set_phases(store: Store, t: float, numbers: Numbers) -> None:
-    """Hard radius (3.4) and stiffness of the apical spring at time t, from the phase of each cell."""
+    """Hard radius (3.4) and stiffness of the apical junctions at time t, from the phase of each cell."""
     cells = store.cells
     for i in range(store.sizes[CELLS]):
         changes = cells.moves[i] or numbers.resting_enlarge
@@ -39,7 +39,7 @@ def set_phases(store: Store, t: float, numbers: Numbers) -> None:
         if radius > cells.radius[i]:  # the lists know smaller discs
             store.scratch.flags[STALE] = 1
         cells.radius[i] = radius
-        cells.stiff_ax[i] = numbers.alpha_ax * (numbers.g2_stiffening if changes and late else 1.0)
+        cells.stiff_aa[i] = numbers.alpha_aa * (numbers.g2_stiffening if changes and late else 1.0)
 
 
 @kernel

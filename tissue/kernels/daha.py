@@ -124,7 +124,7 @@ def _force(held: Store, numbers: Numbers, scale: float) -> None:
     cells, layers, scratch = held.cells, held.layers, held.scratch
     n, apical = held.sizes[CELLS], held.sizes[APICAL]
     repulsion(cells, n, scale * numbers.repulsion, scratch)
-    junctions(cells, layers, apical, scale * numbers.junction, scratch)
+    junctions(cells, layers, apical, scratch)
     move_by_springs(cells, n, scratch)
     move_by_neighbours(cells, n, layers, apical, scratch)
 

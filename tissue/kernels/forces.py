@@ -21,7 +21,8 @@ def prepare(
 ) -> None:
     """Coefficients that stay the same until the rules change again; ``scale`` = h / mu.
 
-    The spring W = alpha (d - l)^2 / l^p, l = 1 + eta, moves X by -k (1 - l / d) (X - A), k = 2 alpha scale / l^p.
+    The spring W = alpha (d - l)^2 / l^p, l = 1 + eta, moves X by -k (1 - l / d) (X - A), k = 2 alpha scale / l^p; a
+    junction has k = scale junction_factor (alpha_i + alpha_j) / 2.
     """
     squared = numbers.power == 2
     for i in range(n):
@@ -31,7 +32,9 @@ def prepare(
         scratch.k_bx[i] = 2.0 * scale * cells.stiff_bx[i] / (l_bx * l_bx if squared else l_bx)
         scratch.k_axb[i] = scale * cells.stiff_axb[i]
     for k in range(apical - 1):
-        scratch.rest[k] = cells.rest_aa[layers.apical[k]]
+        i, j = layers.apical[k], layers.apical[k + 1]
+        scratch.rest[k] = cells.rest_aa[i]
+        scratch.k_aa[k] = scale * numbers.junction_factor * (0.5 * (cells.stiff_aa[i] + cells.stiff_aa[j]))
 
 
 @kernel
@@ -72,17 +75,17 @@ def repulsion(cells: Cells, n: int, strength: float, scratch: Scratch) -> None:
 
 
 @kernel
-def junctions(cells: Cells, layers: Layers, apical: int, strength: float, scratch: Scratch) -> None:
+def junctions(cells: Cells, layers: Layers, apical: int, scratch: Scratch) -> None:
     """Pull k (d - eta) of the junction behind each point of the apical layer towards the next, for the layer."""
     for k in range(apical):
         i = layers.apical[k]
         scratch.layer_x[k] = cells.ax[i]
         scratch.layer_y[k] = cells.ay[i]
-    half = 0.5 * strength
     for k in range(0, apical - 1, WIDTH):
         dx = load(scratch.layer_x, k + 1) - load(scratch.layer_x, k)
         dy = load(scratch.layer_y, k + 1) - load(scratch.layer_y, k)
-        pull = strength - half * load(scratch.rest, k) * twice_rsqrt(fma(dx, dx, dy * dy))
+        strength = load(scratch.k_aa, k)
+        pull = strength - 0.5 * strength * load(scratch.rest, k) * twice_rsqrt(fma(dx, dx, dy * dy))
         store(scratch.pull_x, k, pull * dx)
         store(scratch.pull_y, k, pull * dy)
 

@@ -37,7 +37,8 @@ class Scratch(NamedTuple):
     layer_y: Floats
     pull_x: Floats
     pull_y: Floats
-    rest: Floats
+    rest: Floats  # of the junction to the next one, and its displacement k (d - rest) in a substep
+    k_aa: Floats
     # Nuclei by their x
     order: Integers  # order[s]: the cell in place s
     sorted_x: Floats

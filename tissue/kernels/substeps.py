@@ -44,7 +44,7 @@ def make_substeps(store: Store, numbers: Numbers, noise: Generator) -> bool:
             return False
         moved = False
         repulsion(cells, n, scale * numbers.repulsion, scratch)
-        junctions(cells, layers, apical, scale * numbers.junction, scratch)
+        junctions(cells, layers, apical, scratch)
         move_by_springs(cells, n, scratch)
         move_by_neighbours(cells, n, layers, apical, scratch)
         if not (refresh(cells, n, scratch) and separate(cells, n, scratch)):

@@ -60,7 +60,8 @@ def _surely_below(state: Frozen) -> float:
     """2 / (the largest eigenvalues of springs with bending, junctions and repulsion, added up): cheap, and below."""
     numbers = state.numbers
     own = linear.largest(linear.own_hessians(state.cells, numbers)).max()
-    return float(linear.LIMIT / (own + 4 * numbers.junction + 2 * NEIGHBOURS * numbers.repulsion))
+    junction = numbers.junction_factor * state.cells.stiff_aa.max()
+    return float(linear.LIMIT / (own + 4 * junction + 2 * NEIGHBOURS * numbers.repulsion))
 
 
 def stiffened(state: Frozen, **stiffness: float) -> Frozen:

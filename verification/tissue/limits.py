@@ -40,7 +40,7 @@ def standing(u: float, v: float, count: int = 1, spacing: float = 4.0, **stiffne
 
     Stiffnesses that are not given are 0. Too far from each other for the nuclei to meet; junctions are at rest.
     """
-    numbers: Numbers = preset("thesis").numbers()._replace(max_basal=2 * spacing, hard_radius=0.0, junction=0.0)
+    numbers: Numbers = preset("thesis").numbers()._replace(max_basal=2 * spacing, hard_radius=0.0)
     cells = empty(count)
     place = spacing * np.arange(count)
     given = {"x": place, "y": v, "ax": place, "ay": u + v, "bx": place, "rest_ax": u - 1, "rest_bx": v - 1}
@@ -79,11 +79,6 @@ def _stiffness() -> dict[str, float]:
     return {"stiff_ax": numbers.alpha_ax, "stiff_bx": numbers.alpha_bx, "stiff_axb": numbers.alpha_axb}
 
 
-def _with_junctions(state: Frozen) -> Frozen:
-    """The state with the junctions of the thesis."""
-    return state._replace(numbers=state.numbers._replace(junction=preset("thesis").numbers().junction))
-
-
 def _bending(u: float, v: float) -> Found:
     given = _stiffness()
     expected = linear.LIMIT / linear.bending(given["stiff_axb"], u, v)
@@ -101,15 +96,16 @@ def _springs(power: int) -> Found:
 
 
 def _junctions() -> Found:
-    count = 10
-    state = _with_junctions(standing(2.5, 2.5, count))
-    expected = linear.LIMIT / (2 * state.numbers.junction * (1 + math.cos(math.pi / count)))
-    return within(expected, found_limit(state), AGREEMENT, f"h/μ, {count} cells, k = {state.numbers.junction:g}")
+    count, alpha = 10, preset("thesis").numbers().alpha_aa
+    state = standing(2.5, 2.5, count, stiff_aa=alpha)
+    k = state.numbers.junction_factor * alpha
+    expected = linear.LIMIT / (2 * k * (1 + math.cos(math.pi / count)))
+    return within(expected, found_limit(state), AGREEMENT, f"h/μ, {count} cells, k = {k:g}")
 
 
 def crowd() -> Frozen:
     """Twelve cells with all forces, too thin to touch: soft discs overlap, junctions and springs are under tension."""
-    state = _with_junctions(standing(4.0, 4.0, 12, 1.5, **_stiffness()))
+    state = standing(4.0, 4.0, 12, 1.5, stiff_aa=preset("thesis").numbers().alpha_aa, **_stiffness())
     state.cells.y[:] += 0.5 * np.cos(2.0 * np.arange(12))
     state.cells.rest_aa[:] = 1.4
     return frozen.at_rest(state)

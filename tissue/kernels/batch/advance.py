@@ -73,7 +73,7 @@ def make_substep(board: Board, n: int, numbers: Numbers, h: float, noise: Genera
     scale = h / numbers.mu
     if numbers.repulsion != 0.0:
         repulsion(board, n)
-    junctions(board, n, scale * numbers.junction)
+    junctions(board, n)
     move(board, n, scale * numbers.repulsion)
     separate(board, n)
     order_basal(board, n, numbers.max_basal)

@@ -46,6 +46,7 @@ class Board(NamedTuple):
     in_apical: Floats
     in_basal: Floats
     rest: Floats  # of the junction from a cell to the next one of the apical layer
+    k_aa: Floats  # what a cell gives to the coefficients of its junctions
     # What is computed on the way
     push_x: Floats  # push of the soft discs on the nucleus, for strength 1
     push_y: Floats
@@ -98,6 +99,7 @@ def copy_in(group: Store, ended: Integers, numbers: Numbers, scale: float, board
                 board.k_axb[place] = scratch.k_axb[k, i]
                 board.bx_moves[place], board.by_moves[place] = scratch.bx_moves[k, i], scratch.by_moves[k, i]
                 board.runs[place], board.rest[place] = scratch.runs[k, i], cells.rest_aa[k, i]
+                board.k_aa[place] = 0.5 * (scale * numbers.junction_factor * cells.stiff_aa[k, i])
             else:
                 _fill(board, i, place)
             board.in_apical[place] = board.in_basal[place] = 0.0

@@ -37,22 +37,24 @@ def repulsion(board: Board, n: int) -> int:
 
 
 @kernel
-def junctions(board: Board, n: int, strength: float) -> None:
+def junctions(board: Board, n: int) -> None:
     """Displacement of the apical points by their junctions, pulls k (d - eta), for neighbours in the layer.
 
     Forwards the pull of each junction is kept at its right end; backwards each point gets what its two junctions do.
     """
-    half = 0.5 * strength
     inside_before = spread(0.0)
-    x_before, y_before, rest_before = spread(0.0), spread(0.0), spread(0.0)
+    x_before, y_before, rest_before, k_before = spread(0.0), spread(0.0), spread(0.0), spread(0.0)
     for here in range(0, WIDTH * n, WIDTH):
         inside, x, y = load(board.in_apical, here), load(board.ax, here), load(board.ay, here)
         dx, dy = x - x_before, y - y_before
-        pull = where_positive(inside * inside_before, strength - half * rest_before * twice_rsqrt(fma(dx, dx, dy * dy)))
+        k = load(board.k_aa, here)
+        strength = k_before + k
+        pull = strength - 0.5 * strength * rest_before * twice_rsqrt(fma(dx, dx, dy * dy))
+        pull = where_positive(inside * inside_before, pull)
         store(board.drag_x, here, pull * dx)
         store(board.drag_y, here, pull * dy)
         x_before, y_before = either(inside, x, x_before), either(inside, y, y_before)
-        rest_before = either(inside, load(board.rest, here), rest_before)
+        rest_before, k_before = either(inside, load(board.rest, here), rest_before), either(inside, k, k_before)
         inside_before = maximum(inside, inside_before)
     ahead_x, ahead_y = spread(0.0), spread(0.0)
     for here in range(WIDTH * (n - 1), -WIDTH, -WIDTH):
