@@ -252,14 +252,15 @@ def test_nothing_is_corrected_where_nothing_touches():
 
 
 def test_noise_once_per_dt_is_drawn_once_per_dt():
-    """The generator stands where 2 n draws for each dt leave it; with noise in substeps as many times farther."""
+    """The generator stands where 2 n draws for each dt leave it; with noise in substeps, where two words for a key do."""
     n, numbers = 10, preset("thesis").numbers()._replace(two_daughters=0.0)
-    for in_substeps, times in ((False, 1), (True, 20)):
+    draws = {False: lambda other: other.standard_normal(2 * n * 3), True: lambda other: other.random(2 * 3)}
+    for in_substeps, draw in draws.items():
         kept = kernels.held(Tissue(cells(n, 0), layers(n), n))
         cycle, noise = kernels.generators(0)
         advance.advance(kept, 0, 3, numbers._replace(noise_in_substeps=in_substeps), cycle, noise)
         other = kernels.generators(0)[1]
-        other.standard_normal(2 * n * 3 * times)
+        draw(other)
         assert noise.bit_generator.state == other.bit_generator.state
 
 

@@ -168,11 +168,10 @@ def test_noise_has_the_variance_2_d_dt(model, in_substeps):
         variance=0.3, dt=0.2, substeps=5, noise_in_substeps=in_substeps, alpha_ax=0.0, hard_radius=0.1
     )
     state = upright(n, **FREE)
-    draws, noise = kernels.generators(8)
-    moved = model.apply_rules(state, 0.2, given_numbers, draws, noise).cells
+    moved = model.apply_rules(state, 0.2, given_numbers, *kernels.generators(8)).cells
     if in_substeps:
         assert moves(state.cells, moved) == {}
-        moved = model.make_substeps(moved, state.layers, given_numbers, noise)
+        moved = model.steps(state, 0, 1, given_numbers, *kernels.generators(8)).cells
     kicks = np.array((moved.x - state.cells.x, moved.y - state.cells.y)) / math.sqrt(0.3 * 0.2)
     for name in ("ax", "ay", "bx", "by"):
         np.testing.assert_array_equal(getattr(moved, name), getattr(state.cells, name))

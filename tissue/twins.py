@@ -18,6 +18,7 @@ from tissue.cells import Cells, Emt, Flags, Floats, Layers, no_emt
 from tissue.energy import forces
 from tissue.numbers import Numbers
 from tissue.twins_events import Motion, begin_events, last_events, motion, watch_sides
+from tissue.twins_normals import WORDS, normals
 
 
 class Tissue(NamedTuple):
@@ -112,9 +113,11 @@ def add_noise(cells: Cells, variance: float, noise: Generator) -> Cells:
 def make_substeps(cells: Cells, layers: Layers, numbers: Numbers, noise: Generator) -> Cells:
     """Twin of ``substeps.make_substeps``: all PBD steps in one dt (3.34)."""
     h, own = numbers.dt / numbers.substeps, motion(cells, numbers)
-    for _ in range(numbers.substeps):
-        if numbers.noise_in_substeps:
-            cells = add_noise(cells, numbers.variance * h, noise)
+    key = [int(WORDS * noise.random()) for _ in range(2)] if numbers.noise_in_substeps else None
+    for number in range(numbers.substeps):
+        if key is not None:
+            shake_x, shake_y = math.sqrt(numbers.variance * h) * normals(key, cells.id, number)
+            cells = cells._replace(x=cells.x + shake_x, y=cells.y + shake_y)
         cells = swept(moved(cells, layers, numbers, h, own), layers, numbers)
     return cells
 

@@ -10,6 +10,7 @@ from tissue.kernels._numba import kernel
 from tissue.kernels.cycle import adapt_rest_lengths, set_phases
 from tissue.kernels.division import count_due, divide
 from tissue.kernels.neighbours import LOST
+from tissue.kernels.normals import draw_key
 from tissue.kernels.scale import watch_sides
 from tissue.kernels.store import CELLS, Store
 from tissue.kernels.substeps import add_noise, make_substeps
@@ -33,7 +34,7 @@ def advance(
         if store.sizes[CELLS] + count_due(store, t) > len(store.cells.x):
             return made, FULL
         apply_rules(store, t, numbers, draws, noise)
-        listed = make_substeps(store, numbers, noise)
+        listed = make_substeps(store, numbers)
         if find_lost(store.cells, store.sizes[CELLS]) >= 0:
             return made, NON_FINITE
         if not listed:
@@ -45,12 +46,14 @@ def advance(
 
 @kernel
 def apply_rules(store: Store, t: float, numbers: Numbers, draws: Generator, noise: Generator) -> None:
-    """What happens once per dt before the cells move: divisions, EMT events, phases, rest lengths, noise."""
+    """What happens once per dt before the cells move: divisions, EMT events, phases, rest lengths, noise or its key."""
     divide(store, t, numbers, draws)
     begin_events(store, t, numbers)
     set_phases(store, t, numbers)
     adapt_rest_lengths(store, t, numbers)
-    if not numbers.noise_in_substeps:
+    if numbers.noise_in_substeps:
+        draw_key(noise, store.scratch.noise_key)
+    else:
         add_noise(store.cells, store.sizes[CELLS], numbers.variance * numbers.dt, noise)
 
 

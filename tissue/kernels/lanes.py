@@ -28,6 +28,7 @@ _DOUBLE = ir.DoubleType()
 _VECTOR = ir.VectorType(_DOUBLE, WIDTH)
 _SINGLES = ir.VectorType(ir.FloatType(), WIDTH)
 _PLACES = ir.VectorType(ir.IntType(32), WIDTH)
+_LONGS = ir.VectorType(ir.IntType(64), WIDTH)
 
 
 class LanesType(types.Type):
@@ -90,6 +91,14 @@ def store(typing: Any, a: Any, i: Any, v: Any) -> Any:
     return types.none(a, i, v), generate
 
 
+def load_words(context: Any, builder: Any, kind: Any, array: Any, index: Any) -> Any:
+    """a[i : i + 8] of whole numbers, the last 32 bits of each, for an intrinsic."""
+    data = builder.gep(context.make_array(kind)(context, builder, array).data, [index])
+    loaded = builder.load(builder.bitcast(data, _LONGS.as_pointer()))
+    loaded.align = 8
+    return builder.trunc(loaded, _PLACES)
+
+
 @intrinsic
 def spread(typing: Any, number: Any) -> Any:
     """The same number in all lanes."""
@@ -101,7 +110,7 @@ def spread(typing: Any, number: Any) -> Any:
 
 
 def _define(function: Callable[..., Any], instruction: str) -> None:
-    """Let +, - or * of Python work on lanes, and on lanes and numbers."""
+    """Let an operator of Python work on lanes, and on lanes and numbers."""
 
     @intrinsic
     def apply(typing: Any, a: Any, b: Any) -> Any:
@@ -119,7 +128,8 @@ def _define(function: Callable[..., Any], instruction: str) -> None:
         return operate if LANES in (a, b) else None
 
 
-for _function, _instruction in ((operator.add, "fadd"), (operator.sub, "fsub"), (operator.mul, "fmul")):
+ARITHMETIC = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
+for _function, _instruction in ARITHMETIC.items():
     _define(_function, _instruction)
 
 
@@ -184,6 +194,20 @@ def twice_rsqrt(typing: Any, v: Any) -> Any:
         return builder.fmul(rough, change, flags=("contract",))
 
     return LANES(v), generate
+
+
+@intrinsic
+def binary_parts(typing: Any, v: Any) -> Any:
+    """m and e of v = m 2^e, 1 <= m < 2; v must be positive and normal."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        bits = builder.bitcast(values[0], _LONGS)
+        shift, mask, one = (ir.Constant(_LONGS, [part] * WIDTH) for part in (52, (1 << 52) - 1, 1023 << 52))
+        mantissa = builder.bitcast(builder.or_(builder.and_(bits, mask), one), _VECTOR)
+        exponent = builder.fsub(builder.sitofp(builder.lshr(bits, shift), _VECTOR), _constant(1023.0))
+        return context.make_tuple(builder, signature.return_type, [mantissa, exponent])
+
+    return types.UniTuple(LANES, 2)(v), generate
 
 
 @intrinsic

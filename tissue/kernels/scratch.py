@@ -56,6 +56,7 @@ class Scratch(NamedTuple):
     near_count: Integers
     moved: Integers  # nuclei that were listed again
     widest: Floats  # the largest radius
+    noise_key: Integers  # of the noise in substeps, see ``tissue.kernels.normals``
     flags: Integers
     counts: Integers  # one for each of COUNTERS
 
@@ -66,12 +67,13 @@ def scratch_for(cells: Cells) -> Scratch:
     lengths = {
         "near": NEAR * capacity,
         "widest": 1,
+        "noise_key": 2 * WIDTH,
         "low": capacity // WIDTH + 1,
         "high": capacity // WIDTH + 1,
         "flags": 2,
         "counts": len(COUNTERS),
     }
-    whole = {"order", "low", "high", "near", "near_count", "moved", "flags", "counts"}
+    whole = {"order", "low", "high", "near", "near_count", "moved", "noise_key", "flags", "counts"}
     arrays = {
         name: np.zeros(lengths.get(name, capacity + WIDTH), np.int64 if name in whole else np.float64)
         for name in Scratch._fields

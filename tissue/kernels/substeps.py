@@ -9,6 +9,7 @@ from numpy.random import Generator
 from tissue.cells import Cells
 from tissue.kernels._numba import kernel
 from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
+from tissue.kernels.normals import shake
 from tissue.kernels.scratch import STALE, SUBSTEPS
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
 from tissue.kernels.sweeps import order_basal, refresh, separate
@@ -27,7 +28,7 @@ def add_noise(cells: Cells, n: int, variance: float, noise: Generator) -> None:
 
 
 @kernel
-def make_substeps(store: Store, numbers: Numbers, noise: Generator) -> bool:
+def make_substeps(store: Store, numbers: Numbers) -> bool:
     """All substeps of one dt; False if the cells are too crowded for the neighbour lists."""
     cells, layers, scratch = store.cells, store.layers, store.scratch
     n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
@@ -36,9 +37,9 @@ def make_substeps(store: Store, numbers: Numbers, noise: Generator) -> bool:
     prepare(cells, n, layers, apical, numbers, scale, scratch)
     scratch.counts[SUBSTEPS] += numbers.substeps
     moved = True  # by the rules
-    for _ in range(numbers.substeps):
+    for number in range(numbers.substeps):
         if numbers.noise_in_substeps:
-            add_noise(cells, n, numbers.variance * h, noise)
+            shake(cells.x, cells.y, cells.id, n, numbers.variance * h, scratch.noise_key, number)
             moved = True
         if (moved or scratch.flags[STALE]) and not refresh(cells, n, scratch):
             return False

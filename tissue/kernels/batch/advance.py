@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 from numpy.random import Generator
 
 from tissue.cells import Integers
@@ -15,6 +13,7 @@ from tissue.kernels.batch.rows import row
 from tissue.kernels.batch.sweeps import order_basal, separate
 from tissue.kernels.division import count_due
 from tissue.kernels.lanes import WIDTH
+from tissue.kernels.normals import shake
 from tissue.kernels.scale import watch_sides
 from tissue.kernels.store import CELLS, Store
 from tissue.numbers import Numbers
@@ -51,8 +50,10 @@ def advance(
         n = copy_in(group, ended, numbers, h / numbers.mu, board)
         if n == 0:  # nobody runs any more
             return steps, DONE
-        for _ in range(numbers.substeps):
-            make_substep(board, n, numbers, h, noise)
+        for number in range(numbers.substeps):
+            if numbers.noise_in_substeps:
+                shake(board.x, board.y, board.id, WIDTH * n, numbers.variance * h, board.noise_key, number)
+            make_substep(board, n, numbers, h)
         copy_out(board, n, group)
         for k in range(WIDTH):
             held = row(group, k)
@@ -66,10 +67,8 @@ def advance(
 
 
 @kernel
-def make_substep(board: Board, n: int, numbers: Numbers, h: float, noise: Generators) -> None:
+def make_substep(board: Board, n: int, numbers: Numbers, h: float) -> None:
     """One substep of all replicates on the board: forces, then one sweep of projections."""
-    if numbers.noise_in_substeps:
-        _add_noise(board, math.sqrt(numbers.variance * h), noise)
     scale = h / numbers.mu
     if numbers.repulsion != 0.0:
         repulsion(board, n)
@@ -77,14 +76,3 @@ def make_substep(board: Board, n: int, numbers: Numbers, h: float, noise: Genera
     move(board, n, scale * numbers.repulsion)
     separate(board, n)
     order_basal(board, n, numbers.max_basal)
-
-
-@kernel
-def _add_noise(board: Board, deviation: float, noise: Generators) -> None:
-    """Add N(0, deviation^2) to each coordinate of the nuclei, replicate by replicate."""
-    if deviation == 0.0:
-        return
-    for k in range(WIDTH):
-        for place in range(k, WIDTH * int(board.cells[k]), WIDTH):
-            board.x[place] += deviation * noise[k].standard_normal()
-            board.y[place] += deviation * noise[k].standard_normal()

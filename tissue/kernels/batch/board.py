@@ -58,11 +58,13 @@ class Board(NamedTuple):
     front: Floats  # the rightmost end of the discs 0 to i
     low: Integers  # the first cell that may be near cell i, one number for all replicates
     cells: Floats  # numbers of cells, one for each replicate
+    id: Integers
+    noise_key: Integers  # of the noise in substeps, see ``tissue.kernels.normals``
 
 
 def board_for(capacity: int) -> Board:
     """A board for replicates with so many cells at most."""
-    lengths, kinds = {"cells": WIDTH}, {"low": np.int64}
+    lengths, kinds = {"cells": WIDTH, "noise_key": 2 * WIDTH}, dict.fromkeys(("low", "id", "noise_key"), np.int64)
     return Board(
         **{name: _aligned(lengths.get(name, WIDTH * capacity), kinds.get(name, np.float64)) for name in Board._fields}
     )
@@ -84,6 +86,7 @@ def copy_in(group: Store, ended: Integers, numbers: Numbers, scale: float, board
         n = store.sizes[CELLS] if ended[k] == RUNNING else 0
         prepare(store.cells, n, store.layers, 0, numbers, scale, store.scratch)
         board.cells[k] = n
+        board.noise_key[k], board.noise_key[WIDTH + k] = store.scratch.noise_key[0], store.scratch.noise_key[WIDTH]
         largest = max(largest, n)
     cells, scratch = group.cells, group.scratch
     for i in range(largest):
@@ -100,6 +103,7 @@ def copy_in(group: Store, ended: Integers, numbers: Numbers, scale: float, board
                 board.bx_moves[place], board.by_moves[place] = scratch.bx_moves[k, i], scratch.by_moves[k, i]
                 board.runs[place], board.rest[place] = scratch.runs[k, i], cells.rest_aa[k, i]
                 board.k_aa[place] = 0.5 * (scale * numbers.junction_factor * cells.stiff_aa[k, i])
+                board.id[place] = cells.id[k, i]
             else:
                 _fill(board, i, place)
             board.in_apical[place] = board.in_basal[place] = 0.0
