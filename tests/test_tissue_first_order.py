@@ -104,6 +104,16 @@ def test_same_divisions_whatever_the_forces(change):
     assert same_events(a, b)
 
 
+def test_listed_times_are_kept_besides_start_and_end():
+    changes = {"numerics.t_end": "3 h", "numerics.keep": ["30 min", "2 h"]}
+    listed, every = (simulate(preset("thesis").changed(changes | more)) for more in ({}, {"numerics.keep": "0.5 h"}))
+    assert [frame.t for frame in listed.frames] == pytest.approx([0.0, 0.5, 2.0, 3.0])
+    for frame, k in zip(listed.frames, (0, 1, 4, 6), strict=True):
+        assert same_bits(frame, every.frames[k])
+    ends = simulate(preset("thesis").changed(changes | {"numerics.keep": ["3 h"]}))
+    assert [frame.t for frame in ends.frames] == [0.0, listed.final.t]
+
+
 def test_same_noise_whatever_the_steps():
     """Nuclei that nothing pushes go where the noise takes them."""
     still = SHORT["thesis"].changed({**NO_FORCES, **SMALL_DISCS, "tissue.two_daughters": 0})
@@ -252,7 +262,7 @@ def test_nothing_is_corrected_where_nothing_touches():
 
 
 def test_noise_once_per_dt_is_drawn_once_per_dt():
-    """The generator stands where 2 n draws for each dt leave it; with noise in substeps, where two words for a key do."""
+    """The generator stands where 2 n draws for each dt leave it; with noise in substeps, where two for a key do."""
     n, numbers = 10, preset("thesis").numbers()._replace(two_daughters=0.0)
     draws = {False: lambda other: other.standard_normal(2 * n * 3), True: lambda other: other.random(2 * 3)}
     for in_substeps, draw in draws.items():

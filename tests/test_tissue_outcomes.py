@@ -7,7 +7,7 @@ from tissue.events import bits
 from tissue.many import simulate_many
 from tissue.observables import ab_positions
 from tissue.parameters import preset
-from tissue.study.outcomes import SIDES, outcomes
+from tissue.study.outcomes import EXTENTS, SIDES, outcomes
 
 SEEDS, REPLICATES = [7, 3, 11, 5, 2, 13, 17, 19, 23, 29], range(40, 50)
 TIMES = (0, 2, 4, 6, 8, 10)
@@ -57,6 +57,14 @@ def test_positions_are_those_of_the_states(made):
             assert [count[j, k] for count in counts] == [len(others), (others > 1).sum(), (others < 0).sum()]
 
 
+def test_heights_and_widths_are_those_of_the_states(made):
+    runs = made[0].runs.to_pandas()
+    for k, run in enumerate(made[1]):
+        summary = run.summary()
+        for name in EXTENTS:
+            np.testing.assert_allclose(columns(runs, name)[:, k], summary[name], rtol=1e-12)
+
+
 def test_what_became_of_the_cells(made):
     """Where they are at the end, since when at most; what they had, and when that began."""
     cells = made[0].cells.to_pandas()
@@ -103,6 +111,8 @@ def test_a_run_that_fails_has_no_cells_and_says_so():
     assert runs["detail"].str.contains("has a coordinate that is not finite").all()
     assert runs["controls_0h"].tolist() == [54, 54]
     assert runs["controls_10h"].isna().all()
+    assert runs["height_um_0h"].tolist() == [40.0, 40.0]
+    assert runs["nuclei_width_um_10h"].isna().all()
     assert made.cells.num_rows == 0
     assert made.cells.schema.names[:3] == ["replicate", "cell", "inm"]
 

@@ -8,6 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from pydantic import ValidationError
 
+from dincl.errors import InvalidProblem
 from tissue.messages import known_keys
 from tissue.parameters import PRESETS, Parameters, load, preset
 from tissue.timing import Timing
@@ -55,7 +56,7 @@ SETTABLE = {
     "numerics.mu": ("0.025 h", {"mu": 0.025}),
     "numerics.noise": ("substep", {"noise_in_substeps": True}),
     "numerics.t_end": ("10 h", {"t_end": 10.0}),
-    "numerics.keep": ("0.5 h", {"keep": 0.5}),
+    "numerics.keep": (["1 h", "4 h"], {"keep": ["1 h", "4 h"]}),
     "rules.spring_power": (2, {"power": 2}),
     "rules.junction_factor": (0.25, {"junction_factor": 0.25}),
     "rules.repulsion_factor": (0.5, {"repulsion": 0.5}),
@@ -117,7 +118,7 @@ def plain(parameters: Parameters) -> dict[str, object]:
         "inm": scenario.inm,
         "times": scenario.times,
         "t_end": parameters.t_end,
-        "keep": parameters.keep,
+        "keep": parameters.as_dict()["numerics"]["keep"],
     }
 
 
@@ -190,6 +191,40 @@ def test_file_changes_its_base(tmp_path, base):
     assert load(str(path)) == preset(base)
 
 
+def test_file_changes_another_file(tmp_path):
+    """Relative to the folder of the one that names it, through several, the nearest one last."""
+    (tmp_path / "peers").mkdir()
+    (tmp_path / "peers" / "first.toml").write_text('base = "published"\n[tissue]\ncells = 30\n[cell]\ng2 = "1 h"\n')
+    (tmp_path / "second.toml").write_text('base = "peers/first.toml"\n[cell]\ng2 = "2 h"\nmitosis = "1 h"\n')
+    third = tmp_path / "peers" / "third.toml"
+    third.write_text('base = "../second.toml"\n[cell]\nmitosis = "3 h"\n')
+    changes = {"tissue.cells": 30, "cell.g2": "2 h", "cell.mitosis": "3 h"}
+    assert load(third) == preset("published").changed(changes)
+
+
+def test_file_that_is_its_own_base(tmp_path):
+    first, second = tmp_path / "first.toml", tmp_path / "second.toml"
+    first.write_text('base = "second.toml"')
+    second.write_text('base = "first.toml"')
+    message = r"second.toml: base = 'first.toml': must be another file: .*first.toml is based on this one$"
+    with pytest.raises(InvalidProblem, match=message):
+        load(first)
+
+
+def test_what_is_wrong_in_a_base_is_said_of_the_base(tmp_path):
+    (tmp_path / "first.toml").write_text('base = "thesis"\n[cell]\ng2 = 3')
+    (tmp_path / "second.toml").write_text('base = "first.toml"')
+    with pytest.raises(InvalidProblem, match=r"first.toml: cell.g2 = 3: must be a duration"):
+        load(tmp_path / "second.toml")
+
+
+def test_numbers_may_be_fractions():
+    changed = preset("thesis").changed({"tissue.two_daughters": "1/5", "start.nuclei_height": ["1/6", "5/6"]})
+    assert changed.tissue.two_daughters == 0.2
+    assert changed.start.nuclei_height == (1 / 6, 5 / 6)
+    assert preset("thesis").changed({"events.freed_stiffness": " 1/10 "}).events.freed_stiffness == 0.1
+
+
 def test_parameters_do_not_change():
     parameters = preset("thesis")
     before = parameters.as_dict()
@@ -231,6 +266,7 @@ CHANGES = st.fixed_dictionaries(
         "cell.alpha_aa": st.floats(1e-12, 1e12) | st.integers(0, 10**12),
         "numerics.mu": quantities(1e-6, 1e9, ["h", "s"]),
         "numerics.noise": st.sampled_from(["step", "substep"]),
+        "numerics.keep": st.sampled_from(["2 h", ["1 h"], ["1/2 h", "60 min", "48 h"]]),
         "rules.spring_power": st.sampled_from([1, 2]),
         "rules.floor_rest_length": st.booleans(),
         "start.nuclei_height": st.tuples(st.floats(0, 0.2), st.floats(0.6, 1)).map(list),

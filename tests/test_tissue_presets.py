@@ -178,7 +178,7 @@ def test_preset_gives_the_numbers(name):
     close(parameters.numbers(), numbers)
     close(parameters.start_numbers(), start)
     assert parameters.daha_numbers() == Daha(1e-4, 0.25, 1e-3, 2.0, 1.0, 1e-6, 100_000)
-    assert (parameters.t_end, parameters.keep) == (t_end, 1.0)
+    assert (parameters.t_end, parameters.numerics.keep.value) == (t_end, 1.0)
 
 
 def test_typescript_simulator_is_a_change_of_the_published_runs():

@@ -45,6 +45,7 @@ SUMMARY_KINDS = {
     "cells": "int64",
     "divisions": "int64",
     "height_um": "float64",
+    "nucleus_height_um": "float64",
     "apical_width_um": "float64",
     "basal_width_um": "float64",
     "nuclei_width_um": "float64",

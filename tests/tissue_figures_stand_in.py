@@ -33,7 +33,9 @@ def whole(cells, seed):
 def outcomes(parameters, replicates, seeds, asked=()):
     """Tables with all columns, of random numbers; times of events as they are drawn for the scenario."""
     m, rows, runs = parameters.emt.cells, [], []
-    times = [parameters.keep * k for k in range(round(parameters.t_end / parameters.keep) + 1)]
+    times = [
+        parameters.numerics.keep.value * k for k in range(round(parameters.t_end / parameters.numerics.keep.value) + 1)
+    ]
     for replicate, seed in zip(replicates, seeds, strict=True):
         rng = np.random.default_rng(seed)
         emt, inm = drawn(parameters.scenario(), rng)

@@ -41,6 +41,8 @@ def broken(values: Mapping[str, Any]) -> list[str]:
 
 def show(value: Any) -> str:
     """A checked value as a file would give it."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(show, value))}]"
     return f'"{value}"' if isinstance(value, (str, Measure, Timing)) else str(value)
 
 
@@ -76,6 +78,16 @@ def _whole_steps(time: Measure, dt: Measure) -> str | None:
     steps = time.value / dt.value
     ok = steps <= MOST_STEPS and abs(steps - round(steps)) <= ROUNDING * steps
     return None if ok else f"a whole number of steps numerics.dt = {show(dt)}, at most {MOST_STEPS:g} of them"
+
+
+def _kept(keep: Measure | tuple[Measure, ...], dt: Measure) -> str | None:
+    wrong = [_whole_steps(time, dt) for time in (keep if isinstance(keep, tuple) else (keep,))]
+    return next(filter(None, wrong), None)
+
+
+def _before_the_end(keep: Measure | tuple[Measure, ...], end: Measure) -> str | None:
+    ok = not isinstance(keep, tuple) or not _above(keep[-1].value, end.value)
+    return None if ok else f"a list of times up to numerics.t_end = {show(end)}"
 
 
 def _fit(cells: int, nuclei: str, part: tuple[float, float], *lengths: Measure) -> str | None:
@@ -128,7 +140,8 @@ RULES = (
         _within("tissue.max_basal_distance", ": otherwise the start breaks (C2)"),
     ),
     Rule(("numerics.t_end", "numerics.dt"), _whole_steps),
-    Rule(("numerics.keep", "numerics.dt"), _whole_steps),
+    Rule(("numerics.keep", "numerics.dt"), _kept),
+    Rule(("numerics.keep", "numerics.t_end"), _before_the_end),
     Rule(
         (
             "tissue.cells",

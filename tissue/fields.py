@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 from numbers import Integral, Real
 from typing import Annotated, Any
 
 from pydantic import PlainSerializer, PlainValidator
 
 from tissue.timing import ALLOWED, Timing, timing
-from tissue.units import DIFFUSION, DURATION, LENGTH, METRIC_LENGTH, RATE, SPEED, Dimension, Measure, parse
+from tissue.units import DIFFUSION, DURATION, LENGTH, METRIC_LENGTH, RATE, SPEED, Dimension, Measure, number, parse
 
 # Sizes in the units they are kept in: between these, squares and quotients stay finite and positive.
 SMALLEST, LARGEST = 1e-12, 1e12
@@ -18,7 +19,7 @@ MOST_CELLS = 1_000_000
 
 @dataclass(frozen=True)
 class Number:
-    """A pure number from 0, or > 0, to ``most``."""
+    """A pure number from 0, or > 0, to ``most``, or a fraction as text."""
 
     zero: bool
     most: float = LARGEST
@@ -26,10 +27,11 @@ class Number:
     @property
     def allowed(self) -> str:
         if self.most < LARGEST:
-            return f"a number from 0 to {self.most:g}, without unit"
-        return f"a number {'>= 0' if self.zero else '> 0'}, without unit"
+            return f'a number from 0 to {self.most:g}, without unit, such as 0.2 or "1/5"'
+        return f"""a number {">= 0" if self.zero else "> 0"}, without unit, such as 0.2 or "1/5\""""
 
     def __call__(self, raw: Any) -> float:
+        raw = number(raw)
         if not _is(Real, raw) or not _signed(raw, self.zero):
             raise ValueError(f"must be {self.allowed}")
         if self.most < LARGEST and raw > self.most:
@@ -115,16 +117,35 @@ class Choice:
 class Interval:
     """Parts of the height; a nucleus on a layer might have no direction to its basal or apical point."""
 
-    allowed: str = "a list of two fractions 0 <= low <= high <= 1, not both 0 and not both 1"
+    allowed: str = 'a list of two fractions 0 <= low <= high <= 1, not both 0 and not both 1, such as [0, "1/3"]'
 
     def __call__(self, raw: Any) -> tuple[float, float]:
-        pair = tuple(raw) if isinstance(raw, (list, tuple)) else ()
+        pair = tuple(map(number, raw)) if isinstance(raw, (list, tuple)) else ()
         if len(pair) != 2 or not all(_is(Real, part) for part in pair):
             raise ValueError(f"must be {self.allowed}")
         low, high = pair
         if not 0 <= low <= high <= 1 or high == 0 or low == 1:
             raise ValueError(f"must be {self.allowed}")
         return abs(float(low)), float(high)
+
+
+@dataclass(frozen=True)
+class KeptTimes:
+    """The time between kept states, or the kept times themselves."""
+
+    allowed: str = (
+        'a duration > 0 with its unit, such as "1 h", or a list of rising times > 0, such as ["10 h", "24 h"]'
+    )
+
+    def __call__(self, raw: Any) -> Measure | tuple[Measure, ...]:
+        several = isinstance(raw, (list, tuple))
+        try:
+            times = tuple(map(Quantity(DURATION, zero=False), raw if several else [raw]))
+        except ValueError as error:
+            raise ValueError(f"must be {self.allowed}") from error
+        if not times or any(late.value <= early.value for early, late in pairwise(times)):
+            raise ValueError(f"must be {self.allowed}")
+        return times if several else times[0]
 
 
 def _is(kind: type, raw: Any) -> bool:
@@ -143,6 +164,7 @@ def _check_size(value: Any, allowed: str, unit: str) -> None:
 
 
 _TEXT = PlainSerializer(str)
+_TEXTS = PlainSerializer(lambda kept: str(kept) if isinstance(kept, Measure) else [str(time) for time in kept])
 MetricLength = Annotated[Measure, PlainValidator(Quantity(METRIC_LENGTH, zero=False)), _TEXT]
 Length = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=False)), _TEXT]
 LengthOrZero = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=True)), _TEXT]
@@ -151,6 +173,7 @@ DurationOrZero = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=True)
 Speed = Annotated[Measure, PlainValidator(Quantity(SPEED, zero=False)), _TEXT]
 RateOrZero = Annotated[Measure, PlainValidator(Quantity(RATE, zero=True)), _TEXT]
 DiffusionOrZero = Annotated[Measure, PlainValidator(Quantity(DIFFUSION, zero=True)), _TEXT]
+Kept = Annotated[Measure | tuple[Measure, ...], PlainValidator(KeptTimes()), _TEXTS]
 Begin = Annotated[Timing, PlainValidator(EventTime()), _TEXT]
 Positive = Annotated[float, PlainValidator(Number(zero=False))]
 NonNegative = Annotated[float, PlainValidator(Number(zero=True))]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from itertools import count, takewhile
 
 from dincl.status import Status
 from tissue.kernels.advance import CROWDED, DONE, FULL, NON_FINITE, advance, find_lost
@@ -69,13 +70,11 @@ def grow(parameters: Parameters, seed: int, advance: Advance, watch: Callable[[f
 
 
 def kept_steps(parameters: Parameters) -> Iterator[int]:
-    """The numbers of steps after which a state is kept: every ``keep`` hours, and at the end."""
-    dt, every = parameters.numerics.dt.value, parameters.keep
+    """The numbers of steps after which a state is kept: every so often or at the times listed, and at the end."""
+    dt, keep = parameters.numerics.dt.value, parameters.numerics.keep
     last = round(parameters.t_end / dt)
-    kept = 1
-    while round(kept * every / dt) < last:
-        yield round(kept * every / dt)
-        kept += 1
+    times = (time.value for time in keep) if isinstance(keep, tuple) else (keep.value * k for k in count(1))
+    yield from takewhile(lambda step: step < last, (round(time / dt) for time in times))
     yield last
 
 

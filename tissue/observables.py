@@ -57,6 +57,11 @@ def height(frame: Frame) -> float:
     return float(frame.cells.ay[_inhabited("apical", frame.layers)].mean())
 
 
+def nucleus_height(frame: Frame) -> float:
+    """Mean of y(X_i) over all cells."""
+    return float(frame.cells.y.mean())
+
+
 def widths(frame: Frame) -> Widths:
     """max x - min x of the apical layer, of the basal layer and of the nuclei.
 

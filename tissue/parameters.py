@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from functools import cache
 from os import PathLike
+from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
@@ -98,11 +99,6 @@ class Parameters(BaseModel):
         """The end of the run [h]."""
         return self.numerics.t_end.value
 
-    @property
-    def keep(self) -> float:
-        """The time between kept states [h]."""
-        return self.numerics.keep.value
-
     def numbers(self) -> Numbers:
         """What the kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
         tissue, cell, numerics, rules, events = self.tissue, self.cell, self.numerics, self.rules, self.events
@@ -180,8 +176,8 @@ def load(path: str | PathLike[str]) -> Parameters:
     Parameters
     ----------
     path
-        The file. Its top key ``base`` names a preset, of which it changes some values; without it all have to be
-        given, as in the presets themselves.
+        The file. Its top key ``base`` names a preset or another file, relative to this one, of which it changes some
+        values; without it all have to be given, as in the presets themselves.
 
     Raises
     ------
@@ -189,13 +185,49 @@ def load(path: str | PathLike[str]) -> Parameters:
         If it can not be read, lacks a key, has an unknown one, or a value that is bad or does not go with the others;
         all of it in one message that names the file, each key, its value and what is allowed.
     """
+    return _loaded(Path(path), ())
+
+
+def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
+    """The parameters in a file; ``above``: the files that have it as their base."""
     tables = read(path)
     base = tables.pop("base", None)
     if base is None:
         return _checked(tables, str(path))
+    try:
+        changed = _base(base, path.parent, (*above, path.resolve()))
+    except NoBase as error:
+        return _checked(tables, str(path), [str(error)], missing=False)
+    return _checked(merged(changed.as_dict(), tables), str(path))
+
+
+class NoBase(ValueError):
+    """What a file names as its base is none; the message is a line for the errors of the file."""
+
+
+def based_on(base: Any, folder: Path) -> Parameters:
+    """The preset or the file that a file in ``folder`` names as its base.
+
+    Raises
+    ------
+    NoBase
+        If there is no such preset or file.
+    InvalidProblem
+        If the file is not in order.
+    """
+    return _base(base, folder, ())
+
+
+def _base(base: Any, folder: Path, above: tuple[Path, ...]) -> Parameters:
     if base in PRESETS:
-        return _checked(merged(preset(base).as_dict(), tables), str(path))
-    return _checked(tables, str(path), [f"base = {describe(base)}: must be {BASES}"], missing=False)
+        return preset(base)
+    path = folder / base if isinstance(base, str) else folder
+    if not path.is_file():
+        what = "" if path == folder else f"; {path} does not exist"
+        raise NoBase(f"base = {describe(base)}: must be {BASES}, or a parameter file{what}")
+    if path.resolve() in above:
+        raise NoBase(f"base = {describe(base)}: must be another file: {path} is based on this one")
+    return _loaded(path, above)
 
 
 def preset(name: str) -> Parameters:

@@ -19,6 +19,7 @@ from tissue.fields import (
     DurationOrZero,
     Flag,
     Fractions,
+    Kept,
     Length,
     LengthOrZero,
     MetricLength,
@@ -86,7 +87,7 @@ class NumericsSection(Section):
     mu: Duration  # damping coefficient
     noise: Annotated[str, PlainValidator(Choice(("step", "substep")))]  # how often it is added
     t_end: Duration
-    keep: Duration  # a state is kept every so often
+    keep: Kept  # a state is kept every so often, or at these times; at the start and at the end in any case
 
 
 class RulesSection(Section):
@@ -116,7 +117,11 @@ class StartSection(Section):
 
 
 class EmtSection(Section):
-    """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4)."""
+    """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4).
+
+    An event fires in the step dt that ends at its time, or in which its time lies: it acts from the beginning of this
+    step, so up to dt before its time.
+    """
 
     cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))]  # N^EMT
     inm: Probability  # that an EMT cell performs interkinetic nuclear movement

@@ -16,6 +16,7 @@ from tissue.observables import (
     height,
     measurable,
     nuclear_layers,
+    nucleus_height,
     phases,
     widths,
 )
@@ -78,7 +79,7 @@ def summary_table(run: Run) -> pd.DataFrame:
     ``time_h``                                              float64   t
     ``cells``                                               int64     N
     ``divisions``                                           int64     into two cells of the plane, since the start
-    ``height_um``                                           float64   mean height of the apical layer
+    ``height_um``, ``nucleus_height_um``                    float64   mean height of the apical layer; of the nuclei
     ``apical_width_um``, ``basal_width_um``                 float64   extent in x of the layers
     ``nuclei_width_um``                                     float64   extent in x of the centres of the nuclei
     ``nuclear_layers``                                      float64   soft discs that a vertical line crosses
@@ -121,6 +122,7 @@ def _of_tissue(frame: Frame, um: float) -> dict[str, float | int]:
         "cells": len(frame.cells.x),
         "divisions": int((frame.cells.mother >= 0).sum()),
         "height_um": um * height(frame),
+        "nucleus_height_um": um * nucleus_height(frame),
         "apical_width_um": um * extents.apical,
         "basal_width_um": um * extents.basal,
         "nuclei_width_um": um * extents.nuclei,

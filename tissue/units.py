@@ -13,6 +13,7 @@ SOFT_RADIUS = "R_soft = [soft_radius]"
 _NUMBER = r"(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:/(?P<over>[1-9][0-9]{0,3}))?"
 _FACTOR = r"[A-Za-zµμ_]+(?:(?:\^|\*\*)-?[1-9])?"
 _UNIT = rf"(?P<unit>(?:1? */ *)?{_FACTOR}(?:(?: *[*/] *| +){_FACTOR})*)"
+_FRACTION = re.compile(rf" *{_NUMBER} *")
 _QUANTITY = re.compile(rf" *{_NUMBER} *(?:{_UNIT})? *")
 
 
@@ -74,6 +75,12 @@ def parse(text: Any, dimension: Dimension) -> Measure:
         raise ValueError("the unit is missing")
     factor, unit = _factor(match["unit"], dimension)
     return Measure(float(match["number"]) / int(match["over"] or 1) * factor, unit)
+
+
+def number(raw: Any) -> Any:
+    """The number that a fraction in text such as "1/3" stands for; anything else as it is."""
+    match = _FRACTION.fullmatch(raw) if isinstance(raw, str) else None
+    return raw if match is None or match["over"] is None else float(match["number"]) / int(match["over"])
 
 
 def reduced(measure: Measure, soft_radius: Measure) -> float:

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
 SIDES = ("basal", "no", "apical")
 # What ``scale.measure`` says of the control cells.
 CONTROLS = ("controls", "controls_apical", "controls_basal")
+# What ``measure_extents`` says of the tissue, in um.
+EXTENTS = ("height_um", "nucleus_height_um", "apical_width_um", "basal_width_um", "nuclei_width_um")
 
 
 class Outcomes(NamedTuple):
@@ -39,6 +41,7 @@ class _Course(NamedTuple):
     times: list[float]
     positions: Floats  # (times, WIDTH, m): y_AB
     controls: Floats  # (times, WIDTH, 4)
+    extents: Floats  # (times, WIDTH, 5) [R_soft]
 
 
 def outcomes(
@@ -89,11 +92,11 @@ def _lot(parameters: Parameters, replicates: Sequence[int], seeds: Sequence[int]
     return Outcomes(_cells(lot, replicates, course, sound), _runs(lot, replicates, course, sound), tables)
 
 
-def _measured(lot: Lot) -> tuple[Floats, Floats]:
+def _measured(lot: Lot) -> tuple[Floats, Floats, Floats]:
     positions = np.zeros(lot.group.emt.side.shape)
-    controls = np.full((WIDTH, 4), np.nan)
-    measure_all(lot.group, lot.ended, positions, controls)
-    return positions, controls
+    controls, extents = np.full((WIDTH, 4), np.nan), np.full((WIDTH, len(EXTENTS)), np.nan)
+    measure_all(lot.group, lot.ended, positions, controls, extents)
+    return positions, controls, extents
 
 
 def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:
@@ -115,7 +118,7 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
         "extruded_h": pa.array(emt.since[kept].ravel(), mask=side == 0),
         "extruded_x_um": pa.array(scale * emt.since_x[kept].ravel(), mask=side == 0),
     }
-    for t, positions, controls in zip(*course, strict=True):
+    for t, positions, controls, _ in zip(*course, strict=True):
         columns[f"ab_{t:g}h"] = positions[kept].ravel()
         columns[f"below_{t:g}h"] = (positions <= controls[:, 3:])[kept].ravel()
     return pa.table(columns)
@@ -123,7 +126,7 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
 
 def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:
     """One row for each run; what was not measured, because it had failed, is null."""
-    n = len(replicates)
+    n, scale = len(replicates), lot.parameters.cell.soft_radius.value
     detail = [lot.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
     states = [Status.NON_FINITE.name, Status.SUCCESS.name]
     columns: dict[str, Any] = {
@@ -132,8 +135,11 @@ def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) ->
         "status": pa.DictionaryArray.from_arrays(sound[:n].astype(np.int8), states),
         "detail": detail,
     }
-    for t, _, controls in zip(*course, strict=True):
+    for t, _, controls, extents in zip(*course, strict=True):
         for place, name in enumerate(CONTROLS):
             counts = controls[:n, place]
             columns[f"{name}_{t:g}h"] = pa.array(counts, mask=np.isnan(counts), type=pa.float64()).cast(pa.int64())
+        for place, name in enumerate(EXTENTS):
+            lengths = scale * extents[:n, place]
+            columns[f"{name}_{t:g}h"] = pa.array(lengths, mask=np.isnan(lengths))
     return pa.table(columns)

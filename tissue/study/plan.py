@@ -8,11 +8,10 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.messages import refuse
 from tissue.parameter_files import merged, read
-from tissue.parameters import BASES, PRESETS, Parameters, load, preset
+from tissue.parameters import NoBase, Parameters, based_on
 from tissue.study.shape import checked
 from tissue.study.wording import in_scenarios, waits
 
@@ -127,14 +126,9 @@ def _found(path: str | PathLike[str]) -> Path:
 
 def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:
     """The parameters that all scenarios change; None if there are none, and lines that say why."""
-    if base in PRESETS:
-        return preset(base)
-    if not (folder / base).exists():
-        lines.append(f"base = {describe(base)}: must be {BASES}, or a parameter file; {folder / base} does not exist")
-        return None
     try:
-        return load(folder / base)
-    except InvalidProblem as error:
+        return based_on(base, folder)
+    except (NoBase, InvalidProblem) as error:
         lines.append(str(error).replace("\n", "\n  "))
         return None
 

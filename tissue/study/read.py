@@ -98,6 +98,10 @@ class Results:
         ``controls_0h``, ``controls_1h``, ...      int64     control cells at each kept time
         ``controls_apical_0h``, ...                int64     of those, with y_AB > 1
         ``controls_basal_0h``, ...                 int64     of those, with y_AB < 0
+        ``height_um_0h``, ...                      float64   mean height of the apical layer
+        ``nucleus_height_um_0h``, ...              float64   mean height of the nuclei
+        ``apical_width_um_0h``, ...                float64   extent in x of the layer; likewise ``basal_width_um``
+        ``nuclei_width_um_0h``, ...                float64   extent in x of the centres of the nuclei
         =========================================  ========  =========================================================
         """
         return self._table("runs", scenario, columns)
