@@ -126,7 +126,7 @@ def test_agrees_with_dincl():
     assert particles(reached.cells) == pytest.approx(expected.x, abs=1e-12)
 
 
-def test_is_explicit_euler_with_half_of_alpha(rng):
+def test_is_explicit_euler_with_half_of_alpha():
     """Where no constraint is near: n iterations are n substeps of PBD with h/mu = alpha/2; (3.32) has alpha."""
     state, network = cells(30, 5, radius=1e-3), layers(30)
     n, dt = 200, 0.1
@@ -134,7 +134,7 @@ def test_is_explicit_euler_with_half_of_alpha(rng):
     for factor, same in [(0.5, True), (1.0, False)]:
         given = numbers(dt=dt, substeps=n, mu=dt / (n * factor * TABLE_4.alpha), max_basal=9.0)
         held = stored(state, network, capacity=30)
-        assert make_substeps(held, given, rng)
+        assert make_substeps(held, given)
         assert (distance(contents(held)[0], reached.cells) < 1e-12) == same
         assert distance(state, reached.cells) > 0.05
 

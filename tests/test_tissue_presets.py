@@ -8,11 +8,12 @@ from pathlib import Path
 import pytest
 
 from dincl.errors import InvalidProblem
+from tests.test_tissue_peer import CONTROL
 from tissue.numbers import Numbers
 from tissue.numbers_daha import Daha
 from tissue.numbers_start import Start
 from tissue.parameter_files import FOLDER
-from tissue.parameters import PRESETS, preset
+from tissue.parameters import PRESETS, load, preset
 
 ROOT = Path(__file__).parent.parent
 THIRD = 1 / 3
@@ -135,23 +136,6 @@ OPEN = (
     "run_speed",
     "most_iterations",
 )
-# Everything in which the TypeScript simulator differs from the published runs.
-TYPESCRIPT = {
-    "cell.initial_rest_length": "4 R_soft",
-    "rules.resting_cells_enlarge": True,
-    "division.offset": "0.005 R_soft",
-    "tissue.max_basal_distance": "2/3 R_soft",
-    "tissue.diffusion": "0.005 R_soft^2/h",
-    "numerics.noise": "substep",
-    "numerics.dt": "0.1 h",
-    "tissue.apical_spacing": "2/9 R_soft",
-    "tissue.basal_spacing": "2/9 R_soft",
-    "start.nuclei": "own_basal",
-    "start.nuclei_height": [1 / 3, 2 / 3],
-    "events.bridge": "distance",
-    "events.spring_above": "no force",
-    "events.contraction": "1/5 h",
-}
 
 
 def close(found, expected):
@@ -178,11 +162,11 @@ def test_preset_gives_the_numbers(name):
     close(parameters.numbers(), numbers)
     close(parameters.start_numbers(), start)
     assert parameters.daha_numbers() == Daha(1e-4, 0.25, 1e-3, 2.0, 1.0, 1e-6, 100_000)
-    assert (parameters.t_end, parameters.numerics.keep.value) == (t_end, 1.0)
+    assert (parameters.t_end, str(parameters.numerics.keep)) == (t_end, "1 h")
 
 
-def test_typescript_simulator_is_a_change_of_the_published_runs():
-    parameters = preset("published").changed(TYPESCRIPT)
+def test_the_peer_is_a_change_of_the_published_runs():
+    parameters = load(CONTROL)
     close(
         parameters.numbers(),
         PUBLISHED._replace(

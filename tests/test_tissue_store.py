@@ -71,7 +71,7 @@ def test_cells_on_top_of_each_other_are_crowded():
     n = 200
     rng = np.random.default_rng(0)
     kept = kernels.held(Tissue(heap(rng, n, 0.5, "square"), layers(n), n))
-    assert not substeps.make_substeps(kept, numbers(), rng)
+    assert not substeps.make_substeps(kept, numbers())
     assert advance.advance(kept, 0, 1, numbers(variance=0.0), rng, rng) == (0, advance.CROWDED)
 
 

@@ -107,7 +107,7 @@ def cells_for_one(share: float) -> int | None:
 
 def _partition(tables: Tables) -> Evidence:
     """Exactly at 0, and by the onsets of the runs, some of which are above the apical layer."""
-    found = tables["emt_complete_outside"].iloc[0]
+    found = tables["emt_complete_outside"][["outside", "of"]].sum()
     printed, right = members(POINTS, False, False), members(POINTS, True, True)
     unit = (POINTS >= 0) & (POINTS <= 1)
     return Evidence(

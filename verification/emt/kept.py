@@ -1,7 +1,8 @@
-"""The tables of the complete studies, computed once: ``python -m verification.emt.kept FOLDER``.
+"""The tables of the complete studies, computed once: ``python -m verification.emt.kept FOLDER [PRESET]``.
 
 It makes the runs that are missing in FOLDER, some 215,000 in an hour on two cores, can be stopped at
-any time and called again, and writes ``verification/data/emt_*.parquet``.
+any time and called again, and writes ``verification/data/emt_*.parquet``. With a preset it makes the
+runs and rows of that one alone, and leaves those of the other as they are.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ import pandas as pd
 
 from tissue.study.read import Results
 from verification.emt import printed, sensitivity, studies, summaries
+from verification.emt.studies import PRESETS, preset_of
 from verification.study import workers
 
 DATA = Path(__file__).parent.parent / "data"
@@ -43,13 +45,24 @@ def tables() -> dict[str, pd.DataFrame]:
     return {f"{COMPLETE_PREFIX}{name}": read(name) for name in COMPLETE}
 
 
-def main(folder: Path) -> None:
-    """Complete the studies, sum them up and keep the tables."""
+def main(folder: Path, preset: str | None = None) -> None:
+    """Complete the studies, of one preset or of all, sum them up and keep the tables."""
+    chosen = {name: study for name, study in studies.chosen(full=True).items() if preset in {None, preset_of(name)}}
     with workers() as executor:
-        results = studies.watched(studies.chosen(full=True), folder, executor)
+        results = studies.watched(chosen, folder, executor)
     for name, table in COMPLETE.items():
-        table(results).to_parquet(DATA / f"emt_{name}.parquet", index=False)
+        if name != sensitivity.NAME or sensitivity.NAME in results:
+            made = table(results)
+            kept = made if preset is None else _with_others(made, read(name), preset)
+            kept.to_parquet(DATA / f"emt_{name}.parquet", index=False)
+
+
+def _with_others(made: pd.DataFrame, before: pd.DataFrame, preset: str) -> pd.DataFrame:
+    """The rows made for one preset, and of the table before those of the others, in the order of the presets."""
+    owner = before["preset"] if "preset" in before else before["study"].map(preset_of)
+    parts = [made if name == preset else before[owner == name] for name in PRESETS]
+    return pd.concat(parts, ignore_index=True)[list(before)]
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    main(Path(sys.argv[1]), *sys.argv[2:])

@@ -133,7 +133,7 @@ def _heterogeneous(context: Context) -> Section:
 
 
 def _positions(context: Context) -> Section:
-    ranking, outside = _complete(context, "ranking"), _complete(context, "outside").iloc[0]
+    ranking, outside = _complete(context, "ranking"), _complete(context, "outside")[["outside", "of"]].sum()
     share = 100 * outside["outside"] / outside["of"]
     return Section(
         "Position at the onset, timing, and what matters most",

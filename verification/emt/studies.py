@@ -41,6 +41,11 @@ QUESTIONED = ("figure12", "figure14", "figure15", "table5_63", "table5_35", "tab
 PRESETS = {"thesis": "", "published": "_published"}
 
 
+def preset_of(name: str) -> str:
+    """The preset that a study changes."""
+    return next(preset for preset, suffix in reversed(PRESETS.items()) if name.endswith(suffix))
+
+
 def shortened(name: str, replicates: int) -> Study:
     """A study that comes with the package, with fewer replicates."""
     study = load_study(name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from typing import get_args
 
 import numpy as np
@@ -72,9 +72,15 @@ def conditional(results: Mapping[str, Results]) -> pd.DataFrame:
 
 
 def outside(results: Mapping[str, Results]) -> pd.DataFrame:
-    """How many cells of the heterogeneous groups begin EMT outside of 0 < y_AB <= 1."""
-    onsets = pd.concat([cells["onset_ab"] for *_, cells, _ in _populations(results)]).dropna()
-    return pd.DataFrame([{"outside": int((~onsets.between(0, 1, inclusive="right")).sum()), "of": len(onsets)}])
+    """How many cells of the heterogeneous groups of each preset begin EMT outside of 0 < y_AB <= 1."""
+    rows = []
+    for preset, suffix in PRESETS.items():
+        found = [cells["onset_ab"] for *_, cells, _ in _populations(results, [name + suffix for name in POPULATIONS])]
+        if found:
+            onsets = pd.concat(found).dropna()
+            beyond = int((~onsets.between(0, 1, inclusive="right")).sum())
+            rows.append({"preset": preset, "outside": beyond, "of": len(onsets)})
+    return pd.DataFrame(rows)
 
 
 def controls(results: Mapping[str, Results]) -> pd.DataFrame:
@@ -124,7 +130,7 @@ def _named(results: Mapping[str, Results]) -> Iterator[tuple[str, Results]]:
 
 
 def _populations(
-    results: Mapping[str, Results], names: tuple[str, ...] | None = None
+    results: Mapping[str, Results], names: Sequence[str] | None = None
 ) -> Iterator[tuple[str, str, pd.DataFrame, float]]:
     """Study, scenario, cells and end of the heterogeneous studies that are there."""
     for name in names or [name + suffix for suffix in PRESETS.values() for name in POPULATIONS]:

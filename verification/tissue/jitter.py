@@ -27,7 +27,7 @@ def substepped(cells: Cells, layers: Layers, numbers: Numbers, scale: float, sub
     """The cells after so many substeps of h = scale mu, with rules that stand still and no noise; None if lost."""
     held = stored(cells, layers, capacity=len(cells.x))
     still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
-    return contents(held)[0] if make_substeps(held, still, np.random.default_rng(0)) else None
+    return contents(held)[0] if make_substeps(held, still) else None
 
 
 def swing(cells: Cells, layers: Layers, numbers: Numbers, scale: float) -> Swing | None:
