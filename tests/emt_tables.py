@@ -41,6 +41,15 @@ def with_published_alone(tables: Frames) -> Frames:
     return {name: changed(table) for name, table in tables.items()}
 
 
+def of_more_cells(tables: Frames, times: int) -> Frames:
+    """As if the same ratios had come out of so many times the cells."""
+    counted = ["count", "of", "effective"]
+    return {
+        name: table.assign(**{column: times * table[column] for column in counted}) if "effective" in table else table
+        for name, table in tables.items()
+    }
+
+
 def renamed(column: str, **names: str) -> Frames:
     """As if some outcomes or categories had been mixed up."""
     return {
