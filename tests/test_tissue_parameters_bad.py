@@ -90,7 +90,10 @@ BAD = {
     ),
     "kept twice": ({"numerics.keep": ["1 h", "60 min"]}, "must be a duration .* or a list of rising times > 0"),
     "no kept times": ({"numerics.keep": []}, r"numerics.keep = \[\]: must be a duration > 0 .* or a list"),
-    "kept numbers": ({"numerics.keep": [1.0]}, r"numerics.keep = \[1.0\]: must be a duration > 0"),
+    "kept numbers": (
+        {"numerics.keep": [1.0]},
+        r"keep = \[1.0\]: must be a duration > 0 .*; it must be a text of number",
+    ),
     "kept between steps": (
         {"numerics.keep": ["1 h", "1.25 h"]},
         r'\["1 h", "1.25 h"\]: must be a whole number of steps',

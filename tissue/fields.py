@@ -15,6 +15,7 @@ from tissue.units import DIFFUSION, DURATION, LENGTH, METRIC_LENGTH, RATE, SPEED
 # Sizes in the units they are kept in: between these, squares and quotients stay finite and positive.
 SMALLEST, LARGEST = 1e-12, 1e12
 MOST_CELLS = 1_000_000
+PURE = 'without unit, such as 0.2 or "1/5"'
 
 
 @dataclass(frozen=True)
@@ -27,8 +28,8 @@ class Number:
     @property
     def allowed(self) -> str:
         if self.most < LARGEST:
-            return f'a number from 0 to {self.most:g}, without unit, such as 0.2 or "1/5"'
-        return f"""a number {">= 0" if self.zero else "> 0"}, without unit, such as 0.2 or "1/5\""""
+            return f"a number from 0 to {self.most:g}, {PURE}"
+        return f"a number {'>= 0' if self.zero else '> 0'}, {PURE}"
 
     def __call__(self, raw: Any) -> float:
         raw = number(raw)
@@ -142,7 +143,8 @@ class KeptTimes:
         try:
             times = tuple(map(Quantity(DURATION, zero=False), raw if several else [raw]))
         except ValueError as error:
-            raise ValueError(f"must be {self.allowed}") from error
+            _, _, reason = str(error).partition("; ")
+            raise ValueError(f"must be {self.allowed}{'; ' + reason if reason else ''}") from error
         if not times or any(late.value <= early.value for early, late in pairwise(times)):
             raise ValueError(f"must be {self.allowed}")
         return times if several else times[0]
