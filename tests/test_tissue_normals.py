@@ -23,20 +23,20 @@ KNOWN = [
 ]
 
 
-@kernel
-def words_at(key, counter, number, first, second):
-    for place in range(0, len(counter), WIDTH):
-        a, b = threefry(key, counter, place, number)
-        store(first, place, a)
-        store(second, place, b)
+def filling(source):
+    """A kernel that stores both results of ``source`` for counters, a multiple of eight of them."""
+
+    @kernel
+    def fill(key, counter, number, first, second):
+        for place in range(0, len(counter), WIDTH):
+            a, b = source(key, counter, place, number)
+            store(first, place, a)
+            store(second, place, b)
+
+    return fill
 
 
-@kernel
-def normals_at(key, counter, number, first, second):
-    for place in range(0, len(counter), WIDTH):
-        a, b = normals(key, counter, place, number)
-        store(first, place, a)
-        store(second, place, b)
+words_at, normals_at = filling(threefry), filling(normals)
 
 
 def found(fill, key, counter, number):

@@ -279,9 +279,8 @@ def _pair_energy(cells: Cells, layers: Layers, numbers: Numbers, x: Any, a: Any,
     """(3.11) and, of the pairs ``soft``, (3.13)."""
     left, right = layers.apical[:-1], layers.apical[1:]
     strain = _lengths(a, (left, right)) - _row(cells.rest_aa[left])
-    stiffness = _row(numbers.junction_factor * (cells.stiff_aa[left] + cells.stiff_aa[right]) / 2)
-    overlap = casadi.fmax(0, SOFT - _lengths(x, soft))
-    return casadi.sum2(stiffness * strain**2) / 2 + numbers.repulsion / 2 * casadi.sumsqr(overlap)
+    apical = numbers.junction_factor * casadi.sum2(_row(cells.stiff_aa[left] + cells.stiff_aa[right]) / 2 * strain**2)
+    return (apical + numbers.repulsion * casadi.sumsqr(casadi.fmax(0, SOFT - _lengths(x, soft)))) / 2
 
 
 def _arrows(points: Any, ends: Ends) -> Any:
