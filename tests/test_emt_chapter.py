@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from dincl.errors import InvalidProblem
 from tests.shortened import Here, Nowhere
 from tests.shortened_emt import FEW, SECTIONS, shorten_emt
 from tissue.study.figures import style
@@ -90,6 +91,29 @@ def test_kept_tables_are_of_the_complete_studies():
         assert (mine["runs"] == study.replicates).all()
     assert set(kept.read("answers")["id"]) == {f"Q{k}" for k in range(1, 9)}
     assert (kept.read("controls")["failed"] == 0).all()
+
+
+def test_rows_of_one_preset_take_the_place_of_its_own():
+    """The rows of the other stay, in their order, before or behind them as the presets are."""
+    before = pd.DataFrame({"study": ["figure10", "table5_7", "figure10_published"], "count": [1, 2, 3]})
+    made = {"published": ["figure12_published"], "thesis": ["questions"]}
+    expected = {
+        "published": ["figure10", "table5_7", *made["published"]],
+        "thesis": [*made["thesis"], "figure10_published"],
+    }
+    for preset, studies_made in made.items():
+        table = kept.with_others(pd.DataFrame({"count": [9], "study": studies_made}), before, preset)
+        assert table["study"].tolist() == expected[preset]
+        assert list(table) == ["study", "count"]
+    by_preset = pd.DataFrame({"preset": ["thesis", "published"], "of": [1, 2]})
+    table = kept.with_others(pd.DataFrame({"preset": ["published"], "of": [3]}), by_preset, "published")
+    assert table["of"].tolist() == [1, 3]
+
+
+def test_unknown_preset_is_refused_before_any_run(tmp_path):
+    with pytest.raises(InvalidProblem, match=r"^preset = 'publishd': must be thesis or published$"):
+        kept.main(tmp_path, "publishd")
+    assert not list(tmp_path.iterdir())
 
 
 def test_sensitivity_has_a_scenario_for_each_point():

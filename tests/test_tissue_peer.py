@@ -1,13 +1,11 @@
 """The tissue against an independent program of the same model, at its parameters: mean heights of a control tissue."""
 
-from pathlib import Path
-
 import numpy as np
 
+from tests.tissue_states import PEER_CONTROL
 from tissue.parameters import load
 from tissue.study.outcomes import outcomes
 
-CONTROL = Path(__file__).parent / "peer_control.toml"
 RUNS = range(160)
 # Means and standard errors of 110 runs of that program, by time [h]: of the apical layer, of the nuclei [R_soft].
 PEER = {
@@ -18,13 +16,13 @@ PEER = {
     ("nucleus_height_um", 24): (6.086, 0.015),
     ("nucleus_height_um", 48): (6.957, 0.013),
 }
-# Of six such differences one is beyond this once in 170 samples; the seeds are fixed.
+# Of six such differences, if they were independent, one would be beyond this once in 60 samples; the seeds are fixed.
 FAR = 3.0
 
 
 def differences(changes):
     """Our mean less that of the peer, in standard errors of the difference, for each height and time."""
-    parameters = load(CONTROL).changed(changes)
+    parameters = load(PEER_CONTROL).changed(changes)
     runs = outcomes(parameters, RUNS, RUNS).runs.to_pandas()
     found = {}
     for (name, t), (mean, error) in PEER.items():

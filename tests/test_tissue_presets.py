@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from dincl.errors import InvalidProblem
-from tests.test_tissue_peer import CONTROL
+from tests.tissue_states import PEER_CONTROL
 from tissue.numbers import Numbers
 from tissue.numbers_daha import Daha
 from tissue.numbers_start import Start
@@ -166,7 +166,7 @@ def test_preset_gives_the_numbers(name):
 
 
 def test_the_peer_is_a_change_of_the_published_runs():
-    parameters = load(CONTROL)
+    parameters = load(PEER_CONTROL)
     close(
         parameters.numbers(),
         PUBLISHED._replace(

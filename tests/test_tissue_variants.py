@@ -47,20 +47,19 @@ def in_all_phases(parameters):
     return Tissue(cells._replace(**points, **ages, **rests), network, 5)
 
 
-def ruled(model, state, given, t=0.0):
-    """The tissue after the rules of a time, without noise."""
-    return model.apply_rules(state, t, given._replace(variance=0.0), *kernels.generators(3))
+def ruled(model, state, given):
+    """The tissue after the rules of t = 0, without noise."""
+    return model.apply_rules(state, 0.0, given._replace(variance=0.0), *kernels.generators(3))
 
 
-def pushed(model, state, given, *acting, **fields):
+def pushed(model, state, given, *acting):
     """By how much one substep moves the points where only these stiffnesses act, or the repulsion, at fixed rests."""
     n = len(state.cells.x)
-    off = {name: np.zeros(n) for name in STIFF if name not in acting}
-    cells = state.cells._replace(**{name: np.full(n, rest) for name, rest in (REST | fields).items()}, **off)
+    fixed = REST | {name: 0.0 for name in STIFF if name not in acting}
+    cells = state.cells._replace(**{name: np.full(n, value) for name, value in fixed.items()})
     once = given._replace(dt=given.dt / given.substeps, substeps=1, noise_in_substeps=False)
-    after = model.make_substeps(
-        cells, state.layers, once._replace(repulsion=once.repulsion * ("repulsion" in acting)), None
-    )
+    once = once._replace(repulsion=once.repulsion * ("repulsion" in acting))
+    after = model.make_substeps(cells, state.layers, once, None)
     return {name: getattr(after, name) - getattr(cells, name) for name in kernels.COORDINATES}
 
 
@@ -110,9 +109,8 @@ def draws_and_sweeps(model, parameters):
 def start(_, parameters):
     """Places, ages and springs of the first state."""
     cells, _ = started(parameters)
-    n = len(cells.x)
     return {
-        "start cells": n,
+        "start cells": len(cells.x),
         "start ages": np.concatenate((cells.birth, cells.cycle)),
         "start nuclei x": cells.x,
         "start nuclei y": cells.y,
@@ -191,12 +189,7 @@ CHANGES = {
     "cell.g2": ("0.2 h", {"junction G1-G2": 2 / 3, "junction G2-mitosis": 3 / 4, "rest ?x G2": None}),
     "cell.mitosis": (
         "0.2 h",
-        {
-            "radius mitosis": 3 / 7,
-            "junction G1-G2": 2 / 3,
-            "junction G2-mitosis": 3 / 4,
-            "rest ?x G2": None,
-        },
+        {"radius mitosis": 3 / 7, "junction G1-G2": 2 / 3, "junction G2-mitosis": 3 / 4, "rest ?x G2": None},
     ),
     "cell.min_cycle": ("12 h", {"cycles": None, "start ages": None}),
     "cell.max_cycle": ("30 h", {"cycles": None, "start ages": None}),

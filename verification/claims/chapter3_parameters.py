@@ -33,8 +33,8 @@ def scaled(factors: tuple[float, ...]) -> np.ndarray:
     frame, numbers = simulate(parameters, 0).final, parameters.numbers()
     ax, bx, axb, aa, xx = factors
     cells = frame.cells
-    factors = {"stiff_aa": aa, "stiff_ax": ax, "stiff_bx": bx, "stiff_axb": axb}
-    stiff = cells._replace(**{name: factor * getattr(cells, name) for name, factor in factors.items()})
+    of_cells = {"stiff_aa": aa, "stiff_ax": ax, "stiff_bx": bx, "stiff_axb": axb}
+    stiff = cells._replace(**{name: factor * getattr(cells, name) for name, factor in of_cells.items()})
     scaled_numbers = numbers._replace(repulsion=xx * numbers.repulsion)
     found = local_minimum(stiff, frame.layers, scaled_numbers, TOL)
     return np.concatenate([getattr(found.cells, name) for name in COORDINATES])

@@ -13,6 +13,8 @@ from pathlib import Path
 
 import pandas as pd
 
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
 from tissue.study.read import Results
 from verification.emt import printed, sensitivity, studies, summaries
 from verification.emt.studies import PRESETS, preset_of
@@ -47,17 +49,19 @@ def tables() -> dict[str, pd.DataFrame]:
 
 def main(folder: Path, preset: str | None = None) -> None:
     """Complete the studies, of one preset or of all, sum them up and keep the tables."""
+    if preset not in {None, *PRESETS}:
+        raise InvalidProblem(f"preset = {describe(preset)}: must be {' or '.join(PRESETS)}")
     chosen = {name: study for name, study in studies.chosen(full=True).items() if preset in {None, preset_of(name)}}
     with workers() as executor:
         results = studies.watched(chosen, folder, executor)
     for name, table in COMPLETE.items():
         if name != sensitivity.NAME or sensitivity.NAME in results:
             made = table(results)
-            kept = made if preset is None else _with_others(made, read(name), preset)
+            kept = made if preset is None else with_others(made, read(name), preset)
             kept.to_parquet(DATA / f"emt_{name}.parquet", index=False)
 
 
-def _with_others(made: pd.DataFrame, before: pd.DataFrame, preset: str) -> pd.DataFrame:
+def with_others(made: pd.DataFrame, before: pd.DataFrame, preset: str) -> pd.DataFrame:
     """The rows made for one preset, and of the table before those of the others, in the order of the presets."""
     owner = before["preset"] if "preset" in before else before["study"].map(preset_of)
     parts = [made if name == preset else before[owner == name] for name in PRESETS]
