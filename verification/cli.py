@@ -26,9 +26,9 @@ COLOURS = {Kind.HOLDS: "green", Kind.CORRECTED: "yellow", Kind.FAILS: "red", Kin
 @app.command()
 def report(full: Full = False, out: Out = Path("report")) -> None:
     """Run the studies that are missing and write <out>/index.html; an interrupted call is taken up again."""
-    from verification.chapters import CHAPTERS
-    from verification.report import Context, write_report
+    from verification.page.report import Context, write_report
     from verification.study import workers
+    from verification.thesis.chapters import CHAPTERS
 
     start = time.monotonic()
     with workers() as executor:
@@ -48,10 +48,10 @@ def claims(
 
     Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
     """
-    from verification import decide, selection
-    from verification.register import register
-    from verification.report import Context
+    from verification.page.report import Context
     from verification.study import workers
+    from verification.thesis import decide, selection
+    from verification.thesis.register import register
 
     try:
         chosen = selection.selected(register(), chapter or (), name or (), cost)
@@ -67,7 +67,7 @@ def claims(
 
 def _list_claims(table: pd.DataFrame) -> None:
     """Each claim with its verdict and what was measured; at last those with another verdict than the recorded one."""
-    from verification.decide import differing
+    from verification.thesis.decide import differing
 
     shown = Table(show_lines=True)
     for heading, options in (("claim", {"min_width": 20}), ("verdict", {"max_width": 12}), ("measured", {"ratio": 1})):
@@ -86,9 +86,9 @@ def _list_claims(table: pd.DataFrame) -> None:
 @app.command()
 def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the failures that theory predicts, write tables and figures to <out>."""
-    from verification.chapters.stability import CHAPTER
-    from verification.report import Context
+    from verification.page.report import Context
     from verification.study import workers
+    from verification.thesis.chapter2.stability.page import CHAPTER
 
     with workers() as executor:
         context = Context(out, full, executor)
@@ -108,6 +108,6 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
 @app.command()
 def bench(out: Out = Path("report")) -> None:
     """Measure the time of PBD per disc and step, and of each projection; the tables are kept in <out>."""
-    from verification import timing
+    from verification.thesis import bench as timing
 
     timing.main(out)

@@ -97,7 +97,7 @@ def fingerprint(*sources: str, packages: Sequence[str] = ("dincl",), **parameter
     """What rows depend on: the code of ``packages`` and of ``sources`` in verification, versions, parameters."""
     files = [file for package in packages for file in sorted((ROOT / package).rglob("*")) if file.suffix in CODE]
     code = hashlib.sha256()
-    for file in files + [ROOT / "verification" / name for name in sorted(sources)]:
+    for file in files + sorted((ROOT / "verification").rglob("*.py")):
         code.update(file.read_bytes())
     found = {"code": code.hexdigest()[:16]}
     found.update({name: version(name) for name in PACKAGES})

@@ -1,0 +1,140 @@
+"""The lock file fits pyproject.toml and what is installed; the Makefile installs once and never half."""
+
+import os
+import subprocess
+import tomllib
+from importlib.metadata import version
+from pathlib import Path
+from shutil import copy
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[2]
+SETUP_FILES = ("Makefile", "pyproject.toml", "requirements.lock")
+COMMANDS = {
+    "report": ".venv/bin/verification report",
+    "test": ".venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q",
+    "lint": ".venv/bin/mypy",
+    "bench": ".venv/bin/verification bench",
+}
+FAILS = "#!/bin/sh\nexit 1\n"
+# Passes every check and copies itself into the environment, where it fails to install, as without a network.
+INSTALL_FAILS = """#!/bin/sh
+case "$*" in
+    *"-m venv"*) mkdir -p .venv/bin && cp "$0" .venv/bin/python ;;
+    *"pip"*" install "*) exit 1 ;;
+esac
+"""
+
+
+def locked() -> list[Requirement]:
+    """Read the lines of the lock file."""
+    lines = (line.partition("#")[0].strip() for line in (ROOT / "requirements.lock").read_text("utf-8").splitlines())
+    return [Requirement(line) for line in lines if line]
+
+
+def wanted() -> set[str]:
+    """Name the dependencies in pyproject.toml, those for development too."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    names = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    return {canonicalize_name(Requirement(name).name) for name in names}
+
+
+def make(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Run make in a folder, free of what an outer make hands down."""
+    outer = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "MAKEOVERRIDES", "ARGS", "FULL", "PYTHON")
+    env = {key: value for key, value in os.environ.items() if key not in outer}
+    return subprocess.run(["make", *arguments], cwd=folder, env=env, capture_output=True, text=True, check=False)
+
+
+def script(path: Path, text: str) -> Path:
+    """Write an executable file."""
+    path.write_text(text, "utf-8")
+    path.chmod(0o755)
+    return path
+
+
+@pytest.fixture
+def fresh(tmp_path: Path) -> Path:
+    """Make a folder with the files an installation needs, and no environment."""
+    for name in SETUP_FILES:
+        copy(ROOT / name, tmp_path)
+    return tmp_path
+
+
+@pytest.fixture
+def installed(fresh: Path) -> Path:
+    """Make a folder whose stamps say that all is installed."""
+    (fresh / ".venv").mkdir()
+    for age, name in enumerate((".venv/installed", ".venv/locked", *SETUP_FILES)):
+        (fresh / name).touch()
+        os.utime(fresh / name, (1e9 - age, 1e9 - age))
+    return fresh
+
+
+def test_lock_lists_every_dependency() -> None:
+    assert wanted() <= {canonicalize_name(requirement.name) for requirement in locked()}
+
+
+def test_lock_gives_exact_versions_and_no_address() -> None:
+    for requirement in locked():
+        assert requirement.url is None
+        assert [clause.operator for clause in requirement.specifier] == ["=="], requirement
+        assert "*" not in str(requirement.specifier)
+    assert "://" not in (ROOT / "requirements.lock").read_text("utf-8")
+
+
+def test_installed_versions_are_the_locked_ones() -> None:
+    applies = [requirement for requirement in locked() if not requirement.marker or requirement.marker.evaluate()]
+    found = {requirement.name: version(requirement.name) for requirement in applies}
+    assert found == {requirement.name: next(iter(requirement.specifier)).version for requirement in applies}
+
+
+@pytest.mark.parametrize(("target", "command"), COMMANDS.items())
+def test_target_installs_then_runs(target: str, command: str, fresh: Path) -> None:
+    run = make(fresh, "-n", target)
+    assert run.returncode == 0, run.stderr
+    assert run.stdout.index("install --quiet -r requirements.lock") < run.stdout.index(command)
+
+
+@pytest.mark.parametrize("target", COMMANDS)
+def test_second_call_does_not_reinstall(target: str, installed: Path) -> None:
+    assert "pip" not in make(installed, "-n", target).stdout
+
+
+@pytest.mark.parametrize(
+    ("changed", "locked_again"), [("pyproject.toml", False), ("requirements.lock", True), ("Makefile", None)]
+)
+def test_changed_file_reinstalls_what_depends_on_it(changed: str, locked_again: bool | None, installed: Path) -> None:
+    (installed / changed).touch()
+    commands = make(installed, "-n", "test").stdout
+    assert ("--editable ." in commands) is (locked_again is not None)
+    assert ("-r requirements.lock" in commands) is bool(locked_again)
+
+
+@pytest.mark.parametrize(("full", "handed_on"), [("FULL=1", True), ("FULL=0", False), ("FULL=", False)])
+def test_full_is_handed_to_the_report(full: str, handed_on: bool, fresh: Path) -> None:
+    assert ("verification report --full" in make(fresh, "-n", "report", full).stdout) is handed_on
+
+
+def test_broken_install_leaves_no_stamp(fresh: Path) -> None:
+    run = make(fresh, "test", f"PYTHON={script(fresh / 'python', INSTALL_FAILS)}")
+    assert run.returncode != 0
+    assert (fresh / ".venv/bin/python").exists()
+    assert {path.name for path in (fresh / ".venv").iterdir()} == {"bin"}
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (FAILS, "Python >= 3.11 is needed"),
+        ('#!/bin/sh\ncase "$*" in *ensurepip*) exit 1 ;; esac\n', "comes without venv"),
+    ],
+)
+def test_unfit_python_is_refused_in_words(text: str, message: str, fresh: Path) -> None:
+    run = make(fresh, "test", f"PYTHON={script(fresh / 'python', text)}")
+    assert run.returncode != 0
+    assert message in run.stderr
+    assert not (fresh / ".venv").exists()

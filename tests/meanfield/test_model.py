@@ -1,0 +1,188 @@
+"""The derivatives of a model: against finite differences, CasADi's own evaluation and each other."""
+
+import casadi as ca
+import mpmath
+import numpy as np
+import pytest
+
+import meanfield
+from meanfield.field import field, field_by_numpy
+from meanfield.interaction import FEW
+from meanfield.kernels import trig
+from meanfield.symbolic import program
+from meanfield.translate import TEMPLATES, vectorised
+from tests.meanfield.models import EVERY, MODELS, start
+
+STEP = 1e-5
+FREE = {"W0": ca.sumsqr, "W1": ca.sumsqr}
+
+
+def place(name):
+    """A model, particles, y and a velocity of each."""
+    model, state = MODELS[name], start(name, 6)
+    return model, state.X, state.y, state.v, np.random.default_rng(3).normal(size=state.X.shape)
+
+
+def slope(function, h=STEP):
+    """The derivative of a function of one number at 0, to h^4."""
+    return (8 * (function(h) - function(-h)) - (function(2 * h) - function(-2 * h))) / (12 * h)
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_first_derivatives(name):
+    model, X, y, v, U = place(name)
+    gX, gy = model.jacobians(X, y)
+    along = (gX @ U[..., None])[..., 0] + gy @ v
+    np.testing.assert_allclose(along, slope(lambda h: model.level(X + h * U, y + h * v)), rtol=1e-8, atol=1e-9)
+    np.testing.assert_allclose(
+        -(U * model.F1(X)).sum(1), slope(lambda h: model.energy1(X + h * U)), rtol=1e-8, atol=1e-9
+    )
+    assert -v @ model.F0(y) == pytest.approx(slope(lambda h: model.energy0(y + h * v)), rel=1e-8)
+    r = X - X[::-1] + 0.1
+    np.testing.assert_allclose(
+        (U * model.K(r)).sum(1), slope(lambda h: model.pair_energy(r + h * U)), rtol=1e-8, atol=1e-9
+    )
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_phi_keeps_the_constraint(name):
+    model, X, y, v, _ = place(name)
+    U = model.phi(X, y) @ v
+    np.testing.assert_allclose(slope(lambda h: model.level(X + h * U, y + h * v)), 0, atol=1e-9)
+    assert np.abs(U).max() > 0.1
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_second_derivatives(name):
+    """g is constant to third order along X + h Phi v + h^2/2 (Phi a + Omega), y + h v + h^2/2 a."""
+    model, X, y, v, U = place(name)
+    a = v[::-1] + 0.5
+    first, second = model.phi(X, y) @ v, model.phi(X, y) @ a + model.omega(X, y, v)
+
+    def residual(h):
+        return np.abs(
+            model.level(X + h * first + h**2 / 2 * second, y + h * v + h**2 / 2 * a) - model.level(X, y)
+        ).max()
+
+    assert residual(1e-3) < 1e-7
+    gX, _ = model.jacobians(X, y)
+    bend = slope(
+        lambda h: sum(np.matvec(J, d) for J, d in zip(model.jacobians(X + h * U, y + h * v), (U, v), strict=True))
+    )
+    np.testing.assert_allclose(model.curvature(X, y, U, v), bend, rtol=1e-8, atol=1e-8)
+    # omega and curvature are two ways to the same acceleration
+    np.testing.assert_allclose(
+        (gX @ model.omega(X, y, v)[..., None])[..., 0], -model.curvature(X, y, first, v), rtol=1e-10, atol=1e-12
+    )
+
+
+@pytest.mark.parametrize(
+    ("name", "particles"), [*((name, 6) for name in MODELS), ("straight", FEW), ("wavy", FEW), ("attracting", FEW)]
+)
+def test_field_is_the_sum_of_what_particles_do(name, particles, rng):
+    model, state = MODELS[name], start(name, particles)
+    X, y, v = state.X, state.y, state.v
+    w = rng.dirichlet(np.ones(len(X))) if name in ("wavy", "element", "spatial") else None
+    shares = np.full(len(X), 1 / len(X)) if w is None else w
+    phi = model.phi(X, y)
+    pull = np.array([sum(s * model.K(z[None] - x[None])[0] for s, z in zip(shares, X, strict=True)) for x in X])
+    mass = np.eye(model.ny) + model.m * np.einsum("q,qab,qac->bc", shares, phi, phi)
+    force = np.einsum("q,qab,qa->b", shares, phi, model.F1(X) + pull - model.m * model.omega(X, y, v))
+    for found in (field(model, X, w, y, v), field_by_numpy(model, X, w, y, v)):
+        np.testing.assert_allclose(found.mass, mass, rtol=1e-13)
+        np.testing.assert_allclose(found.force, model.F0(y) + force, rtol=1e-12, atol=1e-13)
+        np.testing.assert_allclose(found.U, phi @ v, rtol=1e-12, atol=1e-14)
+        assert found.orientation == np.sign(np.linalg.det(model.jacobians(X, y)[0])).mean()
+
+
+def test_sums_over_many_particles_keep_their_digits():
+    model = MODELS["linear"]
+    X = np.full((10**6, 1), 0.1)
+    found = field(model, X, None, np.array([1.0]), np.array([0.0]))
+    assert found.force[0] == pytest.approx(-0.5 * 0.1, abs=1e-14)
+
+
+def test_sine_and_cosine_of_the_loop():
+    x = np.concatenate([np.linspace(-7, 7, 201), np.linspace(-trig.FARTHEST, trig.FARTHEST, 200)])
+    with mpmath.workprec(150):
+        wrong = [max(abs(trig.sin(a) - mpmath.sin(a)), abs(trig.cos(a) - mpmath.cos(a))) for a in x.tolist()]
+    assert max(wrong) < 2e-16
+
+
+def test_far_angles_are_left_to_the_library():
+    X = np.linspace(1e8, 1e9, FEW)[:, None]
+    y, v = np.array([0.0]), np.array([1.0])
+    np.testing.assert_allclose(
+        field(MODELS["wavy"], X, None, y, v).U, field_by_numpy(MODELS["wavy"], X, None, y, v).U, rtol=1e-15
+    )
+
+
+def test_examples_have_constant_effective_mass_but_the_wave():
+    for name, changes in (("straight", False), ("linear", False), ("element", False), ("wavy", True)):
+        motion = meanfield.solve_ode(MODELS[name], start(name, 5), t=[0.0, 1.0], tol=1e-10)
+        masses = [field(MODELS[name], X, None, y, v).mass for X, y, v in zip(motion.X, motion.y, motion.v, strict=True)]
+        assert (np.abs(masses[1] - masses[0]).max() > 1e-3) == changes, name
+
+
+def elementary(X):
+    """Each operation that is translated, of numbers within its domain."""
+    x, z = X[0], X[1]
+    return [
+        x + z, x - z, x * z, x / z, -x, x**2, 2 * x, 1 / x, ca.fabs(-x), x**z, x**1.7, ca.fmin(x, z), ca.fmax(x, z),
+        ca.atan2(x, z), ca.hypot(x, z), ca.exp(x), ca.log(x), ca.sin(x), ca.cos(x), ca.tan(x), ca.asin(x / 2),
+        ca.acos(x / 2), ca.atan(x), ca.sinh(x), ca.cosh(x), ca.tanh(x), ca.asinh(x), ca.acosh(1 + x), ca.atanh(x / 2),
+        ca.sqrt(x), ca.sign(x - 1), ca.floor(3 * x), ca.ceil(3 * x), ca.log1p(x), ca.expm1(x), ca.if_else(x < z, x, z),
+        x <= z, x == z, x != z, ca.logic_and(x < 1, z < 1), ca.logic_or(x < 1, z < 1), ca.logic_not(x < 1),
+    ]  # fmt: skip
+
+
+def test_translation_against_casadi(rng):
+    X = ca.SX.sym("X", 2)
+    values = rng.uniform(0.2, 1.8, size=(20, 2))
+    outputs = ca.vertcat(*elementary(X))
+    steps = program([X], [outputs])
+    found = np.array([np.broadcast_to(part, 20) for part in vectorised(steps, ["X"], [True])(values)])
+    np.testing.assert_allclose(found, ca.Function("f", [X], [outputs])(values.T).full(), rtol=1e-14)
+    assert TEMPLATES.keys() - {step.operation for step in steps} <= {"assign", "constpow", "pow"}
+
+
+def test_what_cannot_be_translated_is_refused():
+    model = meanfield.Model(g=lambda X, y: X - y, W0=ca.erf, W1=lambda X: X**2)
+    with pytest.raises(meanfield.InvalidModel, match="operation erf"):
+        model.energy0([1.0])
+
+
+def test_functions_are_callables_casadi_functions_or_expressions():
+    X, y = ca.SX.sym("X"), ca.SX.sym("y")
+    forms = [lambda X, y: X / y, ca.Function("g", [X, y], [X / y]), X / y, ca.SX.sym("X_0") / ca.SX.sym("y_0")]
+    levels = [meanfield.Model(g=g, **FREE).level([[3.0]], [2.0]) for g in forms]
+    assert levels == [[[1.5]]] * 4
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"m": 0.0}, "m = 0.0: must be a finite number > 0"),
+        ({"m": np.nan}, "m = nan"),
+        ({"nx": 4}, "nx = 4: must be an integer from 1 to 3"),
+        ({"ny": True}, "ny = True"),
+        ({"g": ca.vertcat}, "g has 2 components: must have 1"),
+        ({"g": lambda X: X}, r"g\(X, y\) = .*: must be built from CasADi operations"),
+        ({"g": ca.SX.sym("z") - 1}, "g contains the symbol z: allowed are X, X_0, y, y_0"),
+        ({"W1": str}, "W1"),
+        ({"W0": lambda y: y.length}, "W0"),
+        ({"V": lambda r: r**3}, r"V\(-r\) = V\(r\)"),
+        ({"V": lambda r: r**2 + 1}, r"V\(0\) = 1"),
+    ],
+)
+def test_bad_models(change, message):
+    with pytest.raises(meanfield.InvalidModel, match=message):
+        meanfield.Model(**{"g": lambda X, y: X - y, **FREE, **change})
+
+
+def test_no_value_where_the_model_is_singular():
+    for call in (MODELS["straight"].phi, MODELS["straight"].level):
+        with pytest.raises(RuntimeError, match="full rank"):
+            call([[1.0]], [0.0])
+    with pytest.raises(meanfield.InvalidModel, match="between -1 and 1"):
+        meanfield.WavyFibre(m=1.0, k0=1.0, y_rest=1.0, k1=1.0, amplitude=1.0)

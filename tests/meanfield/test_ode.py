@@ -1,0 +1,206 @@
+"""The reduced equations: against closed forms in high precision, the constrained equations, the energy, each other."""
+
+import math
+
+import casadi as ca
+import mpmath
+import numpy as np
+import pytest
+
+import meanfield
+from meanfield import Positions, Status
+from tests.meanfield.exact import CLOSED, FIBRE, TIMES, fibre_start, worst
+from tests.meanfield.models import EVERY, MODELS, start
+
+FOLD = meanfield.Model(g=lambda X, y: X + 1.5 * ca.sin(X) - y, W0=lambda y: y**2 / 2, W1=lambda X: X**2)
+
+
+@pytest.mark.parametrize("reduced", [False, True])
+@pytest.mark.parametrize("name", CLOSED)
+def test_against_closed_forms(name, reduced):
+    make, closed = CLOSED[name]
+    model = make(**FIBRE)
+    motion = meanfield.solve_ode(meanfield.reduce(model) if reduced else model, fibre_start(), TIMES, tol=1e-12)
+    assert worst(motion, closed(fibre_start(), TIMES)) < 5e-11
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_solves_the_constrained_equations(name):
+    """(5.6) with accelerations by finite differences of the motion: nothing of the reduction is used."""
+    model, h = MODELS[name], 0.02
+    t = 0.3 + h * np.arange(-2, 3)
+    motion = meanfield.solve_ode(model, start(name, 5), t=t, tol=1e-13)
+    second = np.array([-1, 16, -30, 16, -1]) / (12 * h**2)
+    X, y, forces = motion.X[2], motion.y[2], motion.multipliers[2]
+    gX, gy = model.jacobians(X, y)
+    pull = np.mean([model.K(z - X) for z in X], axis=0)
+    particles = (
+        model.m * np.tensordot(second, motion.X, 1) - model.F1(X) - pull + np.matvec(gX.transpose(0, 2, 1), forces)
+    )
+    macroscopic = second @ motion.y - model.F0(y) + np.matvec(gy.transpose(0, 2, 1), forces).mean(axis=0)
+    assert max(np.abs(particles).max(), np.abs(macroscopic).max()) < 2e-6
+    assert motion.constraint_drift().max() < 1e-11
+    assert motion.velocity_drift().max() < 1e-13
+
+
+@pytest.mark.parametrize("name", EVERY)
+def test_energy_is_kept_to_tolerance(name):
+    drifts = []
+    for tol in (1e-5, 1e-11):
+        motion = meanfield.solve_ode(MODELS[name], start(name, 5), t=[0.0, 1.0, 3.0], tol=tol)
+        drifts.append(np.ptp(motion.energy()) / tol)
+    assert max(drifts) < 50
+
+
+def test_reductions():
+    found = {name: meanfield.reduce(model) for name, model in MODELS.items()}
+    assert {name: (r.positions, r.obstacle) for name, r in found.items()} == {
+        "straight": (Positions.AFFINE, None),
+        "linear": (Positions.SHIFT, None),
+        "element": (Positions.AFFINE, None),
+        "spatial": (Positions.AFFINE, None),
+        "wavy": (Positions.FLOW, "Phi is not affine in X"),
+        "bending": (Positions.FLOW, "Phi is not affine in X"),
+        "attracting": (Positions.FLOW, "Phi is not affine in X"),
+    }
+    assert [found[name].degrees_of_freedom(100) for name in ("linear", "element", "wavy", "bending")] == [
+        2,
+        6,
+        102,
+        204,
+    ]
+    assert [found[name].moment_unknowns() for name in ("linear", "element", "spatial")] == [4, 11, 13]
+    with pytest.raises(meanfield.NotClosed, match="Phi is not affine"):
+        found["wavy"].moment_unknowns()
+    with pytest.raises(meanfield.NotClosed, match="no reduction holds"):
+        meanfield.solve_ode(found["wavy"], start("wavy", 3), t=[1.0], tol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["straight", "linear", "element", "spatial"])
+def test_reduced_motion_is_the_motion(name):
+    state = start(name, 9)
+    whole = meanfield.solve_ode(MODELS[name], state, t=[0.0, 2.0], tol=1e-11)
+    reduced = meanfield.solve_ode(meanfield.reduce(MODELS[name]), state, t=[0.0, 2.0], tol=1e-11)
+    assert reduced.work.unknowns == 2 * MODELS[name].ny < whole.work.unknowns
+    for part in ("y", "v", "X", "U", "multipliers"):
+        np.testing.assert_allclose(getattr(reduced, part), getattr(whole, part), atol=1e-9)
+
+
+def test_shift_with_nonlinear_forces_needs_all_particles_but_no_more_unknowns():
+    model = meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y**2, W1=lambda X: X**4 / 4)
+    reduction = meanfield.reduce(model)
+    assert (reduction.positions, reduction.obstacle) == (Positions.SHIFT, "F1 is not affine in X")
+    state = start("linear", 7)
+    whole, reduced = (meanfield.solve_ode(m, state, t=[1.5], tol=1e-11) for m in (model, reduction))
+    np.testing.assert_allclose(reduced.X, whole.X, atol=1e-9)
+    assert reduced.work.unknowns == 2
+
+
+@pytest.mark.parametrize("name", ["straight", "linear", "element", "spatial"])
+def test_moments_are_those_of_the_particles(name):
+    state = start(name, 9)
+    whole = meanfield.solve_ode(MODELS[name], state, t=[0.0, 2.0], tol=1e-11)
+    closed = meanfield.solve_moments(
+        MODELS[name], meanfield.sample_moments(state.X, None), state.y, state.v, t=[0.0, 2.0], tol=1e-11
+    )
+    np.testing.assert_allclose(closed.y, whole.y, atol=1e-9)
+    np.testing.assert_allclose(closed.v, whole.v, atol=1e-9)
+    for k in range(2):
+        mean, second = meanfield.sample_moments(whole.X[k], None)
+        np.testing.assert_allclose(closed.mean[k], mean, atol=1e-9)
+        np.testing.assert_allclose(closed.second[k], second, atol=1e-9)
+    np.testing.assert_allclose(closed.energy(), whole.energy(), atol=1e-9)
+    assert closed.work.unknowns == meanfield.reduce(MODELS[name]).moment_unknowns()
+
+
+def test_moments_that_do_not_close():
+    moments = meanfield.sample_moments(np.zeros((1, 1)), None)
+    with pytest.raises(meanfield.NotClosed, match="Phi is not affine in X"):
+        meanfield.solve_moments(MODELS["wavy"], moments, [0.0], [1.0], t=[1.0], tol=1e-6)
+    with pytest.raises(meanfield.InvalidModel, match=r"moments0.second = .*: must be symmetric"):
+        meanfield.solve_moments(MODELS["linear"], meanfield.Moments([1.0], [[0.5]]), [0.0], [1.0], t=[1.0], tol=1e-6)
+
+
+def test_run_that_goes_on_is_the_run():
+    model, state = MODELS["wavy"], start("wavy", 4)
+    whole = meanfield.solve_ode(model, state, t=[1.0, 2.0], tol=1e-11)
+    rest = meanfield.solve_ode(model, whole.state(0), t=[1.0], tol=1e-11)
+    np.testing.assert_allclose(rest.X[0], whole.X[1], atol=1e-9)
+    assert rest.level is not None
+    np.testing.assert_array_equal(rest.level, whole.level)
+
+
+@pytest.mark.parametrize("reduced", [False, True])
+def test_fibre_that_is_pushed_through_zero_ends_there(reduced):
+    """y = 1 - ... reaches 0: dg/dX = 1/y changes its sign."""
+    model = meanfield.reduce(MODELS["straight"]) if reduced else MODELS["straight"]
+    state = meanfield.State(X=[[0.5], [-1.0]], y=[1.0], v=[-3.0])
+    with pytest.raises(meanfield.SolveFailed, match="full rank") as caught:
+        meanfield.solve_ode(model, state, t=np.linspace(0, 3, 31), tol=1e-9)
+    motion = caught.value.result
+    s = 0.625  # <X^2>
+    stiffness, mass = 1.0 + 0.5 * s, 1 + 0.5 * s
+    rest, rate = 1 / stiffness, math.sqrt(stiffness / mass)
+    crossing = mpmath.findroot(
+        lambda t: rest + (1 - rest) * mpmath.cos(rate * t) - 3 / rate * mpmath.sin(rate * t), 0.34
+    )
+    assert motion.status is Status.SINGULAR
+    assert float(motion.detail.split()[-1].rstrip(".")) == pytest.approx(float(crossing), abs=1e-5)
+    assert motion.t[-1] < crossing < motion.t[-1] + 0.1
+    again = meanfield.solve_ode(model, state, t=np.linspace(0, 3, 31), tol=1e-9, throw=False)
+    np.testing.assert_array_equal(again.X, motion.X)
+
+
+def test_moments_through_zero():
+    with pytest.raises(meanfield.SolveFailed, match="changes its sign"):
+        meanfield.solve_moments(MODELS["straight"], meanfield.Moments([0.0], [[1.0]]), [1.0], [-3.0], t=[1.0], tol=1e-9)
+
+
+def test_fold_ends_the_motion():
+    """X + 1.5 sin X has a maximum at X = 2.30, y = 3.42: no particle can be carried beyond."""
+    motion = meanfield.solve_ode(FOLD, meanfield.State([[0.1]], [0.2], [8.0]), t=[0.1, 9.0], tol=1e-8, throw=False)
+    assert motion.status in (Status.SINGULAR, Status.STEP_TOO_SMALL)
+    assert len(motion.t) == 1
+
+
+@pytest.mark.parametrize(
+    ("model", "state", "message"),
+    [
+        ("wavy", meanfield.State([[0.0]], [0.0], [1.0], level=[[0.1]]), r"g\(X, y\) - level = 0.1 for particle 0"),
+        ("wavy", meanfield.State([[0.0]], [0.0], [1.0], U=[[0.5]]), r"U - Phi v = 0.167 for particle 0"),
+        ("wavy", meanfield.State([[0.0]], [0.0, 1.0], [1.0, 1.0]), r"must have X of shape \(N, 1\) and y \(1,\)"),
+        ("straight", meanfield.State([[0.0]], [0.0], [1.0]), r"y = array\(\[0.\]\): must be where dg/dX has full rank"),
+        ("fold", meanfield.State([[0.0], [3.0]], [0.0], [1.0]), "1 positive and 1 other values at the start"),
+    ],
+)
+def test_bad_starts(model, state, message):
+    with pytest.raises(meanfield.InvalidModel, match=message):
+        meanfield.solve_ode({**MODELS, "fold": FOLD}[model], state, t=[1.0], tol=1e-8)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"t": [1.0, 0.5]}, "t = .*increasing"),
+        ({"t": [0.0]}, "the last one > 0"),
+        ({"tol": 1e-15}, "tol = 1e-15: must be from 1e-13"),
+        ({"tol": np.nan}, "tol = nan"),
+    ],
+)
+def test_bad_arguments(change, message):
+    with pytest.raises(meanfield.InvalidModel, match=message):
+        meanfield.solve_ode(MODELS["wavy"], start("wavy", 2), **{"t": [1.0], "tol": 1e-6, **change})
+
+
+@pytest.mark.parametrize("arrays", [([[np.nan]], [0.0], [1.0]), ([0.0], [0.0], [1.0]), ([[0.0]], [0.0], [1.0, 2.0])])
+def test_bad_states(arrays):
+    with pytest.raises(meanfield.InvalidModel, match="must be finite real numbers of shape"):
+        meanfield.State(*arrays)
+
+
+def test_force_that_is_not_finite():
+    model = meanfield.Model(g=lambda X, y: X - y, W0=lambda y: -1 / y, W1=lambda X: X**2)
+    falling = meanfield.solve_ode(model, meanfield.State([[0.0]], [1.0], [0.0]), t=[9.0], tol=1e-6, throw=False)
+    assert falling.status in (Status.STEP_TOO_SMALL, Status.NON_FINITE)
+    with pytest.raises(meanfield.InvalidModel, match="all forces of the model are finite"):
+        meanfield.solve_ode(model, meanfield.State([[0.0]], [0.0], [0.0]), t=[1.0], tol=1e-6)

@@ -1,0 +1,181 @@
+"""Kernels of the tissue called like their twins, on copies, with what changes handed back; and compared with them."""
+
+import sys
+
+import numpy as np
+import pytest
+
+from tests.tissue import states as tissue_states
+from tissue import twins
+from tissue.cells import Emt, emt_cells
+from tissue.energy import Forces
+from tissue.kernels import advance, scale, store, substeps, sweeps
+from tissue.kernels.batch import board as boards
+from tissue.kernels.batch.advance import advance as batch_advance
+from tissue.kernels.batch.group import grouped, replicate
+from tissue.kernels.lanes import WIDTH
+from tissue.twins import Tissue
+
+COORDINATES = Forces._fields
+MOBILE = COORDINATES[:5]  # by is 0 on the basal line
+# Coordinates are about 10: one rounding is 1e-15. Roots of the kernels are accurate to 2e-13, and nothing moves by more
+# than 0.2 in a substep.
+SUBSTEP = 1e-13
+# What neighbouring states differ by, to see how the dynamics part them: far above rounding, far below all lengths.
+NEAR_BY = 1e-8
+# Nothing changes but by divisions, phases and forces; no second daughters.
+STILL = tissue_states.numbers(variance=0.0, rate_ax=0.0, rate_bx=0.0, rate_aa=0.0, two_daughters=0.0)
+ROOM = 8
+IN_USE = store.CELLS
+RUNNING = np.zeros(WIDTH, np.int64)
+
+
+def held(tissue, capacity=None):
+    """A store with the tissue in it, by default with room for each cell to divide."""
+    room = 2 * len(tissue.cells.x) + ROOM if capacity is None else capacity
+    emt = Emt(*(array.copy() for array in tissue.emt))
+    return store.stored(tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room)
+
+
+def taken(kept):
+    """The tissue in a store."""
+    return Tissue(*store.contents(kept), int(kept.sizes[store.NEXT_ID]), kept.emt)
+
+
+def apply_rules(tissue, t, numbers, draws, noise):
+    """As ``twins.apply_rules``."""
+    kept = held(tissue)
+    advance.apply_rules(kept, t, numbers, draws, noise)
+    return taken(kept)
+
+
+def make_substeps(cells, layers, numbers, noise):
+    """As ``twins.make_substeps``, without noise: of this the kernel has a key from the rules."""
+    assert noise is None
+    kept = held(Tissue(cells, layers, len(cells.x)))
+    assert substeps.make_substeps(kept, numbers)
+    return taken(kept).cells
+
+
+def steps(tissue, made, wanted, numbers, draws, noise):
+    """As ``twins.steps``."""
+    kept = held(tissue, 4 * len(tissue.cells.x) + ROOM)
+    assert advance.advance(kept, made, wanted, numbers, draws, noise) == (wanted, advance.DONE)
+    return taken(kept)
+
+
+def measure(tissue, positions, controls):
+    """Fills positions of the EMT cells and what is measured of the controls."""
+    scale.measure(held(tissue), positions, controls)
+
+
+def together(states, wanted, given_numbers, seeds):
+    """The states after steps made side by side; ``ended`` of each."""
+    room = 4 * max(len(state.cells.x) for state in states)
+    group = grouped([held(state, room) for state in states])
+    draws, noise = zip(*[generators(seed) for seed in seeds], strict=True)
+    ended = RUNNING.copy()
+    made = batch_advance(group, boards.board_for(room), ended, 0, wanted, given_numbers, draws, noise)
+    assert made == (wanted, advance.DONE)
+    return [taken(replicate(group, k)) for k in range(WIDTH)], ended
+
+
+def separate(kept):
+    """One sweep of the hard discs of a store; whether the lists had room."""
+    n = int(kept.sizes[IN_USE])
+    return sweeps.refresh(kept.cells, n, kept.scratch) and sweeps.separate(kept.cells, n, kept.scratch)
+
+
+def order_basal(cells, layers, largest):
+    """The basal points after both sweeps."""
+    kept = held(Tissue(cells, layers, len(cells.x)))
+    sweeps.order_basal(kept.cells, kept.layers, len(layers.basal), largest, kept.scratch)
+    return taken(kept).cells.bx
+
+
+def generators(seed, count=2):
+    """Independent generators, the same for the same seed."""
+    return [np.random.default_rng(child) for child in np.random.SeedSequence(seed).spawn(count)]
+
+
+def distance(a, b):
+    """The largest difference of a coordinate."""
+    return max(np.abs(getattr(a, name) - getattr(b, name)).max() for name in COORDINATES)
+
+
+def same_events(a, b):
+    """Whether all that rules decide, and no position enters, is the same bit for bit."""
+    fields = ("stiff_aa", "radius", "birth", "cycle", "moves", "divides", "id", "mother", "emt", "events")
+    return all(np.array_equal(getattr(a.cells, name), getattr(b.cells, name)) for name in fields) and all(
+        np.array_equal(*pair) for pair in zip(a.layers, b.layers, strict=True)
+    )
+
+
+def aged(n, seed, layers_of=tissue_states.layers, **fields):
+    """A random tissue of all ages: some cells are about to divide, some in G2 or mitosis."""
+    rng = np.random.default_rng(seed)
+    cycle = rng.uniform(10.0, 21.0, n)
+    state = tissue_states.cells(n, seed, cycle=cycle, birth=-rng.uniform(0.0, 1.0, n) * cycle, **fields)
+    return Tissue(state, layers_of(n), n)
+
+
+def freed(n):
+    """Layers that some cells have left: the first, the last, some between."""
+    return tissue_states.layers(n, apical=[i for i in range(n) if i % 5], basal=[i for i in range(n - 1) if i % 4 != 2])
+
+
+def compared(state, given_numbers, wanted, seed=0):
+    """The same steps by kernels and by twins, equal to rounding; the result of the twins.
+
+    Rounding of each substep may grow as much as the distance of two neighbouring states grows from start to end.
+    """
+    made = steps(state, 0, wanted, given_numbers, *generators(seed))
+    expected = twins.steps(state, 0, wanted, given_numbers, *generators(seed))
+    beside = twins.steps(_shaken(state, seed), 0, wanted, given_numbers, *generators(seed))
+    growth = max(1.0, distance(beside.cells, expected.cells) / NEAR_BY)
+    assert same_events(made, expected)
+    assert made.next_id == expected.next_id
+    allowed = SUBSTEP * wanted * given_numbers.substeps * growth
+    np.testing.assert_array_less(distance(made.cells, expected.cells), allowed)
+    return expected
+
+
+def _shaken(state, seed):
+    rng = np.random.default_rng(seed)
+    moved = {name: getattr(state.cells, name) + NEAR_BY * rng.uniform(-1.0, 1.0, len(state.cells.x)) for name in MOBILE}
+    return state._replace(cells=state.cells._replace(**moved))
+
+
+def heap(rng, n, size, kind):
+    """Discs that overlap in heaps: anywhere in a square, in a column, in a row, or in two heaps far apart."""
+    x, y = rng.uniform(0.0, size, (2, n))
+    if kind == "column":
+        x[:] = 1.0
+    elif kind == "row":
+        y[:] = 1.0
+    elif kind == "two heaps":
+        x[::2] += 5.0
+    return tissue_states.tissue(
+        np.column_stack((x, y)),
+        np.column_stack((x, y + 4.0)),
+        np.column_stack((x, 0.0 * y)),
+        radius=rng.choice([1 / 3, 0.7], n),
+    )
+
+
+def upright(n=1, height=8.0, nucleus=5.0, spacing=3.0, **fields):
+    """Straight cells side by side, age 0, cycle 12."""
+    place = spacing * np.arange(n)
+    points = (np.column_stack((place, np.full(n, y))) for y in (nucleus, height, 0.0))
+    return Tissue(tissue_states.tissue(*points, **{"cycle": 12.0, **fields}), tissue_states.layers(n), n)
+
+
+def with_emt(state, cells, *, a=np.inf, b=np.inf, s=np.inf, p=np.inf):
+    """The tissue with these EMT cells, all with the same times."""
+    m = len(cells)
+    state.cells.emt[cells] = np.arange(m)
+    state.cells.divides[cells] = False
+    return state._replace(emt=emt_cells(*(np.full(m, time) for time in (a, b, s, p))))
+
+
+both = pytest.mark.parametrize("model", [sys.modules[__name__], twins], ids=["kernels", "twins"])

@@ -1,0 +1,147 @@
+"""The kernels of the tissue equal their plain twins: noise and events bit for bit, forces to rounding."""
+
+import numpy as np
+import pytest
+
+from tests.tissue import kernel_calls as kernels
+from tests.tissue.kernel_calls import SUBSTEP, aged, compared, distance, freed, heap, same_events
+from tests.tissue.states import THESIS, cells, layers, numbers, tissue
+from tissue import twins
+from tissue.parameters import preset
+from tissue.twins import Tissue
+
+SIZES = (1, 2, 7, 8, 9, 60, 200)
+each_preset = pytest.mark.parametrize("name", ["thesis", "published"])
+each_size = pytest.mark.parametrize("n", SIZES)
+
+
+# Forces: one substep in which no discs touch
+
+
+def assert_equal_substep(state, network, given_numbers):
+    """Also that it moves something, unless there is nothing that could act."""
+    made = kernels.make_substeps(state, network, given_numbers, None)
+    expected = twins.make_substeps(state, network, given_numbers, None)
+    assert distance(made, expected) < SUBSTEP
+    return distance(made, state)
+
+
+@each_size
+@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize("network", [layers, freed])
+def test_forces(n, power, network):
+    for seed in range(3):
+        state = cells(n, seed, radius=0.0)
+        assert assert_equal_substep(state, network(n), numbers(substeps=1, dt=0.005, power=power)) > 1e-3
+
+
+@each_size
+@pytest.mark.parametrize("only", ["stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa", "repulsion"])
+def test_each_force_alone(n, only):
+    off = {name: 0.0 for name in ("stiff_ax", "stiff_bx", "stiff_axb", "stiff_aa") if name != only}
+    given_numbers = numbers(substeps=1, dt=0.005, repulsion=float(only == "repulsion"))
+    moved = assert_equal_substep(cells(n, 4, radius=0.0, **off), layers(n), given_numbers)
+    assert n <= 2 or moved > 1e-4
+
+
+@pytest.mark.parametrize("distance_of_centres", [1.999, 2.0, 2.001, 1e-3])
+def test_repulsion_at_the_ends_of_its_range(distance_of_centres):
+    x = [(0.0, 4.0), (distance_of_centres, 4.0)]
+    state = tissue(x, [(0.0, 8.0), (0.0, 8.0)], [(0.0, 0.0), (0.0, 0.0)], radius=0.0, rest_ax=3.0, rest_bx=3.0)
+    given_numbers = numbers(substeps=1, dt=0.005, junction_factor=0.0)
+    state = state._replace(ax=np.array([0.0, 1.0]), bx=np.array([0.0, 0.3]))
+    assert assert_equal_substep(state, layers(2), given_numbers) > 1e-3
+
+
+# Rules
+
+
+@each_size
+@each_preset
+@pytest.mark.parametrize("network", [layers, freed])
+def test_rules(n, name, network):
+    given_numbers = preset(name).numbers()._replace(two_daughters=0.7)
+    for seed in range(3):
+        state = aged(n, seed, network, moves=np.arange(n) % 3 > 0, divides=np.arange(n) % 4 > 0)
+        a, b = state, state
+        draws = kernels.generators(seed), kernels.generators(seed)
+        for k in range(12):
+            a = kernels.apply_rules(a, 0.25 * k, given_numbers, *draws[0])
+            b = twins.apply_rules(b, 0.25 * k, given_numbers, *draws[1])
+            assert same_events(a, b)
+            assert a.next_id == b.next_id
+            assert distance(a.cells, b.cells) == 0.0
+            for rest in ("rest_ax", "rest_bx", "rest_aa"):
+                np.testing.assert_allclose(getattr(a.cells, rest), getattr(b.cells, rest), rtol=0, atol=1e-14)
+    assert n < 60 or a.next_id > n
+
+
+@each_preset
+@pytest.mark.parametrize("floor_rest", [False, True])
+@pytest.mark.parametrize("enlarge_in_g2", [False, True])
+@pytest.mark.parametrize("g2_stiffening", [1.0, 2.0])
+@pytest.mark.parametrize("resting_enlarge", [False, True])
+def test_variants_of_the_rules(name, floor_rest, enlarge_in_g2, g2_stiffening, resting_enlarge):
+    variant = {"floor_rest": floor_rest, "enlarge_in_g2": enlarge_in_g2, "g2_stiffening": g2_stiffening}
+    variant |= {"resting_enlarge": resting_enlarge, "g2": 0.4, "mitosis": 0.6, "dt": 0.02, "substeps": 4}
+    given_numbers = preset(name).numbers()._replace(**variant)
+    state = aged(20, 3, freed, moves=np.arange(20) % 2 > 0)
+    # Half of the cells are between G2 and division, some nuclei are within R_soft of an end.
+    state.cells.birth[4:14] = np.linspace(0.03, 1.03, 10) - state.cells.cycle[4:14]
+    state.cells.y[3:6] = 0.5
+    end = compared(state, given_numbers, 3).cells
+    late = end.birth + end.cycle - 3 * given_numbers.dt <= (1.0 if enlarge_in_g2 else 0.6)
+    enlarged = end.radius == given_numbers.enlarged_radius
+    assert late.any()
+    np.testing.assert_array_equal(enlarged, late & (end.moves | resting_enlarge))
+    assert (end.birth > 0.0).any()
+
+
+# Whole steps
+
+
+@each_size
+@each_preset
+@pytest.mark.parametrize("network", [layers, freed])
+def test_one_step(n, name, network):
+    for seed in range(1 if n == 200 else 2):
+        compared(aged(n, seed, network), preset(name).numbers(), 1, seed)
+
+
+@pytest.mark.parametrize("n", [1, 9, 30])
+@each_preset
+def test_ten_steps(n, name):
+    """Divisions, mitosis and contacts that come and go."""
+    state = aged(n, 3, freed)
+    state.cells.birth[n // 2] = 0.22 - state.cells.cycle[n // 2]
+    given_numbers = preset(name).numbers()._replace(two_daughters=1.0)
+    assert compared(state, given_numbers, 10, seed=2).next_id > n
+
+
+@each_preset
+def test_noise_in_substeps(name):
+    given_numbers = preset(name).numbers()._replace(noise_in_substeps=True, variance=2.0)
+    compared(aged(25, 6), given_numbers, 2)
+
+
+@pytest.mark.parametrize("kind", ["square", "two heaps"])
+@pytest.mark.parametrize("n", [9, 20, 30])
+def test_discs_that_a_sweep_throws_far(n, kind):
+    """Radii of 0.7 in a heap: pushes go beyond what neighbour lists and windows allow for, in every substep."""
+    state = heap(np.random.default_rng(n), n, 2.5, kind)._replace(cycle=np.full(n, 20.0), birth=np.full(n, -19.8))
+    given_numbers = numbers(variance=0.0, substeps=4, dt=0.02, max_basal=9.0)
+    end = compared(Tissue(state, layers(n), n), given_numbers, 1)
+    assert distance(end.cells, state) > 1.0
+
+
+@pytest.mark.parametrize("spread", [0.0, 1e-9])
+def test_nuclei_above_each_other(spread):
+    """Equal x: the order along the tissue is no order."""
+    n = 18
+    state = cells(n, 2)._replace(x=spread * np.arange(n), y=np.linspace(1.0, 7.0, n))
+    compared(Tissue(state, layers(n), n), numbers(variance=0.0), 1)
+
+
+def test_thesis_is_what_the_tests_take_for_it():
+    assert numbers() == THESIS
+    assert preset("thesis").numbers()._replace(resting_enlarge=True) == THESIS

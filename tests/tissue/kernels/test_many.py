@@ -1,0 +1,165 @@
+"""Eight runs side by side equal the runs one by one, and none of them knows of the others."""
+
+import numpy as np
+import pytest
+
+import dincl
+from dincl.status import Status
+from tests.tissue import kernel_calls as kernels
+from tests.tissue.kernel_calls import RUNNING, aged, distance, freed, heap, same_events, together
+from tests.tissue.states import layers, numbers
+from tissue import twins
+from tissue.first_order import simulate
+from tissue.kernels.advance import FULL
+from tissue.kernels.batch import board as boards
+from tissue.kernels.batch import sweeps
+from tissue.kernels.batch.advance import advance
+from tissue.kernels.batch.forces import repulsion
+from tissue.kernels.batch.group import grouped, replicate
+from tissue.kernels.lanes import WIDTH
+from tissue.many import simulate_many
+from tissue.parameters import preset
+from tissue.run import RunFailed
+from tissue.twins import Tissue
+
+# Cells divide all the time, so that replicates soon differ in their numbers of cells.
+LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
+SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"} | LIVELY) for name in ("thesis", "published")}
+each_preset = pytest.mark.parametrize("name", SHORT)
+
+
+def same_bits(a, b):
+    """Whether two runs agree in every bit."""
+    pairs = [(f, g) for f, g in zip(a.frames, b.frames, strict=True)]
+    arrays = [(p, q) for f, g in pairs for p, q in zip((*f.cells, *f.layers), (*g.cells, *g.layers), strict=True)]
+    return all(f.t == g.t for f, g in pairs) and all(p.tobytes() == q.tobytes() for p, q in arrays)
+
+
+# Against one run at a time
+
+
+@each_preset
+def test_equals_simulate(name):
+    """To rounding: they part no faster than runs of which one has a stiffness 1e-14 larger."""
+    stiffness = SHORT[name].cell.alpha_ax
+    beside = SHORT[name].changed({"cell.alpha_ax": stiffness * (1 + 1e-14)})
+    for run in simulate_many(SHORT[name], [5, 2, 9]):
+        alone, near = simulate(SHORT[name], run.seed), simulate(beside, run.seed)
+        assert [frame.t for frame in run.frames] == [frame.t for frame in alone.frames]
+        for a, b, c in zip(run.frames, alone.frames, near.frames, strict=True):
+            assert same_events(Tissue(*a[1:], 0), Tissue(*b[1:], 0))
+            assert distance(a.cells, b.cells) < 100 * max(distance(c.cells, b.cells), 1e-13)
+        assert run.status is Status.SUCCESS
+        assert run.parted == alone.parted
+        assert run.stats == {name: alone.stats[name] for name in ("substeps", "divisions")}
+        assert len(run.final.cells.x) > len(run.frames[0].cells.x) + 5
+
+
+def test_equals_simulate_as_printed():
+    parameters = preset("thesis").changed({"numerics.t_end": "10 h", "numerics.keep": "10 h"})
+    for run in simulate_many(parameters, [5, 2, 9]):
+        assert distance(run.final.cells, simulate(parameters, run.seed).final.cells) < 1e-9
+
+
+@pytest.mark.parametrize(
+    "changes", [{}, {"noise_in_substeps": True}, {"power": 2}, {"repulsion": 0.0, "variance": 0.0}]
+)
+def test_steps_of_unlike_tissues(changes):
+    """One cell beside sixty, cells that left their layers beside whole layers."""
+    given_numbers = numbers(**changes)._replace(two_daughters=0.5)
+    sizes, networks = (1, 60, 9, 20, 2, 33, 8, 47), (layers, layers, freed, freed, layers, freed, layers, freed)
+    states = [aged(n, k, network) for k, (n, network) in enumerate(zip(sizes, networks, strict=True))]
+    made, ended = together(states, 12, given_numbers, range(WIDTH))
+    assert not ended.any()
+    for k, state in enumerate(states):
+        alone = kernels.steps(state, 0, 12, given_numbers, *kernels.generators(k))
+        assert same_events(made[k], alone)
+        assert distance(made[k].cells, alone.cells) < 1e-10
+
+
+@pytest.mark.parametrize("kind", ["anywhere", "column", "row", "two heaps"])
+def test_sweeps_of_heaps(kind, rng):
+    """Discs on top of each other are pushed far: that needs the sweep over all pairs."""
+    states = [Tissue(heap(rng, n, 1.5, kind), layers(n), n) for n in (5, 40, 60, 33, 20, 12, 7, 50)]
+    group = grouped([kernels.held(state, 64) for state in states])
+    board = boards.board_for(64)
+    n = boards.copy_in(group, RUNNING, numbers(), 0.1, board)
+    sweeps.separate(board, n)
+    boards.copy_out(board, n, group)
+    for k, state in enumerate(states):
+        cells = kernels.taken(replicate(group, k)).cells
+        expected = twins.separate(state.cells.x, state.cells.y, state.cells.radius)
+        assert np.abs(expected - np.array([state.cells.x, state.cells.y])).max() > 0.1
+        np.testing.assert_allclose((cells.x, cells.y), expected, rtol=0.0, atol=1e-10)
+
+
+def test_looks_at_few_pairs():
+    """Counted: sorted cells of a grown tissue have seven others behind them in the windows, whatever the size is."""
+    for cells in (60, 240):
+        given = preset("thesis").changed({"tissue.cells": cells, "tissue.width": f"{cells / 3} R_soft"})
+        run = simulate(given.changed({"numerics.t_end": "1 h"}), 0)
+        group = grouped([kernels.held(Tissue(run.final.cells, run.final.layers, cells))])
+        board = boards.board_for(group.cells.x.shape[1])
+        n = boards.copy_in(group, RUNNING, given.numbers(), 0.1, board)
+        assert 2 * n < repulsion(board, n) < 9 * n
+
+
+# Nobody knows of the others
+
+
+@each_preset
+def test_same_bits_in_any_company(name):
+    many = simulate_many(SHORT[name], range(10))
+    turned = simulate_many(SHORT[name], range(9, -1, -1))
+    for run in many:
+        assert same_bits(run, turned[9 - run.seed])
+    assert same_bits(many[3], simulate_many(SHORT[name], [3])[0])
+    assert not same_bits(many[3], many[4])
+
+
+def test_a_lost_tissue_leaves_the_others_alone():
+    states = [aged(20, k) for k in range(WIDTH)]
+    sound, _ = together(states, 6, numbers(), range(WIDTH))
+    states[2].cells.y[7] = np.nan
+    made, ended = together(states, 6, numbers(), range(WIDTH))
+    assert ended.tolist() == [0, 0, 1, 0, 0, 0, 0, 0]
+    for k in range(WIDTH):
+        assert k == 2 or all(a.tobytes() == b.tobytes() for a, b in zip(made[k].cells, sound[k].cells, strict=True))
+
+
+# What can go wrong
+
+
+def test_a_failed_run_is_told():
+    wild = preset("thesis").changed({"numerics.mu": "1e-4 h", "numerics.t_end": "3 h"})
+    runs = simulate_many(wild, range(3), throw=False)
+    alone = simulate(wild, 1, throw=False)
+    assert [run.status for run in runs] == [Status.NON_FINITE] * 3
+    assert runs[1].final.t == alone.final.t
+    assert runs[1].detail.startswith(f"t = {runs[1].final.t:g} h: cell ")
+    assert runs[1].stats["substeps"] == round(runs[1].final.t / 0.1) * 20
+    with pytest.raises(RunFailed) as failure:
+        simulate_many(wild, range(3))
+    assert failure.value.run.seed == 0
+
+
+def test_full_before_anything_is_drawn():
+    states = [aged(8, k) for k in range(WIDTH)]
+    states[5].cells.birth[0] = -states[5].cells.cycle[0]
+    group = grouped([kernels.held(state, 8) for state in states])
+    draws, noise = zip(*[kernels.generators(0) for _ in range(WIDTH)], strict=True)
+    made = advance(group, boards.board_for(8), RUNNING.copy(), 0, 3, numbers(), draws, noise)
+    assert made == (0, FULL)
+    for k, state in enumerate(states):
+        assert distance(kernels.taken(replicate(group, k)).cells, state.cells) == 0.0
+    assert draws[5].random() == kernels.generators(0)[0].random()
+
+
+@pytest.mark.parametrize("seeds", [[-1], [0, 1.5]])
+def test_bad_seeds(seeds):
+    with pytest.raises(dincl.InvalidProblem, match="seed"):
+        simulate_many(SHORT["thesis"], seeds)
+
+
+def test_no_seeds_no_runs():
+    assert simulate_many(SHORT["thesis"], []) == ()

@@ -1,0 +1,296 @@
+"""The folder of a study: what is refused, what is set aside and computed again, and what a full disk leaves."""
+
+import errno
+import json
+import os
+from pathlib import Path
+
+import pandas as pd
+import pyarrow.parquet as pq
+import pytest
+
+import tissue
+from dincl.errors import InvalidProblem
+from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
+from tissue.study import identity, store
+from tissue.study.layout import note, part
+from tissue.study.plan import Piece, load_study
+from tissue.study.stopped import StudyStopped
+
+PARTS = [f"part-0000{k}.parquet" for k in range(3)]
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
+    study_file(".")
+
+
+@pytest.fixture
+def computed(monkeypatch):
+    """The first replicates of the pieces that are computed, by whether they have INM."""
+    calls = []
+
+    def counted(parameters, replicates, *rest):
+        calls.append((parameters.emt.inm, replicates[0]))
+        return outcomes(parameters, replicates, *rest)
+
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", counted)
+    return calls
+
+
+def run():
+    return tissue.run_study("small.toml", "out")
+
+
+def refusal():
+    with pytest.raises(InvalidProblem) as caught:
+        run()
+    return str(caught.value)
+
+
+def changed(old, new):
+    text = Path("small.toml").read_text("utf-8")
+    assert old in text
+    Path("small.toml").write_text(text.replace(old, new), "utf-8")
+
+
+def test_what_is_in_the_folder():
+    run()
+    names = [f"cells/scenario=%5BA%5D{inm}/{name}" for inm in ("", "%20no%20INM") for name in PARTS]
+    whole = [
+        f"trajectories/scenario=%5BA%5D{inm}/replicate-{k:05d}.parquet" for inm in ("", "%20no%20INM") for k in (2, 129)
+    ]
+    notes = [name.replace("cells", "parts").replace("parquet", "json") for name in names]
+    tables = sorted([*names, *(name.replace("cells", "runs") for name in names), *whole, *notes])
+    files = [str(path.relative_to("out")) for path in Path("out").rglob("*") if path.is_file()]
+    assert sorted(files) == sorted([*tables, "study.json", "study.lock", "study.toml"])
+    assert Path("out/study.toml").read_text("utf-8") == STUDY.format(replicates=300)
+    noted = json.loads(Path("out/study.json").read_text("utf-8"))
+    assert list(noted["scenarios"]) == ["[A]", "[A] no INM"]
+    assert noted["scenarios"]["[A] no INM"]["emt"]["inm"] == 0
+    assert len(noted["processors"]) == 1
+
+
+def test_a_folder_with_something_else_is_refused_and_left_alone():
+    Path("out").mkdir()
+    Path("out/thesis.pdf").write_text("dear", "utf-8")
+    assert refusal() == "out: must be new, empty or the folder of this study; it holds thesis.pdf"
+    assert [path.name for path in Path("out").iterdir()] == ["thesis.pdf"]
+
+
+@pytest.mark.parametrize("text", ["{", "[]", "{}"])
+def test_notes_that_are_none_are_refused(text):
+    Path("out").mkdir()
+    Path("out/study.json").write_text(text, "utf-8")
+    assert "study.json: must be the note of a study" in refusal()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "difference"),
+    [
+        ("replicates = 300", "replicates = 301", "replicates: 300 -> 301"),
+        ("seed = 7", "seed = 8", "seed: 7 -> 8"),
+        ("[2, 129]", "[2]", "trajectories: [2, 129] -> [2]"),
+        ("inm = 0", "inm = 0.5", "scenario '[A] no INM': emt.inm: 0.0 -> 0.5"),
+        ("cells = 2", "cells = 3", "every scenario: emt.cells: 2 -> 3"),
+        ('[scenarios."[A]"]', '[scenarios."[Ax]"]', "scenario '[A]': is there no more\n  scenario '[Ax]': is new"),
+    ],
+)
+def test_results_of_another_study_are_refused_with_what_differs(old, new, difference, computed):
+    run()
+    before, made = stored("out"), len(computed)
+    changed(old, new)
+    assert refusal() == f"out: holds results of another study; give another folder. What differs:\n  {difference}"
+    assert stored("out") == before
+    assert len(computed) == made
+
+
+def test_results_of_other_code_are_refused(monkeypatch):
+    run()
+    other = {**identity.code(), "numba": "0.1"}
+    monkeypatch.setattr(identity, "code", lambda: other)
+    assert refusal().endswith(f"What differs:\n  numba: {identity.version('numba')} -> 0.1")
+
+
+def test_many_differences_are_cut_short():
+    old = identity.identity(load_study("figure10"))
+    new = identity.identity(load_study("figure10_published"))
+    lines = identity.differences(old, new)
+    assert len(lines) == identity.MOST_DIFFERENCES + 1
+    assert lines[0] == "seed: 10 -> 110"
+    assert lines[2].startswith("every scenario: tissue.")
+    assert lines[-1].startswith("and ")
+
+
+def test_the_code_version_knows_the_sources_that_make_numbers(tmp_path, monkeypatch):
+    sources = ["start.py", "picture.py", "cli_study.py", "kernels/batch/x.py", "study/outcomes.py", "study/ratios.py"]
+    for name in sources:
+        (tmp_path / "tree" / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / "tree" / name).write_text("a = 1\n", "utf-8")
+    monkeypatch.setattr(identity, "HOME", tmp_path / "tree")
+    version = identity.code.__wrapped__
+    matters = []
+    for name in sources:
+        before = version()
+        (tmp_path / "tree" / name).write_text(f"b = {len(name)}\n", "utf-8")
+        matters += [name] if version() != before else []
+    assert matters == ["start.py", "kernels/batch/x.py", "study/outcomes.py"]
+
+
+def test_another_title_is_no_other_study(computed):
+    run()
+    made = len(computed)
+    changed('"small"', '"tiny"')
+    assert run().study.title == "tiny"
+    assert len(computed) == made
+
+
+def test_another_processor_is_told(monkeypatch, caplog):
+    run()
+    assert caplog.messages == []
+    monkeypatch.setattr(store, "processor", lambda: "Linux x86_64 i486")
+    run()
+    (line,) = caplog.messages
+    assert line == f"out: begun on {identity.processor()}, goes on with Linux x86_64 i486: last bits may differ"
+    run()
+    assert len(caplog.messages) == 1
+    noted = json.loads(Path("out/study.json").read_text("utf-8"))
+    assert noted["processors"] == [identity.processor(), "Linux x86_64 i486"]
+
+
+def test_a_folder_in_use_is_refused():
+    with store.opened(load_study("small.toml"), "out"):
+        assert refusal() == "out: another process works on it, and goes on undisturbed"
+    assert run().complete
+
+
+def test_a_place_that_can_not_be_written_to():
+    Path("out").write_text("a file", "utf-8")
+    assert "out: must be a folder that can be written to: " in refusal()
+    with pytest.raises(InvalidProblem, match="must be a folder that can be written to"):
+        tissue.run_study("small.toml", "/proc/out")
+
+
+def damaged(path, how):
+    data = bytearray(path.read_bytes())
+    match how:
+        case "flipped":
+            group = pq.ParquetFile(path).metadata.row_group(0)
+            largest = max(map(group.column, range(group.num_columns)), key=lambda column: column.total_compressed_size)
+            begin = largest.dictionary_page_offset or largest.data_page_offset
+            data[begin + largest.total_compressed_size // 2] ^= 1
+        case "cut":
+            del data[-50:]
+        case "empty":
+            data.clear()
+    path.write_bytes(data)
+
+
+@pytest.mark.parametrize("how", ["flipped", "cut", "empty"])
+@pytest.mark.parametrize("kind", ["cells", "runs", "trajectories"])
+def test_a_damaged_file_is_set_aside_and_computed_again(kind, how, computed, caplog):
+    run()
+    before = stored("out")
+    path = sorted(Path("out", kind, "scenario=%5BA%5D").iterdir())[1]
+    damaged(path, how)
+    broken = path.read_bytes()
+    computed.clear()
+    assert run().complete
+    assert stored("out") == before
+    assert computed == [(1, 128)]
+    assert path.with_name(f"_damaged-{path.name}").read_bytes() == broken
+    (line,) = caplog.messages
+    assert line == f"{path} is damaged (_damaged-{path.name}): its runs are computed again"
+    assert len(pd.read_parquet(f"out/{kind}")) > 0  # passes over it
+
+
+def test_a_part_of_another_study_is_not_taken_for_one_of_this(computed, caplog):
+    run()
+    before = stored("out")
+    Path("other.toml").write_text(STUDY.format(replicates=300).replace("seed = 7", "seed = 8"), "utf-8")
+    tissue.run_study("other.toml", "other")
+    place = part(Path(), "cells", Piece("[A]", 128, 128))
+    (Path("out") / place).write_bytes((Path("other") / place).read_bytes())
+    computed.clear()
+    run()
+    assert computed == [(1, 128)]
+    assert len(caplog.messages) == 1
+    assert stored("out") == before
+
+
+@pytest.mark.parametrize("text", ["", "[]", "{}", '{"study": "x", "piece": ["[A]", 128, 128], "sha256": {}}'])
+def test_a_note_that_is_none_counts_for_nothing(text, computed, caplog):
+    run()
+    before = stored("out")
+    path = note(Path("out"), Piece("[A]", 128, 128))
+    path.write_text(text, "utf-8")
+    computed.clear()
+    run()
+    assert computed == [(1, 128)]
+    assert stored("out") == before
+    assert caplog.messages == [f"{path} is damaged (_damaged-{path.name}): its runs are computed again"]
+
+
+def test_a_piece_whose_runs_are_gone_is_computed_again(computed):
+    run()
+    before = stored("out")
+    part(Path("out"), "runs", Piece("[A] no INM", 256, 44)).unlink()
+    computed.clear()
+    run()
+    assert computed == [(0, 256)]
+    assert stored("out") == before
+
+
+def test_half_written_files_are_removed():
+    run()
+    half = Path("out/cells/scenario=%5BA%5D/_partial-part-00000.parquet")
+    half.write_bytes(b"half")
+    run()
+    assert not half.exists()
+
+
+def test_a_disk_that_is_full_for_a_moment_costs_nothing(monkeypatch):
+    whole = stored(tissue.run_study("small.toml", "whole").folder)
+    full = part(Path("out"), "cells", Piece("[A]", 256, 44))
+
+    def onto_full_disk(parameters, replicates, *rest):
+        if (parameters.emt.inm, replicates[0]) == (1, 256):
+            full.parent.mkdir(parents=True, exist_ok=True)
+            full.with_name(f"_partial-{full.name}").symlink_to("/dev/full")
+        return outcomes(parameters, replicates, *rest)
+
+    monkeypatch.setattr("tissue.study.outcomes.outcomes", onto_full_disk)
+    with pytest.raises(StudyStopped, match=r"out can not be written to: .*No space left on device"):
+        run()
+    assert "part-00002.parquet" in [path.name for path in full.parent.iterdir()]  # tried once more
+    run()
+    assert stored("out") == whole
+
+
+@pytest.mark.parametrize("written", [2, 3, 4, 7, 12])
+def test_a_full_disk_stops_the_study_and_keeps_what_there_is(written, monkeypatch, computed):
+    whole = stored(tissue.run_study("small.toml", "whole").folder)
+    computed.clear()
+    calls, sync = [], os.fsync
+
+    def full_after(descriptor):
+        calls.append(descriptor)
+        if len(calls) > 2 * written:  # of a file and of its folder
+            raise OSError(errno.ENOSPC, "No space left on device")
+        sync(descriptor)
+
+    with monkeypatch.context() as patch:
+        patch.setattr("tissue.study.files.os.fsync", full_after)
+        with pytest.raises(StudyStopped, match="No space left on device"):
+            run()
+    assert not list(Path("out").rglob("_partial-*"))
+    kept = stored("out")
+    assert len(kept) == written - 2  # study.json and study.toml came first
+    assert kept.items() <= whole.items()
+    finished = sum(name.startswith("parts") for name in kept)
+    computed.clear()
+    run()
+    assert len(computed) == 6 - finished
+    assert stored("out") == whole

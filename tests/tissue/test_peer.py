@@ -1,0 +1,43 @@
+"""The tissue against an independent program of the same model, at its parameters: mean heights of a control tissue."""
+
+import numpy as np
+
+from tests.tissue.states import PEER_CONTROL
+from tissue.parameters import load
+from tissue.study.outcomes import outcomes
+
+RUNS = range(160)
+# Means and standard errors of 110 runs of that program, by time [h]: of the apical layer, of the nuclei [R_soft].
+PEER = {
+    ("height_um", 10): (8.575, 0.013),
+    ("height_um", 24): (9.269, 0.012),
+    ("height_um", 48): (10.188, 0.015),
+    ("nucleus_height_um", 10): (5.379, 0.014),
+    ("nucleus_height_um", 24): (6.086, 0.015),
+    ("nucleus_height_um", 48): (6.957, 0.013),
+}
+# Of six such differences, if they were independent, one would be beyond this once in 60 samples; the seeds are fixed.
+FAR = 3.0
+
+
+def differences(changes):
+    """Our mean less that of the peer, in standard errors of the difference, for each height and time."""
+    parameters = load(PEER_CONTROL).changed(changes)
+    runs = outcomes(parameters, RUNS, RUNS).runs.to_pandas()
+    found = {}
+    for (name, t), (mean, error) in PEER.items():
+        ours = runs[f"{name}_{t}h"] / parameters.cell.soft_radius.value
+        found[name, t] = (ours.mean() - mean) / np.hypot(ours.sem(), error)
+    return found
+
+
+def test_heights_are_those_of_an_independent_program():
+    found = differences({})
+    assert max(map(abs, found.values())) < FAR, found
+
+
+def test_the_comparison_sees_five_per_cent_of_damping():
+    """Whether junctions stiffen in G2 it does not see: this moves a height by two errors. See test_tissue_variants."""
+    found = differences({"numerics.mu": "0.21 h"})
+    assert found["height_um", 48] < -FAR
+    assert found["nucleus_height_um", 48] < -FAR

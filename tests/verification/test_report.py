@@ -1,0 +1,276 @@
+"""The page has every section, opens offline, and is written from tables without running anything again."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from tests.verification.page import Page
+from tests.verification.thesis.shortened import Here, Nowhere, few_claims, shorten
+from tests.verification.thesis.shortened_emt import SECTIONS as EMT_SECTIONS
+from tests.verification.thesis.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
+from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
+from tests.verification.thesis.shortened_meanfield import TABLES as MEANFIELD_TABLES
+from verification import cli, study
+from verification.claim import Effect
+from verification.evidence import Kind
+from verification.page import report
+from verification.page.report import Context, cell, number, write_report
+from verification.table import write
+from verification.thesis import chapters
+from verification.thesis.chapter4 import kept
+from verification.thesis.chapters import CHAPTERS
+from verification.thesis.decide import differing
+from verification.thesis.statements import TITLES, corrections
+
+SECTIONS = [
+    "Two scenes in time",
+    "The reference",
+    "Convergence: four discs drawn to one point",
+    "Convergence: ten discs falling into a corner",
+    "Infeasibility: PBD against the penalty method with its best strength",
+    "Large steps",
+    "Who is cheapest",
+    "Speed against accuracy: a disc slides over a fixed disc",
+    "Speed against accuracy: a row of intervals pressed against a wall",
+    "Failures that theory predicts",
+    "Map: the strength of a penalty",
+    "Map: the prox-regularity radius",
+    "Map: the stiffness of the drift",
+    "Six decades of dt",
+    "The Pacman set",
+    "How far from convex: the constant of prox-regularity",
+    "Consistency of PBD",
+    "Substeps: how exact, how fast",
+    "PBD against catch-up on a frozen tissue",
+    "How long nuclei can be foretold",
+    "Growth of the height",
+    "Where substeps become unstable",
+    "DAHA against PBD",
+    "How far from a minimum a step ends",
+    "The kernel",
+    *EMT_SECTIONS,
+    *MEANFIELD_SECTIONS,
+    "How the statements came out",
+    "Corrections that change results",
+    "All statements, to be searched",
+    *TITLES.values(),
+]
+TABLES = {
+    "references",
+    "catch_up",
+    "exactness",
+    "convergence",
+    "orders",
+    "penalty_scan",
+    "penalty_best",
+    "infeasibility",
+    "large_steps",
+    "work_references",
+    "work_precision",
+    "work_times",
+    "work_winners",
+    "stability_penalty",
+    "stability_radius",
+    "stability_drift",
+    "stability_decades",
+    "stability_cases",
+    "stability_verdicts",
+    "stability_outcomes",
+    "stability_pacman",
+    "prox_constants",
+    "prox_arrangements",
+    "consistency_steps",
+    "consistency_settling",
+    "consistency",
+    "claims",
+    "claims_decided",
+    "tissue_catch_up",
+    "tissue_catch_up_errors",
+    "tissue_catch_up_orders",
+    "tissue_daha",
+    "tissue_daha_descent",
+    "tissue_daha_distances",
+    "tissue_daha_failures",
+    "tissue_daha_fits",
+    "tissue_daha_held",
+    "tissue_daha_iterations",
+    "tissue_daha_multipliers",
+    "tissue_daha_speed",
+    "tissue_distances",
+    "tissue_disturbed",
+    "tissue_doubling",
+    "tissue_enough",
+    "tissue_errors",
+    "tissue_foretold",
+    "tissue_growth",
+    "tissue_heights",
+    "tissue_jitter",
+    "tissue_judged",
+    "tissue_judged_steps",
+    "tissue_kernel",
+    "tissue_kernel_growth",
+    "tissue_limits",
+    "tissue_limits_found",
+    "tissue_map_bending",
+    "tissue_map_damping",
+    "tissue_map_springs",
+    "tissue_map_steps",
+    "tissue_orders",
+    "tissue_rates",
+    "tissue_ratios",
+    "tissue_substeps",
+    "tissue_swing",
+    "tissue_thrown",
+    *(f"emt_{name}" for name in kept.TABLES),
+    *(f"emt_complete_{name}" for name in kept.COMPLETE),
+    *MEANFIELD_TABLES,
+}
+IMAGES = 34 + MEANFIELD_PICTURES
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
+    out = tmp_path_factory.mktemp("report")
+    context = Context(out, False, Here())
+    with pytest.MonkeyPatch.context() as patch:
+        shorten(patch)
+        path = write_report(CHAPTERS, context)
+    return path, context
+
+
+def test_page_has_every_section_in_its_contents(made: tuple[Path, Context]) -> None:
+    text = made[0].read_text("utf-8")
+    page = Page(text)
+    assert page.open == []
+    assert [heading for heading in page.headings if not re.match(r"\d+\. ", heading)] == SECTIONS
+    assert len([heading for heading in page.headings if re.match(r"\d+\. ", heading)]) == len(CHAPTERS)
+    assert len(set(page.ids)) == len(page.ids)
+    assert {link[1:] for link in page.links if link.startswith("#")} == set(page.ids) - {"words", "verdict", "matches"}
+
+
+def test_page_opens_offline(made: tuple[Path, Context]) -> None:
+    text = made[0].read_text("utf-8")
+    page = Page(text)
+    assert "://" not in text
+    assert len(page.images) == IMAGES
+    assert all(image.startswith("data:image/png;base64,") for image in page.images)
+    outside = [link for link in page.links if not link.startswith("#")]
+    assert outside
+    assert all((made[0].parent / link).is_file() for link in outside)
+
+
+def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> None:
+    folder = made[0].parent
+    assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
+    assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
+    assert len(list((folder / "figures").glob("*.png"))) == IMAGES
+    assert list(folder.rglob(".*.new")) == []
+
+
+def test_page_states_machine_versions_orders_and_verdicts(made: tuple[Path, Context]) -> None:
+    text, tables = made[0].read_text("utf-8"), made[1].tables
+    for word in ("cores", "numpy", "casadi", "short: fewer and coarser steps"):
+        assert word in text
+    for order in tables["orders"]["order"]:
+        assert order in text
+    for sentence in tables["orders"]["verdict"]:
+        assert sentence in text
+
+
+def test_page_has_every_claim_and_the_most_serious_corrections_first(made: tuple[Path, Context]) -> None:
+    text, table = made[0].read_text("utf-8"), made[1].tables["claims"]
+    assert table["id"].tolist() == [claim.id for claim in few_claims()]
+    assert [name for name in Page(text).ids if re.match(r"c\d\.", name)] == table["id"].tolist()
+    assert not table["measured"].str.contains("is not there").any()  # what is open is so by its numbers
+    for kind, count in table["verdict"].value_counts().items():
+        assert text.count(f'data-verdict="{kind}"') == count
+    wrong = corrections(table)
+    order = {effect.value: number for number, effect in enumerate(Effect)}
+    assert wrong["effect"].map(order).is_monotonic_increasing
+    assert Effect.NOTATION.value in set(table["effect"]) - set(wrong["effect"])
+    for word in ('id="words"', "hidden"):
+        assert word in text
+
+
+def test_second_report_runs_nothing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten(monkeypatch)
+    before = made[1].tables
+    again = Context(made[1].out, False, Nowhere())
+    for chapter in CHAPTERS:
+        chapter.run(again)
+    for name, table in again.tables.items():
+        kept_columns = [column for column in table if (name, column) != ("claims", "seconds")]  # some are decided anew
+        pd.testing.assert_frame_equal(table[kept_columns], before[name][kept_columns])
+
+
+def test_independent_references_agree(made: tuple[Path, Context]) -> None:
+    references = made[1].tables["references"]
+    assert len(references) == 5
+    assert (references["error"] <= 1e-12).all()
+    exact = made[1].tables["exactness"]
+    assert len(exact) == 5
+    assert (exact["true"] <= exact["stated"]).all()
+    assert (exact["stated"] <= 1e-12).all()
+    assert (references["catch_up"] <= references["error"] + references["catch_up_error"]).all()
+    assert (references["daqp"] < 1e-8).all()
+    assert (references["linearised"] <= references["catch_up_error"] + references["linearised_error"]).all()
+
+
+def test_command_claims_runs_only_what_is_missing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten(monkeypatch)
+    monkeypatch.setattr(study, "workers", Nowhere)
+    said = CliRunner().invoke(cli.app, ["claims", "--out", str(made[1].out)], env={"COLUMNS": "160"})
+    other = differing(made[1].tables["claims"])
+    assert said.exit_code == (0 if other.empty else 1), said.output
+    for name in made[1].tables["claims"]["id"]:
+        assert name in said.output
+
+
+def test_command_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten(monkeypatch)
+    monkeypatch.setattr(study, "workers", Here)
+    monkeypatch.setattr(chapters, "CHAPTERS", CHAPTERS[-1:])
+    said = CliRunner().invoke(cli.app, ["report", "--full", "--out", str(tmp_path)])
+    assert said.exit_code == 0, said.output
+    page = (tmp_path / "index.html").read_text("utf-8")
+    assert "complete" in page
+    assert "is not there: run the report" in page  # no study was run
+
+
+def test_kept_table_is_written(tmp_path: Path) -> None:
+    context = Context(tmp_path, True, Nowhere())
+    context.keep("few", pd.DataFrame({"a": [1, 2]}))
+    assert pd.read_csv(tmp_path / "tables" / "few.csv")["a"].tolist() == [1, 2]
+    write(context.tables["few"].head(1), tmp_path / "tables" / "few.parquet")
+    assert pd.read_parquet(tmp_path / "tables" / "few.parquet")["a"].tolist() == [1]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (0.1234, "0.123"),
+        (12.0, "12"),
+        (1234.4, "1234"),
+        (1.5e-7, "1.5·10⁻⁷"),
+        (-2e5, "-2.0·10⁵"),
+        (np.nan, "—"),
+    ],
+)
+def test_numbers(value: float, text: str) -> None:
+    assert number(value) == text
+    assert cell(value) == (text, "number")
+
+
+def test_cells() -> None:
+    assert cell(True) == ("yes", "")
+    assert cell(np.False_) == ("no", "")
+    assert cell(3) == ("3", "number")
+    assert cell("fails") == ("fails", "fails")
+    assert cell("holds after the correction") == ("holds after the correction", "corrected")
+    assert cell("PBD") == ("PBD", "")
+    assert report.VERDICTS.keys() == {kind.value for kind in Kind}

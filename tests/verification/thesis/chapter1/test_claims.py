@@ -1,0 +1,218 @@
+"""Introduction and chapter 1: each verdict is the recorded one, and a wrong ingredient of the check changes it."""
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from tests.verification.thesis.claim_changes import Change, Wrong, decided, replaced, times
+from verification.evidence import Kind
+from verification.thesis.chapter1.cells import HARD
+from verification.thesis.chapter1.claims import (
+    s1_1_newton,
+    s1_2_constraints,
+    s1_3_equivalence,
+    s2_1_inclusions,
+    s2_solutions,
+    s3_cones,
+    s4_1_prox,
+    s4_2_hypomonotone,
+    s4_4_semicontinuity,
+    s4_4_supports,
+    s4_5_existence,
+    s4_6_1_tools,
+    s4_6_2_limit,
+    s4_6_2_proofs,
+    s4_6_3_uniqueness,
+    s5_applications,
+)
+from verification.thesis.chapter1.sets import outside
+from verification.thesis.introduction.claims import s1_introduction
+
+PARTS = (
+    s1_introduction,
+    s1_1_newton,
+    s1_2_constraints,
+    s1_3_equivalence,
+    s2_solutions,
+    s2_1_inclusions,
+    s3_cones,
+    s4_1_prox,
+    s4_2_hypomonotone,
+    s4_4_supports,
+    s4_4_semicontinuity,
+    s4_5_existence,
+    s4_6_1_tools,
+    s4_6_2_proofs,
+    s4_6_2_limit,
+    s4_6_3_uniqueness,
+    s5_applications,
+)
+CLAIMS = {claim.id: claim for part in PARTS for claim in part.CLAIMS}
+
+
+def with_given(change: Callable[..., tuple[Any, ...]]) -> Change:
+    """The function at other arguments."""
+    return lambda f: lambda *given: f(*change(*given))
+
+
+def with_result(change: Callable[[Any], Any]) -> Change:
+    """The function with its result changed."""
+    return lambda f: lambda *given: change(f(*given))
+
+
+def turned(pair: tuple[Any, Any]) -> tuple[Any, Any]:
+    """A point with the opposite vector."""
+    return pair[0], -pair[1]
+
+
+def opposite(ends: tuple[float, float]) -> tuple[float, float]:
+    """The ends of the interval -F(x)."""
+    return -ends[1], -ends[0]
+
+
+def ratios(basal: int) -> dict[str, pd.DataFrame]:
+    """400 isolated cells a scenario; ``basal`` of those with protrusions leave basally."""
+    counts = {"[A]": (60, 100), "[B]": (0, 40), "[S]": (0, 170), "[BP]": (basal, 30)}
+    rows = [
+        {"study": study, "scenario": scenario, "what": what, "count": count, "of": 400, "effective": 400.0}
+        for study in ("figure10", "figure10_published")
+        for scenario, both in counts.items()
+        for what, count in zip(("basal", "apical"), both, strict=True)
+    ]
+    return {"emt_complete_ratios": pd.DataFrame(rows)}
+
+
+def only_at_the_triangle(f: Callable[[Any], Any]) -> Callable[[Any], Any]:
+    return lambda x: f(x) if np.array_equal(x, s4_4_semicontinuity.TRIANGLE) else -f(x)
+
+
+def less_for_many(f: Callable[..., float]) -> Callable[..., float]:
+    return lambda rows, w: f(rows, w) / len(rows) ** 2
+
+
+def flat(x: Any) -> Any:
+    """An energy without weight."""
+    return np.where(x >= 0, 0.0, np.inf)
+
+
+TRUE = Kind.HOLDS
+CHANGES: dict[str, Wrong] = {
+    "c0.faster": Wrong("introduction.s1_introduction", "RUNTIMES", replaced(((27.0, 0.1),))),
+    "c0.converges": Wrong("introduction.s1_introduction", "pbd_error", times(100.0)),
+    "c0.simple": Wrong(
+        "introduction.s1_introduction", "pbd_by_hand", with_given(lambda x, h, steps: (x, 1.01 * h, steps))
+    ),
+    "c0.scenarios": Wrong("introduction.s1_introduction", "scenarios", replaced(lambda: 29)),
+    "c0.protrusions": Wrong("introduction.s1_introduction", "PROTRUSIONS", replaced("[S]"), tables=ratios(350)),
+    "c0.mean-field-mass": Wrong("introduction.s1_introduction", "effective_mass", times(0.0)),
+    "c1.impact": Wrong("chapter1.s1_1_newton", "bounce", with_given(lambda stiffness: (1.0,))),
+    "c1.ball-at-rest": Wrong("chapter1.s1_1_newton", "ball_energy", replaced(flat), TRUE),
+    "c1.velocity": Wrong("chapter1.s1_1_newton", "velocity", times(1.01)),
+    "c1.time-scale": Wrong("chapter1.s1_1_newton", "simulated_velocity", with_given(lambda t: (2 * t,))),
+    "c1.overdamped": Wrong("chapter1.s1_1_newton", "spring_error", replaced(np.sqrt)),
+    "c1.viscosity": Wrong("chapter1.s1_1_newton", "WATER", replaced(1e-2)),
+    "c1.drag": Wrong("chapter1.s1_1_newton", "RADIUS", replaced(4e-6)),
+    "c1.density": Wrong("chapter1.s1_1_newton", "LITRE", replaced(1e-6), TRUE),
+    "c1.regime": Wrong("chapter1.s1_1_newton", "VISCOSITY", replaced(1e-9)),
+    "c1.pairs": Wrong("chapter1.s1_2_constraints", "pairs_of", times(2)),
+    "c1.multipliers": Wrong("chapter1.s1_2_constraints", "nearest_admissible", lambda f: lambda F: 2 * F - f(F)),
+    "c1.penalty-force": Wrong("chapter1.s1_2_constraints", "depth", times(0.1)),
+    "c1.indicator": Wrong("chapter1.s1_2_constraints", "indicator", replaced(flat)),
+    "c1.subdifferential": Wrong("chapter1.s1_2_constraints", "subgradients", times(-1.0)),
+    "c1.outward-normals": Wrong("chapter1.s1_3_equivalence", "inside", replaced(outside)),
+    "c1.equivalent": Wrong("chapter1.s1_3_equivalence", "multipliers", times(0.9)),
+    "c1.absolutely-continuous": Wrong("chapter1.s2_solutions", "largest_rise", times(0.1)),
+    "c1.no-classical": Wrong("chapter1.s2_solutions", "speed", times(0.0)),
+    "c1.step": Wrong("chapter1.s2_solutions", "step_solution", times(1.1)),
+    "c1.kink": Wrong("chapter1.s2_solutions", "speed", times(2.0)),
+    "c1.almost-everywhere": Wrong("chapter1.s2_solutions", "cantor", replaced(lambda x: x), TRUE),
+    "c1.one-sided": Wrong("chapter1.s2_1_inclusions", "growth", replaced(lambda rate, t: np.exp(0.9 * rate * t))),
+    "c1.step-continuity": Wrong("chapter1.s2_1_inclusions", "step_values", with_result(opposite)),
+    "c1.monotone-maps": Wrong("chapter1.s2_1_inclusions", "step_values", with_result(opposite), TRUE),
+    "c1.neither": Wrong("chapter1.s2_1_inclusions", "touching", with_result(turned)),
+    "c1.convex-cone": Wrong("chapter1.s3_cones", "in_convex_cone", with_given(lambda v, x: (-v, x))),
+    "c1.outside": Wrong("chapter1.s3_cones", "indicator", replaced(np.zeros_like)),
+    "c1.monotone": Wrong("chapter1.s3_cones", "box_normals", with_result(turned), TRUE),
+    "c1.convex-unique": Wrong("chapter1.s3_cones", "held", replaced(outside)),
+    "c1.sweeping-dot": Wrong("chapter1.s3_cones", "swept", with_result(turned)),
+    "c1.sweeping": Wrong("chapter1.s3_cones", "swept", with_result(lambda path: (path[0], 1.1 * path[1]))),
+    "c1.not-convex": Wrong("chapter1.s4_1_prox", "half_way", replaced(lambda first, second: first)),
+    "c1.convex-projection": Wrong("chapter1.s4_1_prox", "filled_triangle", with_result(lambda p: p + np.sign(p))),
+    "c1.pacman": Wrong("chapter1.s4_1_prox", "lips", with_result(lambda both: (both[0], both[0]))),
+    "c1.prox-constant": Wrong("chapter1.s4_1_prox", "printed_constant", replaced(lambda n, d: 0.01 / n), TRUE),
+    "c1.same-cones": Wrong("chapter1.s4_1_prox", "NUDGE", replaced(-1e-3)),
+    "c1.nonconvex-normal": Wrong("chapter1.s4_1_prox", "outside", replaced(lambda y: y)),
+    "c1.projection-normal": Wrong("chapter1.s4_1_prox", "apart", lambda f: lambda y: (y + f(y)) / 2),
+    "c1.cones": Wrong("chapter1.s4_2_hypomonotone", "projected", replaced(lambda y: y)),
+    "c1.sum-of-all": Wrong("chapter1.s4_2_hypomonotone", "single_normal", times(-1.0)),
+    "c1.one-sided-word": Wrong("chapter1.s4_2_hypomonotone", "step_values", with_result(opposite), TRUE),
+    "c1.hypomonotone": Wrong(
+        "chapter1.s4_2_hypomonotone", "hypomonotone_sides", with_result(lambda s: (s[0], 0.9 * s[1]))
+    ),
+    "c1.one-over-eta": Wrong(
+        "chapter1.s4_2_hypomonotone", "hypomonotone_sides", with_result(lambda s: (2 * s[0], s[1]))
+    ),
+    "c1.half-spaces": Wrong("chapter1.s4_4_supports", "ellipse_support", times(1.2)),
+    "c1.support": Wrong("chapter1.s4_4_supports", "ellipse_support", times(1.2)),
+    "c1.additive": Wrong("chapter1.s4_4_supports", "support", with_result(np.square)),
+    "c1.single-valued": Wrong("chapter1.s4_4_supports", "by_limsup", replaced(s4_4_supports.by_singletons), TRUE),
+    "c1.scalarly-upper": Wrong("chapter1.s4_4_semicontinuity", "limits", with_result(np.flipud)),
+    "c1.distance": Wrong("chapter1.s4_4_semicontinuity", "outside", replaced(lambda y: y)),
+    "c1.sum-limit": Wrong("chapter1.s4_4_semicontinuity", "pair_generators", only_at_the_triangle),
+    "c1.sum-of-cones": Wrong("chapter1.s4_4_semicontinuity", "support_of_cone", less_for_many),
+    "c1.linear-growth": Wrong("chapter1.s4_5_existence", "affine", times(10.0)),
+    "c1.catch-up-normal": Wrong("chapter1.s4_5_existence", "catch_up", with_result(np.flipud)),
+    "c1.existence": Wrong("chapter1.s4_5_existence", "slide", times(1.01)),
+    "c1.dependence": Wrong("chapter1.s4_5_existence", "catch_up", with_given(lambda x, F, h, n: (x, F, 2 * h, n))),
+    "c1.start": Wrong("chapter1.s4_5_existence", "apart", replaced(lambda y: y), TRUE),
+    "c1.time-independent": Wrong("chapter1.cells", "GROWN", replaced(HARD), TRUE),
+    "c1.isometry": Wrong("chapter1.s4_6_1_tools", "sup_norm", replaced(s4_6_1_tools.mean_norm), TRUE),
+    "c1.mazur": Wrong("chapter1.s4_6_1_tools", "wave", with_given(lambda n: (0 * np.asarray(n) + 200,))),
+    "c1.compact": Wrong("chapter1.s4_6_1_tools", "wave", times(20.0)),
+    "c1.gronwall-discrete": Wrong("chapter1.s4_6_1_tools", "sequences", times(1.2)),
+    "c1.gronwall-range": Wrong("chapter1.s4_6_1_tools", "discrete_bound", times(200.0), TRUE),
+    "c1.step-range": Wrong("chapter1.s4_6_2_proofs", "covered", with_given(lambda first, last, t: (0, 9, t)), TRUE),
+    "c1.projection-step": Wrong("chapter1.s4_6_2_proofs", "outside", replaced(lambda y: y)),
+    "c1.step-bounds": Wrong("chapter1.s4_6_2_proofs", "M_F", replaced(0.1)),
+    "c1.constant": Wrong("chapter1.s4_6_2_proofs", "first_constant", times(100.0), TRUE),
+    "c1.speeds": Wrong("chapter1.s4_6_2_proofs", "first_constant", times(0.01)),
+    "c1.unique-projections": Wrong("chapter1.s4_6_2_proofs", "ETA", lambda eta: eta / s4_6_2_proofs.SURE),
+    "c1.dense": Wrong("chapter1.s4_6_2_limit", "settled", times(0.9)),
+    "c1.step-inclusion": Wrong("chapter1.s4_6_2_limit", "steps_of_discs", with_result(lambda x: x[::-1])),
+    "c1.lower": Wrong("chapter1.s4_6_2_limit", "limits", with_result(np.flipud)),
+    "c1.velocity-dots": Wrong("chapter1.s4_6_2_limit", "catch_up", times(1.1)),
+    "c1.uniqueness-sign": Wrong(
+        "chapter1.s4_6_3_uniqueness", "beside_the_top", with_result(lambda s: (s[0], -s[1], s[2])), TRUE
+    ),
+    "c1.gronwall": Wrong("chapter1.s4_6_3_uniqueness", "beside_the_top", with_result(lambda s: (s[0], s[1] / 2, s[2]))),
+    "c1.applications": Wrong("chapter1.cells", ("GROWN", "OFFSET"), replaced(HARD), TRUE),
+}
+
+
+def test_every_claim_is_tried() -> None:
+    assert CHANGES.keys() == CLAIMS.keys()
+    assert sum(len(part.CLAIMS) for part in PARTS) == len(CLAIMS)
+
+
+@pytest.mark.parametrize("name", [name for name, claim in CLAIMS.items() if not claim.needs])
+def test_the_verdict_is_the_recorded_one(name: str) -> None:
+    evidence = CLAIMS[name].decide({})
+    assert evidence.kind is CLAIMS[name].recorded, evidence.measured
+    assert 0 < len(evidence.measured) <= 350
+    assert bool(evidence.corrected) == (CLAIMS[name].correction is not None)
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    evidence = decided(CLAIMS[name], CHANGES[name], monkeypatch)
+    assert evidence.kind is CHANGES[name].kind is not CLAIMS[name].recorded, evidence.measured
+
+
+@pytest.mark.parametrize(("basal", "kind"), [(350, Kind.HOLDS), (80, Kind.OPEN), (10, Kind.FAILS)])
+def test_protrusions_are_judged_by_the_interval(basal: int, kind: Kind) -> None:
+    evidence = CLAIMS["c0.protrusions"].decide(ratios(basal))
+    assert evidence.kind is kind, evidence.measured
+    assert evidence.runs_needed

@@ -1,0 +1,220 @@
+"""Chapter 2 and the s1_conclusions: a wrong ingredient changes the verdict of its claim."""
+
+from typing import Any
+
+import pandas as pd
+import pytest
+
+import dincl
+from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
+from verification.evidence import Kind
+from verification.thesis.chapter2.claims import (
+    s1_1_3_repulsion,
+    s1_1_reference_methods,
+    s2_2_second_order,
+    s2_3_method,
+    s2_4_algorithm,
+    s3_consistency,
+    s3_consistency_proof,
+    s4_1_references,
+    s4_2_numerics,
+    s4_3_penalty,
+)
+from verification.thesis.chapter2.discs import parted
+from verification.thesis.conclusions.claims import s1_conclusions
+
+PARTS = (
+    s1_1_reference_methods,
+    s1_1_3_repulsion,
+    s2_2_second_order,
+    s2_3_method,
+    s2_4_algorithm,
+    s3_consistency,
+    s3_consistency_proof,
+    s4_1_references,
+    s4_2_numerics,
+    s4_3_penalty,
+    s1_conclusions,
+)
+CLAIMS = {claim.id: claim for part in PARTS for claim in part.CLAIMS}
+Tables = dict[str, pd.DataFrame]
+
+
+def large_steps(*rows: tuple[str, bool, str]) -> Tables:
+    made = [{"method": m, "stable": s, "status": status, "dt": 0.1} for m, s, status in rows]
+    return {"large_steps": pd.DataFrame(made)}
+
+
+def errors(later: float) -> Tables:
+    """Of PBD, 0.1 at t = 1."""
+    made = [
+        {"scene": "four_disks", "method": "pbd", "dt": 0.1, "t": t, "error": e} for t, e in ((1.0, 0.1), (2.0, later))
+    ]
+    return {"convergence": pd.DataFrame(made)}
+
+
+def linearised(apart: float) -> Tables:
+    """The limits of both methods are this far apart, each known to 1e-7."""
+    runs = [
+        {"scene": "four_disks", "t": 1.0, "dt": dt, "method": method, "error": dt}
+        for dt in (0.1, 0.05)
+        for method in ("catch_up_ipopt", "linearised_clarabel")
+    ]
+    references = pd.DataFrame([{"catch_up_error": 1e-7, "linearised_error": 1e-7, "linearised": apart}])
+    return {"references": references, "convergence": pd.DataFrame(runs)}
+
+
+def orders(scene: str, low: float, high: float) -> Tables:
+    return {
+        "orders": pd.DataFrame([{"scene": scene, "method": "pbd", "t": 1.0, "low": low, "high": high, "order": "?"}])
+    }
+
+
+def positions(resting_at_1: int, resting_at_3: int) -> Tables:
+    """Ten discs; those that do not rest fall with speed 1."""
+    rows = [
+        {"scene": "ten_disks_corner", "t": t, "particle": k, "x": 0.0, "y": 0.0 if k < resting else -t}
+        for centre, resting in ((1.0, resting_at_1), (2.0, 5), (3.0, resting_at_3))
+        for t in (centre - 0.25, centre)
+        for k in range(10)
+    ]
+    return {"positions": pd.DataFrame(rows)}
+
+
+def scan(weak: float, thrown: float) -> Tables:
+    rows = [(1.0, weak, 0.1), (10.0, 0.01, 0.1), (100.0, 0.01, thrown)]
+    made = [{"exponent": 2, "scene": "s", "dt": 0.1, "strength": s, "largest": o, "error": e} for s, o, e in rows]
+    return {"penalty_scan": pd.DataFrame(made)}
+
+
+def best(largest: float, stronger: float = 1.0) -> Tables:
+    """At two steps, the best strength of the smaller one being ``stronger`` times the other."""
+    one = {"scene": "s", "largest": largest, "mean": 1.2, "pbd_largest": 1.0, "pbd_mean": 1.0}
+    rows = [
+        one | {"exponent": exponent, "dt": dt, "strength": strength}
+        for exponent in (1, 2)
+        for dt, strength in ((0.02, 1.0), (0.01, stronger))
+    ]
+    return {"penalty_best": pd.DataFrame(rows)}
+
+
+def with_table(part: str, tables: Tables, kind: Kind = Kind.FAILS) -> Wrong:
+    """Nothing but the table is wrong."""
+    return Wrong(part, (), replaced(None), kind, tables)
+
+
+def soft(dt: float, _strength: float = 0.0) -> dincl.Scheme:
+    """A scheme that does not come nearer to the solution."""
+    return dincl.Penalty(dt=dt, strength=5.0)
+
+
+TRUE = Kind.HOLDS
+CHANGES: dict[str, Wrong] = {
+    "c2.event-driven": Wrong("chapter2.s1_1_reference_methods", "event_driven", replaced(lambda: dincl.PBD(dt=0.01))),
+    "c2.damping": Wrong(
+        "chapter2.s1_1_reference_methods", "damped_problem", replaced(lambda: s1_1_reference_methods.SCENE)
+    ),
+    "c2.catch-up": Wrong("chapter2.s1_1_reference_methods", "catch_up", replaced(soft)),
+    "c2.inner": Wrong("chapter2.s1_1_reference_methods", "gap", times(-1.0)),
+    "c2.linearised": Wrong("chapter2.s1_1_reference_methods", "linearised", replaced(soft)),
+    "c2.printed-penalty": Wrong("chapter2.s1_1_3_repulsion", "printed_push", replaced(s1_1_3_repulsion.spring), TRUE),
+    "c2.penalty-limit": Wrong("chapter2.s1_1_3_repulsion", "repulsive", replaced(soft)),
+    "c2.stiffness": Wrong("chapter2.s1_1_3_repulsion", "spring", replaced(s1_1_3_repulsion.printed_push)),
+    "c2.elastic": Wrong("chapter2.s2_2_second_order", "bounced", replaced(lambda dt: 1.0 - dt)),
+    "c2.mass": Wrong("chapter2.s2_2_second_order", "MASS", replaced(1.0), TRUE),
+    "c2.symplectic": Wrong(
+        "chapter2.s2_2_second_order", "predicted", replaced(lambda x, v, force, dt: (x + dt * v, v + dt * force))
+    ),
+    "c2.infeasible": Wrong("chapter2.s2_3_method", "SWEEPS", replaced(100)),
+    "c2.prediction": Wrong("chapter2.s2_3_method", "moved", replaced(lambda x, force, dt: x + 2 * dt * force)),
+    "c2.smaller": Wrong("chapter2.s2_3_method", "largest_overlap", replaced(lambda dt: dt**0.5)),
+    "c2.large-steps": with_table(
+        "chapter2.s2_3_method", large_steps(("pbd", False, "SUCCESS"), ("penalty_10", False, "SUCCESS"))
+    ),
+    "c2.alternating": Wrong("chapter2.s2_3_method", "EDGE", replaced(2.0)),
+    "c2.subspaces": Wrong("chapter2.s2_3_method", "projector", times(0.9)),
+    "c2.example": Wrong("chapter2.s2_4_algorithm", "parted", lambda f: lambda x: 2 * f(x) - x),
+    "c2.gauss-newton": Wrong("chapter2.s2_4_algorithm", "slope", times(2.0)),
+    "c2.algorithm": Wrong("chapter2.s2_4_algorithm", "delta_itself", times(-1.0), TRUE),
+    "c2.linear-runtime": Wrong("chapter2.s2_4_algorithm", "cell_width", replaced(lambda count: count**0.5 / 4)),
+    "c2.limits": Wrong("chapter2.s3_consistency", "trapped", replaced(lambda x, dt: False), TRUE),
+    "c2.not-sufficient": Wrong("chapter2.s3_consistency", "trapped", replaced(lambda x, dt: False)),
+    "c2.definition": Wrong("chapter2.s3_consistency", "W", replaced(-1.0), TRUE),
+    "c2.lemma": Wrong("chapter2.s3_consistency", "points_of_step", replaced(lambda x, force, dt: [x - dt * force])),
+    "c2.equivalent": Wrong("chapter2.s3_consistency_proof", "other_side", replaced(parted), TRUE),
+    "c2.scale": Wrong("chapter2.s3_consistency_proof", "rate", times(s3_consistency_proof.DT), TRUE),
+    "c2.steps": Wrong(
+        "chapter2.s3_consistency_proof",
+        "points_of_step",
+        lambda f: lambda x, *step: [3 * p - 2 * x for p in f(x, *step)],
+    ),
+    "c2.induction": Wrong("chapter2.s3_consistency_proof", "KICKS", replaced(3), TRUE),
+    "c2.last-line": Wrong("chapter2.s3_consistency_proof", "APART", lambda force: -force, TRUE),
+    "c2.stack": Wrong("chapter2.s4_1_references", "stacked", replaced(lambda heights, t: heights - t)),
+    "c2.tolerance": Wrong("chapter2.s4_1_references", "step_error", times(1e-12), TRUE),
+    "c2.coincides": with_table("chapter2.s4_1_references", linearised(1e-3)),
+    "c2.order-exact": Wrong("chapter2.s4_2_numerics", "exact_error", replaced(lambda name, t, dt: dt**0.5)),
+    "c2.equilibrium": Wrong("chapter2.s4_2_numerics", "pull", lambda f: lambda t, x: f(t, x) - 1.0),
+    "c2.order-four": with_table("chapter2.s4_2_numerics", orders("four_disks", 0.45, 0.55)),
+    "c2.decreases": with_table("chapter2.s4_2_numerics", errors(0.2)),
+    "c2.order-ten": with_table("chapter2.s4_2_numerics", orders("ten_disks_corner", 0.8, 1.2), Kind.OPEN),
+    "c2.at-rest": with_table("chapter2.s4_2_numerics", positions(7, 10)),
+    "c2.both-overlap": with_table("chapter2.s4_3_penalty", best(0.0)),
+    "c2.strength": with_table("chapter2.s4_3_penalty", scan(0.5, 0.1)),
+    "c2.a-priori": with_table("chapter2.s4_3_penalty", best(1.5)),
+    "c2.margin": with_table("chapter2.s4_3_penalty", best(0.9)),
+    "c6.feasible": Wrong("conclusions.s1_conclusions", "scheme", replaced(lambda: dincl.PBD(dt=s1_conclusions.DT))),
+    "c6.bounded": Wrong("conclusions.s1_conclusions", "largest_overlaps", replaced(lambda dt: (dt, 2 * dt))),
+    "c6.contraction": Wrong("conclusions.s1_conclusions", "swept", replaced(lambda x: x)),
+}
+RIGHT: dict[str, Tables] = {
+    "c2.large-steps": large_steps(
+        ("pbd", True, "SUCCESS"), ("pbd", False, "COINCIDENT_CENTRES"), ("penalty_10", False, "SUCCESS")
+    ),
+    "c2.coincides": linearised(1.5e-7),
+    "c2.order-four": orders("four_disks", 0.97, 1.02),
+    "c2.decreases": errors(0.05),
+    "c2.order-ten": orders("ten_disks_corner", 0.97, 1.02),
+    "c2.at-rest": positions(2, 10),
+    "c2.both-overlap": best(1.5),
+    "c2.strength": scan(0.5, 3.0),
+    "c2.a-priori": best(1.5, stronger=2.0),
+    "c2.margin": best(1.5),
+}
+
+
+def test_every_claim_is_tried() -> None:
+    assert CHANGES.keys() == CLAIMS.keys()
+    assert {name[:3] for name in CLAIMS} == {"c2.", "c6."}
+    assert len(CLAIMS) == sum(len(part.CLAIMS) for part in PARTS)
+    assert RIGHT.keys() == {name for name, claim in CLAIMS.items() if claim.needs}
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_a_claim_comes_out_as_recorded(name: str) -> None:
+    evidence = CLAIMS[name].decide(RIGHT.get(name, {}))
+    assert evidence.kind is CLAIMS[name].recorded, evidence
+    assert len(evidence.measured) <= 350
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    evidence = decided(CLAIMS[name], CHANGES[name], monkeypatch)
+    assert evidence.kind is CHANGES[name].kind is not CLAIMS[name].recorded, evidence
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_a_correction_stands_where_one_is_needed(name: str) -> None:
+    assert CLAIMS[name].statement
+    assert (CLAIMS[name].correction is not None) is (CLAIMS[name].recorded is Kind.CORRECTED)
+
+
+@pytest.mark.parametrize("name", RIGHT)
+def test_a_claim_about_studies_waits_for_its_tables(name: str) -> None:
+    evidence: Any = CLAIMS[name].decide({})
+    assert evidence.kind is Kind.OPEN
+    assert CLAIMS[name].needs[0] in evidence.measured
+
+
+def test_a_margin_that_is_not_small_is_told() -> None:
+    assert CLAIMS["c2.margin"].decide(best(5.0)).kind is Kind.FAILS

@@ -1,0 +1,47 @@
+"""The stability chapter from its studies to the page, with few cells, and its command."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from tests.verification.thesis.shortened import FEW_CASES, Here, shorten_stability
+from verification import cli, study
+from verification.page import sheet
+from verification.page.report import Context, write_report
+from verification.thesis.chapter2.stability import catalogue
+from verification.thesis.chapter2.stability import page as stability
+from verification.thesis.chapter2.stability.outcome import Outcome
+
+
+@pytest.fixture
+def short(monkeypatch: pytest.MonkeyPatch) -> None:
+    shorten_stability(monkeypatch)
+    monkeypatch.setattr(sheet, "DPI", 50)
+
+
+@pytest.mark.usefixtures("short")
+def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(study, "workers", Here)
+    result = CliRunner().invoke(cli.app, ["stability", "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert "agrees" in result.output
+    assert result.output.count("yes") == len(FEW_CASES)
+    names = {plane.name for plane in catalogue.PLANES}
+    assert {f"stability_{name}.png" for name in names} <= {file.name for file in (tmp_path / "figures").iterdir()}
+    for plane in catalogue.PLANES:
+        table = pd.read_parquet(tmp_path / "tables" / f"stability_{plane.name}.parquet")
+        assert len(table) == 4 * len(plane.methods)
+        assert set(table["outcome"]) <= {one.value for one in Outcome}
+    counts = pd.read_parquet(tmp_path / "tables" / "stability_outcomes.parquet")
+    assert (counts[[one.value for one in Outcome]].sum(axis=1) == 4).all()
+    # The page is written from the tables alone.
+    monkeypatch.setattr(study.Study, "_make", _nothing_runs)
+    page = write_report([stability.CHAPTER], Context(tmp_path, full=False, executor=Here())).read_text("utf-8")
+    assert "3 failures that theory predicts" in page
+    assert page.count("<img") == len(names) + 2
+
+
+def _nothing_runs(*_: object) -> None:
+    raise AssertionError("a study ran again")

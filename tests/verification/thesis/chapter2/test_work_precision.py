@@ -1,0 +1,242 @@
+"""The chart of speed against accuracy says what was measured: its rows, its winners, its sentences."""
+
+import math
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import dincl
+from tests.verification.thesis.shortened import Here
+from verification.page import sheet
+from verification.page.report import Context
+from verification.thesis.chapter2 import cheapest, work_precision, work_references
+from verification.thesis.chapter2 import page_work_precision as chapter
+from verification.thesis.chapter2.known import Known
+from verification.thesis.chapter2.methods import (
+    CHARTED,
+    CHIPMUNK,
+    EVENT_DRIVEN,
+    LINEARISED_CLARABEL,
+    LINEARISED_DAQP,
+    LSODA,
+    PBD,
+)
+from verification.thesis.chapter2.work_precision import Form, Run
+from verification.thesis.chapter2.work_references import reference, rows
+
+SLIDE = dincl.scenes.sliding_disc()
+FEW = Form({"dt": [0.1, 0.05, 0.025], "tol": [1e-2, 1e-4]}, enough=100.0, enough_of_many=100.0, patience=100.0)
+
+
+def table_of(key):
+    return pd.DataFrame(rows(key))
+
+
+def known(name):
+    return reference(table_of({"scene": name}), name)
+
+
+@pytest.fixture(scope="module")
+def references():
+    return {name: known(name) for name in ("sliding_disc", "stack", "four_disks")}
+
+
+def made(references, scene, method, form=FEW):
+    return pd.DataFrame(Run(references, form)({"scene": scene, "method": method.name}))
+
+
+# References
+
+
+def test_exact_references_state_their_rounding(references):
+    found = references["stack"]
+    assert found.t == pytest.approx(np.arange(1, 31) * 0.05)
+    assert (found.x == dincl.scenes.stack().exact(found.t)).all()
+    assert 0 < found.error.max() < 1e-12
+
+
+def test_computed_references_agree_with_catch_up(references):
+    found = references["four_disks"]
+    assert found.error.max() < 1e-11
+    path = dincl.solve(dincl.scenes.four_disks(), dincl.LinearisedCatchUp(1e-3, dincl.Daqp(1e-12)), t=found.t)
+    assert np.linalg.norm(path.x - found.x, axis=-1).max() < 1e-3
+
+
+def test_references_know_their_own_times_only(references):
+    found = references["sliding_disc"]
+    x, error = found.at(np.array([0.1, 3.0 + 1e-12]))
+    assert (x == found.x[[1, -1]]).all()
+    assert (error == found.error[[1, -1]]).all()
+    with pytest.raises(ValueError, match="among the times"):
+        found.at(np.array([0.12]))
+
+
+def test_tables_of_references_come_back_as_they_were(tmp_path, monkeypatch):
+    rng = np.random.default_rng(3)
+    x, t, error = rng.normal(size=(2, 5, 2)), [0.25, 1.0], [1e-6, 2e-6]
+    kept = pd.DataFrame(
+        [
+            {"t": t[k], "particle": i, "x": x[k, i, 0], "y": x[k, i, 1], "error": error[k]}
+            for k in (1, 0)
+            for i in range(5)
+        ]
+    )
+    kept.sample(frac=1, random_state=0).to_parquet(tmp_path / "five.parquet")
+    monkeypatch.setattr(work_references, "FILES", {"five": tmp_path / "five.parquet"})
+    # Together with a scene of one dimension, whose rows have no y.
+    both = pd.concat([table_of({"scene": "stack"}), table_of({"scene": "five"})])
+    found = reference(both, "five")
+    assert (found.x == x).all()
+    assert found.t.tolist() == t
+    assert found.error.tolist() == error
+    assert reference(both, "stack").x.shape == (30, 6, 1)
+
+
+def test_a_reference_that_fails_is_no_reference(monkeypatch):
+    monkeypatch.setattr(work_references, "TOL", 1e-300)
+    monkeypatch.setattr(work_references.dincl, "EventDriven", lambda tol: dincl.PBD(dt=1.0))
+    with pytest.raises(dincl.StepFailed):
+        rows({"scene": "four_disks"})
+
+
+# Runs
+
+
+def test_rows_hold_the_errors_of_each_setting(references):
+    found = made(references, "sliding_disc", PBD)
+    assert found["setting"].tolist() == FEW.settings["dt"]
+    assert (found["status"] == "SUCCESS").all()
+    times = references["sliding_disc"].t
+    for row in found.itertuples():
+        path = dincl.solve(SLIDE, dincl.PBD(row.setting), t=times)
+        error = np.linalg.norm(path.x - SLIDE.exact(times), axis=-1).max(axis=1)
+        assert (row.sup, row.final) == pytest.approx((error.max(), error[-1]), rel=1e-12)
+        assert row.infeasibility == max(SLIDE.violation(t, x) for t, x in zip(times, path.x, strict=True))
+        assert row.steps == row.drift_evaluations == round(3 / row.setting)
+    assert (found["repeats"] == work_precision.REPEATS).all()
+    assert (found["seconds"] > 0).all()
+
+
+def test_tolerances_are_the_settings_of_methods_that_choose_their_steps(references, monkeypatch):
+    monkeypatch.setattr(work_precision, "REPEATS", 1)
+    for method in (LSODA, EVENT_DRIVEN):
+        found = made(references, "sliding_disc", method)
+        assert found["setting"].tolist() == FEW.settings["tol"]
+        assert (found["status"] == "SUCCESS").all()
+        assert (found["sup"] < 10 * found["setting"]).all()
+
+
+def test_failed_run_is_a_row_and_finer_settings_go_on(references):
+    found = made(references, "four_disks", PBD, Form({"dt": [1.0, 0.05]}, 100.0, 100.0, 100.0))
+    assert found["status"].tolist() == ["COINCIDENT_CENTRES", "SUCCESS"]
+    assert found["sup"].isna().tolist() == [True, False]
+    assert found["infeasibility"].isna().tolist() == [True, False]
+    assert found["repeats"].tolist() == [1, work_precision.REPEATS]
+    assert "Particle" in found["detail"].iloc[0]
+
+
+def test_settings_finer_than_one_that_took_long_are_left_out(references):
+    found = made(references, "sliding_disc", PBD, Form({"dt": [0.1, 1e-9, 1e-10]}, 1e-9, 100.0, 100.0))
+    assert found["status"].tolist() == ["SUCCESS", "LEFT_OUT"]
+    assert "more than 1e-09 s" in found["detail"].iloc[1]
+    assert math.isnan(found["seconds"].iloc[1])
+
+
+def test_large_scenes_get_more_time_and_costly_methods_less(references, monkeypatch):
+    scenes = {name: partial(dincl.scenes.pile, count) for name, count in (("few", 4), ("many", 251))}
+    monkeypatch.setattr(work_precision, "SCENES", scenes)
+    none = {name: Known(np.ones(1), make().x0[None], np.zeros(1)) for name, make in scenes.items()}
+    path = dincl.solve(scenes["few"](), dincl.PBD(0.1), t=[1.0])
+    monkeypatch.setattr(work_precision, "_solved", lambda scene, scheme, times, patience: (path, 1.0))
+    monkeypatch.setattr(work_precision, "_measured", lambda path, known: {"status": "SUCCESS"})
+    form = Form({"dt": [1.0, 0.5, 0.25, 0.125, 0.0625]}, 1.5, 3.0, 100.0, 0.5)
+    tried = [
+        (made(none, name, method, form)["status"] == "SUCCESS").sum()
+        for name in scenes
+        for method in (PBD, LINEARISED_CLARABEL)
+    ]
+    assert tried == [5, 1, 5, 5]  # each takes 1 s
+    for coarse, count in ((1.0, 1), (4.0, 3)):  # runs of tolerances may take coarse / finer times as long
+        tols = Form({"dt": [coarse, 1.0], "tol": [1e-1, 1e-2, 1e-3]}, 0.5, 0.5, 100.0)
+        assert (made(none, "few", LSODA, tols)["status"] == "SUCCESS").sum() == count
+
+
+def test_lost_patience_is_a_row_and_ends_the_method(references):
+    found = made(references, "sliding_disc", PBD, Form({"dt": [1e-8, 1e-9]}, 1e9, 1e9, 0.05))
+    assert found["status"].tolist() == ["OUT_OF_TIME"]
+    assert found["seconds"].tolist() == [0.05]
+    assert math.isnan(found["sup"].iloc[0])
+
+
+def test_methods_are_left_out_of_what_they_are_not_made_for(references, monkeypatch):
+    scenes = {"pile": lambda: dincl.scenes.pile(200), "balls": lambda: dincl.scenes.ball_pile(2)}
+    monkeypatch.setattr(work_precision, "SCENES", scenes)
+    none = {name: Known(np.ones(1), make().x0[None], np.zeros(1)) for name, make in scenes.items()}
+    large = made(none, "pile", LINEARISED_DAQP)
+    assert large["status"].tolist() == ["LEFT_OUT"]
+    assert "400" in large["detail"].iloc[0]
+    refused = made(none, "balls", CHIPMUNK)
+    assert refused["status"].tolist() == ["REFUSED"]
+    assert "Chipmunk" in refused["detail"].iloc[0]
+    assert refused["repeats"].tolist() == [0]
+
+
+def test_brief_runs_are_repeated_in_turn_and_the_best_time_is_taken(references, monkeypatch):
+    seconds = iter([9.0, 0.15, 2.0, 0.1, 0.6, 0.12, 0.05, 0.4])  # the first is the warm-up; 2.0 is not brief
+    path = dincl.solve(SLIDE, dincl.PBD(0.1), t=references["sliding_disc"].t)
+    seen = []
+
+    def solved(scene, scheme, times, patience):
+        seen.append(scheme.dt)
+        return path, next(seconds)
+
+    monkeypatch.setattr(work_precision, "_solved", solved)
+    found = made(references, "sliding_disc", PBD)
+    assert seen == [0.1, 0.1, 0.05, 0.025, 0.1, 0.025, 0.1, 0.025]
+    assert found["seconds"].tolist() == [0.05, 2.0, 0.1]
+    assert found["repeats"].tolist() == [3, 1, 3]
+
+
+def test_study_names_each_run_once():
+    none = {name: Known(np.ones(1), np.zeros((1, 1, 2)), np.zeros(1)) for name in work_references.SCENES}
+    studies = [work_precision.study(none, full) for full in (False, True)]
+    for study in studies:
+        assert len({(run["scene"], run["method"]) for run in study.runs}) == len(study.runs)
+        assert len(study.runs) == len(CHARTED) * len(work_references.SCENES)
+    assert studies[0].fingerprint != studies[1].fingerprint
+
+
+# The chapter
+
+
+def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
+    few = {name: work_references.SCENES[name] for name in ("sliding_disc", "stack")}
+    for module in (work_references, work_precision, chapter):
+        monkeypatch.setattr(module, "SCENES", few)
+    monkeypatch.setattr(work_references, "FILES", {})
+    monkeypatch.setattr(work_precision, "CHARTED", (PBD, LINEARISED_DAQP, LSODA, CHIPMUNK))
+    monkeypatch.setattr(work_precision, "SHORT", Form({"dt": [0.1, 0.02], "tol": [1e-2, 1e-4]}, 100.0, 100.0, 100.0))
+    monkeypatch.setattr(sheet, "DPI", 50)
+    context = Context(tmp_path, False, Here())
+    chapter.CHAPTER.run(context)
+    assert context.tables.keys() == {"work_references", "work_precision", "work_times", "work_winners"}
+    sections = chapter.CHAPTER.sections(context)
+    assert len(sections) == 3
+    parts = [part for section in sections for part in section.parts]
+    pictures = [part.path for part in parts if part.kind == "picture"]
+    assert len(pictures) == 2
+    assert all(Path(path).stat().st_size > 1000 for path in pictures)
+    files = {part.file for part in parts if part.kind == "grid"}
+    assert files == {"work_precision", "work_times", "work_winners"}
+    assert all((context.folder / f"{name}.csv").is_file() for name in files)
+    text = " ".join(part.html for part in parts if part.kind == "text")
+    for _, winners in context.tables["work_winners"].groupby("scene"):
+        assert cheapest.sentence(winners) in text
+    before = context.tables
+    again = Context(tmp_path, False, None)  # nothing to run on, as nothing is missing
+    chapter.CHAPTER.run(again)
+    for name, table in again.tables.items():
+        pd.testing.assert_frame_equal(table, before[name])

@@ -1,0 +1,230 @@
+"""Chapter 3, the minimisers and the first-order model, and appendix 1: a wrong ingredient changes the verdict."""
+
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+
+import dincl
+from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
+from verification.evidence import Kind
+from verification.thesis.appendix.claims import s1_uzawa
+from verification.thesis.chapter3.claims import (
+    s2_3_1_daha,
+    s2_3_2_stopping,
+    s2_3_lagrangian,
+    s2_3_minimisers,
+    s3_1_first_order,
+    s3_4_comparison,
+    s3_pbd,
+    s4_growth,
+)
+from verification.thesis.chapter3.daha import DOUBLED_CASE, PRINTED, TERMINATING
+
+PARTS = (
+    s2_3_lagrangian,
+    s2_3_minimisers,
+    s2_3_1_daha,
+    s2_3_2_stopping,
+    s3_1_first_order,
+    s3_pbd,
+    s3_4_comparison,
+    s4_growth,
+    s1_uzawa,
+)
+CLAIMS = {claim.id: claim for part in PARTS for claim in part.CLAIMS}
+FALSE, TRUE = Kind.FAILS, Kind.HOLDS
+
+
+def iterations(median: float) -> pd.DataFrame:
+    quartiles = {"low": 0.8 * median, "median": median, "high": 1.3 * median, "mean": 1.2 * median}
+    return pd.DataFrame([{"case": PRINTED, "eps": 1e-6, "terminated": 400} | quartiles])
+
+
+def failures(printed: tuple[float, float, float], floored: tuple[float, float, float]) -> pd.DataFrame:
+    rows = [{"case": PRINTED, "given": printed}, {"case": TERMINATING, "given": floored}]
+    return pd.DataFrame(
+        [
+            {"case": row["case"], "eps": 1e-6, "runs": 100, "failed": round(100 * share)}
+            | {"share": share, "low": low, "high": high}
+            for row in rows
+            for share, low, high in [row["given"]]
+        ]
+    )
+
+
+def fits(own: float, doubled: float) -> pd.DataFrame:
+    both = ((TERMINATING, own), (DOUBLED_CASE, doubled))
+    about = {"t": 10.0, "substeps": 20, "runs": 20}
+    return pd.DataFrame(
+        [{"case": case, "mu": mu, "mu_low": 0.95 * mu, "mu_high": 1.05 * mu} | about for case, mu in both]
+    )
+
+
+def worked(made: int) -> pd.DataFrame:
+    about = {"kind": "run", "case": TERMINATING, "eps": 1e-6, "terminated": True}
+    return pd.DataFrame([about | {"seed": seed, "iterations": made + 1000 * seed} for seed in range(4)])
+
+
+def distances(relative: float, height: float) -> pd.DataFrame:
+    about = {"kind": "pbd", "t": 10.0, "substeps": 20, "runs": 20, "least": relative / 2, "relative": relative}
+    about |= {"low": relative - 0.02, "high": relative + 0.02}
+    for name, off in (("height", height), ("width", height / 2)):
+        about |= {name: off, f"{name}_low": off - 0.005, f"{name}_high": off + 0.005}
+    cases = [(case, mu) for case in (TERMINATING, DOUBLED_CASE) for mu in (0.14, 0.2)]
+    return pd.DataFrame([about | {"case": case, "mu": mu} for case, mu in cases])
+
+
+def doubling(mu: float) -> pd.DataFrame:
+    about = {"kind": "fine", "mu": mu, "low": mu - 0.001, "high": mu + 0.001, "runs": 5}
+    return pd.DataFrame([about | {"preset": name} for name in ("published", "thesis")])
+
+
+def growth(lost: int, ratio: float) -> pd.DataFrame:
+    about = {"runs": 5, "ratio": ratio, "low": ratio - 0.03, "high": ratio + 0.03}
+    few = [{"preset": "thesis", "mu": 0.05, "substeps": 20, "lost": 5}]
+    fine = [
+        {"preset": name, "mu": mu, "substeps": 120, "lost": lost * (mu < 0.2)}
+        for name in ("thesis", "published")
+        for mu in (0.05, 0.2)
+    ]
+    return pd.DataFrame([about | row for row in few + fine])
+
+
+def judged(part: float) -> pd.DataFrame:
+    row = {"where": "DAHA", "part": part, "low": part - 0.02, "high": part + 0.02, "steepest": 0.02, "steps": 4}
+    return pd.DataFrame([row])
+
+
+# What the report finds, in short, and tables of which each makes its claim false (with the verdict that follows).
+FOUND = {
+    "tissue_daha_iterations": iterations(7000.0),
+    "tissue_daha_failures": failures((1.0, 0.96, 1.0), (0.0, 0.0, 0.04)),
+    "tissue_daha_fits": fits(0.26, 0.15),
+    "tissue_daha": worked(830_000),
+    "tissue_daha_distances": distances(0.11, 0.06),
+    "tissue_doubling": doubling(0.025),
+    "tissue_ratios": growth(0, 1.3),
+    "tissue_judged_steps": judged(0.8),
+}
+
+
+def of_tables(kind: Kind = FALSE, **tables: pd.DataFrame) -> Wrong:
+    """Nothing is changed but what the check reads."""
+    return Wrong("chapter3.s3_4_comparison", (), replaced(None), kind, tables)
+
+
+def with_double_damping(f: Callable[..., Any]) -> Callable[..., Any]:
+    return lambda now, before, push, c, dtau: f(now, before, push, 2 * c, dtau)
+
+
+def doubled_matrix(f: Callable[..., Any]) -> Callable[..., Any]:
+    def found(*seed: int) -> Any:
+        matrix = f(*seed)
+        matrix[:5, :5] *= 2
+        return matrix
+
+    return found
+
+
+def free_discs() -> dincl.Problem:
+    return dincl.Problem([[-0.6, 0.1], [0.7, 0.0]], lambda _t, x: -x)
+
+
+CHANGES: Mapping[str, Wrong] = {
+    "c3.feasible-set": Wrong("chapter3.s2_3_lagrangian", "lined_up", replaced(lambda basal: not basal[:, 1].any())),
+    "c3.constraint-count": Wrong("chapter3.s2_3_lagrangian", "next_to", lambda f: lambda n: [*f(n), (n - 1, 0)]),
+    "c3.squared": Wrong("chapter3.s2_3_lagrangian", "basal_pairs", lambda f: lambda: np.sort(f(), axis=1), TRUE),
+    "c3.saddle": Wrong("chapter3.s2_3_lagrangian", "lagrangian", replaced(lambda w, g, lam: w + g @ lam)),
+    "c3.rests": Wrong("chapter3.s2_3_lagrangian", "three_discs", lambda f: lambda: f()._replace(g=np.full(3, 0.1))),
+    "c3.arrow-hurwicz": Wrong("chapter3.s2_3_minimisers", "slope", times(-1.0)),
+    "c3.equilibria": Wrong("chapter3.s2_3_minimisers", "slope", times(-1.0)),
+    "c3.not-always": Wrong("chapter3.s2_3_minimisers", "two_discs", replaced(free_discs)),
+    "c3.daha-multiplier": Wrong("chapter3.s2_3_minimisers", "slope", times(-1.0)),
+    "c3.rescaled": Wrong("chapter3.s2_3_minimisers", "scaled", replaced(lambda *given: given[:4])),
+    "c3.attractive": Wrong("chapter3.s2_3_minimisers", "GAMMA", replaced(1e-6)),
+    "c3.discretised": Wrong("chapter3.s2_3_1_daha", "solved", with_double_damping),
+    "c3.solved": Wrong("chapter3.s2_3_1_daha", "solved", with_double_damping),
+    "c3.one-step": Wrong("chapter3.s2_3_1_daha", "solved", with_double_damping),
+    "c3.stable-choice": Wrong(
+        "chapter3.s2_3_1_daha", ("limit", "iterations"), replaced(lambda c, dtau: c * dtau), TRUE
+    ),
+    "c3.endless": Wrong("chapter3.s2_3_1_daha", "last_move", times(0.0)),
+    "c3.update": Wrong("chapter3.s2_3_2_stopping", "C", replaced(1e-9), TRUE),
+    "c3.overdamped": Wrong("chapter3.s2_3_2_stopping", "C", replaced(0.001)),
+    "c3.descent": Wrong("chapter3.s2_3_2_stopping", "C", replaced(1.0)),
+    "c3.stopping": Wrong("chapter3.s2_3_2_stopping", "EPS", replaced(1e-7)),
+    "c3.time-transform": Wrong("chapter3.s3_1_first_order", "scaling", times(2.0)),
+    "c3.dot": Wrong("chapter3.s3_1_first_order", "slope", replaced(lambda z: -z / 7.5), TRUE),
+    "c3.time-scale": Wrong("chapter3.s3_1_first_order", "daha_step", replaced(lambda: 1 - 2e-4), TRUE),
+    "c3.prediction": Wrong("chapter3.s3_1_first_order", "USUAL", replaced(5000)),
+    "c3.speedup": Wrong("chapter3.s3_pbd", "PBD_SECONDS", replaced(0.8)),
+    "c3.well-posed": Wrong("chapter3.s3_pbd", "curvature", replaced(lambda x, _: np.full(len(x), 30.0)), TRUE),
+    "c3.projections": Wrong("chapter3.s3_pbd", "apart", lambda f: lambda z, least: f(z, 2 * least)),
+    "c3.substeps": Wrong("chapter3.s3_pbd", "stepped", lambda f: lambda z, _: f(z, 1)),
+    "c3.part-way": of_tables(tissue_judged_steps=judged(0.97)),
+    "c3.every-fourth": of_tables(tissue_daha_failures=failures((0.0, 0.0, 0.04), (0.0, 0.0, 0.04))),
+    "c3.iterations": of_tables(tissue_daha_iterations=iterations(14_000.0)),
+    "c3.optimal": of_tables(tissue_daha_fits=fits(0.6, 0.3)),
+    "c3.gradients": of_tables(tissue_daha=worked(400_000)),
+    "c3.only-condition": of_tables(tissue_ratios=growth(1, 1.3)),
+    "c3.six-per-cent": of_tables(tissue_daha_distances=distances(0.4, 0.06)),
+    "c3.macroscopic": of_tables(tissue_daha_distances=distances(0.11, 0.25)),
+    "c3.accumulation": Wrong(
+        "chapter3.s4_growth",
+        "mean_position",
+        lambda f: lambda rules, seed, **_: f(rules, seed, g2="0 h", mitosis="0 h"),
+    ),
+    "c3.less-than-half": of_tables(tissue_ratios=growth(0, 1.7)),
+    "c3.similar": of_tables(tissue_daha_distances=distances(0.11, 0.3)),
+    "c3.doubling": of_tables(tissue_doubling=doubling(0.1)),
+    "c3.uzawa-energy": Wrong("appendix.s1_uzawa", "system", doubled_matrix, TRUE),
+    "c3.uzawa-lagrangian": Wrong(
+        "appendix.s1_uzawa", "saddle", lambda f: lambda *seed: (*f(*seed)[:3], np.zeros(2)), TRUE
+    ),
+    "c3.uzawa-symmetric": Wrong("appendix.s1_uzawa", "system", replaced(lambda _: np.eye(7))),
+    "c3.uzawa-schur": Wrong("appendix.s1_uzawa", "solution", replaced(lambda: (np.ones(5), np.ones(2)))),
+    "c3.uzawa-dual": Wrong("appendix.s1_uzawa", "dual", lambda f: lambda lam: f(-lam)),
+    "c3.uzawa-step": Wrong("appendix.s1_uzawa", "STEPS", replaced(3)),
+    "c3.uzawa-nonlinear": Wrong("appendix.s1_uzawa", "constraint", times(-1.0)),
+}
+
+
+def test_every_claim_is_tried() -> None:
+    assert CHANGES.keys() == CLAIMS.keys()
+    assert len(CLAIMS) == sum(len(part.CLAIMS) for part in PARTS)
+
+
+@pytest.mark.parametrize("name", CHANGES)
+def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    claim, wrong = CLAIMS[name], CHANGES[name]
+    found = decided(claim, wrong, monkeypatch)
+    assert found.kind is wrong.kind is not claim.recorded, found.measured
+
+
+@pytest.mark.parametrize("name", CLAIMS)
+def test_the_verdict_is_the_recorded_one(name: str) -> None:
+    claim = CLAIMS[name]
+    found = claim.decide(FOUND)
+    assert found.kind is claim.recorded, [found.measured, *map(str, found.printed), *map(str, found.corrected)]
+    assert len(found.measured) <= 350
+    assert (claim.correction is not None) == (claim.recorded is Kind.CORRECTED)
+
+
+def test_a_share_in_both_models_decides_one_in_four() -> None:
+    quarter = failures((0.25, 0.18, 0.34), (0.26, 0.19, 0.34))
+    assert CLAIMS["c3.every-fourth"].decide({"tissue_daha_failures": quarter}).kind is TRUE
+
+
+def test_a_study_that_is_too_short_to_see_a_doubling_says_so() -> None:
+    found = CLAIMS["c3.doubling"].decide({"tissue_doubling": doubling(np.nan)})
+    assert found.kind is Kind.OPEN
+    assert "nan" not in found.measured
+
+
+def test_needed_runs_grow_with_the_square_of_the_accuracy() -> None:
+    assert s3_4_comparison.needed(20, 0.02, 0.01) == 80
+    assert s3_4_comparison.needed(20, np.nan, 0.01) == 2
+    assert s3_4_comparison.runs_for(0.25, 0.1) == 73

@@ -1,0 +1,61 @@
+"""Ratios for claims about runs: what two models say together, and how many runs a difference would need."""
+
+import numpy as np
+import pytest
+
+from tissue.study.comparisons import Difference
+from tissue.study.ratios import Ratio
+from verification.evidence import Evidence, Kind
+from verification.thesis.chapter4 import frequencies
+from verification.thesis.chapter4.studies import PRESETS
+
+
+def test_runs_for_a_bound_are_those_of_the_textbook() -> None:
+    """(1.96 sqrt(0.25) + 0.8416 sqrt(0.24))^2/0.1^2 = 193.9."""
+    assert frequencies.runs_for_bound(0.6, 0.5, level=0.95) == 194
+    assert frequencies.runs_for_bound(0.5, 0.5) is None
+    assert frequencies.runs_for_bound(0.5, np.inf) is None
+
+
+def test_outcomes_of_the_same_cells_differ_as_those_of_a_multinomial() -> None:
+    """The variance of p - q is (p + q - (p - q)^2)/n."""
+    found = frequencies.exclusive(Ratio(200, 400), Ratio(100, 400))
+    p, q = found.first.value, found.second.value
+    spread = [share * (1 - share) / 400 for share in (p, q)]
+    variance = sum(spread) - 2 * found.correlation * np.sqrt(np.prod(spread))
+    assert variance == pytest.approx((p + q - (p - q) ** 2) / 400)
+    assert frequencies.runs_for_margin(found, 0.0, level=0.95) == 87  # (2.8016/0.25)^2 0.6875 = 86.3
+
+
+def test_models_that_differ_decide_nothing() -> None:
+    def found(first: int, second: int) -> Kind:
+        both = [Difference(Ratio(count, 1000), Ratio(500, 1000)) for count in (first, second)]
+        return Evidence("", (frequencies.more("", dict(zip(PRESETS, both, strict=True))),)).kind
+
+    assert found(700, 800) is Kind.HOLDS
+    assert found(300, 400) is Kind.FAILS
+    assert found(700, 400) is found(500, 500) is Kind.OPEN
+
+
+def test_runs_for_a_margin_shrink_with_the_square_of_the_distance() -> None:
+    """((1.96 + 0.8416)/0.1)^2 (0.25 + 0.25) = 392.4 for two equal ratios of a half."""
+    found = Difference(Ratio(500, 1000), Ratio(500, 1000))
+    assert frequencies.runs_for_margin(found, 0.1, level=0.95) == 393
+    assert frequencies.runs_for_margin(found, 0.2, level=0.95) == 99
+    assert frequencies.runs_for_margin(Difference(Ratio(3, 4), Ratio(1, 4)), 0.5) is None
+
+
+def test_runs_for_several_differences_are_those_of_the_smallest() -> None:
+    large, small, none = (Difference(Ratio(count, 100), Ratio(50, 100)) for count in (90, 60, 50))
+    assert frequencies.needed({"": large}, {"": small, "0": none}) == frequencies.needed({"": small})
+    assert frequencies.needed({"": large}) < frequencies.needed({"": small})
+    assert frequencies.needed({"": none}) is None
+
+
+def test_runs_by_the_width_of_an_interval_are_those_of_the_difference() -> None:
+    """Half the width is 1.96 sqrt((0.24 + 0.25)/n)."""
+    found = Difference(Ratio(600, 1000), Ratio(500, 1000))
+    half = 1.959964 * np.sqrt(0.49 / 1000)
+    expected = frequencies.runs_for_margin(found, 0.0)
+    assert frequencies.runs_by_width(1000, (0.1 - half, 0.1 + half), 0.95) == pytest.approx(expected, abs=1)
+    assert frequencies.runs_by_width(1000, (-0.1, 0.1), 0.95) is None

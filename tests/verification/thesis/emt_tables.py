@@ -1,0 +1,82 @@
+"""The kept tables of the EMT studies, and ways in which they could have come out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import pandas as pd
+
+from verification.thesis.chapter4 import kept
+from verification.thesis.chapter4.claims.s4_7_results import ANSWERS
+from verification.thesis.chapter4.studies import PRESETS
+
+KEPT = {
+    f"emt_complete_{name}": kept.read(name)
+    for name in ("answers", "categories", "conditional", "outside", "printed", "ranking", "ratios")
+}
+
+Frames = Mapping[str, pd.DataFrame]
+
+
+def answers(question: str, *verdicts: str) -> Frames:
+    """What each preset says of a question."""
+    rows = [
+        {"id": question, "preset": preset, "verdict": verdict, "needed": float("nan")}
+        for preset, verdict in zip(PRESETS, verdicts, strict=True)
+    ]
+    return {ANSWERS: pd.DataFrame(rows)}
+
+
+def with_published_alone(tables: Frames) -> Frames:
+    """As if the model as printed gave what the published one does."""
+
+    def changed(table: pd.DataFrame) -> pd.DataFrame:
+        if "study" not in table:
+            return table
+        published = table[table["study"].str.endswith("_published")]
+        as_printed = published.assign(study=published["study"].str.removesuffix("_published"))
+        return pd.concat([as_printed, published], ignore_index=True)
+
+    return {name: changed(table) for name, table in tables.items()}
+
+
+def of_more_cells(tables: Frames, times: int) -> Frames:
+    """As if the same ratios had come out of so many times the cells."""
+    counted = ["count", "of", "effective"]
+    return {
+        name: table.assign(**{column: times * table[column] for column in counted}) if "effective" in table else table
+        for name, table in tables.items()
+    }
+
+
+def renamed(column: str, **names: str) -> Frames:
+    """As if some outcomes or categories had been mixed up."""
+    return {
+        name: table.assign(**{column: table[column].replace(names)}) if column in table else table
+        for name, table in KEPT.items()
+    }
+
+
+def exchanged(column: str, first: str, second: str) -> Frames:
+    return renamed(column, **{first: second, second: first})
+
+
+def reversed_rows(name: str, *groups: str) -> Frames:
+    """As if the ratios of each group of rows were in the opposite order."""
+    numbers = ["count", "of", "effective", "value", "low", "high"]
+    table = KEPT[name].copy()
+    for _, rows in table.groupby(list(groups)):
+        table.loc[rows.index, numbers] = rows[numbers].to_numpy()[::-1]
+    return {**KEPT, name: table}
+
+
+def with_counts(name: str, share: float) -> Frames:
+    """As if this share of the cells of each row were hits, of many more cells."""
+    cells = 10_000 * KEPT[name]["of"]
+    counts = (share * cells).astype(int)
+    return {**KEPT, name: KEPT[name].assign(count=counts, of=cells, effective=cells.astype(float))}
+
+
+def one_value(name: str, column: str, value: Any) -> Frames:
+    return {**KEPT, name: KEPT[name].assign(**{column: value})}

@@ -1,0 +1,74 @@
+"""The register: every claim says what it states, how it came out and why; its tables exist."""
+
+from importlib import import_module
+from pathlib import Path
+
+import pytest
+
+import verification.thesis
+from tests.verification.thesis.chapter1 import test_claims as test_claims_chapter1
+from tests.verification.thesis.chapter2 import test_claims as test_claims_chapter2
+from tests.verification.thesis.chapter3 import test_claims_methods as test_claims_chapter3_methods
+from tests.verification.thesis.chapter3 import test_claims_model as test_claims_chapter3_model
+from tests.verification.thesis.chapter4 import test_claims as test_claims_chapter4
+from tests.verification.thesis.chapter5 import test_claims as test_claims_chapter5
+from verification.claim import Claim, Effect
+from verification.evidence import Kind
+from verification.thesis import register
+from verification.thesis.chapter1.claims import s1_1_newton
+from verification.thesis.chapters import CHAPTERS
+
+CLAIMS = {claim.id: claim for claim in register.register()}
+
+
+def test_every_file_with_claims_is_in_the_register() -> None:
+    folder = Path(verification.thesis.__file__).parent
+    files = {file for file in folder.rglob("*.py") if "\nCLAIMS" in file.read_text("utf-8")}
+    assert files == {Path(str(import_module(name).__file__)) for name in register.modules()}
+
+
+def test_of_every_claim_something_is_made_wrong() -> None:
+    files = (
+        test_claims_chapter1,
+        test_claims_chapter2,
+        test_claims_chapter3_methods,
+        test_claims_chapter3_model,
+        test_claims_chapter4,
+        test_claims_chapter5,
+    )
+    assert {name for file in files for name in file.CHANGES} == CLAIMS.keys()
+
+
+def test_an_id_given_twice_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    register.register.cache_clear()
+    monkeypatch.setattr(s1_1_newton, "CLAIMS", s1_1_newton.CLAIMS * 2)
+    with pytest.raises(ValueError, match=r"claim ids .*c1\..* are given twice"):
+        register.register()
+
+
+def test_register_is_in_the_order_of_the_chapters_and_not_small() -> None:
+    chapters = [claim.chapter for claim in CLAIMS.values()]
+    assert chapters == sorted(chapters)
+    serious = [one for one in CLAIMS.values() if one.correction and one.correction.effect is not Effect.NOTATION]
+    assert len(CLAIMS) >= 150
+    assert len(serious) >= 60
+
+
+@pytest.mark.parametrize("claim", CLAIMS.values(), ids=CLAIMS)
+def test_claim_is_complete(claim: Claim) -> None:
+    texts = [claim.source, claim.quote, claim.statement]
+    if claim.correction:
+        texts += [claim.correction.text, claim.correction.depends]
+    assert all(text and text == text.strip() and "\n" not in text for text in texts)
+    assert claim.statement != claim.quote
+    assert claim.recorded is Kind.CORRECTED or claim.correction is None or claim.recorded is Kind.FAILS
+    assert claim.recorded is not Kind.CORRECTED or claim.correction is not None
+
+
+@pytest.mark.parametrize("claim", [one for one in CLAIMS.values() if one.needs], ids=lambda one: one.id)
+def test_claim_waits_for_its_tables_which_one_chapter_makes(claim: Claim) -> None:
+    evidence = claim.decide({})
+    assert evidence.kind is Kind.OPEN
+    for name in claim.needs:
+        assert name in evidence.measured
+        assert len([chapter for chapter in CHAPTERS if name.startswith(chapter.tables)]) == 1

@@ -1,0 +1,132 @@
+"""Claims are chosen by chapter, name and cost, decided in parallel and resumed; another verdict fails the command."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from tests.verification.thesis.shortened import Here, Nowhere
+from verification import cli, study
+from verification.claim import Claim, Correction, Cost, Effect, Tables
+from verification.evidence import Evidence, Kind, equal
+from verification.page.report import Context
+from verification.thesis import decide, register, selection
+from verification.thesis.chapters import CHAPTERS
+
+
+def right(_: Tables) -> Evidence:
+    return Evidence("one is one", (equal("one", 1, 1),), seed=3)
+
+
+def wrong(_: Tables) -> Evidence:
+    return Evidence("one is not two", (equal("one", 1, 2),), (equal("one", 1, 1),))
+
+
+def from_table(tables: Tables) -> Evidence:
+    return Evidence("from a table", (equal("value", tables["orders"]["order"].iloc[0], 1),), runs_needed=40)
+
+
+def unsolved(_: Tables) -> Evidence:
+    raise RuntimeError("no projection after 100 iterations")
+
+
+ONE = Correction("one", Effect.NUMBER, "all that follows")
+CLAIMS = (
+    Claim("c1.right", "(1.1)", "1 = 1", right, statement="Unity."),
+    Claim("c1.wrong", "(1.2)", "1 = 2", wrong, statement="Duality.", recorded=Kind.CORRECTED, correction=ONE),
+    Claim("c2.table", "(2.1)", "order 1", from_table, ("orders",), statement="The order.", cost=Cost.MINUTES),
+)
+
+
+@pytest.fixture
+def few(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module in (register, decide):
+        monkeypatch.setattr(module, "register", lambda: CLAIMS)
+    monkeypatch.setattr(study, "workers", Here)
+
+
+@pytest.mark.parametrize(
+    ("chapters", "names", "cost", "ids"),
+    [
+        ((), (), None, ["c1.right", "c1.wrong", "c2.table"]),
+        ((1,), (), None, ["c1.right", "c1.wrong"]),
+        ((), ("c1.w*", "c2.table"), None, ["c1.wrong", "c2.table"]),
+        ((), (), Cost.SECONDS, ["c1.right", "c1.wrong"]),
+        ((), (), Cost.HOURS, ["c1.right", "c1.wrong", "c2.table"]),
+        ((2,), ("c1.*",), None, []),
+    ],
+)
+def test_selection(chapters: tuple[int, ...], names: tuple[str, ...], cost: Cost | None, ids: list[str]) -> None:
+    assert [claim.id for claim in selection.selected(CLAIMS, chapters, names, cost)] == ids
+
+
+def test_a_name_or_chapter_without_claims_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"no claim is named c1\.rihgt; the nearest are c1\.right"):
+        selection.selected(CLAIMS, names=("c1.rihgt",))
+    with pytest.raises(ValueError, match="chapter 7 has no claims: those that have are 1, 2"):
+        selection.selected(CLAIMS, chapters=(7,))
+
+
+@pytest.mark.usefixtures("few")
+def test_rows_say_what_was_found_and_are_not_computed_twice(tmp_path: Path) -> None:
+    tables = {"orders": pd.DataFrame({"order": [1.0]})}
+    with Here() as here:
+        table = decide.decided(CLAIMS, tables, tmp_path, here)
+    again = decide.decided(CLAIMS, {"orders": pd.DataFrame({"order": [2.0]})}, tmp_path, Nowhere())
+    assert table["id"].tolist() == ["c1.right", "c1.wrong", "c2.table"]
+    assert table["verdict"].tolist() == ["holds", "holds after the correction", "holds"]
+    assert table["printed"].tolist() == ["one 1, wanted 1", "one 1, wanted 2", "value 1, wanted 1"]
+    assert table["corrected"].tolist() == ["", "one 1, wanted 1", ""]
+    assert table["seed"].tolist() == ["3", "", ""]
+    assert table["runs_needed"].tolist() == ["", "", "40"]
+    assert again["verdict"].tolist() == ["holds", "holds after the correction", "fails"]
+    assert decide.differing(again)["id"].tolist() == ["c2.table"]
+
+
+def test_a_solver_that_fails_decides_nothing() -> None:
+    row = decide.evidence_row(Claim("c1.unsolved", "(1.3)", "x", unsolved, statement="Nothing."), {})
+    assert row["verdict"] == Kind.OPEN.value
+    assert "RuntimeError: no projection after 100 iterations" in row["measured"]
+
+
+def test_a_defect_of_a_check_is_not_taken_for_a_verdict() -> None:
+    def broken(_: Tables) -> Evidence:
+        raise KeyError("radius")
+
+    with pytest.raises(KeyError, match="radius"):
+        decide.evidence_row(Claim("c1.broken", "(1.4)", "x", broken, statement="Nothing."), {})
+
+
+@pytest.mark.usefixtures("few")
+@pytest.mark.parametrize(("options", "code"), [(["--cost", "seconds"], 0), (["--chapter", "2"], 1)])
+def test_command_fails_if_a_verdict_differs(
+    options: list[str], code: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(selection, "tables_for", lambda *_: {"orders": pd.DataFrame({"order": [0.5]})})
+    done = CliRunner().invoke(cli.app, ["claims", *options, "--out", str(tmp_path)])
+    assert done.exit_code == code, done.output
+    assert ("c2.table: fails, recorded is holds" in done.output) is bool(code)
+
+
+def test_command_names_what_it_does_not_know() -> None:
+    done = CliRunner().invoke(cli.app, ["claims", "--id", "c9.none"])
+    assert done.exit_code == 2
+    assert "c9.none" in done.output
+
+
+def test_only_the_chapters_that_make_the_tables_are_run(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    made = []
+
+    def runner(name: str) -> Any:
+        return lambda context: made.append(name) or context.tables.update(orders=pd.DataFrame({"order": [1.0]}))
+
+    for chapter in CHAPTERS:
+        monkeypatch.setitem(vars(chapter), "run", runner(chapter.title))
+    with Here() as here:
+        tables = selection.tables_for(CLAIMS, Context(tmp_path, False, here))
+    assert made == ["Numerical experiments with first-order PBD"]
+    assert tables["orders"]["order"].tolist() == [1.0]
+    assert np.isin(["emt_complete_ratios", "emt_complete_answers"], list(tables)).all()

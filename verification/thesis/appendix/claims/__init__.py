@@ -1,0 +1,1 @@
+"""Statements of the text, one file for each part of it; file names begin with the section."""

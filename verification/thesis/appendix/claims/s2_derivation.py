@@ -1,0 +1,228 @@
+"""Appendix, section 2: the constrained equations (A.4) and the reduced ones (A.5) of chapter 5."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.thesis.chapter5.instant import (
+    Floats,
+    Instant,
+    effective_force,
+    effective_mass,
+    force0,
+    force1,
+    general_instant,
+    jacobians,
+    omega,
+    phi,
+    potential,
+    pulls,
+    pushed,
+    slope,
+)
+from verification.thesis.chapter5.wavy import runge_kutta
+
+# What central differences of numbers that are right to rounding leave.
+TOL = 1e-8
+# Far above it: what a wrong term makes here.
+WRONG = 1e-2
+RIGHT_ORDER = "K(X_k, X_i), see c5.derivation-order"
+
+
+def multipliers(at: Instant, a: Floats, curved: Floats) -> Floats:
+    """(A.12) with K(X_k, X_i), for an acceleration of y and a value of Omega."""
+    gX, _ = jacobians(at.system, at.X, at.y)
+    inertia = at.system.m * (phi(at.system, at.X, at.y) @ a + curved)
+    right = force1(at.system, at.X) + pulls(at.system, at.X).mean(axis=0) - inertia
+    return np.asarray(np.linalg.solve(gX.transpose(0, 2, 1), right[..., None])[..., 0])
+
+
+def _order(_: Tables) -> Evidence:
+    """Energy and ÿ if the force on X_i is the mean of K(X_i, X_k) over k, or of K(X_k, X_i)."""
+    at = general_instant()
+    moved, curved = phi(at.system, at.X, at.y), omega(at.system, at.X, at.y, at.v, at.v)
+    stated = effective_force(at.system, at.X, at.y, at.v)
+    drift = slope(lambda s: potential(at.system, at.X + s * at.U, at.y + s * at.v), np.zeros(()), np.ones(()))
+
+    def off(pull: Floats) -> tuple[float, float]:
+        force = force0(at.system, at.y) + pushed(moved, force1(at.system, at.X) + pull - at.system.m * curved).mean(0)
+        a = np.linalg.solve(effective_mass(at.system, at.X, at.y), force)
+        gained = at.v @ a + at.system.m * (at.U * (moved @ a + curved)).sum(axis=1).mean()
+        return float(abs(gained + drift)), float(np.abs(force - stated).max())
+
+    printed, right = (off(pulls(at.system, at.X).mean(axis=k)) for k in (1, 0))
+    return Evidence(
+        f"K is antisymmetric, so this is the opposite of (5.6a): the energy (5.37) then changes at a rate of "
+        f"{printed[0]:.2f}, with K(X_k, X_i) at {right[0]:.0e}; what (A.13) leads to is off F_eff of (5.14) by "
+        f"{printed[1]:.2f}, or {right[1]:.0e}.",
+        printed=(
+            at_most("rate of the energy with K(X_i, X_k)", printed[0], 0.0, TOL),
+            at_most("right side after (A.13) against F_eff, K(X_j, X_k)", printed[1], 0.0, TOL),
+        ),
+        corrected=(
+            at_most("rate of the energy with K(X_k, X_i)", right[0], 0.0, TOL),
+            at_most("right side after (A.13) against F_eff, K(X_k, X_j)", right[1], 0.0, TOL),
+        ),
+    )
+
+
+def _constraint(_: Tables) -> Evidence:
+    """What g changes by along X' = Phi[y'] while y moves by y'/2, and with velocities that are a tenth too small."""
+    at = general_instant()
+    level = at.system.g(at.X, at.y)
+
+    def drift(share: float) -> float:
+        def rate(z: Floats) -> Floats:
+            X = z[:-1].reshape(at.X.shape)
+            return np.append((share * phi(at.system, X, at.y + z[-1] * at.v) @ at.v).ravel(), 1.0)
+
+        end = runge_kutta(rate, np.append(at.X.ravel(), 0.0), 0.5, 50)[-1]
+        return float(np.abs(at.system.g(end[:-1].reshape(at.X.shape), at.y + 0.5 * at.v) - level).max())
+
+    right, other = drift(1.0), drift(0.9)
+    return Evidence(
+        f"Four particles, nx = 2, ny = 3: along Ẋ_i = Φ_i[ẏ] g changes by {right:.0e}, along 0.9 Φ_i[ẏ] by "
+        f"{other:.2f}.",
+        printed=(
+            at_most("change of g along Φ_i[ẏ]", right, 0.0, TOL),
+            at_least("change of g along 0.9 Φ_i[ẏ]", other, WRONG),
+        ),
+    )
+
+
+def _rate(_: Tables) -> Evidence:
+    at = general_instant()
+    right = phi(at.system, at.X, at.y) @ at.a + omega(at.system, at.X, at.y, at.v, at.v)
+    off = float(np.abs(at.A - right).max())
+    return Evidence(
+        f"d²g/dt² = 0, differentiated without Φ, gives the same Ẍ_i to {off:.0e}.",
+        printed=(at_most("|Ẍ_i − Φ_i[ÿ] − Ω_i[ẏ, ẏ]|", off, 0.0, TOL),),
+    )
+
+
+def _multipliers(_: Tables) -> Evidence:
+    at = general_instant()
+    off = float(np.abs(multipliers(at, at.a, omega(at.system, at.X, at.y, at.v, at.v)) - at.multipliers).max())
+    return Evidence(
+        f"It differs from the multipliers of the equations of motion by {off:.0e}.",
+        printed=(at_most("(A.12) against the multipliers of the motion", off, 0.0, TOL),),
+    )
+
+
+def _insert(_: Tables) -> Evidence:
+    at = general_instant()
+    inertia = at.system.m * (phi(at.system, at.X, at.y) @ at.a + omega(at.system, at.X, at.y, at.v, at.v))
+    each = force1(at.system, at.X) + pulls(at.system, at.X).mean(axis=0) - inertia
+    right = force0(at.system, at.y) + pushed(phi(at.system, at.X, at.y), each).mean(axis=0)
+    off = float(np.abs(right - at.a).max())
+    return Evidence(
+        f"The right side is ÿ of the constrained system to {off:.0e}; −(∂_y g)ᵀ(∂_X g)⁻ᵀ = Φᵀ.",
+        printed=(at_most("right side of (A.13) against ÿ", off, 0.0, TOL),),
+    )
+
+
+def _back(_: Tables) -> Evidence:
+    at = general_instant()
+    printed, right = (
+        float(np.abs(multipliers(at, at.a, omega(at.system, at.X, at.y, at.v, w)) - at.multipliers).max())
+        for w in (at.a, at.v)
+    )
+    return Evidence(
+        f"λ_i is off by up to {printed:.2f}; with Ω_i[ẏ, ẏ], as “exactly (A.12)” asks for, by {right:.0e}.",
+        printed=(at_most("(A.14) with Ω_i[ẏ, ÿ] against the multipliers", printed, 0.0, TOL),),
+        corrected=(at_most("(A.14) with Ω_i[ẏ, ẏ] against the multipliers", right, 0.0, TOL),),
+    )
+
+
+def _equivalent(_: Tables) -> Evidence:
+    """A solution of (A.5) and the multipliers of (A.12), inserted into (A.4a), (A.4b)."""
+    at = general_instant()
+    a = np.linalg.solve(effective_mass(at.system, at.X, at.y), effective_force(at.system, at.X, at.y, at.v))
+    curved = omega(at.system, at.X, at.y, at.v, at.v)
+    lam = multipliers(at, a, curved)
+    gX, gy = jacobians(at.system, at.X, at.y)
+    A = phi(at.system, at.X, at.y) @ a + curved
+    first = force1(at.system, at.X) + pulls(at.system, at.X).mean(axis=0) - pushed(gX, lam) - at.system.m * A
+    second = force0(at.system, at.y) - pushed(gy, lam).mean(axis=0) - a
+    off, apart = float(max(np.abs(first).max(), np.abs(second).max())), float(np.abs(a - at.a).max())
+    return Evidence(
+        f"ÿ of (A.5a) with these λ_i fulfils (A.4a), (A.4b) to {off:.0e}, and is that of the constrained system to "
+        f"{apart:.0e}.",
+        printed=(
+            at_most("residual of (A.4a), (A.4b)", off, 0.0, TOL),
+            at_most("ÿ of (A.5a) against the constrained system", apart, 0.0, TOL),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c5.derivation-order",
+        "appendix 2, (A.4a)",
+        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_i, X_k) − (∂_X g(X_i, y))ᵀλ_i",
+        _order,
+        statement="The force on a particle by the others.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
+            Effect.MODEL,
+            "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), is "
+            "false",
+        ),
+    ),
+    Claim(
+        "c5.derivation-constraint",
+        "appendix 2, (A.6), (A.7)",
+        "(A.4c) ⇔ dg(X_i, y)/dt = 0 ⇔ Ẋ_i = −(∂_X g)⁻¹∂_y g[ẏ] ⇔ (A.5b)",
+        _constraint,
+        statement="The constraints hold if and only if the particles have the velocities Φ_i[ẏ].",
+    ),
+    Claim(
+        "c5.derivation-rate",
+        "appendix 2, (A.8) to (A.10)",
+        "Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
+        _rate,
+        statement="The acceleration of a particle by that of the macroscopic component.",
+    ),
+    Claim(
+        "c5.derivation-multipliers",
+        "appendix 2, (A.11), (A.12)",
+        "λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
+        _multipliers,
+        statement="The multipliers as functions of positions, velocities and ÿ.",
+        chosen=RIGHT_ORDER,
+    ),
+    Claim(
+        "c5.derivation-insert",
+        "appendix 2, (A.13)",
+        "ÿ = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_j, X_k) − m(Φ_j[ÿ] + Ω_j[ẏ, ẏ]))",
+        _insert,
+        statement="The equation for ÿ once the multipliers are inserted.",
+        chosen=RIGHT_ORDER,
+    ),
+    Claim(
+        "c5.derivation-back",
+        "appendix 2, (A.14)",
+        "λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ÿ])",
+        _back,
+        statement="The multipliers that turn a solution of the reduced equations into one of the constrained ones.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ]), as in (A.12)",
+            Effect.MODEL,
+            "Proposition 5.1, which defines λ_i by (A.14); it holds with (A.12)",
+        ),
+        chosen=RIGHT_ORDER,
+    ),
+    Claim(
+        "c5.equivalence",
+        "Proposition 5.1",
+        "with solutions of the ODE model we can recover the Lagrangian multipliers to construct a solution of the DAE",
+        _equivalent,
+        statement="Reduced and constrained equations have the same solutions.",
+        chosen="multipliers by (A.12), see the correction of (A.14)",
+    ),
+)

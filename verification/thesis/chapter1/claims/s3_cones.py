@@ -1,0 +1,217 @@
+"""Chapter 1, section 3: normal cones of convex sets, and convex sets that move."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from itertools import pairwise, product
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.thesis.chapter1.claims.s1_2_constraints import indicator
+from verification.thesis.chapter1.sets import PLACES, SLOPES, Floats, subgradients
+
+SAMPLES = 2000
+SEED = 11
+ROUNDING = 1e-12
+CORNERS = np.array(list(product((0.0, 1.0), repeat=3)))
+WIDTH = 0.5
+
+
+def box_points(rng: np.random.Generator) -> Floats:
+    """Points inside of the unit cube, on its faces, edges and corners."""
+    return np.clip(rng.uniform(-0.5, 1.5, (SAMPLES, 3)), 0.0, 1.0)
+
+
+def box_normals(rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Points of the unit cube with a normal vector each."""
+    x = box_points(rng)
+    outward = np.where(x == 1.0, 1.0, np.where(x == 0.0, -1.0, 0.0))
+    return x, outward * rng.uniform(0.0, 2.0, x.shape)
+
+
+def in_convex_cone(v: Floats, x: Floats) -> np.ndarray:
+    """v . (y - x) <= 0 for all y of the unit cube, which its corners decide; arrays of shape (K, 3)."""
+    return np.asarray(((v[:, None] * (CORNERS - x[:, None])).sum(axis=2) <= ROUNDING).all(axis=1))
+
+
+def _convex_cone(_: Tables) -> Evidence:
+    rng = np.random.default_rng(SEED)
+    x, v = box_normals(rng)
+    w = np.where(v == 0, 0.0, np.sign(v)) * rng.uniform(0.0, 2.0, v.shape)
+    lost = int((~in_convex_cone(rng.uniform(0.0, 9.0, (SAMPLES, 1)) * v + w, x)).sum())
+    inside = rng.uniform(0.01, 0.99, (SAMPLES, 3))
+    free = int(in_convex_cone(rng.normal(size=inside.shape), inside).sum())
+    return Evidence(
+        f"Unit cube, {SAMPLES} pairs of normals: {lost} of the αv + w are not normal; of {SAMPLES} random vectors at "
+        f"inner points {free} are, so 0 alone is.",
+        printed=(equal("αv + w that are not normal", lost, 0), equal("normals at inner points", free, 0)),
+        seed=SEED,
+    )
+
+
+def _outside(_: Tables) -> Evidence:
+    """C = [0, 1], x = 3/2: Definition 1.16 as printed, and with x in C, which is (1.9) for the indicator function."""
+    y = PLACES[np.isfinite(indicator(PLACES))]
+    inside = SLOPES[(SLOPES[:, None] * (y - 1.5) <= 0).all(axis=1)]
+    right = subgradients(indicator, 1.5)
+    return Evidence(
+        f"C = [0, 1] and x = 3/2: all slopes v ≥ {inside.min():g} fulfil Definition 1.16 as printed, so N_C(x) ≠ ∅ and "
+        "(1.15) lets a point rest outside of C. With x ∈ C in the definition, as in (1.9) for I_C, there is none.",
+        printed=(equal("slopes in N_C(3/2) as defined", inside.size, 0),),
+        corrected=(equal("slopes in N_C(3/2) with x ∈ C", right.size, 0),),
+    )
+
+
+def _monotone(_: Tables) -> Evidence:
+    """Normal cones of the unit box at random points of its faces, edges and corners."""
+    rng = np.random.default_rng(SEED)
+    x, v = box_normals(rng)
+    y, w = box_normals(rng)
+    products = ((v - w) * (x - y)).sum(axis=1)
+    low, high = float(products.min()), float(products.max())
+    return Evidence(
+        f"For {SAMPLES} pairs on the unit cube (v - w)·(x - y) lies in [{low:.1e}, {high:.2f}]: the sign must be ≥ 0 "
+        "(it is -N that has ≤ 0, and to which Theorem 1.13 is applied).",
+        printed=(at_most("largest product", high, 0.0, ROUNDING),),
+        corrected=(at_least("least product", low, 0.0, ROUNDING),),
+        seed=SEED,
+    )
+
+
+def held(y: Floats) -> Floats:
+    """The projection onto the unit disc, (K, 2)."""
+    return np.asarray(y / np.maximum(np.linalg.norm(y, axis=-1, keepdims=True), 1.0))
+
+
+def _convex_unique(_: Tables) -> Evidence:
+    """Catch-up of a disc whose centre runs along a circle of radius 2, from points of the disc at first."""
+    h, rng = 0.01, np.random.default_rng(SEED)
+    x = [held(rng.normal(size=(40, 2)))]
+    for t in np.arange(h, 2 * np.pi, h):
+        centre = 2 * np.array([np.cos(t) - 1, np.sin(t)])
+        x.append(centre + held(x[-1] - centre))
+    gaps = np.linalg.norm(np.array(x)[:, :, None] - np.array(x)[:, None], axis=-1)
+    grown, left = float(np.diff(gaps, axis=0).max()), float(gaps[-1].max() / gaps[0].max())
+    return Evidence(
+        f"ẋ ∈ −N_C(t)(x), a disc that moves in a circle, 40 starts: no distance of two solutions grows by more than "
+        f"{grown:.0e} in a step, and the largest one falls to {left:.0e} of what it was.",
+        printed=(at_most("growth of a distance in a step", grown, 0.0, ROUNDING), at_most("part left", left, 0.99)),
+        seed=SEED,
+    )
+
+
+def sweep(t: Floats) -> tuple[Floats, Floats]:
+    """The ends of C(t)."""
+    return np.sin(t), np.sin(t) + WIDTH
+
+
+def swept(h: float, end: float) -> tuple[Floats, Floats]:
+    """Times and places of a point swept by C(t), by PBD with step h."""
+    problem = dincl.scenes.sweeping_interval()
+    times = np.arange(int(end / h) + 1) * h
+    return np.asarray(times), dincl.solve(problem, dincl.PBD(dt=h), t=times).x[:, 0, 0]
+
+
+def hausdorff(first: tuple[float, float], second: tuple[float, float]) -> float:
+    """d_H of two intervals by its definition, over 101 points of each."""
+    a, b = (np.linspace(*ends, 101) for ends in (first, second))
+    distance = np.abs(a[:, None] - b)
+    return float(max(distance.min(axis=1).max(), distance.min(axis=0).max()))
+
+
+def from_cone(value: Floats, x: Floats, t: Floats) -> Floats:
+    """How far values are from -∂I_{C(t)}(x): 0 inside of C(t), [0, ∞) at its left end and (-∞, 0] at its right end."""
+    left, right = sweep(t)
+    pushed = np.where(np.abs(x - left) < ROUNDING, np.maximum(value, 0.0), 0.0)
+    pulled = np.where(np.abs(x - right) < ROUNDING, np.minimum(value, 0.0), 0.0)
+    return np.abs(value - pushed - pulled)
+
+
+def _sweeping_dot(_: Tables) -> Evidence:
+    times, x = swept(0.01, 3.0)
+    speed = np.diff(x) / np.diff(times)
+    plain, dotted = (float(from_cone(value, x[1:], times[1:]).max()) for value in (x[1:], speed))
+    return Evidence(
+        f"C(t) = [sin t, sin t + 1/2]: on the solution of (1.16) x(t) is up to {plain:.2f} away from -∂I_C(t)(x(t)), "
+        f"ẋ(t) by {dotted:.0e}. Without the dot nothing is differential: inside of C(t) the inclusion says x = 0.",
+        printed=(at_most("distance of x from -∂I", plain, 0.0, 1e-9),),
+        corrected=(at_most("distance of ẋ from -∂I", dotted, 0.0, 1e-9),),
+    )
+
+
+def _sweeping(_: Tables) -> Evidence:
+    times, x = swept(0.005, 10.0)
+    ends = [(float(left), float(right)) for left, right in zip(*sweep(times[::20]), strict=True)]
+    moved = max(hausdorff(a, b) for a, b in pairwise(ends)) / 0.1
+    speed = float(np.abs(np.diff(x)).max() / 0.005)
+    return Evidence(
+        f"C(t) = [sin t, sin t + 1/2]: the sets move at most by {moved:.4f} a time unit in the Hausdorff distance, so "
+        f"L = 1; the largest speed of the point is {speed:.6f}.",
+        printed=(at_most("largest speed", speed, 1.0, ROUNDING), equal("L by (1.18)", moved, 1.0, 0.01)),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c1.convex-cone",
+        "after Definition 1.16",
+        "for v, w ∈ N_C(x) we also have αv + w ∈ N_C(x) for all α > 0 … N_C(x) = {0}",
+        _convex_cone,
+        statement="Normal cones are convex cones, and at inner points they contain 0 alone.",
+    ),
+    Claim(
+        "c1.outside",
+        "after Definition 1.16",
+        "If x ∉ C then N_C(x) = ∅.",
+        _outside,
+        statement="Outside of a convex set its normal cone is empty.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
+            Effect.NOTATION,
+            "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
+        ),
+    ),
+    Claim(
+        "c1.monotone",
+        "after (1.15)",
+        "(v - w)·(x - y) ≤ 0 for all v ∈ N_C(x), w ∈ N_C(y)",
+        _monotone,
+        statement="The sign of the product of differences of normals and of points of a convex set.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "(v - w)·(x - y) ≥ 0",
+            Effect.PROOF,
+            "the uniqueness of solutions of (1.15), which stands: the right-hand side has -N_C",
+        ),
+    ),
+    Claim(
+        "c1.convex-unique",
+        "after (1.15)",
+        "in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
+        _convex_unique,
+        statement="Solutions that only the normals of a convex set move do not come apart.",
+        chosen="a disc that moves, as in (1.16): in one that stands still nothing moves without F",
+    ),
+    Claim(
+        "c1.sweeping-dot",
+        "Example 1.17",
+        "one could consider this system as a non-smooth gradient flow problem such that x(t) ∈ -∂I_{C(t)}",
+        _sweeping_dot,
+        statement="The sweeping process as a gradient flow.",
+        recorded=Kind.CORRECTED,
+        correction=Correction("ẋ(t) ∈ -∂I_{C(t)}(x(t))", Effect.NOTATION, "nothing else: (1.16) has the derivative"),
+        chosen="C(t) = [sin t, sin t + 1/2]",
+    ),
+    Claim(
+        "c1.sweeping",
+        "Theorem 1.18",
+        "For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
+        _sweeping,
+        statement="A swept point is not faster than the set that sweeps it.",
+        chosen="C(t) = [sin t, sin t + 1/2]; the solution is unique for a given x(0) ∈ C(0)",
+    ),
+)

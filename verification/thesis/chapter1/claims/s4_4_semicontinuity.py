@@ -1,0 +1,150 @@
+"""Chapter 1, section 4.4: scalar semicontinuity of normals, and what follows for the cones of discs."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.thesis.chapter1.claims.s1_2_constraints import SIDES, TRIANGLE
+from verification.thesis.chapter1.claims.s4_4_supports import DIRECTIONS
+from verification.thesis.chapter1.sets import Floats, contact_gradients, outside, support_of_cone
+
+SAMPLES, SEED = 300, 12
+
+
+def bent(opening: float) -> Floats:
+    """Three discs of which the first touches both others; 0 closes the triangle."""
+    angles = np.array([0.0, math.pi / 3 + opening])
+    return np.concatenate([[[0.0, 0.0]], np.stack([np.cos(angles), np.sin(angles)], axis=1)])
+
+
+def normals_support(x: Floats, w: Floats) -> float:
+    """sigma(-N(S, x) ∩ B_1, w) of discs of radius 1/2 at a point of S."""
+    closed = [(i, j) for i, j in SIDES if np.linalg.norm(x[i] - x[j]) < 1 + 1e-12]
+    return support_of_cone(contact_gradients(x, closed), w)
+
+
+def limits(step: float) -> Floats:
+    """sigma at three sequences that are ``step`` away from the closed triangle, and at the triangle, (4, K)."""
+    directions = np.random.default_rng(SEED).normal(size=(100, 6))
+    corner = bent(0.0)
+    turned = corner @ np.array([[math.cos(step), math.sin(step)], [-math.sin(step), math.cos(step)]])
+    places = (bent(step), turned, (1 + step) * corner, corner)
+    return np.array([[normals_support(x, w) for w in directions] for x in places])
+
+
+def _scalarly_upper(_: Tables) -> Evidence:
+    values = limits(1e-7)
+    above, below = float((values[:3] - values[3]).max()), float((values[3] - values[:3]).max())
+    return Evidence(
+        f"Three touching discs, from 10⁻⁷ away (one contact open, all turned, all open), 100 directions: σ is at most "
+        f"{above:.0e} above its value at the triangle, and up to {below:.2f} below it.",
+        printed=(at_most("σ(x_n) - σ(x)", above, 0.0, 1e-6),),
+        seed=SEED,
+    )
+
+
+def distance_quotient(v: Floats, r: float) -> float:
+    """The least (dist(y) - v . (y - x))/|y - x|^2 over |y - x| = r; x = (0, 1), S the outside of the unit disc."""
+    x, steps = np.array([0.0, 1.0]), r * DIRECTIONS
+    away = np.linalg.norm(x + steps - outside(x + steps), axis=1)
+    return float(((away - steps @ v) / r**2).min())
+
+
+def _distance(_: Tables) -> Evidence:
+    """A proximal subgradient has quotients that are bounded below as r -> 0."""
+    normal = np.array([0.0, -1.0])
+    inside = [distance_quotient(length * normal, 1e-5) for length in (0.0, 0.3, 1.0)]
+    other = [1.01 * normal, -0.01 * normal, 0.5 * normal + [0.01, 0.0]]
+    beyond = [distance_quotient(v, 1e-5) for v in other]
+    return Evidence(
+        f"Outside of the unit disc at (0, 1), y in a distance of 10⁻⁵: (dist(y) - v·(y - x))/|y - x|² is at least "
+        f"{min(inside):.2f} for v ∈ N with |v| ≤ 1, and down to {max(beyond):.0f} or less for other v, off by 0.01.",
+        printed=(
+            at_least("least quotient, v ∈ N ∩ B₁", min(inside), -1.0),
+            at_most("least quotient, other v", max(beyond), -100.0),
+        ),
+    )
+
+
+def pair_generators(x: Floats) -> Floats:
+    """Unit vectors of -N(S_j, x) for the three pairs of touching discs, (3, 6)."""
+    return contact_gradients(x, SIDES) / math.sqrt(2)
+
+
+def _sum_limit(_: Tables) -> Evidence:
+    """Points p_j of the boundaries of the S_j near x, each with its own normal; (sum of the cones) ∩ B_1."""
+    rng = np.random.default_rng(SEED)
+    directions, excess = rng.normal(size=(20, 6)), -math.inf
+    whole = np.array([support_of_cone(pair_generators(TRIANGLE), w) for w in directions])
+    for shift in 1e-7 * rng.normal(size=(10, 3, 3, 2)):
+        rows = np.array([pair_generators(TRIANGLE + shift[j])[j] for j in range(3)])
+        excess = max(excess, float((np.array([support_of_cone(rows, w) for w in directions]) - whole).max()))
+    return Evidence(
+        f"Three touching discs, 10 triples of p_j about 10⁻⁷ from x, 20 directions w: σ of the left side is at most "
+        f"{excess:.0e} above the right one.",
+        printed=(at_most("left - right", excess, 0.0, 1e-5),),
+        seed=SEED,
+    )
+
+
+def _sum_of_cones(_: Tables) -> Evidence:
+    """Two touching pairs of discs far apart, with normals orthogonal in R^8; p_j = x, w along -(n_1 + n_2)."""
+    far = np.array([[0.0, 0.0], [1.0, 0.0], [9.0, 0.0], [10.0, 0.0]])
+    rows = contact_gradients(far, [(0, 1), (2, 3)]) / math.sqrt(2)
+    w = rows.sum(axis=0) / math.sqrt(2)
+    whole, each = support_of_cone(rows, w), sum(support_of_cone(row[None], w) for row in rows)
+    directions = np.random.default_rng(SEED).normal(size=(SAMPLES, 8))
+    bound = max(sum(support_of_cone(row[None], u) for row in rows) - 2 * support_of_cone(rows, u) for u in directions)
+    return Evidence(
+        f"Two pairs in contact: σ((Σ -N_j) ∩ B₁, w) = {whole:.4f}, Σ σ(-N_j ∩ B₁, w) = {each:.4f}. If the ball cuts "
+        "the sum, the first equality of the proof fails; if it cuts each cone, the last set is in B_M, not in B₁: "
+        f"Σ σ(-N_j ∩ B₁) - σ(-N ∩ B_M) ≤ {bound:.0e} in {SAMPLES} directions.",
+        printed=(equal("Σ σ(-N_j ∩ B₁, w) over σ((Σ -N_j) ∩ B₁, w)", each / whole, 1.0, 1e-9),),
+        corrected=(at_most("Σ σ(-N_j ∩ B₁, w) - σ(-N ∩ B_M, w)", bound, 0.0, 1e-6),),
+        seed=SEED,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c1.scalarly-upper",
+        "Proposition 1.28",
+        "lim sup σ(-N(S, x_n) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+        _scalarly_upper,
+        statement="The short normals of the set of discs are scalarly upper semicontinuous.",
+    ),
+    Claim(
+        "c1.distance",
+        "Remark 1.29",
+        "N(S, x) ∩ B₁(0) = ∂dist(x, S)",
+        _distance,
+        statement="The short normals are the proximal subgradients of the distance.",
+        chosen="the outside of the unit disc, x on its boundary, and the closed ball",
+    ),
+    Claim(
+        "c1.sum-limit",
+        "Corollary 1.30, (1.35)",
+        "lim sup σ(-Σ_j N(S_j, p_j) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+        _sum_limit,
+        statement="Sums of normals at points that tend to x are, in the limit, normals at x.",
+        chosen="the ball cuts the sum of the cones, not each of them",
+    ),
+    Claim(
+        "c1.sum-of-cones",
+        "proof of Corollary 1.30",
+        "lim sup σ(-Σ N(S_j, p_j) ∩ B₁, w) = lim sup Σ σ(-N(S_j, p_j) ∩ B₁, w) ≤ … = σ(-Σ N(S_j, x) ∩ B₁, w)",
+        _sum_of_cones,
+        statement="The proof of the corollary adds support functions of cones that are cut by a ball.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones",
+            Effect.PROOF,
+            "Lemma 2.8, which needs only some radius",
+        ),
+    ),
+)

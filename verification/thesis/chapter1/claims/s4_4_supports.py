@@ -1,0 +1,159 @@
+"""Chapter 1, section 4.4: support functions."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.thesis.chapter1.sets import Floats
+
+SAMPLES, SEED = 300, 12
+ROUNDING = 1e-12
+DIRECTIONS = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.cos, np.sin)], axis=1)
+SHAPE, CENTRE = np.array([[1.0, 0.4], [-0.3, 0.6]]), np.array([0.5, -0.2])
+# Places that come to 0 from both sides.
+NEAR = np.array([-1e-9, -1e-10, 1e-10, 1e-9])
+
+
+def support(points: Floats, w: Floats) -> Floats:
+    """sigma of a finite set or the hull of it, for directions (K, 2)."""
+    return np.asarray((points @ w.T).max(axis=0))
+
+
+def ellipse_support(w: Floats) -> Floats:
+    """sigma of an ellipse, the image M B_1 + c of the unit disc: |M^T w| + c . w, for directions (K, 2)."""
+    return np.asarray(np.linalg.norm(w @ SHAPE, axis=1) + w @ CENTRE)
+
+
+def in_ellipse(a: Floats) -> np.ndarray:
+    """Whether points (K, 2) lie in the ellipse."""
+    return np.asarray(np.linalg.norm(np.linalg.solve(SHAPE, (a - CENTRE).T), axis=0) <= 1)
+
+
+def _half_spaces(_: Tables) -> Evidence:
+    rng = np.random.default_rng(SEED)
+    w, level = rng.normal(size=(SAMPLES, 2)), rng.uniform(0.0, 3.0, SAMPLES)
+    edge = DIRECTIONS @ SHAPE.T + CENTRE
+    inside = (w @ edge.T <= level[:, None]).all(axis=1)
+    wrong, kept = int((inside != (ellipse_support(w) <= level)).sum()), int(inside.sum())
+    return Evidence(
+        f"An ellipse A, {SAMPLES} half-spaces with α > 0: “720 points of its edge lie in it” and “σ(A, w) ≤ α” "
+        f"disagree for {wrong}; A lies in {kept}.",
+        printed=(equal("disagreements", wrong, 0), at_least("half-spaces with A", kept, SAMPLES // 10)),
+        seed=SEED,
+    )
+
+
+def _support(_: Tables) -> Evidence:
+    """A = {1/2} and B = {0, 1} on an axis; then B an ellipse and A a point, in it or not."""
+    ends, middle = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[0.5, 0.0]])
+    ordered = bool((support(middle, DIRECTIONS) <= support(ends, DIRECTIONS) + ROUNDING).all())
+    strangers = int(ordered and not (ends == middle).all(axis=1).any())
+    points = 1.5 * np.random.default_rng(SEED).normal(size=(SAMPLES, 2))
+    below = (points @ DIRECTIONS.T <= ellipse_support(DIRECTIONS)).all(axis=1)
+    wrong = int((below != in_ellipse(points)).sum())
+    return Evidence(
+        "A = {1/2} and B = {0, 1} have σ(A, ·) ≤ σ(B, ·) but A ⊄ B: “⇐” needs B closed and convex. For B an ellipse "
+        f"and A one of {SAMPLES} points, {int(below.sum())} of them in B, the two sides disagree for {wrong}.",
+        printed=(equal("A ⊄ B with ordered support functions", strangers, 0),),
+        corrected=(equal("disagreements, B closed and convex", wrong, 0),),
+        seed=SEED,
+    )
+
+
+def _additive(_: Tables) -> Evidence:
+    a, b = np.random.default_rng(SEED).normal(size=(2, 7, 2))
+    whole = (a[:, None] + b).reshape(-1, 2)
+    off = float(np.abs(support(whole, DIRECTIONS) - support(a, DIRECTIONS) - support(b, DIRECTIONS)).max())
+    return Evidence(
+        f"Two sets of 7 points, not convex, and the 49 sums: in 720 directions the sides of (1.31) differ by "
+        f"{off:.0e}.",
+        printed=(at_most("largest difference", off, 0.0, ROUNDING),),
+        seed=SEED,
+    )
+
+
+FUNCTIONS: tuple[Callable[[Floats], Floats], ...] = (
+    np.abs,
+    lambda x: np.where(x == 0, 1.0, 0.0),
+    lambda x: np.where(x == 0, -1.0, 0.0),
+    lambda x: np.where(x >= 0, 1.0, 0.0),
+    lambda x: np.where(x > 0, 1.0, 0.0),
+)
+# Wider than what continuous functions change between the places of NEAR, narrower than the jumps.
+EPSILON = 0.1
+
+
+def by_limsup(f: Callable[[Floats], Floats]) -> bool:
+    """Lim sup f(x) <= f(0) as x -> 0, with EPSILON for what is left of the limit."""
+    return bool(f(NEAR).max() <= f(np.zeros(1))[0] + EPSILON)
+
+
+def by_singletons(f: Callable[[Floats], Floats]) -> bool:
+    """Definition 1.10 at 0 for x -> {f(x)}."""
+    return bool((np.abs(f(NEAR) - f(np.zeros(1))) < EPSILON).all())
+
+
+def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
+    """Definition 1.10 at 0 for x -> (-inf, f(x)], by points of the half-lines."""
+    depths = np.linspace(-100.0, 0.0, 1001)
+    return bool((f(NEAR)[:, None] + depths < f(np.zeros(1))[0] + EPSILON).all())
+
+
+def _single_valued(_: Tables) -> Evidence:
+    plain = sum(by_singletons(f) != by_limsup(f) for f in FUNCTIONS)
+    lines = sum(by_half_lines(f) != by_limsup(f) for f in FUNCTIONS)
+    return Evidence(
+        f"|x|, ±1 at 0 alone, and two steps, at 0: Definition 1.10 for {{f(x)}} and lim sup f(x) ≤ f(0) disagree for "
+        f"{plain} of 5, as the first is continuity; Definition 1.10 for (-∞, f(x)] disagrees for {lines}.",
+        printed=(equal("disagreements with {f(x)}", plain, 0),),
+        corrected=(equal("disagreements with (-∞, f(x)]", lines, 0),),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c1.half-spaces",
+        "after (1.29)",
+        "A ⊆ {v | v·w ≤ α} ⟺ σ(A, w) ≤ α",
+        _half_spaces,
+        statement="The support function tells which half-spaces contain a set.",
+    ),
+    Claim(
+        "c1.support",
+        "(1.30)",
+        "A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v",
+        _support,
+        statement="Inclusion of sets is the order of their support functions.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "“⇐” holds if B is closed and convex",
+            Effect.PROOF,
+            "(1.73), where B is closed and convex",
+        ),
+    ),
+    Claim(
+        "c1.additive",
+        "(1.31)",
+        "σ(A + B, v) = σ(A, v) + σ(B, v)",
+        _additive,
+        statement="Support functions of sums of sets.",
+    ),
+    Claim(
+        "c1.single-valued",
+        "after Definition 1.27",
+        "f is upper semicontinuous at x₀ if it satisfies Definition 1.10, which simplifies to lim sup f(x) ≤ f(x₀)",
+        _single_valued,
+        statement="Definition 1.10 for a single-valued function is its upper semicontinuity.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "for {f(x)} Definition 1.10 is continuity; upper semicontinuity is Definition 1.10 for (-∞, f(x)]",
+            Effect.PROOF,
+            "nothing else: (1.33) is stated explicitly",
+        ),
+    ),
+)

@@ -1,0 +1,196 @@
+"""Chapter 1, section 4.6.1: the tools of the proof of existence."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.thesis.chapter1.sets import Floats
+
+SAMPLES, SEED = 300, 12
+ROUNDING = 1e-12
+# Quadrature points on [0, 1].
+GRID = (np.arange(20_000) + 0.5) / 20_000
+T, A, B, N = 1.0, 0.01, 0.01, 50
+
+
+def sup_norm(x: Floats) -> Floats:
+    """The norm of L^∞ of step functions on [0, T], over the last axis."""
+    return np.asarray(np.abs(x).max(axis=-1))
+
+
+def mean_norm(x: Floats) -> Floats:
+    """The norm of L^1 of step functions with equal steps on [0, T]."""
+    return np.asarray(np.abs(x).mean(axis=-1) * T)
+
+
+def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) -> Floats:
+    """|x + y| + |y + z| + |z + x| - |x| - |y| - |z| - |x + y + z|: never above 0 in L^1."""
+    pairs = norm(x + y) + norm(y + z) + norm(z + x)
+    return np.asarray(pairs - norm(x) - norm(y) - norm(z) - norm(x + y + z))
+
+
+def _isometry(_: Tables) -> Evidence:
+    """Hlawka's inequality is about norms of sums, so an isometric linear map would carry it over from L^1."""
+    x, y, z = np.array([[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]])
+    sup = float(hlawka(sup_norm, x, y, z))
+    samples = np.random.default_rng(SEED).normal(size=(3, SAMPLES, 9))
+    mean, ratio = float(hlawka(mean_norm, *samples).max()), float((mean_norm(samples) / sup_norm(samples)).max()) / T
+    return Evidence(
+        f"Hlawka's inequality holds in L¹ (largest excess of {SAMPLES} triples {mean:.2f}), and three step functions "
+        f"violate it in L^∞ by {sup:g}: there is no isometry. ‖x‖₁ ≤ T‖x‖_∞ is an embedding (ratio ≤ {ratio:.2f}).",
+        printed=(at_most("Hlawka's excess in L^∞", sup, 0.0),),
+        corrected=(at_most("‖x‖₁ over T‖x‖_∞", ratio, 1.0), at_most("Hlawka's excess in L¹", mean, 0.0, ROUNDING)),
+        seed=SEED,
+    )
+
+
+def wave(n: Floats | int) -> Floats:
+    """sin(2 pi n t) on the grid; weakly convergent to 0."""
+    return np.sin(2 * np.pi * np.multiply.outer(n, GRID))
+
+
+def _mazur(_: Tables) -> Evidence:
+    test = (GRID < 1 / 3) / np.sqrt(GRID)
+    alone, pairing = float(np.abs(wave(200)).mean()), abs(float((wave(200) * test).mean()))
+    mixed = float(np.abs(wave(np.arange(200.0, 400.0)).mean(axis=0)).mean())
+    return Evidence(
+        f"sin(2πnt) in L¹(0, 1), n = 200: the norm stays {alone:.3f}, the pairing with a function is {pairing:.3f}; "
+        f"the mean of the elements 200 to 399 has the norm {mixed:.3f}.",
+        printed=(
+            at_least("norm of an element", alone, 0.6),
+            at_most("pairing", pairing, 0.05),
+            at_most("norm of the convex combination", mixed, 0.1),
+        ),
+    )
+
+
+def _compact(_: Tables) -> Evidence:
+    n, test = 1000, (GRID < 1 / 3) / np.sqrt(GRID)
+    x, rate = wave(n) / (2 * np.pi * n), np.cos(2 * np.pi * n * GRID)
+    size, pairing = float(np.abs(x).max()), abs(float((rate * test).mean()))
+    return Evidence(
+        f"x_n = sin(2πnt)/(2πn), n = 1000: sup |x_n| = {size:.1e}, the derivative keeps the size "
+        f"{np.abs(rate).max():.3f} but pairs with a function of L¹ to {pairing:.4f}: x_n → 0 and ẋ_n ⇀* 0.",
+        printed=(at_most("sup |x_n|", size, 1e-3), at_most("pairing of the derivative", pairing, 0.02)),
+    )
+
+
+def sequences(size: float) -> Floats:
+    """Sequences a_0, ..., a_n of (1.43) in the plane with |a_0| = size, (n + 1, K, 2); the first one grows fastest."""
+    rng, a = np.random.default_rng(SEED), np.zeros((SAMPLES, 2))
+    a[:, 0] = size
+    path = [a]
+    for _ in range(N):
+        direction = a + rng.normal(size=a.shape) * np.where(np.arange(SAMPLES) == 0, 0.0, 5.0)[:, None]
+        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
+        a = a + T / N * (A + B * np.linalg.norm(a, axis=1, keepdims=True)) * direction
+        path.append(a)
+    return np.array(path)
+
+
+def discrete_bound(first: float) -> float:
+    """The middle of (1.44) with a factor in its first term."""
+    grown = (1 + B * T / N) ** N
+    return first * grown + A / B * (grown - 1)
+
+
+def _gronwall_discrete(_: Tables) -> Evidence:
+    start = 10.0
+    sizes = np.linalg.norm(sequences(start), axis=2)
+    printed, right = float(sizes.max()) / discrete_bound(1.0), float(sizes.max()) / discrete_bound(start)
+    top = start * math.exp(B * T) + A * (math.exp(B * T) - 1) / B
+    return Evidence(
+        f"Sequences of (1.43) with ‖a₀‖ = {start:g}, A = B = {A:g}, T = 1, n = {N}: the largest ‖a_k‖ is {printed:.2f} "
+        f"times the bound as printed. The first term lacks the factor ‖a₀‖; with it the ratio is {right:.6f}, and "
+        f"{float(sizes.max()) / top:.6f} for (1.45).",
+        printed=(at_most("‖a_k‖ over (1.44)", printed, 1.0),),
+        corrected=(
+            at_most("‖a_k‖ over (1.44) with ‖a₀‖", right, 1.0, ROUNDING),
+            at_most("‖a_k‖ over (1.45) with ‖a₀‖", float(sizes.max()) / top, 1.0, ROUNDING),
+        ),
+        seed=SEED,
+    )
+
+
+def _gronwall_range(_: Tables) -> Evidence:
+    """a_0 = 100 and a_k = 1 from k = 1 on: (1.43) for 1 <= k <= n says nothing of a_0."""
+    sizes = np.linalg.norm(sequences(1.0), axis=2)
+    steps = np.abs(np.diff(np.array([100.0] + [1.0] * (N + 1))))
+    allowed = bool((steps[1:] <= T / N * (A + B)).all())
+    free = 100.0 / discrete_bound(1.0) if allowed else math.nan
+    right = float((sizes / discrete_bound(1.0)).max())
+    return Evidence(
+        f"a₀ = 100, a_k = 1 for k ≥ 1 fulfils (1.43) for 1 ≤ k ≤ n, and ‖a₀‖ is {free:.1f} times the bound that begins "
+        f"with ‖a₁‖. If (1.43) holds for 0 ≤ k ≤ n - 1, the bound that begins with ‖a₀‖ holds for 0 ≤ k ≤ n: largest "
+        f"ratio {right:.6f}.",
+        printed=(at_most("largest ‖a_k‖ over the bound, 1 ≤ k ≤ n", free, 1.0),),
+        corrected=(at_most("largest ‖a_k‖ over the bound, 0 ≤ k ≤ n - 1", right, 1.0, ROUNDING),),
+        seed=SEED,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c1.isometry",
+        "section 4.6.1",
+        "there exists an isometry L^∞([0, T], ℝ^d) → L¹([0, T], ℝ^d).",
+        _isometry,
+        statement="Bounded functions are mapped into the integrable ones with the norm kept.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "there is a continuous embedding, ‖x‖₁ ≤ T ‖x‖_∞",
+            Effect.PROOF,
+            "(1.58), which uses the embedding",
+        ),
+        chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
+    ),
+    Claim(
+        "c1.mazur",
+        "Lemma 1.34",
+        "z⁽ⁿ⁾ = Σ_{ℓ ≥ n} λ_ℓ y⁽ℓ⁾ … such that z⁽ⁿ⁾ → x in X.",
+        _mazur,
+        statement="Convex combinations of a weakly convergent sequence converge strongly.",
+        chosen="y⁽ℓ⁾ is not defined; it is read as x⁽ℓ⁾",
+    ),
+    Claim(
+        "c1.compact",
+        "Lemma 1.35",
+        "x⁽ⁿ_k⁾ → x in L^∞ and ẋ⁽ⁿ_k⁾ ⇀* ẋ in L^∞",
+        _compact,
+        statement="Paths with bounded speeds have a uniform limit, and their velocities a weak* one.",
+        chosen="one sequence whose velocities do not converge in norm",
+    ),
+    Claim(
+        "c1.gronwall-discrete",
+        "Theorem 1.36",
+        "a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
+        _gronwall_discrete,
+        statement="A discrete Gronwall inequality.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
+            Effect.CONCLUSION,
+            "(1.52) and the constants C₁, C₂, C₃; the proof of existence stands with the factor",
+        ),
+    ),
+    Claim(
+        "c1.gronwall-range",
+        "Theorem 1.36, (1.43)",
+        "‖a_{k+1} - a_k‖ ≤ … for all 1 ≤ k ≤ n, then … for all integers 0 ≤ k ≤ n.",
+        _gronwall_range,
+        statement="For which k the inequality is assumed, and for which it follows.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "(1.43) for 0 ≤ k ≤ n - 1, for a sequence a₀, …, a_n",
+            Effect.PROOF,
+            "(1.52), where the scheme begins with x₀",
+        ),
+        chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
+    ),
+)

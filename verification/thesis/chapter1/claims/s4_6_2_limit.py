@@ -1,0 +1,147 @@
+"""Chapter 1, section 4.6.2: the proof of existence, the inclusions of the steps and their limit."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.thesis.chapter1.claims.s4_4_semicontinuity import SEED, limits
+from verification.thesis.chapter1.claims.s4_4_supports import DIRECTIONS
+from verification.thesis.chapter1.claims.s4_5_existence import HALF, slide
+from verification.thesis.chapter1.sets import Floats, catch_up, falling
+
+# The four discs of Figure 4 of chapter 2: step, times to which it goes, and how exact its projections are.
+DT, END, TOL = 0.02, 1.0, 1e-12
+
+
+def length_around(level: int, share: float) -> tuple[float, float]:
+    """The gaps of the dyadic numbers of a level in [0, 1]; the length of intervals share/2, share/4, … around them."""
+    numbers = sorted({k / 2**n for n in range(level + 1) for k in range(2**n + 1)})
+    lengths = sum(share * 0.5 ** (j + 1) for j in range(len(numbers)))
+    return max(np.diff(numbers)), lengths
+
+
+def settled(first: int, last: int) -> float:
+    """The part of the times at which 1 on [0, 2^-k) is 0 for all k from first to last."""
+    t = (np.arange(2**14) + 0.5) / 2**14
+    return float(np.all([t >= 2.0**-k for k in range(first, last + 1)], axis=0).mean())
+
+
+def _dense(_: Tables) -> Evidence:
+    """Intervals around a dense set; and z^(n) = 1 on intervals of length 2^-k that run through [0, 1] for each k."""
+    gap, length = length_around(10, 0.01)
+    part = settled(12, 14)
+    return Evidence(
+        f"The dyadic numbers (gaps {gap:.0e} at level 10, → 0) are dense, but lie in intervals of total length "
+        f"{length:.2f}: convergence at a dense set of t says nothing of the other 99 %. Convergence in L¹ gives a "
+        f"subsequence that converges almost everywhere; for running steps it has settled at {part:.4%} of t.",
+        printed=(at_least("length that a dense set needs, over T", length, 1.0),),
+        corrected=(at_least("part of t at which a subsequence has settled", part, 0.999),),
+    )
+
+
+def steps_of_discs() -> Floats:
+    """x_0, x_1, ... of catch-up, (n + 1, 4, 2)."""
+    scene = dincl.scenes.four_disks()
+    times = np.arange(round(END / DT) + 1) * DT
+    return dincl.solve(scene, dincl.CatchUp(dt=DT, projection=dincl.Daqp(tol=TOL)), t=times).x
+
+
+def _step_inclusion(_: Tables) -> Evidence:
+    """At x_{k+1}, and at x_k for comparison."""
+    scene, x = dincl.scenes.four_disks(), steps_of_discs()
+    pulls = np.diff(x, axis=0) / DT + x[:-1]
+    after, before = (
+        max(
+            dincl.geometry.normal_cone(scene, 0.0, at, 1e3 * TOL).distance(-pull)
+            for at, pull in zip(places, pulls, strict=True)
+        )
+        for places in (x[1:], x[:-1])
+    )
+    pushed = int((np.linalg.norm(pulls, axis=(1, 2)) > 1e-6).sum())
+    return Evidence(
+        f"Four discs, F = −x, {len(pulls)} steps of which {pushed} project: between t_k and t_(k+1) the distance of "
+        f"ẋ⁽ⁿ⁾ − F⁽ⁿ⁾ from −N(S, x_(k+1)) is at most {after:.0e}, from −N(S, x_k) up to {before:.2g}.",
+        printed=(
+            at_most("distance from −N(S, x_(k+1))", after, 0.0, 1e-6),
+            at_least("steps that project", pushed, len(pulls) // 2),
+        ),
+    )
+
+
+def _lower(_: Tables) -> Evidence:
+    values = limits(1e-7)
+    above, below = float((values[:3] - values[3]).max()), float((values[3] - values[:3]).max())
+    return Evidence(
+        f"Three touching discs, x_n about 10⁻⁷ from x: σ(-N(S, x_n) ∩ B₁, w) is up to {below:.2f} below its value at "
+        f"x, so not lower semicontinuous, and at most {above:.0e} above it: upper, as in Proposition 1.28.",
+        printed=(at_most("σ(x) - σ(x_n)", below, 0.0, 1e-6),),
+        corrected=(at_most("σ(x_n) - σ(x)", above, 0.0, 1e-6),),
+        seed=SEED,
+    )
+
+
+def _velocity_dots(_: Tables) -> Evidence:
+    """At t = 1.5 the disc of the known solution slides; steps of 1/2000."""
+    t = np.array([1.5])
+    z = ((slide(t + HALF) - slide(t - HALF)) / (2 * HALF) - falling(slide(t)))[0]
+    path = catch_up(slide(np.zeros(1)), falling, 1 / 2000, 3001)[:, 0]
+    plain, dotted = path[3000] - falling(path[3000]), (path[3001] - path[3000]) * 2000 - falling(path[3000])
+    printed, right = (float((DIRECTIONS @ (z - value)).max()) for value in (plain, dotted))
+    return Evidence(
+        f"A point that slides over a disc: over all unit w, w·z(t) is up to {printed:.2f} larger than "
+        f"w·(x⁽ⁿ⁾ - F⁽ⁿ⁾)(t), and {right:.0e} larger than w·(ẋ⁽ⁿ⁾ - F⁽ⁿ⁾)(t) with h = 1/2000. The dots are lost.",
+        printed=(at_most("w·z - w·(x⁽ⁿ⁾ - F⁽ⁿ⁾)", printed, 0.0, 5e-3),),
+        corrected=(at_most("w·z - w·(ẋ⁽ⁿ⁾ - F⁽ⁿ⁾)", right, 0.0, 5e-3),),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c1.dense",
+        "step 4, (1.62), and (1.74)",
+        "we obtain for a dense set 𝒯 ⊆ [0, T] the pointwise convergence … for a.e. t ∈ [0, T].",
+        _dense,
+        statement="On which times the velocities converge, and for which the inclusion follows.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "𝒯 has full measure: convergence in L¹ gives a subsequence that converges almost everywhere",
+            Effect.PROOF,
+            "(1.68) to (1.74), which hold for t ∈ 𝒯",
+        ),
+    ),
+    Claim(
+        "c1.step-inclusion",
+        "(1.66)",
+        "ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t) ∈ -N(S, x_{k+1}) for t ∈ (t_k, t_{k+1})",
+        _step_inclusion,
+        statement="Between two steps the interpolated solution fulfils an inclusion at the later state.",
+        chosen="the four discs of Figure 4 of chapter 2",
+    ),
+    Claim(
+        "c1.lower",
+        "step 6",
+        "We now use scalarly lower semicontinuity of x ↦ -N(S, x) ∩ B_{C₃}(0)",
+        _lower,
+        statement="Which semicontinuity the last step of the proof uses.",
+        recorded=Kind.CORRECTED,
+        correction=Correction("upper semicontinuity", Effect.PROOF, "(1.71), which is Proposition 1.28"),
+    ),
+    Claim(
+        "c1.velocity-dots",
+        "(1.69)",
+        "w·z(t) ≤ … ≤ lim sup w·(x⁽ⁿ⁾(t) - F⁽ⁿ⁾(t))",
+        _velocity_dots,
+        statement="The limit is bounded by the discrete inclusions.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "lim sup w·(ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t)), and z⁽ⁿ⁾ is a convex combination of ẋ⁽ⁿ⁾ - F⁽ⁿ⁾",
+            Effect.NOTATION,
+            "(1.70), where the left side of (1.67) must stand",
+        ),
+        chosen="a disc that slides over a fixed one, whose solution is known",
+    ),
+)

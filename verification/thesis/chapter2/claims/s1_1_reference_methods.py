@@ -1,0 +1,174 @@
+"""Chapter 2, section 1.1: the three methods that PBD is compared with."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Tables
+from verification.evidence import Evidence, at_least, at_most, equal
+from verification.thesis.chapter2.discs import RADIUS, Floats
+
+SEED, SAMPLES = 22, 4000
+# Two discs that slide along each other, of which the exact solution is known; at this time they are in contact.
+SCENE, END = dincl.scenes.two_disks(), 2.0
+STEPS = (0.04, 0.02)
+# μ of the equation that is solved with it.
+DAMPING = 2.5
+QP_TOL = 1e-10
+# An error of order 1 is halved with the step, up to terms of order 2.
+HALVED = 0.1
+# Accuracy of event-driven runs [length], and the numbers of discs whose events are counted to a time.
+EVENT_TOL, CROWDS, CROWDED = 1e-8, (4, 8), 0.3
+
+
+def catch_up(dt: float) -> dincl.Scheme:
+    """Moreau's scheme with exact projections."""
+    return dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=QP_TOL))
+
+
+def linearised(dt: float) -> dincl.Scheme:
+    """The scheme with the inner convex approximation."""
+    return dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=QP_TOL))
+
+
+def error(scheme: dincl.Scheme) -> float:
+    """The largest distance of a disc from where it should be at END."""
+    final = dincl.solve(SCENE, scheme, t=END).final
+    return float(np.linalg.norm(final - SCENE.exact(END), axis=-1).max())
+
+
+def gap(x: Floats) -> Floats:
+    """g of pairs of discs, x of shape (..., 2, 2)."""
+    return np.asarray(np.linalg.norm(x[..., 1, :] - x[..., 0, :], axis=-1) - 2 * RADIUS)
+
+
+def slopes(x: Floats) -> Floats:
+    """Central differences of g, shape (..., 2, 2)."""
+    h = 1e-6
+    moves = h * np.eye(4).reshape(4, 2, 2)
+    difference = gap(x[..., None, :, :] + moves) - gap(x[..., None, :, :] - moves)
+    return np.asarray(difference / (2 * h)).reshape(x.shape)
+
+
+def event_driven() -> dincl.Scheme:
+    """From contact to contact."""
+    return dincl.EventDriven(tol=EVENT_TOL)
+
+
+def _event_driven(_: Tables) -> Evidence:
+    """Its error beside that of time steps, and its events in crowds of two sizes."""
+    own, steps = error(event_driven()), error(catch_up(STEPS[1]))
+    few, many = (len(dincl.solve(dincl.scenes.pile(n), event_driven(), t=CROWDED).events) for n in CROWDS)
+    return Evidence(
+        f"Two discs, t = {END:g}: the event-driven error is {own:.0e}, that of catch-up at dt = {STEPS[1]:g} is "
+        f"{steps:.0e}. But a pile of {CROWDS[0]} discs has {few} events to t = {CROWDED:g}, one of {CROWDS[1]} has "
+        f"{many}, and each is a stop.",
+        (
+            at_most("error, event-driven", own, 0.0, 10 * EVENT_TOL),
+            at_least("error of time steps", steps, 1e-3),
+            at_least("events of twice as many discs over those", many / max(few, 1), 1.5),
+        ),
+    )
+
+
+def damped_problem() -> dincl.Problem:
+    """The scene with μ = DAMPING."""
+    return dincl.Problem(SCENE.x0, lambda t, x: SCENE.velocity(t, x) / DAMPING, SCENE.constraints)
+
+
+def damped_error(dt: float) -> float:
+    """The largest distance at t = DAMPING · END of a disc with μ = DAMPING from where the exact one is at END."""
+    final = dincl.solve(damped_problem(), catch_up(dt), t=DAMPING * END).final
+    return float(np.linalg.norm(final - SCENE.exact(END), axis=-1).max())
+
+
+def _damping(_: Tables) -> Evidence:
+    coarse, fine = (damped_error(dt) for dt in STEPS)
+    return Evidence(
+        f"Two discs in contact with μ = {DAMPING:g}, at t = {DAMPING * END:g}: the distance from the exact solution "
+        f"with μ = 1 at t = {END:g} is {coarse:.2e} at dt = {STEPS[0]:g} and {fine:.2e} at half of it.",
+        (
+            equal("distance over that of half the step", coarse / fine, 2.0, HALVED),
+            at_most("distance at the shorter step", fine, 0.01),
+        ),
+    )
+
+
+def _catch_up(_: Tables) -> Evidence:
+    coarse, fine = (error(catch_up(dt)) for dt in STEPS)
+    return Evidence(
+        f"Two discs in contact, t = {END:g}: the error is {coarse:.2e} at dt = {STEPS[0]:g} and {fine:.2e} at half of "
+        "it. The projections are exact to 1e-10.",
+        (equal("error over that of half the step", coarse / fine, 2.0, HALVED),),
+    )
+
+
+def _inner(_: Tables) -> Evidence:
+    """Random points x of S and y of the linearised set at x: is y in S?"""
+    rng = np.random.default_rng(SEED)
+    x, move = rng.normal(size=(2, SAMPLES, 2, 2))
+    allowed = (gap(x) >= 0) & (gap(x) + (slopes(x) * move).sum(axis=(1, 2)) >= 0)
+    least = float(gap(x + move)[allowed].min())
+    return Evidence(
+        f"{int(allowed.sum())} random y with g(x) + ∇g(x)·(y − x) ≥ 0 for two discs at x in S: the least g(y) is "
+        f"{least:.1e}. This needs a convex g, as distances are; for the inside of a ball the set lies outside.",
+        (at_least("points of the approximation", float(allowed.sum()), 100), at_least("least g(y)", least, 0, 1e-8)),
+        seed=SEED,
+    )
+
+
+def _linearised(_: Tables) -> Evidence:
+    coarse, fine = (error(linearised(dt)) for dt in STEPS)
+    moreau = error(catch_up(STEPS[1]))
+    return Evidence(
+        f"Two discs in contact, t = {END:g}: the error is {coarse:.2e} and, with half the step, {fine:.2e}; that of "
+        f"the catch-up scheme with the same step is {moreau:.2e}.",
+        (
+            equal("error over that of half the step", coarse / fine, 2.0, HALVED),
+            at_most("error over that of the catch-up scheme", fine / moreau, 1.0, HALVED),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c2.event-driven",
+        "section 1",
+        "The most rigorous methods are typically event-driven methods, however, these methods are … less performant "
+        "for large systems.",
+        _event_driven,
+        statement="Following every contact gives nearly exact solutions, at a cost that grows with the contacts.",
+        chosen="two discs with a known solution; small piles of discs",
+    ),
+    Claim(
+        "c2.damping",
+        "(2.1)",
+        "the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
+        _damping,
+        statement="A damping other than 1 changes the time scale of a solution, and nothing else.",
+        chosen="a force that does not depend on time",
+    ),
+    Claim(
+        "c2.catch-up",
+        "section 1.1.1",
+        "x_{k+1} = P_S(x_k + Δt F(x_k)) … a proof of the convergence for this numerical method",
+        _catch_up,
+        statement="Moreau's catch-up scheme converges to the solution of the differential inclusion.",
+    ),
+    Claim(
+        "c2.inner",
+        "section 1.1.2",
+        "S̃(x) := {y | g_ℓ(x) + ∇g_ℓ(x)·(y − x) ≥ 0}, the inner convex approximation",
+        _inner,
+        statement="Where the linearised constraints hold, the discs do not overlap: the polytope lies inside of S.",
+    ),
+    Claim(
+        "c2.linearised",
+        "section 1.1.2",
+        "one can replace S with S̃(x) in the catch-up scheme without loss of convergence",
+        _linearised,
+        statement="The catch-up scheme converges as well if it projects onto the polytope at the last state.",
+    ),
+)

@@ -1,0 +1,113 @@
+"""Chapter 2, section 2.2: the method for Newton's second law."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.thesis.chapter2.discs import Floats
+
+# A body that falls from rest: mass, force and time.
+MASS, PULL, TIME = 2.0, 1.0, 1.0
+STEP = 1e-4
+# What central differences of smooth numbers of size 1 leave.
+DIFFERENCES = 1e-8
+# A ball that meets an elastic wall at t = 1 with speed 1.
+IMPACT_STEPS = (0.1, 0.01, 0.001)
+
+
+def predicted(x: Floats, v: Floats, force: Floats, dt: float) -> tuple[Floats, Floats]:
+    """(2.3) and (2.4)."""
+    v = v + dt * force
+    return x + dt * v, v
+
+
+def fallen(mass: float, *, divided: bool) -> float:
+    """How far the method takes a free body; with the force as printed, or divided by the mass."""
+    x, v = np.zeros(1), np.zeros(1)
+    force = np.array([PULL / mass if divided else PULL])
+    for _ in range(round(TIME / STEP)):
+        x, v = predicted(x, v, force, STEP)
+    return float(x[0])
+
+
+def _mass(_: Tables) -> Evidence:
+    exact = PULL * TIME**2 / (2 * MASS)
+    printed, right = fallen(MASS, divided=False), fallen(MASS, divided=True)
+    return Evidence(
+        f"m = {MASS:g}, F = {PULL:g}, from rest, t = {TIME:g}: F t²/(2m) = {exact:g}. The printed step gives "
+        f"{printed:.4f}, with F/m it is {right:.4f}.",
+        printed=(equal("distance over F t²/(2m)", printed / exact, 1.0, 0.01),),
+        corrected=(equal("distance over F t²/(2m)", right / exact, 1.0, 0.01),),
+    )
+
+
+def curl_free(x: Floats) -> Floats:
+    """-∇U of U = cos(x_0) + x_0² x_1 + x_1⁴."""
+    return np.array([np.sin(x[0]) - 2 * x[0] * x[1], -(x[0] ** 2) - 4 * x[1] ** 3])
+
+
+def _symplectic(_: Tables) -> Evidence:
+    """DᵀJD = J for the derivative D of one step in (x, v), by central differences."""
+    h, dt, state = 1e-5, 0.1, np.array([0.3, -0.4, 0.7, 0.2])
+
+    def step(z: Floats) -> Floats:
+        return np.concatenate(predicted(z[:2], z[2:], curl_free(z[:2]), dt))
+
+    slope = np.column_stack([(step(state + h * e) - step(state - h * e)) / (2 * h) for e in np.eye(4)])
+    form = np.block([[np.zeros((2, 2)), np.eye(2)], [-np.eye(2), np.zeros((2, 2))]])
+    off = float(np.abs(slope.T @ form @ slope - form).max())
+    return Evidence(
+        f"One step of size {dt:g} in a potential of two variables keeps the symplectic form to {off:.0e}.",
+        (at_most("change of the symplectic form", off, DIFFERENCES),),
+    )
+
+
+def bounced(dt: float) -> float:
+    """Where Method 2.2 has a ball at t = 2 that meets a wall at t = 1."""
+    problem = dincl.Problem([[1.0]], lambda _t, x: 0 * x, [dincl.HalfSpace(normal=(1,))])
+    return float(dincl.solve(problem, dincl.SecondOrderPBD(dt=dt, v0=[[-1.0]]), t=2.0).final[0, 0])
+
+
+def _elastic(_: Tables) -> Evidence:
+    places = [bounced(dt) for dt in IMPACT_STEPS]
+    return Evidence(
+        "A ball at 1 with velocity −1 and an elastic wall at 0: it should be back at 1 at t = 2. Method 2.2 leaves it "
+        f"at {', '.join(f'{place:.3f}' for place in places)} for dt = {', '.join(f'{dt:g}' for dt in IMPACT_STEPS)}.",
+        (at_least("error, smallest over the steps", min(abs(1.0 - place) for place in places), 0.5),),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c2.elastic",
+        "introduction",
+        "it does not converge to exact solutions of the underlying second-order contact problems",
+        _elastic,
+        statement="However small the step, the second-order method misses elastic collisions.",
+    ),
+    Claim(
+        "c2.mass",
+        "(2.3)",
+        "m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
+        _mass,
+        statement="The velocity of a body of mass m is updated by Δt F.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
+            Effect.MODEL,
+            "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
+        ),
+    ),
+    Claim(
+        "c2.symplectic",
+        "section 2.2",
+        "The first part (2.3) and (2.4) is the symplectic Euler method",
+        _symplectic,
+        statement="The prediction of velocities and then positions is a symplectic map.",
+        chosen="forces that depend on the positions only and have a potential",
+    ),
+)

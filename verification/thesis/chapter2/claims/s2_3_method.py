@@ -1,0 +1,193 @@
+"""Chapter 2, section 2.3: first-order PBD, what one sweep leaves, and alternating projections."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Cost, Tables
+from verification.evidence import Evidence, at_least, at_most, equal
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted, row
+from verification.thesis.chapter2.methods import PBD
+
+SEED, SAMPLES = 21, 500
+# One step of three touching discs whose outer ones are pressed inwards.
+DT = 0.1
+INWARDS = np.array([[1.0, 0.0], [0.0, 0.0], [-1.0, 0.0]])
+SWEEPS = 1
+# Steps of the four discs, and how far from 1 an order may be that is read off two of them.
+STEPS, ORDER_BAND = (1 / 160, 1 / 320), 0.1
+# Alternating projections: a disc of radius 1 at the origin and the half plane y >= EDGE; how often.
+EDGE = 0.5
+ROUNDS = 400
+
+
+def moved(x: Floats, force: Floats, dt: float) -> Floats:
+    """The prediction (2.8)."""
+    return x + dt * force
+
+
+def _prediction(_: Tables) -> Evidence:
+    """dist(x, S) for two discs is overlap / sqrt(2)."""
+    rng = np.random.default_rng(SEED)
+    slack = math.inf
+    for _sample in range(SAMPLES):
+        x, force = rng.normal(size=(2, 2, 2))
+        dt = float(rng.uniform(0.01, 1.0))
+        added = (overlap(moved(x, force, dt)) - overlap(x)) / math.sqrt(2)
+        slack = min(slack, dt * float(np.linalg.norm(force)) - added)
+    squeezed = np.array([[0.0, 0.0], [0.8, 0.0]])
+    force = np.array([[1.0, 0.0], [-1.0, 0.0]])
+    sharp = (overlap(moved(squeezed, force, DT)) - overlap(squeezed)) / math.sqrt(2) / (DT * math.sqrt(2))
+    return Evidence(
+        f"{SAMPLES} random pairs of discs: Δt‖F‖ exceeds the added distance by {slack:.1e} at least; discs that are "
+        f"pressed against each other reach {sharp:.3f} of the bound, so it is sharp.",
+        (at_least("least slack", slack, 0.0, ROUNDING), equal("largest share of the bound", sharp, 1.0, 1e-9)),
+        seed=SEED,
+    )
+
+
+def _infeasible(_: Tables) -> Evidence:
+    problem = dincl.Problem(row(3), lambda _t, _x: INWARDS, [dincl.NonOverlap(RADIUS)])
+    left = dincl.solve(problem, dincl.PBD(dt=DT, sweeps=SWEEPS), t=DT).violation()[-1]
+    predicted = problem.violation(0.0, row(3) + DT * INWARDS)
+    return Evidence(
+        f"Three discs in a row, the outer ones pressed inwards: they overlap by {predicted:.3f} after the prediction "
+        f"and still by {left:.3f} after the projections.",
+        (at_least("overlap after the prediction", predicted, 0.01), at_least("overlap after the step", left, 0.01)),
+    )
+
+
+def largest_overlap(dt: float) -> float:
+    """Of the four discs of Figure 4, over all steps to t = 2."""
+    times = np.arange(1, round(2.0 / dt) + 1) * dt
+    return float(dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=dt), t=times).violation().max())
+
+
+def _smaller(_: Tables) -> Evidence:
+    coarse, fine = (largest_overlap(dt) for dt in STEPS)
+    order = math.log2(coarse / fine)
+    return Evidence(
+        f"Four discs to t = 2: they overlap by at most {coarse:.2e} at dt = {STEPS[0]:.3g} and {fine:.2e} at half of "
+        f"it, order {order:.2f}.",
+        (equal("order of the overlap", order, 1.0, ORDER_BAND),),
+    )
+
+
+def _large(tables: Tables) -> Evidence:
+    """Runs that threw a disc out; those that stopped, for centres came to coincide, are told."""
+    rows = tables["large_steps"]
+    pbd, penalty = rows[rows["method"] == PBD.name], rows[rows["method"] != PBD.name]
+    done, thrown = pbd[pbd["status"] == "SUCCESS"], penalty[(penalty["status"] == "SUCCESS") & ~penalty["stable"]]
+    stopped = len(pbd) - len(done)
+    limits = thrown.groupby("method")["dt"].min()
+    told = ", ".join(f"{name.replace('_', ' ')} from {dt:g}" for name, dt in limits.items())
+    return Evidence(
+        f"PBD at dt = {pbd['dt'].min():g} … {pbd['dt'].max():g}: {int((~done['stable']).sum())} of {len(done)} runs "
+        f"unstable ({stopped} stopped: centres coincide, no projection is defined). Unstable: {told}. (Explicit Euler "
+        "for F = −x itself needs dt ≤ 2.)",
+        (
+            at_most("unstable runs of PBD", float((~done["stable"]).sum()), 0),
+            at_least("runs of PBD", len(done), 1),
+            at_least("unstable runs of the penalty method", len(thrown), 1),
+        ),
+    )
+
+
+def half_plane(x: Floats) -> Floats:
+    """The nearest point with y >= EDGE."""
+    return np.array([x[0], max(x[1], EDGE)])
+
+
+def disc(x: Floats) -> Floats:
+    """The nearest point of the unit disc."""
+    return x / max(1.0, float(np.linalg.norm(x)))
+
+
+def _alternating(_: Tables) -> Evidence:
+    """A convex pair of sets, and the two contacts of three discs in a row, whose sets are not convex."""
+    x, three = np.array([2.0, -1.5]), np.array([[0.0, 0.0], [0.7, 0.1], [1.4, -0.1]])
+    for _round in range(ROUNDS):
+        x = disc(half_plane(x))
+        three[[1, 2]] = parted(three[[1, 2]])
+        three[[0, 1]] = parted(three[[0, 1]])
+    convex = float(np.linalg.norm(half_plane(x) - x))
+    curved = max(overlap(three[:2]), overlap(three[1:]))
+    return Evidence(
+        f"After {ROUNDS} rounds the point is {convex:.0e} from the intersection of a disc and a half plane; three "
+        f"discs in a row, whose sets are not convex, overlap by {curved:.0e}.",
+        (at_most("distance to the second set", convex, 1e-9), at_most("overlap", curved, 1e-9)),
+    )
+
+
+def projector(span: Floats) -> Floats:
+    """The orthogonal projection onto the columns' span."""
+    basis = np.linalg.qr(span)[0]
+    return np.asarray(basis @ basis.T)
+
+
+def _subspaces(_: Tables) -> Evidence:
+    """Two subspaces of R^6 of dimension 3 with a common line."""
+    common, first, second = np.split(np.random.default_rng(SEED).normal(size=(6, 5)), (1, 3), axis=1)
+    a, b = (projector(np.hstack((common, own))) for own in (first, second))
+    far = float(np.abs(np.linalg.matrix_power(a @ b, ROUNDS) - common @ common.T / (common**2).sum()).max())
+    return Evidence(
+        f"Subspaces of ℝ⁶ of dimension 3 that share a line: after {ROUNDS} rounds (P_A P_B)ⁿ differs from the "
+        f"projection onto the line by {far:.0e}.",
+        (at_most("difference from the projection onto A ∩ B", far, 1e-8),),
+        seed=SEED,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c2.infeasible",
+        "section 2.3",
+        "it can happen that even the corrected state is not feasible, i.e. x_{k+1} ∉ S",
+        _infeasible,
+        statement="One sweep of projections need not reach the intersection of the sets.",
+    ),
+    Claim(
+        "c2.prediction",
+        "section 2.3",
+        "dist(x̃_{k+1}, S) ≤ dist(x_k, S) + Δt ‖F(x_k)‖",
+        _prediction,
+        statement="The prediction adds at most the length of its step to the distance from the feasible set.",
+    ),
+    Claim(
+        "c2.smaller",
+        "Figure 2",
+        "by choosing sufficiently small time steps the infeasibility will also decrease",
+        _smaller,
+        statement="The largest overlap of a run of PBD goes to zero with the step.",
+        chosen="the four discs of Figure 4, the start is not given",
+    ),
+    Claim(
+        "c2.large-steps",
+        "Figure 2",
+        "Crucially, the use of large time steps does not make the simulations unstable.",
+        _large,
+        ("large_steps",),
+        statement="At steps at which the penalty method throws the discs apart, PBD does not.",
+        chosen="steps at which explicit Euler without constraints is stable; the starts",
+        cost=Cost.MINUTES,
+    ),
+    Claim(
+        "c2.alternating",
+        "Remark 2.4",
+        "alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
+        _alternating,
+        statement="Alternating projections converge to a common point, in examples also for sets that are not convex.",
+        chosen="a disc and a half plane; two contacts of three discs",
+    ),
+    Claim(
+        "c2.subspaces",
+        "Remark 2.4",
+        "If A, B are closed subspaces … Von Neumann's alternating projections",
+        _subspaces,
+        statement="For subspaces the iteration converges, and then to the projection onto the intersection.",
+    ),
+)

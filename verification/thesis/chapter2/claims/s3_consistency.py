@@ -1,0 +1,178 @@
+"""Chapter 2, section 3: what consistency is, and that PBD has it."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, points_of_step, row
+
+SEED = 23
+# The wall x >= 0, a point on it that is pulled away by F = 1, and the ball and direction of the support functions.
+DT, R, W = 1e-3, 3.0, 1.0
+# Steps that go to 0.
+STEPS = (1e-2, 1e-3, 1e-4)
+DISCS = 5
+# For states that move with the step, whose cones turn by √Δt; and how far from contact rounding leaves discs of a row.
+FINER, TOUCH = (1e-2, 1e-4, 1e-6), 1e-12
+
+
+def trapped(x: float, dt: float) -> bool:
+    """Where the flow of the counterexample stands still: a set that leaves every fixed x as dt → 0."""
+    return 1 - dt <= x < 1
+
+
+def flow(x: float, dt: float) -> float:
+    """Explicit Euler for F = 1, but for the trap."""
+    return x if trapped(x, dt) else x + dt
+
+
+def stopped(dt: float) -> float:
+    """Where the flow is at t = 2, from 0."""
+    x = 0.0
+    for _step in range(round(2 / dt)):
+        x = flow(x, dt)
+    return x
+
+
+def turning(dt: float, rng: np.random.Generator) -> Floats:
+    """States x_n that come to the row of discs as dt → 0: turned by √dt, with overlaps of the size of dt."""
+    c, s = np.cos(dt**0.5), np.sin(dt**0.5)
+    return np.asarray(row(DISCS) @ [[c, s], [-s, c]] + dt * rng.uniform(-0.2, 0.2, (DISCS, 2)))
+
+
+def beside_normals() -> list[float]:
+    """How far a step of PBD without its drift is from -N(S, x) for x_n → x, over random forces, for each of FINER."""
+    x, rng = row(DISCS), np.random.default_rng(SEED)
+    cone = dincl.geometry.normal_cone(dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)]), 0.0, x, TOUCH)
+    forces = rng.uniform(-1.0, 1.0, (20, DISCS, 2))
+    return [max(cone.distance(-shares(turning(dt, rng), force, dt)) for force in forces) for dt in FINER]
+
+
+def _limits(_: Tables) -> Evidence:
+    """S = R for the counterexample: -N = {0}; and PBD for a row of discs."""
+    local = max(abs((flow(x, DT / 10) - x) / (DT / 10) - 1) for x in (0.0, 0.5, 0.99, 1.0, 1.5))
+    ends = [stopped(dt) for dt in STEPS]
+    along = min(abs((flow(1 - dt / 2, dt) - (1 - dt / 2)) / dt - 1) for dt in STEPS)
+    far = beside_normals()
+    return Evidence(
+        f"A flow that stands still on [1 − Δt, 1) is consistent by Definition 2.7 (to {local:.0e} at fixed x), but its "
+        f"limit min(t, 1) is {2 - ends[-1]:.2f} from the solution at t = 2. Along x_n = 1 − Δt/2 → 1 it is off by "
+        f"{along:g}; PBD, for {DISCS} discs that turn into a row, by {', '.join(f'{value:.1e}' for value in far)} at "
+        f"Δt = {', '.join(f'{dt:g}' for dt in FINER)}.",
+        printed=(
+            at_most("inconsistency of the flow at fixed x", local, 0.0, 1e-9),
+            at_most("change of its end with Δt", abs(ends[-1] - ends[-2]), 0.0, 2 * STEPS[-2]),
+            at_most("distance of its limit from the solution", abs(2.0 - ends[-1]), 0.0, 0.01),
+        ),
+        corrected=(
+            at_least("inconsistency of the flow along x_n → x", along, 0.5),
+            at_most("inconsistency of PBD along x_n → x, over that at 100 Δt", far[2] / far[1], 0.2),
+            at_most("inconsistency of PBD along x_n → x", far[2], 0.01),
+        ),
+        seed=SEED,
+    )
+
+
+def _not_sufficient(_: Tables) -> Evidence:
+    """(2.10) at fixed points, and where the flow is at t = 2."""
+    local = max(abs((flow(x, DT / 10) - x) / (DT / 10) - 1) for x in (0.0, 0.5, 0.99, 1.0, 1.5))
+    x = stopped(DT)
+    return Evidence(
+        "F = 1 and Φ(x) = x + Δt, but Φ(x) = x on [1 − Δt, 1): at five fixed x the quotient of (2.10) is off by "
+        f"{local:.0e} at Δt = 10⁻⁴, yet from 0 the flow is at {x:.3f} at t = 2 instead of at "
+        "2: its limit is no solution.",
+        (at_most("error of the quotient", local, 1e-9), at_least("error at t = 2", abs(2.0 - x), 0.5)),
+    )
+
+
+def _definition(_: Tables) -> Evidence:
+    """S = [0, inf), x = 0, F = +1, w = 1: the flow leaves the wall, but -N = [0, inf) has sigma = R."""
+    problem = dincl.Problem([[0.0]], lambda _t, _x: np.array([[1.0]]), [dincl.HalfSpace(normal=(1,))])
+    left = W * (float(dincl.solve(problem, dincl.PBD(dt=DT), t=DT).final[0, 0]) / DT - 1.0)
+    right = dincl.geometry.support(problem, 0.0, [[0.0]], [[W]], tol=ROUNDING, radius=R)
+    return Evidence(
+        f"A point on a wall that is pulled away: the left side is {abs(left):.0e}, the right side R = {right:g}. With "
+        "“≤” for “→”, which is what the proof of Lemma 2.8 shows, it holds.",
+        printed=(equal("left side", left, right, 1e-9),),
+        corrected=(at_most("left side", left, right, 1e-9),),
+    )
+
+
+def shares(x: Floats, force: Floats, dt: float) -> Floats:
+    """(Φ(x) - x)/Δt - F(x)."""
+    return (points_of_step(x, force, dt)[-1] - x) / dt - force
+
+
+def _lemma(_: Tables) -> Evidence:
+    """How far it is from -N(S, x), for a row of discs and random forces, as the step goes to 0."""
+    x = row(DISCS)
+    problem = dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
+    cone = dincl.geometry.normal_cone(problem, 0.0, x, ROUNDING)
+    rng = np.random.default_rng(SEED)
+    forces = rng.uniform(-1.0, 1.0, (20, *x.shape))
+    far = [max(cone.distance(-shares(x, force, dt)) for force in forces) for dt in STEPS]
+    size = max(float(np.linalg.norm(shares(x, force, STEPS[-1])) / np.linalg.norm(force)) for force in forces)
+    return Evidence(
+        f"{DISCS} discs in a row, 20 random forces: the distance from −N(S, x) is at most "
+        f"{', '.join(f'{value:.1e}' for value in far)} at Δt = {', '.join(f'{dt:g}' for dt in STEPS)}; the length is "
+        f"at most {size:.2f} ‖F‖. So the lemma holds with “≤” in Definition 2.7.",
+        (
+            equal("distance over that at a tenth of the step", far[1] / far[2], 10.0, 1.0),
+            at_most("distance at the smallest step", far[2], 1e-3),
+            at_most("length over (2^M + 1) ‖F‖", size / (2 ** (DISCS * (DISCS - 1) / 2) + 1), 1.0),
+        ),
+        seed=SEED,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c2.limits",
+        "sections 3 and 5",
+        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method would be a "
+        "solution.",
+        _limits,
+        statement="Limits of a method that is consistent are solutions.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x, with "
+            "Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt",
+            Effect.PROOF,
+            "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in section 5; "
+            "that overlaps stay small is left open in the conclusions of the thesis",
+        ),
+        chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; “≤” in Definition 2.7; a row of discs",
+    ),
+    Claim(
+        "c2.not-sufficient",
+        "(2.10)",
+        "We note, that this property alone does not imply convergence of the numerical method.",
+        _not_sufficient,
+        statement="A method can be consistent at every point and yet not converge.",
+    ),
+    Claim(
+        "c2.definition",
+        "Definition 2.7",
+        "lim sup σ((Φ(x) − x)/Δt − F(x), w) → σ(−N(S, x) ∩ B_R(0), w)",
+        _definition,
+        statement="Consistent is a method whose support functions tend to those of the normal cone.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "lim sup σ(…, w) ≤ σ(−N(S, x) ∩ B_R(0), w), as in Definition 1.27",
+            Effect.MODEL,
+            "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
+        ),
+    ),
+    Claim(
+        "c2.lemma",
+        "Lemma 2.8",
+        "For F bounded, i.e., ‖F‖_∞ < ∞, the PBD method is consistent in the sense of Definition 2.7.",
+        _lemma,
+        statement="A step of PBD without its drift tends to the normals of S, and stays bounded.",
+        chosen="“≤” in Definition 2.7; a row of discs, where a step crosses several contacts",
+    ),
+)

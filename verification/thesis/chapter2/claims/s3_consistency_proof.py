@@ -1,0 +1,193 @@
+"""Chapter 2, section 3: the lines of the proof of Lemma 2.8."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted, points_of_step, row
+
+SEED, SAMPLES = 21, 100
+DT = 1e-3
+# Discs that a single one is kicked along by, see ``kicked``.
+KICKS = 12
+# Two touching discs that are pulled apart with |F| = sqrt(2).
+APART = np.array([[-1.0, 0.0], [1.0, 0.0]])
+
+
+def other_side(x: Floats) -> Floats:
+    """Two overlapping discs moved through each other until they touch on the other side."""
+    along = (x[1] - x[0]) / np.linalg.norm(x[1] - x[0])
+    middle = (x[0] + x[1]) / 2
+    return np.array([middle + RADIUS * along, middle - RADIUS * along])
+
+
+def not_normal(normal: Floats, p: Floats) -> float:
+    """How far P_S(p + α normal) is from p for a small α: 0 for a proximal normal (Definition 1.23)."""
+    return float(np.linalg.norm(parted(p + 0.01 * normal) - p))
+
+
+def _equivalent(_: Tables) -> Evidence:
+    """p - q normal at q: for q the projection of p, and for a q that is not."""
+    rng = np.random.default_rng(SEED)
+    pairs = [np.array([[0.0, 0.0], [r * math.cos(s), r * math.sin(s)]]) for r, s in rng.uniform(0.9, 1.0, (SAMPLES, 2))]
+    forward = max(not_normal(p - parted(p), parted(p)) for p in pairs)
+    others = [other_side(p) for p in pairs]
+    normal = max(not_normal(p - q, q) for p, q in zip(pairs, others, strict=True))
+    apart = max(float(np.linalg.norm(q - parted(p))) for p, q in zip(pairs, others, strict=True))
+    return Evidence(
+        f"{SAMPLES} pairs of discs with overlap below 0.1: p − P(p) is normal at P(p) to {forward:.0e}. So is p − q at "
+        f"the q where the discs have changed sides (to {normal:.0e}), but q is {apart:.1f} away from P(p).",
+        printed=(
+            at_most("p − q misses the normal cone at q by", normal, ROUNDING),
+            at_most("distance of q from the projection", apart, ROUNDING),
+        ),
+        corrected=(at_most("p − P(p) misses the normal cone by", forward, ROUNDING),),
+        seed=SEED,
+    )
+
+
+def rate(x: Floats, force: Floats, last: Floats) -> Floats:
+    """(Φ(x) - x)/Δt - F(x)."""
+    return (last - x) / DT - force
+
+
+def _scale(_: Tables) -> Evidence:
+    x = row(5)
+    force = np.random.default_rng(SEED).uniform(-1.0, 1.0, x.shape)
+    points = points_of_step(x, force, DT)
+    left, right = rate(x, force, points[-1]), points[-1] - points[0]
+    scale = float(np.linalg.norm(left) / np.linalg.norm(right))
+    return Evidence(
+        f"Five discs in a row, Δt = {DT:g}: the left side is {scale:.6g} times p_M − p_0. The factor 1/Δt is missing; "
+        "cones do not mind, so the inclusion stands.",
+        printed=(equal("left side over p_M − p_0", scale, 1.0, 1e-6),),
+        corrected=(equal("left side over (p_M − p_0)/Δt", scale * DT, 1.0, 1e-6),),
+        seed=SEED,
+    )
+
+
+def _steps(_: Tables) -> Evidence:
+    """‖p_j - x‖ over its bound, for short and long steps."""
+    rng = np.random.default_rng(SEED)
+    x, worst = row(5), 0.0
+    for _sample in range(SAMPLES):
+        force, dt = rng.uniform(-1.0, 1.0, x.shape), 10 ** rng.uniform(-3, 0)
+        size = dt * float(np.linalg.norm(force))
+        points = points_of_step(x, force, dt)
+        worst = max(worst, *(float(np.linalg.norm(p - x)) / (2**j * size) for j, p in enumerate(points)))
+    return Evidence(
+        f"Five discs in a row, {SAMPLES} random forces, Δt = 10⁻³ … 1: ‖p_j − x‖ is at most {worst:.3f} of "
+        "2^j Δt ‖F(x)‖ over j = 0 … M = 10 (1 at j = 0).",
+        (at_most("largest share of the bound", worst, 1.0, 1e-9),),
+        seed=SEED,
+    )
+
+
+def kicked(count: int) -> tuple[Floats, Floats]:
+    """A state of S and a prediction in which disc 0 meets, one after another, ``count`` discs just behind it."""
+    width, place = 1e-3 * RADIUS, 0.0
+    x, predicted = np.zeros((2, count + 1, 2))
+    x[0] = -1.9 * RADIUS, 0.0
+    for k in range(1, count + 1):
+        predicted[k] = place - width, 0.0
+        x[k] = RADIUS * (k - 1), RADIUS * (0.87 if k % 2 else -0.87)
+        place += (2 * RADIUS - width) / 2
+    return x, predicted
+
+
+def _induction(_: Tables) -> Evidence:
+    x, predicted = kicked(KICKS)
+    moved = predicted - x
+    gap = min(float(np.linalg.norm(x[i] - x[j])) for i in range(len(x)) for j in range(i)) - 2 * RADIUS
+    ratio = float(np.linalg.norm(points_of_step(x, moved, 1.0)[-1] - predicted) / np.linalg.norm(moved))
+    pairs = math.comb(len(x), 2)
+    return Evidence(
+        f"{len(x)} discs of which one is passed on along a row by the others (Δt = 1): the left side is {ratio:.2f} "
+        f"‖F‖, more than (2¹ + 1) ‖F‖. The bound is for p_M, so 2^j must read 2^M, here with M = {pairs}.",
+        printed=(at_least("gap of the state", gap, 0, ROUNDING), at_most("left side / ‖F‖, j = 1", ratio, 3.0)),
+        corrected=(at_least("gap of the state", gap, 0, ROUNDING), at_most("left side / ‖F‖", ratio, 2.0**pairs + 1)),
+    )
+
+
+def _last(_: Tables) -> Evidence:
+    """Both sides for two touching discs, w pointing apart: p_1 has no contact left."""
+    x, limit = row(2), 3 * float(np.linalg.norm(APART)) + 1
+    problem = dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
+    last, w = points_of_step(x, APART, DT)[-1], np.array([[-1.0, 0.0], [1.0, 0.0]])
+    left, right = (dincl.geometry.support(problem, 0.0, at, w, tol=1e-9, radius=limit) for at in (last, x))
+    return Evidence(
+        f"Two touching discs that are pulled apart, overlap {overlap(last):g} after the step: −N(S_1, p_1) is {{0}}, "
+        f"the lim sup is {left:g}, but the last line is {right:.2f}. Corollary 1.30 has “≤”, which is enough.",
+        printed=(equal("lim sup", left, right, 1e-6),),
+        corrected=(at_most("lim sup", left, right, 1e-6),),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c2.equivalent",
+        "proof of Lemma 2.8",
+        "(2.11) is equivalent to p_{j−1} − p_j ∈ N(S_j, p_j)",
+        _equivalent,
+        statement="That p_j is the projection of p_{j−1}, and that their difference is normal at p_j, is the same.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "(2.11) implies p_{j−1} − p_j ∈ N(S_j, p_j), as in (1.23); the converse is false",
+            Effect.PROOF,
+            "nothing else: only this direction is used",
+        ),
+    ),
+    Claim(
+        "c2.scale",
+        "(2.12)",
+        "(Φ(x) − x)/Δt − F(x) = p_M − p_0",
+        _scale,
+        statement="The rate of a step without its drift, by its first and last point.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
+            Effect.PROOF,
+            "the inclusion after it stands, for cones do not change with a factor",
+        ),
+    ),
+    Claim(
+        "c2.steps",
+        "(2.13)",
+        "‖p_j − x‖ ≤ 2^j Δt ‖F(x)‖",
+        _steps,
+        statement="Every projection at most doubles the distance from the start of the step.",
+    ),
+    Claim(
+        "c2.induction",
+        "after (2.13)",
+        "‖(Φ(x) − x)/Δt − F(x)‖ ≤ (2^j + 1) ‖F‖_∞",
+        _induction,
+        statement="The rate of a step without its drift is bounded by the force, with a constant that has the index j.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "≤ (2^M + 1) ‖F‖_∞ and R = (2^M + 1) ‖F‖_∞ + 1: the bound is (2.13) at j = M",
+            Effect.PROOF,
+            "the constant R of the proof, which needs only to exist",
+        ),
+        chosen="j = 1 for the free index",
+    ),
+    Claim(
+        "c2.last-line",
+        "proof of Lemma 2.8, last line",
+        "lim sup σ(−Σ N(S_j, p_j) ∩ B_R(0), w) = σ(−N(S, x) ∩ B_R(0), w)",
+        _last,
+        statement="In the limit of small steps the cones at the p_j have the support function of the cone at x.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
+            Effect.PROOF,
+            "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
+        ),
+    ),
+)

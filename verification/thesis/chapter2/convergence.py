@@ -1,0 +1,99 @@
+"""Error and infeasibility against the step, for every method of the report (Figures 4 and 5 of chapter 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from verification.order import Order, estimate, order_text
+from verification.study import Key, Study
+from verification.table import Row, digest, fingerprint
+from verification.thesis.chapter2.methods import COMPARED, METHODS
+from verification.thesis.chapter2.reference import Reference
+from verification.thesis.chapter2.runs import distance, reached, scene, solved
+
+SCENES = ("four_disks", "ten_disks_corner")
+TIMES = {name: scene(name).times for name in SCENES}
+# Steps are STEP / 2^k for k below these [time].
+STEP = 0.1
+SHORT, SHORT_COSTLY, FULL = 8, 6, 10
+# Errors and infeasibilities below this come from the tolerances of the projections, not from the method [length].
+FLOOR = 1e-9
+
+
+@dataclass(frozen=True)
+class Run:
+    """The errors of one run at the times of its scene: one row each."""
+
+    references: Mapping[str, Reference]
+
+    def __call__(self, key: Key) -> list[Row]:
+        times = np.array(TIMES[key["scene"]])
+        path, run = solved(key["scene"], key["method"], key["dt"], times)
+        states = reached(path, times)
+        x, resolution = self.references[key["scene"]].at(TIMES[key["scene"]])
+        error = distance(states, x)
+        infeasible = [
+            path.problem.violation(t, state) if np.isfinite(state).all() else np.nan
+            for t, state in zip(times, states, strict=True)
+        ]
+        columns = {"t": times, "error": error, "infeasibility": infeasible, "reference_error": resolution}
+        return [
+            dict(key) | dict(zip(columns, values, strict=True)) | run for values in zip(*columns.values(), strict=True)
+        ]
+
+
+def study(references: Mapping[str, Reference], full: bool) -> Study:
+    """All runs of all methods compared."""
+    runs = [
+        {"scene": name, "method": method.name, "dt": STEP / 2**k}
+        for k in reversed(range(FULL if full else SHORT))
+        for method in reversed(COMPARED)
+        for name in reversed(SCENES)
+        if full or k < SHORT_COSTLY or not method.costly
+    ]
+    stated = {name: [reference.x.tolist(), reference.error.tolist()] for name, reference in references.items()}
+    return Study(
+        name=f"convergence{'_full' if full else ''}",
+        title="Convergence",
+        key=("scene", "method", "dt"),
+        runs=tuple(runs),
+        run=Run(references),
+        fingerprint=fingerprint("methods.py", "runs.py", "convergence.py", references=digest(stated)),
+    )
+
+
+def order_of(rows: pd.DataFrame, quantity: str = "error") -> Order:
+    """The order of one method on one scene at one time, from its rows; a run that ended before that time failed."""
+    floor = max(FLOOR, float(rows["reference_error"].iloc[0])) if quantity == "error" else FLOOR
+    return estimate(rows["dt"], rows[quantity], floor=floor, failed=rows[quantity].isna().to_numpy())
+
+
+def orders(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each scene, time and method: order, its interval, the sentence, the finest run."""
+    names = ["scene", "method", "t"]
+    groups = table.groupby(names, sort=False)
+    found = pd.DataFrame([dict(zip(names, values, strict=True)) | _orders_of(rows) for values, rows in groups])
+    ranks = {method: rank for rank, method in enumerate(METHODS)}
+    return found.sort_values(
+        ["scene", "t", "method"], key=lambda column: column.map(ranks) if column.name == "method" else column
+    ).reset_index(drop=True)
+
+
+def _orders_of(rows: pd.DataFrame) -> dict[str, object]:
+    order, finest = order_of(rows), rows.loc[rows["dt"].idxmin()]
+    low, high = order.interval or (None, None)
+    return {
+        "order": order_text(order),
+        "slope": order.slope,
+        "low": low,
+        "high": high,
+        "verdict": order.verdict,
+        "infeasibility_order": order_text(order_of(rows, "infeasibility")),
+        **finest[["dt", "error", "infeasibility", "seconds"]].to_dict(),
+        "runs": len(rows),
+        "failed": int(rows["error"].isna().sum()),
+    }

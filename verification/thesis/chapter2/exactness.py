@@ -1,0 +1,41 @@
+"""The event-driven solution against the scenes whose exact solution is known, evaluated to 30 digits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+import dincl
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+from verification.thesis.chapter2.reference import TOL
+from verification.thesis.chapter2.runs import about, distance, scene, timed
+
+SCENES = ("sliding_disc", "two_disks", "stack", "step_inclusion", "sweeping_interval")
+# Kept times of each scene, equally spaced from its start to its end.
+KEPT = 24
+
+
+def study() -> Study:
+    """One run for each scene; there is one form only, it takes seconds."""
+    return Study(
+        name="exactness",
+        title="Event-driven against exact",
+        key=("scene",),
+        runs=tuple({"scene": name} for name in SCENES),
+        run=run,
+        fingerprint=fingerprint("exactness.py", "reference.py", "runs.py"),
+    )
+
+
+def run(key: Key) -> list[Row]:
+    """The largest true error of a scene over its kept times, and the largest stated one: one row."""
+    problem = scene(key["scene"])
+    times = np.linspace(0.0, problem.times[-1], KEPT + 1)
+    path, seconds = timed(problem, dincl.EventDriven(TOL), times)
+    columns = {
+        "t_end": times[-1],
+        "events": len(path.events),
+        "true": float(distance(path.x, problem.exact(path.t)).max()),
+        "stated": np.inf if path.error is None else float(path.error.max()),
+    }
+    return [dict(key) | columns | about(path, seconds)]

@@ -1,0 +1,141 @@
+"""Infeasibility over time of PBD against the penalty method with its best strength (Figure 6 of chapter 2)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+import dincl
+from verification.study import Key, Study
+from verification.table import Row, digest, fingerprint
+from verification.thesis.chapter2.convergence import SCENES, TIMES
+from verification.thesis.chapter2.reference import Reference
+from verification.thesis.chapter2.runs import about, distance, reached, scene, timed
+
+# Steps compared [time]; the curves are drawn for those of the short form.
+SHORT, FULL = (0.02, 0.01), (0.02, 0.01, 0.005, 0.0025, 0.00125)
+# dt strength, on a logarithmic scale: from far too weak to unstable. For exponent 1 the strength itself is scanned.
+SPRINGS = np.geomspace(0.01, 10.0, 25)
+PUSHES = np.geomspace(0.3, 100.0, 25)
+# Discs that were thrown apart do not overlap: a run competes only if its error is at most this many times that of PBD.
+COMPARABLE = 5.0
+# Infeasibility up to this multiple of the best one counts as the width of the optimum.
+WIDTH = 2.0
+
+
+def strengths(dt: float, exponent: int) -> list[float]:
+    """The strengths scanned at a step."""
+    return [float(value) for value in (SPRINGS / dt if exponent == 2 else PUSHES)]
+
+
+@dataclass(frozen=True)
+class Scan:
+    """The largest and the mean infeasibility in time, and the position errors, of one run: one row."""
+
+    references: Mapping[str, Reference]
+
+    def __call__(self, key: Key) -> list[Row]:
+        path, run = _run(key)
+        kept = np.array(TIMES[key["scene"]])
+        error = distance(reached(path, kept), self.references[key["scene"]].at(TIMES[key["scene"]])[0])
+        infeasible = path.violation()
+        row = {"largest": infeasible.max(), "mean": infeasible.mean(), "error": error.max()}
+        return [dict(key) | row | run]
+
+
+def curve(key: Key) -> list[Row]:
+    """The infeasibility of one run after every step: one row each."""
+    path, run = _run(key)
+    columns = zip(path.t.tolist(), path.violation().tolist(), strict=True)
+    return [dict(key) | {"t": t, "infeasibility": value, "status": run["status"]} for t, value in columns]
+
+
+def _run(key: Key) -> tuple[dincl.Trajectory, dict[str, Any]]:
+    problem, dt = scene(key["scene"]), key["dt"]
+    end = problem.times[-1]
+    steps = round(end / dt)
+    # Fractions of the end, so that the times of the scene are among them to the last bit.
+    times = np.array([end * k / steps for k in range(steps + 1)])
+    nearest = [int(np.abs(times - t).argmin()) for t in problem.times]
+    times[nearest] = problem.times
+    exponent = key["exponent"]
+    penalty = dincl.Penalty(dt=dt, strength=key["strength"], exponent=exponent) if exponent else None
+    path, seconds = timed(problem, penalty or dincl.PBD(dt=dt), times)
+    return path, about(path, seconds)
+
+
+def scan(references: Mapping[str, Reference], full: bool) -> Study:
+    """PBD (exponent 0) and the penalty method at all strengths, for every step and scene."""
+    runs = [
+        {"scene": name, "dt": dt, "exponent": exponent, "strength": strength}
+        for dt in sorted(FULL if full else SHORT)
+        for name in reversed(SCENES)
+        for exponent in (0, 1, 2)
+        for strength in (strengths(dt, exponent) if exponent else [0.0])
+    ]
+    stated = {name: reference.x.tolist() for name, reference in references.items()}
+    return Study(
+        name=f"penalty_scan{'_full' if full else ''}",
+        title="Penalty strengths",
+        key=("scene", "dt", "exponent", "strength"),
+        runs=tuple(runs),
+        run=Scan(references),
+        fingerprint=fingerprint("runs.py", "infeasibility.py", references=digest(stated)),
+    )
+
+
+def curves(scanned: pd.DataFrame, full: bool) -> Study:
+    """The runs of PBD and of the best strengths, after every step."""
+    best = best_strengths(scanned).dropna(subset="strength")
+    wanted = [(row.scene, row.dt, row.exponent, row.strength) for row in best.itertuples()]
+    wanted += [(row.scene, row.dt, 0, 0.0) for row in scanned[scanned["exponent"] == 0].itertuples()]
+    names = ("scene", "dt", "exponent", "strength")
+    return Study(
+        name=f"infeasibility{'_full' if full else ''}",
+        title="Infeasibility over time",
+        key=names,
+        runs=tuple(dict(zip(names, values, strict=True)) for values in wanted),
+        run=curve,
+        fingerprint=fingerprint("runs.py", "infeasibility.py"),
+    )
+
+
+def best_strengths(scanned: pd.DataFrame) -> pd.DataFrame:
+    """For each scene, step and exponent the strength with the smallest largest infeasibility, and PBD beside it.
+
+    Only runs that reach the end with an error of at most ``COMPARABLE`` times that of PBD compete; where there is
+    none, strength and values are NaN.
+    ``width`` is the factor between the largest and the smallest strength around the best that stay below ``WIDTH``
+    times its infeasibility; ``least_error`` is the smallest position error that any strength reaches.
+    """
+    measured = ["largest", "mean", "error"]
+    rows = []
+    for (name, dt, exponent), group in scanned[scanned["exponent"] > 0].groupby(["scene", "dt", "exponent"]):
+        same = (scanned["scene"] == name) & (scanned["dt"] == dt)
+        pbd = scanned.loc[same & (scanned["exponent"] == 0), measured].iloc[0].add_prefix("pbd_").to_dict()
+        fair = group[(group["error"] <= COMPARABLE * pbd["pbd_error"]) & (group["status"] == "SUCCESS")]
+        fair = fair.sort_values("strength")
+        best = dict.fromkeys(["strength", *measured], np.nan)
+        if len(fair):
+            best = fair.loc[fair["largest"].idxmin(), list(best)].to_dict()
+        more = {"width": _width(fair, best), "least_error": group["error"].min()}
+        rows.append({"scene": name, "dt": dt, "exponent": exponent} | best | pbd | more)
+    return pd.DataFrame(rows)
+
+
+def _width(fair: pd.DataFrame, best: Mapping[str, float]) -> float:
+    """Factor between the ends of the unbroken range of good strengths around the best one; NaN if there is none."""
+    if not len(fair):
+        return np.nan
+    good = (fair["largest"] <= WIDTH * best["largest"]).to_numpy()
+    strength = fair["strength"].to_numpy()
+    low = high = int(np.flatnonzero(strength == best["strength"])[0])
+    while low > 0 and good[low - 1]:
+        low -= 1
+    while high < len(good) - 1 and good[high + 1]:
+        high += 1
+    return float(strength[high] / strength[low])

@@ -1,0 +1,43 @@
+"""How far the discs fly when the step is large: PBD against the penalty method (Figure 2 of chapter 2)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+from verification.thesis.chapter2.convergence import SCENES
+from verification.thesis.chapter2.methods import METHODS, PBD, PENALTIES, PENALTY_PRINTED
+from verification.thesis.chapter2.runs import about, scene, timed
+
+COMPARED = (PBD, *PENALTIES, PENALTY_PRINTED)
+STEPS = (0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.0, 1.6)
+# Long enough that something unstable has time to grow [time].
+END = 32.0
+# A run is unstable if a disc gets this many times farther out than any disc was at the start.
+FAR = 2.0
+
+
+def extent(key: Key) -> list[Row]:
+    """The largest coordinate of one run, after every step, over that of the start: one row."""
+    problem = scene(key["scene"])
+    steps = round(END / key["dt"])
+    times = np.array([END * k / steps for k in range(steps + 1)])
+    path, seconds = timed(problem, METHODS[key["method"]].scheme(END / steps), times)
+    growth = float(np.abs(path.x).max() / np.abs(problem.x0).max())
+    last = float(path.violation()[-1])
+    row = {"growth": growth, "infeasibility": last, "stable": bool(path.status) and growth <= FAR}
+    return [dict(key) | row | about(path, seconds)]
+
+
+def study() -> Study:
+    """All runs; there is one form only, it takes a second."""
+    runs = [{"scene": name, "method": method.name, "dt": dt} for name in SCENES for method in COMPARED for dt in STEPS]
+    return Study(
+        name="large_steps",
+        title="Large steps",
+        key=("scene", "method", "dt"),
+        runs=tuple(runs),
+        run=extent,
+        fingerprint=fingerprint("methods.py", "runs.py", "large_steps.py"),
+    )

@@ -1,0 +1,199 @@
+"""The methods of the report: a name, a look and a way to make the scheme. One colour per method everywhere."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import dincl
+from verification.thesis.chapter2.moreau_jean import MoreauJean
+from verification.thesis.chapter2.yardsticks import Chipmunk, Lsoda
+
+# The tolerance of section 4.1 of chapter 2, for the reference; that of the projections that check it: a projection onto
+# a curved set by quadratic programs stops just below its tolerance in every step, and that adds up over a run; and that
+# of the others [length].
+REFERENCE_TOL = 1e-11
+CHECK_TOL = 1e-12
+QP_TOL = 1e-10
+# Explicit Euler is stable for dt strength |J J^T| <= 2, and a disc in a dense packing has |J J^T| up to about 6.
+TIED_STRENGTH = 0.3
+# Projections over dt^3 [length / time^3]: with a hundredth of it errors of order 2 are the same in both first digits.
+MIDPOINT_TOL = 10.0
+# Unknowns up to which dense factorisations, or a general solver in every step, are worth waiting for.
+DENSE = 200
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to solve a problem with a setting that fixes its accuracy.
+
+    Attributes
+    ----------
+    name, label
+        In tables; for readers.
+    colour, marker, line
+        In figures.
+    scheme
+        setting -> the scheme.
+    costly
+        Whether a step calls a solver of a foreign library: the short studies give such a method fewer step sizes.
+    setting
+        "dt" [time], or "tol" [length] of a method that chooses its steps.
+    most
+        The largest number N d of unknowns that it is made for, or None.
+    """
+
+    name: str
+    label: str
+    colour: str
+    marker: str | tuple[int, int, int]
+    line: str
+    scheme: Callable[[float], dincl.Scheme]
+    costly: bool = False
+    setting: Literal["dt", "tol"] = "dt"
+    most: int | None = None
+
+
+def _penalty(strength: float, colour: str, marker: str) -> Method:
+    return Method(
+        f"penalty_{strength:g}",
+        f"penalty, strength {strength:g}",
+        colour,
+        marker,
+        "-",
+        lambda dt: dincl.Penalty(dt=dt, strength=strength),
+    )
+
+
+PBD = Method("pbd", "PBD", "#d55e00", "o", "-", lambda dt: dincl.PBD(dt=dt))
+CATCH_UP = Method(
+    "catch_up_ipopt",
+    "catch-up, Ipopt",
+    "#0072b2",
+    "s",
+    "-",
+    lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Ipopt(tol=REFERENCE_TOL)),
+    costly=True,
+    most=DENSE,
+)
+CATCH_UP_DAQP = Method(
+    "catch_up_daqp",
+    "catch-up, Daqp",
+    "#003f66",
+    "D",
+    ":",
+    lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
+    most=DENSE,
+)
+LINEARISED_DAQP = Method(
+    "linearised_daqp",
+    "linearised catch-up, Daqp",
+    "#5f9e4a",
+    "P",
+    ":",
+    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
+    most=DENSE,
+)
+LINEARISED_CLARABEL = Method(
+    "linearised_clarabel",
+    "linearised catch-up, Clarabel",
+    "#009e73",
+    "^",
+    "--",
+    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Clarabel(tol=QP_TOL)),
+    costly=True,
+)
+LINEARISED_CVXPY = Method(
+    "linearised_cvxpy",
+    "linearised catch-up, cvxpy",
+    "#56b4e9",
+    "v",
+    ":",
+    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.CvxpyQP(tol=QP_TOL)),
+    costly=True,
+)
+PENALTIES = (_penalty(10, "#e3b7d2", "<"), _penalty(100, "#cc79a7", "d"), _penalty(1000, "#8e4572", ">"))
+PENALTY_TIED = Method(
+    "penalty_tied",
+    f"penalty, strength {TIED_STRENGTH:g}/dt",
+    "#6f6f6f",
+    "X",
+    "-",
+    lambda dt: dincl.Penalty(dt=dt, strength=TIED_STRENGTH / dt),
+)
+PENALTY_PRINTED = Method(
+    "penalty_printed",
+    "penalty as printed, strength 10",
+    "#b8a33b",
+    "*",
+    "-",
+    lambda dt: dincl.Penalty(dt=dt, strength=10.0, exponent=1),
+)
+
+PBD_16 = Method("pbd_16", "PBD, 16 sweeps", "#f2a07b", "8", "-", lambda dt: dincl.PBD(dt=dt, sweeps=16))
+LINEARISED_PIQP = Method(
+    "linearised_piqp",
+    "linearised catch-up, Piqp",
+    "#44bbaa",
+    (3, 0, 180),
+    "-",
+    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Piqp(tol=QP_TOL)),
+)
+MIDPOINT = Method(
+    "midpoint_cg",
+    "midpoint catch-up, projected CG",
+    "#c2003d",
+    "p",
+    "-",
+    lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedCG(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
+)
+MOREAU_JEAN = Method(
+    "moreau_jean_daqp",
+    "catch-up, theta = 1/2, Daqp",
+    "#4f7cac",
+    (5, 1, 0),
+    ":",
+    lambda dt: MoreauJean(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
+    most=DENSE,
+)
+EVENT_DRIVEN = Method(
+    "event_driven",
+    "event-driven",
+    "#000000",
+    "H",
+    "-",
+    lambda tol: dincl.EventDriven(tol=tol),
+    setting="tol",
+    most=DENSE,
+)
+# The yardsticks: programs of others.
+LSODA = Method(
+    "lsoda",
+    "penalty, LSODA",
+    "#8b5a2b",
+    "h",
+    "--",
+    lambda tol: Lsoda(tol=tol),
+    setting="tol",
+)
+CHIPMUNK = Method("chipmunk", "Chipmunk", "#e6a800", (4, 1, 0), "--", lambda dt: Chipmunk(dt=dt, iterations=10))
+
+COMPARED = (PBD, CATCH_UP, LINEARISED_CLARABEL, LINEARISED_CVXPY, *PENALTIES, PENALTY_TIED, PENALTY_PRINTED)
+# Of the chart of speed against accuracy. A scheme with another projection is another method there.
+CHARTED = (
+    PBD,
+    PBD_16,
+    PENALTY_TIED,
+    CATCH_UP,
+    CATCH_UP_DAQP,
+    LINEARISED_CLARABEL,
+    LINEARISED_PIQP,
+    LINEARISED_DAQP,
+    MOREAU_JEAN,
+    MIDPOINT,
+    EVENT_DRIVEN,
+    LSODA,
+    CHIPMUNK,
+)
+METHODS = {method.name: method for method in (*COMPARED, *CHARTED)}

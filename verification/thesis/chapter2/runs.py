@@ -1,0 +1,81 @@
+"""One run of one method on one scene, as rows."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import dincl
+from dincl.scenes import Scene
+from dincl.schemes.base import TimeStepping
+from verification.thesis.chapter2.methods import METHODS
+
+# The counters of a run that become columns.
+COUNTERS = (
+    "steps",
+    "drift_evaluations",
+    "candidate_pairs",
+    "constraint_projections",
+    "solver_calls",
+    "solver_iterations",
+)
+
+
+def scene(name: str) -> Scene:
+    """The ready-made problem ``dincl.scenes.<name>()``."""
+    made: Scene = getattr(dincl.scenes, name)()
+    return made
+
+
+def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, float]:
+    """The run and its seconds; loading, compiling and importing are paid before by two steps that are thrown away.
+
+    A scheme without time steps is run to the first time that is kept before.
+    """
+    warm = 2 * scheme.dt if isinstance(scheme, TimeStepping) else float(t[t > 0][0])
+    dincl.solve(problem, scheme, t=[min(warm, float(t[-1]))], throw=False)
+    start = time.perf_counter()
+    path = dincl.solve(problem, scheme, t=t, throw=False)
+    return path, time.perf_counter() - start
+
+
+def solved(name: str, method: str, dt: float, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, dict[str, Any]]:
+    """Run a named method on a named scene; the Trajectory, and what every row of the run says about it."""
+    path, seconds = timed(scene(name), METHODS[method].scheme(dt), t)
+    return path, about(path, seconds)
+
+
+def about(path: dincl.Trajectory, seconds: float) -> dict[str, Any]:
+    """Status, time and counters of a run, as columns."""
+    counted = asdict(path.stats)
+    return {"status": path.status.name, "detail": path.detail, "seconds": seconds} | {
+        name: counted[name] for name in COUNTERS
+    }
+
+
+def reached(path: dincl.Trajectory, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The states at ``times``, shape (K, N, d); NaN where the run did not arrive."""
+    states = np.full((len(times), *path.problem.x0.shape), np.nan)
+    for k, t in enumerate(times):
+        for index in np.flatnonzero(path.t == t):
+            states[k] = path.x[index]
+    return states
+
+
+def position_rows(path: dincl.Trajectory, times: NDArray[np.float64], columns: dict[str, Any]) -> list[dict[str, Any]]:
+    """One row for each of ``times`` and each particle with its coordinates, and ``columns`` in every row."""
+    return [
+        columns | {"t": t, "particle": i} | dict(zip("xyz", x, strict=False))
+        for t, state in zip(times, reached(path, times), strict=True)
+        for i, x in enumerate(state)
+    ]
+
+
+def distance(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+    """max_i |X_i - Y_i| at each time, shape (K,), for x, y of shape (K, N, d) [length]."""
+    worst: NDArray[np.float64] = np.sqrt(((x - y) ** 2).sum(axis=-1)).max(axis=-1)
+    return worst

@@ -1,0 +1,91 @@
+"""Six decades of dt: what stays bounded under projections, and what does not under penalties."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+import dincl
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+from verification.thesis.chapter2.stability.case import Case, Found
+from verification.thesis.chapter2.stability.contestants import CONTESTANTS
+from verification.thesis.chapter2.stability.outcome import FAR, measured
+from verification.thesis.chapter2.stability.plane import COMMON
+
+# A bounded drift: with F = -x explicit Euler itself is unstable beyond dt = 2 (see ``drift``).
+DISCS = 6
+SHORT = tuple(float(dt) for dt in 10.0 ** np.arange(-4, 3))
+FULL = tuple(float(dt) for dt in np.geomspace(1e-4, 1e2, 25))
+# Runs last so long [time], and at least so many steps; the last ones are all looked at, as forces may repeat.
+END, STEPS, LAST = 1.0, 100, 30
+METHODS = (
+    "pbd",
+    "pbd_16",
+    "second_order",
+    "catch_up_daqp",
+    "linearised_daqp",
+    "midpoint_daqp",
+    "penalty_tied",
+    "penalty_100",
+    "penalty_printed",
+)
+CASE_METHODS = ("pbd", "pbd_16")
+
+
+def run(method: str, dt: float) -> dict[str, Any]:
+    """Six discs fall onto a floor between walls: the largest coordinate over that of the start, and overlap."""
+    problem = dincl.scenes.pile(DISCS)
+    steps = max(STEPS, round(END / dt))
+    # There is no exact state to compare with here: only whether the discs stay where they can be.
+    times, reach = dt * np.arange(steps - LAST, steps + 1), float(np.abs(problem.x0).max())
+    row = measured(problem, CONTESTANTS[method].scheme(dt), times, problem.x0 * np.nan, reach)
+    return row | {"bounded": bool(row["growth"] <= FAR) and row["status"] == "SUCCESS"}
+
+
+def one(key: Key) -> list[Row]:
+    """One run as a row."""
+    return [dict(key) | run(key["method"], key["dt"])]
+
+
+def study(full: bool) -> Study:
+    """All methods over all steps."""
+    return Study(
+        name=f"stability_decades{'_full' if full else ''}",
+        title="Six decades of dt",
+        key=("method", "dt"),
+        runs=tuple({"method": method, "dt": dt} for dt in (FULL if full else SHORT) for method in METHODS),
+        run=one,
+        fingerprint=fingerprint(*COMMON, "stability/decades.py"),
+    )
+
+
+def _bounded() -> Found:
+    rows = {(method, dt): run(method, dt) for method in CASE_METHODS for dt in SHORT}
+    growth = max(row["growth"] for row in rows.values())
+    listed = "; ".join(
+        f"{CONTESTANTS[method].label}: " + ", ".join(f"{rows[method, dt]['overlap']:.0e}" for dt in SHORT)
+        for method in CASE_METHODS
+    )
+    words = f"largest coordinate over that of the start, dt = 1e-4 ... 100 in decades; overlaps: {listed}"
+    return Found(1.0, growth, all(row["bounded"] for row in rows.values()) and growth < 1.1, words)
+
+
+def _springs() -> Found:
+    """Springs of strength 100: dt 100 = 2 / lambda_max, at 0.003 ... 0.02; bounded below, away above."""
+    rows = {dt: run("penalty_100", dt)["growth"] for dt in (1e-4, 1e-3, 1e-1, 1.0)}
+    words = ", ".join(f"dt = {dt:g}: {growth:.1e}" for dt, growth in rows.items())
+    agrees = max(rows[1e-4], rows[1e-3]) < 1.1 and min(rows[1e-1], rows[1.0]) > FAR
+    return Found(1.0, rows[1e-1], agrees, f"largest coordinate over that of the start, {words}")
+
+
+CASES = (
+    Case(
+        "decades-pbd",
+        "PBD over six decades of dt",
+        "bounded drift: overlap grows up to a diameter, coordinates do not grow",
+        _bounded,
+    ),
+    Case("decades-springs", "Springs of strength 100 on the same axis", "thrown apart beyond dt ≈ 0.01", _springs),
+)

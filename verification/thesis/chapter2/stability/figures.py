@@ -1,0 +1,146 @@
+"""The figures of the stability chapter, from tables only."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from verification.page.sheet import GREY, Axes, Figure, polygon, sheet
+from verification.thesis.chapter2.stability.contestants import CONTESTANTS
+from verification.thesis.chapter2.stability.decades import METHODS
+from verification.thesis.chapter2.stability.outcome import FAR, OVERLAP, Outcome
+from verification.thesis.chapter2.stability.plane import Axis, Plane
+
+Floats = NDArray[np.float64]
+# One colour for each outcome in all maps.
+COLOURS: Mapping[str, str] = {
+    Outcome.CONVERGED.value: "#8fc49a",
+    Outcome.INACCURATE.value: "#f2d479",
+    Outcome.INFEASIBLE.value: "#e59a54",
+    Outcome.UNSTABLE.value: "#b8443c",
+    Outcome.NOT_TERMINATED.value: "#5b5b66",
+    Outcome.REFUSED.value: "#86a7cf",
+}
+LINES = ("-", "--", ":", "-.")
+INK = "#22262b"
+MOST_COLUMNS = 4
+# So few heights are all written beside the axis.
+FEW = 7
+
+
+def plane(table: pd.DataFrame, drawn: Plane, path: Path) -> Path:
+    """One panel for each method: the outcome of every cell, and the limits of theory as lines."""
+    columns = min(MOST_COLUMNS, len(drawn.methods))
+    rows = math.ceil(len(drawn.methods) / columns)
+    with sheet(path, 2.2 * rows + 0.8, **{"axes.grid": False, "axes.spines.top": True}) as figure:
+        panels = np.atleast_2d(figure.subplots(rows, columns, sharex=True, sharey=True, squeeze=False))
+        for panel, (method, label) in zip(panels.flat, drawn.methods.items(), strict=False):
+            _cells(panel, table[table["method"] == method], drawn)
+            _lines(panel, method, drawn)
+            panel.set_title(label)
+        for panel in panels.flat[len(drawn.methods) :]:
+            panel.set_axis_off()
+        for panel in panels[:, 0]:
+            panel.set_ylabel(drawn.y.label)
+        for panel in list(panels.flat)[max(0, len(drawn.methods) - columns) : len(drawn.methods)]:
+            panel.set_xlabel(drawn.x.label)
+            panel.tick_params(labelbottom=True)
+        _legend(figure, panels.flat[: len(drawn.methods)])
+    return path
+
+
+def _cells(panel: Axes, rows: pd.DataFrame, drawn: Plane) -> None:
+    x, y = (np.array(sorted(rows[name].unique())) for name in ("x", "y"))
+    outcomes = rows.pivot(index="y", columns="x", values="outcome").loc[y, x].to_numpy()
+    colours = np.array([[_rgb(COLOURS[word]) for word in line] for line in outcomes])
+    wide, high = _edges(x, drawn.x), _edges(y, drawn.y)
+    panel.pcolormesh(wide, high, colours, edgecolors="white", linewidth=0.3)
+    panel.set(xlim=(wide[0], wide[-1]), ylim=(high[0], high[-1]))
+    panel.set_xscale("log" if drawn.x.logarithmic else "linear")
+    panel.set_yscale("log" if drawn.y.logarithmic else "linear")
+    if len(y) <= FEW:
+        panel.set_yticks(y, [f"{value:g}" for value in y])
+        panel.set_yticks([], minor=True)
+
+
+def _lines(panel: Axes, method: str, drawn: Plane) -> None:
+    low, high = panel.get_ylim()
+    heights = np.geomspace(low, high, 200) if drawn.y.logarithmic else np.linspace(low, high, 200)
+    for line, look in zip(drawn.lines, LINES, strict=False):
+        if method in line.methods and line.x is None:
+            panel.axhline(line.height, color=INK, linewidth=1.2, label=line.label, linestyle=look)
+        elif method in line.methods and line.x is not None:
+            panel.plot(line.x(heights), heights, color=INK, linewidth=1.2, label=line.label, linestyle=look)
+
+
+def _edges(values: Floats, axis: Axis) -> Floats:
+    """The sides of cells around ``values``, halfway between them."""
+    places = np.log(values) if axis.logarithmic else values
+    middle = (places[1:] + places[:-1]) / 2
+    ends = [2 * places[0] - middle[0], 2 * places[-1] - middle[-1]]
+    edges: Floats = np.concatenate((ends[:1], middle, ends[1:]))
+    return np.exp(edges) if axis.logarithmic else edges
+
+
+def _rgb(colour: str) -> list[float]:
+    return [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
+
+
+def _legend(figure: Figure, panels: Iterable[Axes]) -> None:
+    panels = list(panels)
+    shown = [panels[0].plot([], [], "s", color=colour, markersize=7)[0] for colour in COLOURS.values()]
+    figure.legend(shown, list(COLOURS), loc="outside lower center", ncols=len(COLOURS))
+    lines = {
+        label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    if lines:
+        figure.legend(lines.values(), lines.keys(), loc="outside upper right", ncols=len(lines))
+
+
+def decades(table: pd.DataFrame, path: Path) -> Path:
+    """Growth and largest overlap against six decades of dt; runs that did not end well as crosses on top."""
+    with sheet(path, 3.6) as figure:
+        panels = figure.subplots(1, 2, sharex=True)
+        for index, name in enumerate(METHODS):
+            rows = table[table["method"] == name].sort_values("dt")
+            failed = (rows["status"] != "SUCCESS").to_numpy()
+            one = CONTESTANTS[name]
+            look: dict[str, Any] = {"color": one.colour, "marker": one.marker, "label": one.label}
+            look |= {"markerfacecolor": "none", "markersize": 9 - 0.6 * index}
+            for panel, quantity, lowest, highest in (
+                (panels[0], "growth", 0.9, 1e3),
+                (panels[1], "overlap", 1e-8, 1e2),
+            ):
+                panel.loglog(rows["dt"], rows[quantity].clip(lowest, highest).where(~failed), **look)
+                panel.plot(rows["dt"][failed], np.full(failed.sum(), highest), "x", color=one.colour)
+        panels[0].set(ylabel="largest coordinate / that of the start", xlabel="step dt")
+        panels[1].set(ylabel="largest overlap [diameters]", xlabel="step dt")
+        for panel, limit, word in ((panels[0], FAR, "unstable"), (panels[1], OVERLAP, "infeasible")):
+            panel.axhline(limit, color=GREY, linewidth=0.9, linestyle=":")
+            panel.text(0.01, limit, word, transform=panel.get_yaxis_transform(), va="bottom", color=GREY, fontsize=7)
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+    return path
+
+
+def pacman(runs: pd.DataFrame, half: float, path: Path) -> Path:
+    """The set with its mouth, and for every step the two runs that start together at its tip."""
+    with sheet(path, 3.2, **{"axes.grid": False}) as figure:
+        panels = figure.subplots(1, runs["dt"].nunique(), sharey=True)
+        angle = np.linspace(half, 2 * np.pi - half, 200)
+        body = np.vstack(([[0.0, 0.0]], np.column_stack((np.cos(angle), np.sin(angle)))))
+        for panel, (dt, mine) in zip(np.atleast_1d(panels), runs.groupby("dt", sort=False), strict=True):
+            polygon(panel, body, facecolor="#f2d479", edgecolor="#8c7426", linewidth=1.0)
+            for _side, one in mine.groupby("side"):
+                panel.plot(one["x"], one["y"], "o-", color=INK, markersize=2.5, linewidth=1.0)
+            panel.set(
+                title=f"dt = {dt:g}", xlim=(-1.05, 1.05), ylim=(-1.05, 1.05), aspect="equal", xticks=[], yticks=[]
+            )
+            panel.spines[:].set_visible(False)
+    return path

@@ -1,0 +1,110 @@
+"""The scenes of the chart of speed against accuracy, and what their errors are measured against.
+
+Exact solutions where there are any; otherwise the event-driven scheme, whose error estimate is stated. For the piles it
+is a table that was computed once, that of the balls in half a minute by
+``python -m verification.thesis.chapter2.work_references``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+import dincl
+from dincl.scenes import Scene
+from verification.study import Key, Study
+from verification.table import Row, digest, fingerprint
+from verification.thesis.chapter2.known import Known
+
+Floats = NDArray[np.float64]
+SCENES: Mapping[str, Callable[[], Scene]] = {
+    "sliding_disc": dincl.scenes.sliding_disc,
+    "stack": dincl.scenes.stack,
+    "four_disks": dincl.scenes.four_disks,
+    "ten_disks_corner": dincl.scenes.ten_disks_corner,
+    "ball_pile_30": partial(dincl.scenes.ball_pile, 30),
+    "pile_1000": partial(dincl.scenes.pile, 1000),
+}
+# Between two times at which errors are looked at, where the reference does not say; the times of the scenes are among
+# them [time].
+EVERY = 0.05
+TOL = 1e-12
+# Of t, particle, the coordinates and error; the first made by ``main``, the second by ``pile_reference``.
+DATA, MADE_HERE = Path(__file__).parent.parent / "data", "ball_pile_30"
+FILES = {name: DATA / f"{name}.parquet" for name in (MADE_HERE, "pile_1000")}
+# Of an exact solution that was rounded to double numbers, relative to the largest coordinate.
+ROUNDING = 4 * np.finfo(float).eps
+
+
+def study() -> Study:
+    """The references of all scenes; one run for each."""
+    return Study(
+        name="work_references",
+        title="References of the chart of speed against accuracy",
+        key=("scene",),
+        runs=tuple({"scene": name} for name in reversed(SCENES)),
+        run=rows,
+        fingerprint=fingerprint(
+            "work_references.py", every=EVERY, tol=TOL, files=digest([path.read_bytes() for path in FILES.values()])
+        ),
+    )
+
+
+def rows(key: Key) -> list[Row]:
+    """One row for each time and particle."""
+    name = key["scene"]
+    return _rows(name, _from_file(FILES[name]) if name in FILES else _computed(SCENES[name]()))
+
+
+def _rows(name: str, known: Known) -> list[Row]:
+    return [
+        {"scene": name, "t": t, "particle": i, "error": error} | dict(zip("xyz", x, strict=False))
+        for t, state, error in zip(known.t, known.x, known.error, strict=True)
+        for i, x in enumerate(state)
+    ]
+
+
+def reference(table: pd.DataFrame, name: str) -> Known:
+    """The reference of a scene, from the table of ``study``."""
+    return _stacked(table[table["scene"] == name])
+
+
+def _computed(scene: Scene) -> Known:
+    end = scene.times[-1]
+    times = np.linspace(0.0, end, round(end / EVERY) + 1)[1:]
+    if scene.exact is not None:
+        x = scene.exact(times)
+        return Known(times, x, np.full(len(times), ROUNDING * np.abs(x).max()))
+    path = dincl.solve(scene, dincl.EventDriven(tol=TOL), t=times, throw=False)
+    if path.error is None or len(path.t) < len(times):
+        raise dincl.StepFailed(path)
+    return Known(path.t, path.x, path.error)
+
+
+def _from_file(path: Path) -> Known:
+    return _stacked(pd.read_parquet(path))
+
+
+def _stacked(table: pd.DataFrame) -> Known:
+    """Columns of positions that hold numbers are the axes of the scene; the error is that of the time."""
+    ordered = table.sort_values(["t", "particle"])
+    t = np.unique(ordered["t"].to_numpy())
+    axes = [name for name in "xyz" if name in ordered and ordered[name].notna().all()]
+    x = ordered[axes].to_numpy().reshape(len(t), -1, len(axes))
+    return Known(t, x, ordered["error"].to_numpy().reshape(len(t), -1).max(axis=1))
+
+
+def main() -> None:
+    """Compute the reference that this module keeps, and write its table."""
+    table = pd.DataFrame(_rows(MADE_HERE, _computed(SCENES[MADE_HERE]()))).drop(columns="scene")
+    table.to_parquet(FILES[MADE_HERE], index=False)
+    print(table.groupby("t")["error"].first())
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,179 @@
+"""Chapter 3, Tables 1 and 2: entries that are not those of the text and of what was run."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+
+import numpy as np
+
+from tissue.first_order import simulate
+from tissue.observables import widths
+from tissue.parameters import preset
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, equal
+from verification.thesis.chapter3.claims.s1_3_model import grown
+
+SEED, MANY = 0, 12
+# Table 1 in μm; the first height of Figure 16, whose unit is R_soft.
+R_SOFT, HEIGHT, WIDTH = 5.0, 50.0, 40.0
+FIRST_HEIGHT = 8.0
+# Table 2, in minutes.
+G2, MITOSIS = 30.0, 30.0
+TOL = 1e-6
+# z of a 99.9 % interval.
+Z = 3.29
+
+
+def _box(_: Tables) -> Evidence:
+    start = preset("published").start_numbers()
+    return Evidence(
+        f"Figure 16 begins at a height of {FIRST_HEIGHT:g} in units of R^soft: h = 50 μm would be "
+        f"{HEIGHT / R_SOFT:g}, 40 μm is {WIDTH / R_SOFT:g}. Published runs of the model begin {start.height:g} R^soft "
+        f"high and {start.width:g} wide: the two values are swapped",
+        printed=(equal("h^init of the table over R_soft", HEIGHT / R_SOFT, FIRST_HEIGHT, TOL),),
+        corrected=(
+            equal("w^init of the table over R_soft", WIDTH / R_SOFT, FIRST_HEIGHT, TOL),
+            equal("published height over w^init", start.height * R_SOFT / WIDTH, 1.0, TOL),
+            equal("published width over h^init", start.width * R_SOFT / HEIGHT, 1.0, TOL),
+        ),
+    )
+
+
+def basal_width(distance: str) -> float:
+    """The width of the basal layer after an hour [R_soft]."""
+    changes = {"tissue.max_basal_distance": distance, "tissue.basal_spacing": distance, "numerics.t_end": "1 h"}
+    return float(widths(simulate(preset("thesis").changed(changes), 0).final).basal)
+
+
+def _basal(_: Tables) -> Evidence:
+    """0 itself is refused, so a bound near it stands for it."""
+    printed, right = basal_width("1e-6 um"), basal_width("1/3 R_soft")
+    return Evidence(
+        "by (C2) 0 μm puts all basal points in one place. 60 cells with sweeps of PBD, after 1 h: a bound of 10⁻⁶ μm "
+        f"shrinks the basal layer to {printed:.1f} R_soft, the bound R_soft/3 keeps it {right:.1f} wide",
+        printed=(at_least("basal width with the printed bound [R_soft]", printed, WIDTH / R_SOFT),),
+        corrected=(at_least("basal width with R_soft/3 [R_soft]", right, WIDTH / R_SOFT),),
+        seed=0,
+    )
+
+
+def singles(two: float) -> tuple[int, int]:
+    """Cycles that end within the shortest cycle, and those that bring one cell, if two stay with probability ``two``.
+
+    No cell ends its cycle twice: new cells are the pairs, all other cells that are born are single.
+    """
+    ends = single = 0
+    for seed in range(MANY):
+        run = simulate(preset("thesis").changed({"numerics.t_end": "10 h", "tissue.two_daughters": two}), seed)
+        born, new = int((run.final.cells.birth > 0).sum()), int((run.final.cells.mother >= 0).sum())
+        ends, single = ends + born - new, single + born - 2 * new
+    return ends, single
+
+
+def _offspring(_: Tables) -> Evidence:
+    """By the rule of sections 2.1 and 2.2.5, against what the table says of the same number."""
+    ends, single = singles(0.2)
+    share = single / ends
+    half = Z * math.sqrt(share * (1 - share) / ends)
+    needed = (Z / (0.5 * (0.8 - 0.2))) ** 2 * share * (1 - share)
+    return Evidence(
+        f"sections 2.1 and 2.2.5 keep a second daughter in 20 % of the divisions: of {ends} cycles that end, {single} "
+        f"({100 * share:.0f} %, 99.9 % interval ± {100 * half:.0f} %) bring a single offspring, not 20 %",
+        printed=(equal("share of single offspring", share, 0.2, 0.1, (share - half, share + half)),),
+        corrected=(equal("share of single offspring", share, 0.8, 0.1, (share - half, share + half)),),
+        seed=SEED,
+        runs_needed=math.ceil(MANY * needed / ends),
+    )
+
+
+def text_rule(age: np.ndarray, cycle: float) -> np.ndarray:
+    """(3.4): whether the radius is the enlarged one."""
+    return age >= cycle - MITOSIS / 60
+
+
+def enlarged_minutes(rule: Callable[[np.ndarray, float], np.ndarray], cycle: float) -> float:
+    """How long of a cycle of so many hours."""
+    ages = (np.arange(60 * 60 * int(cycle)) + 0.5) / 3600
+    return float(rule(ages, cycle).sum()) / 60
+
+
+def _enlarged(_: Tables) -> Evidence:
+    by_text = enlarged_minutes(text_rule, 14.0)
+    table = grown(SEED, "published")
+    left = 60 * (table["cycle_h"] - table["age_h"])
+    large = table["hard_radius_um"] > table["hard_radius_um"].min() + TOL
+    share, mitotic = (float(large[left.between(end + 6, end + 24)].mean()) for end in (MITOSIS, 0.0))
+    return Evidence(
+        f"by (3.4), as in sections 2.1 and 2.2.8, the radius is 0.7 R^soft for {by_text:.0f} min of a cycle; by the "
+        f"table for {G2 + MITOSIS:.0f} min. In published runs {100 * share:.0f} % of the cells in active G2 and "
+        f"{100 * mitotic:.0f} % of those in mitosis have it",
+        printed=(
+            equal("minutes with the larger radius by (3.4)", by_text, G2 + MITOSIS, 1.0),
+            equal("share of enlarged cells in active G2", share, 1.0, 0.1),
+        ),
+        corrected=(
+            equal("minutes with the larger radius by (3.4)", by_text, MITOSIS, 1.0),
+            equal("share of enlarged cells in active G2", share, 0.0, 0.1),
+            equal("share of enlarged cells in mitosis", mitotic, 1.0, 0.1),
+        ),
+        seed=SEED,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c3.box",
+        "Table 1",
+        "h^init = 50 μm initial tissue height, w^init = 40 μm initial tissue width",
+        _box,
+        statement="The height and the width of the tissue at the start.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "h^init = 40 μm, w^init = 50 μm",
+            Effect.NUMBER,
+            "every run of chapters 3 and 4 begins in this box; heights are compared with the first one (Figure 16)",
+        ),
+    ),
+    Claim(
+        "c3.basal",
+        "Table 1",
+        "d^max-basal = 0 μm, maximal allowed distance between basal points",
+        _basal,
+        statement="How far neighbouring basal points may be apart.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "a positive distance, in published runs d^max-basal = R^soft/3 = 1.67 μm",
+            Effect.MODEL,
+            "(C2) in every run of chapters 3 and 4: with 0 the basal layer is a point",
+        ),
+        chosen="10⁻⁶ μm in place of 0",
+    ),
+    Claim(
+        "c3.offspring",
+        "Table 1",
+        "p^div = 20 %, probability of division with single offspring",
+        _offspring,
+        statement="How often a division brings a single cell.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "p^div = 20 % is the probability of a division with two offspring; one of 80 % brings a single one",
+            Effect.MODEL,
+            "the growth of the tissue in chapters 3 and 4; p^div-out = 100 % of chapter 4 is 1 − p^div",
+        ),
+    ),
+    Claim(
+        "c3.enlarged",
+        "Table 2, (3.4)",
+        "R^hard,G2 = 0.7 R^soft radius of non-overlap (during active G2, mitosis phase)",
+        _enlarged,
+        statement="The phases in which a nucleus has the larger hard radius.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "0.7 R^soft during mitosis only, R^hard = 1.66 μm in G1, S and the whole of G2",
+            Effect.MODEL,
+            "the rise of nuclei in active G2, which the table makes twice as large while they move",
+        ),
+    ),
+)

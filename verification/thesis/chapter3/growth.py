@@ -1,0 +1,124 @@
+"""Growth of the height for several dampings (Figures 14 to 16), with the substeps of the preset and with more."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from functools import partial
+
+import numpy as np
+import pandas as pd
+
+from tissue.observables import height
+from tissue.parameters import preset
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+from verification.thesis.chapter3.growing import COMMON, PACKAGES, PRESETS, SUCCESS, growing
+from verification.thesis.chapter3.intervals import over_seeds
+
+DAMPINGS = (0.2, 0.15, 0.1, 0.05, 0.025)
+END = 48.0
+# How often a height is kept, within the runs of Figure 16 [h].
+EVERY = 2.0
+# What the embryo does in some places within 48 h.
+DOUBLED = 2.0
+
+
+@dataclass(frozen=True)
+class Form:
+    """How far the study goes: number of seeds, largest h / mu of the fine runs."""
+
+    seeds: int
+    fine: float
+
+
+SHORT = Form(5, 1 / 60)
+FULL = Form(24, 1 / 240)
+
+
+def study(full: bool) -> Study:
+    """One run for each preset, damping and number of substeps, with all seeds."""
+    form = FULL if full else SHORT
+    runs = [
+        {"preset": name, "mu": mu, "substeps": substeps}
+        for name in PRESETS
+        for mu in DAMPINGS
+        for substeps in substeps_of(name, mu, form.fine)
+    ]
+    return Study(
+        name=f"tissue_growth{'_full' if full else ''}",
+        title="Tissue: growth",
+        key=("preset", "mu", "substeps"),
+        runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),
+        run=partial(grown, seeds=form.seeds),
+        fingerprint=fingerprint(*COMMON, "tissue/growth.py", packages=PACKAGES, form=asdict(form)),
+    )
+
+
+def substeps_of(name: str, mu: float, fine: float) -> tuple[int, ...]:
+    """Substeps of the preset, and as many more as h / mu <= ``fine`` takes."""
+    numbers = preset(name).numbers()
+    return tuple(sorted({numbers.substeps, max(numbers.substeps, int(np.ceil(numbers.dt / mu / fine - 1e-9)))}))
+
+
+def grown(key: Key, seeds: int) -> list[Row]:
+    """One row for each seed and time: the height over that of the start; NaN from where a run is lost."""
+    rows = []
+    for seed in range(seeds):
+        run = growing(key["preset"], seed, mu=key["mu"], substeps=key["substeps"])
+        first = height(run.frame())
+        for t in np.arange(0.0, END + EVERY / 2, EVERY).tolist():
+            ratio = height(run.frame()) / first if run.to(t) else np.nan
+            rows.append(dict(key) | {"seed": seed, "t": t, "ratio": ratio, "status": run.status})
+    return rows
+
+
+def fine(table: pd.DataFrame) -> pd.Series:
+    """Whether a row belongs to the finest runs of its preset and damping, in the order of the table."""
+    return table["substeps"] == table.groupby(["preset", "mu"])["substeps"].transform("max")
+
+
+def ratios(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each preset, damping and number of substeps: height at the end over that at the start.
+
+    Mean over the seeds with its interval, their least and largest; and how many were lost, and to what.
+    """
+    rows = []
+    for (name, mu, substeps), mine in table[table["t"] == END].groupby(["preset", "mu", "substeps"]):
+        kept = mine.loc[mine["status"] == SUCCESS, "ratio"]
+        lost = mine.loc[mine["status"] != SUCCESS, "status"]
+        mean, low, high = over_seeds(kept)
+        about = {"preset": name, "mu": mu, "substeps": substeps, "ratio": mean, "low": low, "high": high}
+        extremes = {"least": kept.min(), "largest": kept.max()}
+        counts = {"runs": len(mine), "lost": len(lost), "to": ", ".join(sorted(set(lost)))}
+        rows.append(about | extremes | counts)
+    return pd.DataFrame(rows).sort_values(["preset", "substeps", "mu"], ignore_index=True)
+
+
+def doubling(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each preset and kind of substeps: the damping at which the height doubles.
+
+    For each seed on the line in log mu through the two dampings next to it, without those of which a run was lost; mean
+    over the seeds with its interval. NaN where the ratio does not come near: beyond the dampings by more than one of
+    their distances.
+    """
+    rows = []
+    for name, mine in table[table["t"] == END].groupby("preset"):
+        for kind, one in (
+            ("as the preset", mine[mine["substeps"] == mine["substeps"].min()]),
+            ("fine", mine[fine(mine)]),
+        ):
+            whole = one.pivot(index="seed", columns="mu", values="ratio").dropna(axis="columns")
+            found = [_where_doubled(whole.columns.to_numpy(), ratio) for ratio in whole.to_numpy()]
+            mean, low, high = over_seeds(found)
+            rows.append({"preset": name, "kind": kind, "mu": mean, "low": low, "high": high, "runs": len(found)})
+    return pd.DataFrame(rows)
+
+
+def _where_doubled(mu: np.ndarray, ratio: np.ndarray) -> float:
+    """mu with ratio(mu) = 2, for ratios (K,) that fall with mu."""
+    if len(mu) < 2:
+        return np.nan
+    k = int(np.clip(np.searchsorted(-ratio, -DOUBLED), 1, len(mu) - 1))
+    x = np.log(mu[k - 1 : k + 1])
+    part = (DOUBLED - ratio[k - 1]) / (ratio[k] - ratio[k - 1])
+    return float(np.exp(x[0] + part * (x[1] - x[0]))) if -1 <= part <= 2 else np.nan

@@ -1,0 +1,150 @@
+"""The linear limit where theory is sharp: found by bisection, the formula not used, beside what the formula says."""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from tissue.cells import Layers, empty
+from tissue.numbers import Numbers
+from tissue.parameters import preset
+from verification.study import Study
+from verification.table import fingerprint
+from verification.thesis.chapter2.stability.boundary import boundary
+from verification.thesis.chapter2.stability.case import Case, Found, within
+from verification.thesis.chapter2.stability.case import study as study_of_cases
+from verification.thesis.chapter3 import frozen, linear
+from verification.thesis.chapter3.frozen import Frozen
+from verification.thesis.chapter3.growing import COMMON, PACKAGES
+from verification.thesis.chapter3.jitter import substepped, swing
+
+# A swing that is a hundred times the disturbance has grown; one part in a thousand above the limit it does so by 1.002
+# in each substep. It is looked for all along: once large, it may end in another state, bent or turned over. With
+# contacts the sweeps themselves leave something that swings, so the disturbance has to be larger [R_soft].
+SIZE, ROUGH = 1e-8, 1e-5
+GROWN = 100.0
+# Substeps after which it is looked for: often enough to find it before it is of the size of a cell.
+LOOKS = tuple(2**k for k in range(3, 14))
+PRECISION, AGREEMENT, CONTACTS = 2e-4, 1e-3, 0.05
+# Where the search for a step that is too large begins [h/mu].
+SMALL = 1e-3
+HEIGHT = 8.0
+
+
+def standing(u: float, v: float, count: int = 1, spacing: float = 4.0, **stiffness: float) -> Frozen:
+    """Straight cells side by side at rest, nuclei ``u`` below the apical and ``v`` above the basal points.
+
+    Stiffnesses that are not given are 0. Too far from each other for the nuclei to meet; junctions are at rest.
+    """
+    numbers: Numbers = preset("thesis").numbers()._replace(max_basal=2 * spacing, hard_radius=0.0)
+    cells = empty(count)
+    place = spacing * np.arange(count)
+    given = {"x": place, "y": v, "ax": place, "ay": u + v, "bx": place, "rest_ax": u - 1, "rest_bx": v - 1}
+    for name, value in (given | {"rest_aa": spacing} | stiffness).items():
+        getattr(cells, name)[:] = value
+    return Frozen(cells, Layers(np.arange(count), np.arange(count)), numbers)
+
+
+def holds(state: Frozen, scale: float, size: float = SIZE) -> bool:
+    """Whether substeps of h/mu = ``scale`` let no swing grow out of a disturbance of ``size``."""
+    now = frozen.disturbed(state, size)
+    for more in np.diff((0, *LOOKS)).tolist():
+        cells = substepped(now.cells, now.layers, now.numbers, scale, more)
+        found = None if cells is None else swing(cells, now.layers, now.numbers, scale)
+        if cells is None or found is None or found.largest > GROWN * size:
+            return False
+        now = now._replace(cells=cells)
+    return True
+
+
+def found_limit(state: Frozen, size: float = SIZE) -> float:
+    """The largest h/mu that ``holds``."""
+
+    def fine(scale: float) -> bool:
+        return holds(state, scale, size)
+
+    high = SMALL
+    while fine(high):
+        high *= 2
+    return boundary(fine, high / 2, high, PRECISION)
+
+
+def _stiffness() -> dict[str, float]:
+    """The stiffness of cells in the thesis."""
+    numbers = preset("thesis").numbers()
+    return {"stiff_ax": numbers.alpha_ax, "stiff_bx": numbers.alpha_bx, "stiff_axb": numbers.alpha_axb}
+
+
+def _bending(u: float, v: float) -> Found:
+    given = _stiffness()
+    expected = linear.LIMIT / linear.bending(given["stiff_axb"], u, v)
+    words = f"h/μ, u = |A − X| = {u:g}, v = |B − X| = {v:g}"
+    return within(expected, found_limit(standing(u, v, **given)), AGREEMENT, words)
+
+
+def _springs(power: int) -> Found:
+    given, length = _stiffness() | {"stiff_axb": 0.0}, 2.5
+    state = standing(length, length, **given)
+    state = state._replace(numbers=state.numbers._replace(power=power))
+    # Moves of A and X along the cell: [[k, -k], [-k, 2k]].
+    expected = linear.LIMIT / (2 * given["stiff_ax"] / length**power * (3 + math.sqrt(5)) / 2)
+    return within(expected, found_limit(state), AGREEMENT, f"h/μ, l = {length:g}, p = {power}")
+
+
+def _junctions() -> Found:
+    count, alpha = 10, preset("thesis").numbers().alpha_aa
+    state = standing(2.5, 2.5, count, stiff_aa=alpha)
+    k = state.numbers.junction_factor * alpha
+    expected = linear.LIMIT / (2 * k * (1 + math.cos(math.pi / count)))
+    return within(expected, found_limit(state), AGREEMENT, f"h/μ, {count} cells, k = {k:g}")
+
+
+def crowd() -> Frozen:
+    """Twelve cells with all forces, too thin to touch: soft discs overlap, junctions and springs are under tension."""
+    state = standing(4.0, 4.0, 12, 1.5, stiff_aa=preset("thesis").numbers().alpha_aa, **_stiffness())
+    state.cells.y[:] += 0.5 * np.cos(2.0 * np.arange(12))
+    state.cells.rest_aa[:] = 1.4
+    return frozen.at_rest(state)
+
+
+def _crowd() -> Found:
+    state = crowd()
+    return within(frozen.limit(state), found_limit(state), AGREEMENT, "h/μ, 12 cells, all forces, no contact")
+
+
+def _grown(name: str) -> Found:
+    """With contacts: projections may hold the swing back, so the agreement is that of two digits, not of three."""
+    state = frozen.at_rest(frozen.grown(name))
+    words = f"h/μ, {len(state.cells.x)} cells after {frozen.AGE:g} h, {name} parameters"
+    return within(frozen.limit(state), found_limit(state, ROUGH), CONTACTS, words)
+
+
+BENDING = "h/μ · 2α(1/u² + 1/v² + 1/(uv)) = 2"
+CASES = (
+    Case("bend-middle", "A straight cell, nucleus in the middle", BENDING, partial(_bending, 2.5, 2.5)),
+    Case("bend-apical", "A straight cell, nucleus at its apical end", BENDING, partial(_bending, 0.7, 7.3)),
+    Case("springs-1", "The springs of a cell, p = 1", "h/μ · (2α/l)(3 + √5)/2 = 2", partial(_springs, 1)),
+    Case("springs-2", "The springs of a cell, p = 2", "h/μ · (2α/l²)(3 + √5)/2 = 2", partial(_springs, 2)),
+    Case("junctions", "The apical layer", "h/μ · 2k(1 + cos(π/n)) = 2", _junctions),
+    Case("crowd", "Cells at rest, no contact", "h/μ · λ_max of the Hessian of W = 2", _crowd),
+    Case("thesis", "A grown tissue at rest, thesis", "the same, contacts left out", partial(_grown, "thesis")),
+    Case("published", "A grown tissue at rest, published", "the same, contacts left out", partial(_grown, "published")),
+)
+
+
+def study() -> Study:
+    """All cases; there is one form only."""
+    sources = ("frozen.py", "jitter.py", "limits.py", "linear.py")
+    made = fingerprint(
+        *COMMON,
+        "stability/boundary.py",
+        "stability/case.py",
+        *(f"tissue/{name}" for name in sources),
+        packages=PACKAGES,
+        cases=[case.id for case in CASES],
+    )
+    return replace(study_of_cases(CASES, ()), name="tissue_limits", title="Tissue: linear limits", fingerprint=made)

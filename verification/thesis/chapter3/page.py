@@ -1,0 +1,47 @@
+"""The tissue: how exact and how fast its substeps are, how it grows, where its substeps become unstable."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from tissue.first_order import simulate
+from tissue.parameters import preset
+from tissue.quasi_steady import simulate_quasi_steady
+from tissue.study.outcomes import outcomes
+from verification.page.report import Chapter, Context, Section
+from verification.thesis.chapter3.growing import until
+from verification.thesis.chapter3.sections import catch_up, daha, foretold, growth, judged, kernel, stability, substeps
+
+# In the order of the page; a part may read the tables of those before it.
+PARTS = (
+    substeps.PART,
+    catch_up.PART,
+    foretold.PART,
+    growth.PART,
+    stability.PART,
+    daha.PART,
+    judged.PART,
+    kernel.PART,
+)
+
+
+def compile_kernels() -> None:
+    """Let numba compile and keep what takes it longest, by the shortest runs there are; those of EMT, too."""
+    brief = preset("thesis").changed(until(0.1))
+    simulate(brief, 0)
+    simulate_quasi_steady(brief, 0, throw=False)
+    outcomes(brief, [0], [0])
+
+
+def run(context: Context) -> None:
+    """Complete all studies of the tissue."""
+    for part in PARTS:
+        part.run(context)
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """One for each of ``PARTS``."""
+    return [part.section(context) for part in PARTS]
+
+
+CHAPTER = Chapter("Tissue", run, sections, compile_kernels, tables=("tissue_",))

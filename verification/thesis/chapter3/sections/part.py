@@ -1,0 +1,23 @@
+"""A section of the chapter on the tissue, and what all of them share."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import pandas as pd
+
+from verification.page.report import Context, Section
+from verification.thesis.chapter3.maps import LABELS
+
+
+class Part(NamedTuple):
+    """One section: ``run`` completes its studies and fills ``context.tables``, ``section`` only reads them."""
+
+    run: Callable[[Context], None]
+    section: Callable[[Context], Section]
+
+
+def named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
+    """The columns of a table that a reader wants, with words for names."""
+    return table[list(headings)].replace({"preset": LABELS}).rename(columns=headings)

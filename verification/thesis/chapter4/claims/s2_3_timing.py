@@ -1,0 +1,159 @@
+"""Chapter 4, section 2.3: the random times of the events."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from itertools import chain, combinations
+
+import numpy as np
+
+from tissue.cells import Floats
+from tissue.scenario import Scenario, drawn
+from tissue.study.plan import load_study
+from tissue.study.ratios import wilson
+from tissue.timing import timing
+from verification.claim import Claim, Tables
+from verification.evidence import Comparison, Evidence, at_most, equal
+from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4
+from verification.thesis.chapter4.frequencies import most_runs, runs_for_bound
+
+SEED = 231
+DRAWS = 400_000
+LEVEL = 0.999
+# Half the width of such an interval for 400,000 draws is 0.26 points at most.
+NEAR = 0.006
+SHARE = 70.0
+# Tables 1 and 2: the finite times of events [h].
+TABLES_1_2 = (12, 24)
+# "Roughly proportional": the shares per possible order differ by less than this factor.
+ROUGHLY = 2.0
+
+
+def mixture(share: float) -> Floats:
+    """Draws of U^share(6 h, 24 h)."""
+    numbers = np.random.default_rng(SEED).random((2, DRAWS))
+    return timing(f"6 h to 24 h, {share:g} %").times(*numbers)
+
+
+def _chance(what: str, hits: Floats, expected: float) -> Comparison:
+    value = float(hits.mean())
+    low, high = wilson(value, len(hits), LEVEL)
+    return equal(what, value, expected, NEAR, (float(low), float(high)))
+
+
+def _mixture(_: Tables) -> Evidence:
+    T = mixture(SHARE)
+    least, most = 6.0, 24.0
+    inside = [
+        _chance(f"P[T in ({a}, {b})]", (a < T) & (b > T), 0.7 * (b - a) / (most - least))
+        for a, b in ((6, 24), (6, 9), (10, 20), (23, 24))
+    ]
+    never = _chance("P[T = ∞]", np.isinf(T), 0.3)
+    ends = ((each.value, end) for each in (never, *inside) for end in (each.low, each.high))
+    return Evidence(
+        f"Of {DRAWS} draws {100 * never.value:.2f} % are ∞, and the four intervals that were tried get "
+        f"{', '.join(f'{100 * each.value:.2f}' for each in inside)} %.",
+        printed=(never, *inside),
+        seed=SEED,
+        runs_needed=most_runs(runs_for_bound(*each) for each in ends),
+    )
+
+
+def steps(p: float, events: str) -> Floats:
+    """P[0, 1, 2, ... effective events] for independent events, each with chance p; [P] acts only beside [B]."""
+    chances = np.zeros(len(events) + 1)
+    for k in range(len(events) + 1):
+        for had in combinations(events, k):
+            effective = k - ("P" in had and "B" not in had)
+            chances[effective] += p**k * (1 - p) ** (len(events) - k)
+    return chances
+
+
+# Possible orders of one, two and three of the events, [P] after [B].
+POSSIBLE = {"ABSP": np.array([3.0, 7.0, 12.0]), "ABP": np.array([2.0, 3.0, 3.0])}
+
+
+def _seventy(_: Tables) -> Evidence:
+    found, others = {}, {}
+    for events, orders in POSSIBLE.items():
+        for p, kept in ((SHARE / 100, found), (0.5, others)):
+            each = steps(p, events)[1:4] / orders
+            kept[events] = float(each.max() / each.min())
+    return Evidence(
+        f"Chance over number of orders, for one, two and three steps, varies by a factor of {found['ABSP']:.2f} with "
+        f"four events at {SHARE:g} %, {found['ABP']:.2f} without [S]; at 50 % by {others['ABSP']:.1f} and "
+        f"{others['ABP']:.1f}.",
+        printed=tuple(
+            at_most(f"largest over smallest chance per order of {events}", value, ROUGHLY)
+            for events, value in found.items()
+        ),
+    )
+
+
+def _onset(_: Tables) -> Evidence:
+    each = timing(f"6 h to 24 h, {SHARE:g} %")
+    cells, _inm = drawn(Scenario(50_000, 0.5, (each, each, each, each)), np.random.default_rng(SEED))
+    three = np.minimum.reduce([cells.at_a, cells.at_b, cells.at_s])
+    four = np.minimum(three, cells.at_p)
+    apart = int((three != four).sum())
+    return Evidence(
+        f"For {apart} of {len(three)} cells with times from (4.2) the two differ: [P] waits for [B], so it is never "
+        "the first event.",
+        printed=(at_most("cells with another onset", apart, 0),),
+        seed=SEED,
+    )
+
+
+def _range(_: Tables) -> Evidence:
+    fixed = [t for t in (*TABLES_1_2, *chain(*TABLE_3, *TABLE_4)) if t < NEVER]
+    ranges = {
+        (getattr(p.emt, event).low.value, getattr(p.emt, event).high.value)
+        for name in ("table5_63", "table5_35", "table5_7")
+        for p in load_study(name).scenarios.values()
+        for event in "abp"
+    }
+    low, high = min(fixed), max(fixed)
+    return Evidence(
+        f"The earliest time in Tables 1 to 4 is {low} h, the latest {high} h; Table 5 draws from "
+        f"{' and '.join(f'{a:g} h to {b:g} h' for a, b in ranges)}.",
+        printed=(
+            equal("earliest time of Tables 1 to 4 [h]", low, 6),
+            equal("latest [h]", high, 24),
+            equal("ranges of Table 5 other than 6 h to 24 h", len(ranges - {(6.0, 24.0)}), 0),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c4.mixture",
+        "section 2.3.1",
+        "P[T = ∞] = 0.3 and P[T ∈ (a, b)] = 0.7 (b − a)/(T^max − T^min)",
+        _mixture,
+        statement="The distribution U^{70%} skips an event in 30 % of the cases and is uniform otherwise.",
+    ),
+    Claim(
+        "c4.seventy",
+        "section 2.3.1",
+        "70 % ensures that the number of one-step, two-step and three-step EMT events is roughly proportional to the "
+        "number of possible combinations",
+        _seventy,
+        statement="With 70 % the chances of one, two and three events are roughly as their numbers of possible orders.",
+        chosen=f"roughly: within a factor of {ROUGHLY:g}",
+    ),
+    Claim(
+        "c4.range",
+        "section 2.3.1",
+        "All simulations in this thesis will use T^min = 6 h and T^max = 24 h.",
+        _range,
+        statement="The times of all tables lie between 6 h and 24 h, and reach both.",
+    ),
+    Claim(
+        "c4.onset",
+        "(Q3), (4.8)",
+        "The timing of onset of EMT … is the minimum of T^A, T^B, T^S and T^P; T_i^EMT is that of T_i^A, T_i^B, T_i^S",
+        _onset,
+        statement="The two definitions of the onset, over four events and over three, are the same.",
+        chosen="T^P counts from when the event acts, max(T^P, T^B)",
+    ),
+)

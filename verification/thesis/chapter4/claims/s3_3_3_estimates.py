@@ -1,0 +1,231 @@
+"""Chapter 4, section 3.3.3: categories of event times, and the ratios that are estimated for them."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+from tissue.cells import Floats
+from tissue.scenario import Scenario, drawn
+from tissue.timing import timing
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_most, equal
+from verification.thesis.chapter4.frequencies import CATEGORIES, RATIOS
+
+SEED = 333
+RUNS, GROUP = 20_000, 10
+# Chances of a mean of independent numbers to be this many standard errors off: 6e-5.
+ERRORS = 4.0
+SETS = 25
+# Four standard errors of a share of 20,000 draws.
+NEAR = 0.015
+ROUNDING = 1e-12
+# A model of a run: P[T_i in D_k], and P[extruded | T_i in D_k] for the cells of the group.
+CHANCE = np.array([0.5, 0.3, 0.2])
+GIVEN = np.array([0.1, 0.4, 0.8])
+
+
+def extruded_given(i: int) -> Floats:
+    """P[extruded | T_i in D_k]: cells at the end of the group leave more often."""
+    return np.asarray(GIVEN * (1.0 - 0.05 * i))
+
+
+def estimate(hits: Floats, inside: Floats) -> float:
+    """(4.12)."""
+    return float((hits * inside).sum() / inside.sum())
+
+
+def runs(rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Categories and outcomes of all cells of all runs, (RUNS, GROUP); those of one run share their luck."""
+    kinds = rng.choice(len(CHANCE), size=(RUNS, GROUP), p=CHANCE)
+    luck = (rng.random((RUNS, 1)) + 0.5 * rng.random((RUNS, GROUP))) % 1.0
+    chance = np.stack([extruded_given(i)[kinds[:, i]] for i in range(GROUP)], axis=1)
+    return kinds, (luck < chance).astype(float)
+
+
+def by_counting() -> tuple[Floats, Floats]:
+    """(4.9) and (4.11) for the first cell, from all equally likely outcomes: ten of a category, twenty of luck."""
+    kinds, luck = np.meshgrid(np.repeat(np.arange(3), (10 * CHANCE).round().astype(int)), np.arange(20))
+    extruded = luck < (20 * extruded_given(0)).round()[kinds]
+    inside = [kinds == k for k in range(3)]
+    joint = [(extruded & here).sum() / kinds.size / (here.sum() / kinds.size) for here in inside]
+    means = [(extruded * here).mean() / here.mean() for here in inside]
+    return np.array(joint), np.array(means)
+
+
+def _conditional(_: Tables) -> Evidence:
+    exact = extruded_given(0)
+    formula = max(float(np.abs(each - exact).max()) for each in by_counting())
+    kinds, hits = runs(np.random.default_rng(SEED))
+    worst = 0.0
+    for k, wanted in enumerate(exact):
+        inside = kinds[:, 0] == k
+        error = np.sqrt(wanted * (1 - wanted) / inside.sum())
+        worst = max(worst, abs(estimate(hits[:, 0], inside) - wanted) / error)
+    return Evidence(
+        f"In a model with known chances (4.9) and (4.11) are P[extruded | D_k] to {formula:.0e}; (4.12) with {RUNS} "
+        f"runs is {worst:.1f} standard errors off at most.",
+        printed=(
+            at_most("(4.9) and (4.11) minus the chance of the model", formula, 0.0, ROUNDING),
+            at_most("(4.12) minus the chance, in standard errors", worst, ERRORS),
+        ),
+        seed=SEED,
+    )
+
+
+def accepted(outcomes: Floats, inside: Floats) -> Floats:
+    """Rejection sampling: the outcomes of the draws that fall into the category, one after the other."""
+    return np.array([each for each, wanted in zip(outcomes, inside, strict=True) if wanted])
+
+
+def _sampling(_: Tables) -> Evidence:
+    """Inverse transform sampling makes each uniform number a draw from the category, and rejects none."""
+    kinds, hits = runs(np.random.default_rng(SEED))
+    kept, off = [], 0.0
+    for k in range(len(CHANCE)):
+        inside = kinds[:, 0] == k
+        chosen = accepted(hits[:, 0], inside)
+        kept.append(len(chosen) / RUNS)
+        off = max(off, abs(estimate(hits[:, 0], inside) - float(chosen.mean())))
+    return Evidence(
+        f"For three categories (4.12) uses {', '.join(f'{100 * share:.0f}' for share in kept)} % of the draws, where "
+        f"inverse transform sampling uses all. The mean over the draws that rejection sampling accepts is the same to "
+        f"{off:.0e}.",
+        printed=(equal("least share of the draws that (4.12) uses", min(kept), 1.0),),
+        corrected=(
+            at_most("(4.12) minus the mean by rejection sampling", off, 0.0, ROUNDING),
+            at_most("share of the draws minus P[D_k]", float(np.abs(kept - CHANCE).max()), NEAR),
+        ),
+        seed=SEED,
+    )
+
+
+def _average(_: Tables) -> Evidence:
+    """The cells of a run depend on each other: errors by the scatter of ten parts of the runs."""
+    kinds, hits = runs(np.random.default_rng(SEED))
+    worst = 0.0
+    for k in range(len(CHANCE)):
+        apart = []
+        for part in np.split(np.arange(RUNS), 40):
+            inside = kinds[part] == k
+            each = [estimate(hits[part, i], inside[:, i]) for i in range(GROUP)]
+            apart.append(np.mean(each) - estimate(hits[part], inside))
+        worst = max(worst, abs(np.mean(apart)) / (np.std(apart, ddof=1) / np.sqrt(len(apart))))
+    return Evidence(
+        f"In a model whose cells differ by place and depend on each other the mean of the cells' ratios and A/B, all "
+        f"cells of a category together, differ by {worst:.1f} standard errors at most.",
+        printed=(at_most("(4.10) by (4.12) minus A/B, in standard errors", float(worst), ERRORS),),
+        seed=SEED,
+    )
+
+
+def _total(tables: Tables) -> Evidence:
+    categories, ratios = tables[CATEGORIES], tables[RATIOS].set_index(["study", "what"])
+    off, cells = 0.0, 0
+    for study, rows in categories.groupby("study"):
+        whole = ratios.loc[(study, "basal")]
+        weights = rows["of"] / whole["of"]
+        off = max(off, abs(float((weights * rows["value"]).sum()) - float(whole["value"])), abs(weights.sum() - 1))
+        cells += int(whole["of"])
+    return Evidence(
+        f"In six studies with {cells} cells the categories by order hold all cells, and Σ_k P[D_k] r(D_k) is r of "
+        f"(4.7) to {off:.0e}.",
+        printed=(at_most("Σ P[D_k] r(D_k) − r, and Σ P[D_k] − 1", off, 0.0, ROUNDING),),
+    )
+
+
+def share_sum(sets: int) -> float:
+    """Sum over so many sets of chances 1/n^D."""
+    return sum(1 / SETS for _ in range(sets))
+
+
+def _count(_: Tables) -> Evidence:
+    printed, right = share_sum(SETS + 1), share_sum(SETS)
+    return Evidence(
+        f"D_1 to D_{{n^D}} are n^D sets, each with a chance of about 1/n^D: n^D + 1 of them, with n^D = {SETS}, would "
+        f"have a chance of {printed:.2f} together, n^D of them {right:.2f}.",
+        printed=(equal("total chance of n^D + 1 sets", printed, 1.0, ROUNDING),),
+        corrected=(equal("total chance of n^D sets", right, 1.0, ROUNDING),),
+    )
+
+
+def _space(_: Tables) -> Evidence:
+    each = timing("6 h to 24 h, 70 %")
+    cells, _inm = drawn(Scenario(RUNS, 0.5, (each, each, each, each)), np.random.default_rng(SEED))
+    times = np.stack((cells.at_a, cells.at_b, cells.at_s, cells.at_p), axis=1)
+    never = np.isinf(times).sum(axis=1)
+    mixed = float(((never > 0) & (never < times.shape[1])).mean())
+    numbers = 4 * 4 * GROUP
+    return Evidence(
+        f"T_i is {times.shape[1]} times; a point of (ℝ⁴ ∪ {{∞}})^{{4 N^EMT}} is up to {numbers} for {GROUP} cells. And "
+        f"{100 * mixed:.0f} % of the cells have some events and lack others, which ℝ⁴ ∪ {{∞}} has no points for.",
+        printed=(
+            equal("coordinates of T_i", times.shape[1], numbers),
+            at_most("cells with some events but not all", mixed, 0.0),
+        ),
+        corrected=(
+            equal("coordinates of T_i", times.shape[1], 4),
+            at_most("cells with times outside of ℝ ∪ {∞}", float(np.isnan(times).mean()), 0.0),
+        ),
+        seed=SEED,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c4.categories-count",
+        "section 3.3.3",
+        "we will consider a partition … into n^D + 1 many subsets D_1, …, D_{n^D}",
+        _count,
+        statement="The number of categories of event times.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "n^D many subsets", Effect.NUMBER, "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category"
+        ),
+    ),
+    Claim(
+        "c4.categories-space",
+        "section 3.3.3",
+        "D_1, …, D_{n^D} ⊆ (ℝ⁴ ∪ {∞})^{4N^EMT}",
+        _space,
+        statement="The space that the categories of the times of one cell divide.",
+        recorded=Kind.CORRECTED,
+        correction=Correction("D_k ⊆ (ℝ ∪ {∞})⁴, as T_i in section 2.3.1", Effect.NOTATION, "(4.9) to (4.12)"),
+    ),
+    Claim(
+        "c4.sampling",
+        "section 3.3.3",
+        "This approach to sample these conditional expectations is an inverse transform sampling for the conditional "
+        "probabilities.",
+        _sampling,
+        statement="The name of the method by which (4.12) draws from a category.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "it is rejection sampling: of the draws of all times those in D_k are accepted",
+            Effect.NOTATION,
+            "the next sentence, by which accept-rejection algorithms do not fit; the estimate (4.12) stands",
+        ),
+    ),
+    Claim(
+        "c4.conditional",
+        "(4.9), (4.11), (4.12)",
+        "E[δ_i | T_i ∈ D_k] ≈ Σ_ℓ δ_i(ω_ℓ) 1_{D_k}(T_i(ω_ℓ)) / Σ_ℓ 1_{D_k}(T_i(ω_ℓ))",
+        _conditional,
+        statement="The ratio of chances is the conditional expectation, and the ratio of sums over runs tends to it.",
+    ),
+    Claim(
+        "c4.average",
+        "(4.10), Remark 4.1",
+        "Expected ratio of basally extruded cells in category k = A/B",
+        _average,
+        statement="The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
+    ),
+    Claim(
+        "c4.total",
+        "(4.7), (4.10)",
+        "r*(D_k) := 1/N^EMT Σ_i E[δ_i* | T_i ∈ D_k]",
+        _total,
+        needs=(CATEGORIES, RATIOS),
+        statement="The ratios of the categories, weighted by their chances, make up the ratio of extruded cells.",
+    ),
+)

@@ -1,0 +1,97 @@
+"""Chapter 4, section 4.3.2 and Figure 14: freed springs draw the nucleus back, by forces and by runs."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from tissue.cells import Floats, Layers, empty
+from tissue.energy import forces
+from tissue.first_order import simulate
+from tissue.observables import ab_positions
+from tissue.parameters import preset
+from verification.claim import Claim, Tables
+from verification.evidence import Evidence, at_least, at_most
+from verification.thesis.chapter4.studies import PRESETS
+
+TOL = 1e-7
+# Runs with ten cells each, and how long after [B] they end [h].
+RUNS, GROUP, AFTER = 5, 10, 3
+
+
+def positions(name: str, seed: int, b: str) -> Floats:
+    """y_AB of the EMT cells at 24 h and after some hours, for [A] at 6 h and [B] at ``b``."""
+    emt = {"emt.cells": GROUP, "emt.a": "6 h", "emt.b": b}
+    parameters = preset(name).changed(emt | {"numerics.t_end": f"{24 + AFTER} h", "numerics.keep": f"{AFTER} h"})
+    frames = simulate(parameters, seed).frames[-2:]
+    return np.array([ab_positions(frame)[frame.cells.emt >= 0] for frame in frames])
+
+
+def back(name: str, b: str) -> tuple[int, int]:
+    """Cells above the tissue at 24 h, and those of them that are not any more some hours later."""
+    at, later = np.concatenate([positions(name, seed, b) for seed in range(RUNS)], axis=1)
+    return int((at > 1).sum()), int(((at > 1) & (later <= 1)).sum())
+
+
+def _pulled_back(_: Tables) -> Evidence:
+    found = {name: back(name, "24 h") for name in PRESETS}
+    control = {name: back(name, "never") for name in PRESETS}
+    lines = (
+        f"{found[name][1]} of {found[name][0]} ({name} preset; {control[name][1]} of {control[name][0]} without [B])"
+        for name in PRESETS
+    )
+    return Evidence(
+        f"Of the cells that [A] at 6 h has brought above the tissue {AFTER} h after [B] at 24 h are back in it: "
+        f"{', '.join(lines)}.",
+        printed=tuple(
+            at_least(
+                f"cells that return with [B] more than without, {name} preset", found[name][1] - control[name][1], 1
+            )
+            for name in PRESETS
+        ),
+    )
+
+
+def on_points(freed: str) -> tuple[float, float]:
+    """Vertical forces on the nucleus and on the freed point of a cell at rest, once one rest length is zero."""
+    numbers = preset("thesis").numbers()
+    cells = empty(1)
+    for name, value in {"y": 4.0, "ay": 8.0, "rest_ax": 3.0, "rest_bx": 3.0}.items():
+        getattr(cells, name)[:] = value
+    cells.stiff_ax[:], cells.stiff_bx[:] = numbers.alpha_ax, numbers.alpha_bx
+    getattr(cells, f"rest_{freed}x")[:] = 0.0
+    found = forces(cells, Layers(np.zeros(1, np.int64), np.zeros(1, np.int64)), numbers)
+    return float(found.y[0]), float(getattr(found, f"{freed}y")[0])
+
+
+def _pull_in(_: Tables) -> Evidence:
+    (up, apical), (down, basal) = on_points("a"), on_points("b")
+    return Evidence(
+        f"A straight cell at rest whose apical rest length becomes zero feels {up:+.1f} on the nucleus and "
+        f"{apical:+.1f} on the apical point; with the basal one it is {down:+.1f} and {basal:+.1f} on the basal point.",
+        printed=(
+            at_least("upward force on the nucleus after [A]", up, TOL),
+            at_most("upward force on the nucleus after [B]", down, -TOL),
+            at_most("sum of the forces on nucleus and point, [A]", abs(up + apical), 0.0, TOL),
+            at_most("sum of the forces on nucleus and point, [B]", abs(down + basal), 0.0, TOL),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c4.pulled-back",
+        "Figure 14",
+        "In [A⊗B], the amount of apical extrusion increases rapidly in the beginning … at the onset of [B] some cells "
+        "are pulled back into the tissue.",
+        _pulled_back,
+        statement="Some cells that left apically after [A] return into the tissue when [B] frees their basal spring.",
+        chosen=f"groups of {GROUP} cells in place of isolated ones, {RUNS} runs; back: y^AB ≤ 1 within {AFTER} h",
+    ),
+    Claim(
+        "c4.pull-in",
+        "section 4.3.2, Figure 14",
+        "not only pulls the apical or basal point towards the nucleus but it also pulls the nucleus itself",
+        _pull_in,
+        statement="The freed spring draws the nucleus to its apical side after [A] and to its basal side after [B].",
+    ),
+)

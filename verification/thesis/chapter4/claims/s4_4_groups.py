@@ -1,0 +1,236 @@
+"""Chapter 4, sections 4.4 and 4.5: groups of EMT cells, by the kept tables of the complete studies."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+
+from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
+from tissue.study.ratios import Ratio
+from verification.claim import Claim, Tables
+from verification.evidence import Evidence, Kind, equal
+from verification.thesis.chapter4.frequencies import (
+    CATEGORIES,
+    RATIOS,
+    category,
+    hull,
+    in_both,
+    more,
+    most_runs,
+    needed,
+    ratio_of,
+    runs_for_bound,
+    told,
+)
+from verification.thesis.chapter4.studies import PRESETS
+
+# The middle row of Table 5, whose cells Figure 22 shows.
+MIDDLE = "table5_35"
+# Ends of the names of the scenarios of Figure 15.
+SIZES = {"": "one with INM", " no INM": "one without", ", 10 cells": "ten with INM", " no INM, 10 cells": "ten without"}
+# "Such high rates": of all cells but one in ten.
+NEARLY_ALL = 0.9
+# Of section 4.4.1 and Figure 13: [B] without INM leaves with 70 %, in a group with up to 10 points less, of 100 runs.
+ALONE, IN_GROUP, RUNS = 0.7, 0.6, 100
+
+
+def programs(tables: Tables, suffix: str, kind: str) -> tuple[list[Ratio], list[Ratio]]:
+    """Basal extrusion by the programs of Table 4 with [P], and by those without; ``kind``: the end of their names."""
+    names = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
+    found = {name: ratio_of(tables, f"figure15{suffix}", f"{name}{kind}", "basal") for name in names}
+    return [found[name] for name in names if "P" in name], [found[name] for name in names if "P" not in name]
+
+
+def least_lead(tables: Tables, suffix: str, kind: str) -> Difference:
+    """The weakest program with [P] against the strongest one without."""
+    with_p, without = programs(tables, suffix, kind)
+    return Difference(min(with_p, key=lambda each: each.value), max(without, key=lambda each: each.value))
+
+
+def _dominates(tables: Tables) -> Evidence:
+    found = {kind: in_both(lambda suffix, kind=kind: least_lead(tables, suffix, kind)) for kind in SIZES}
+    lines = (f"{SIZES[kind]} {' and '.join(f'{100 * d.value:+.0f}' for d in found[kind].values())}" for kind in SIZES)
+    return Evidence(
+        "Basal extrusion by the weakest program of Table 4 with [P] minus the strongest without, model as printed and "
+        f"published one: {'; '.join(lines)} points.",
+        printed=tuple(more(f"least lead of [P], {SIZES[kind]}", each) for kind, each in found.items()),
+        runs_needed=needed(*found.values()),
+    )
+
+
+def _only(tables: Tables) -> Evidence:
+    pairs = [programs(tables, suffix, kind) for suffix in PRESETS.values() for kind in SIZES]
+    best = max((each for _, without in pairs for each in without), key=lambda each: each.value)
+    protruding = [max(with_p, key=lambda each: each.value) for with_p, _ in pairs]
+    return Evidence(
+        f"Without [P] no program of Table 4 extrudes more than {best}; with [P] there are programs for every kind of "
+        f"cells that extrude {100 * min(each.value for each in protruding):.0f} % and more.",
+        printed=(
+            hull("basal extrusion without [P], at most", [best.interval(CLAIM_LEVEL)], 0.0, NEARLY_ALL),
+            hull("with [P], best program", [each.interval(CLAIM_LEVEL) for each in protruding], NEARLY_ALL, math.inf),
+        ),
+        runs_needed=most_runs(runs_for_bound(each.value, NEARLY_ALL) for each in (best, *protruding)),
+    )
+
+
+def _fewer(tables: Tables) -> Evidence:
+    """Groups of ten, of which there are enough cells to see it."""
+    pairs = (("[AxB]", "[ABP]"), ("[BxA]", "[BAP]"), ("[Bx]", "[BxP]"))
+    found = {
+        f"{passive} minus {active}": in_both(
+            lambda s, passive=passive, active=active: Difference(
+                *(ratio_of(tables, f"figure15{s}", f"{name}, 10 cells", "apical") for name in (passive, active))
+            )
+        )
+        for passive, active in pairs
+    }
+    return Evidence(
+        "Apical extrusion of ten cells with INM, model as printed and published one: "
+        f"{'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
+        printed=tuple(more(f"apical extrusion, {name}", each) for name, each in found.items()),
+        runs_needed=needed(*found.values()),
+    )
+
+
+def _drop(tables: Tables) -> Evidence:
+    found = in_both(
+        lambda s: Difference(
+            ratio_of(tables, f"figure15{s}", "[Bx] no INM", "basal"),
+            ratio_of(tables, f"figure15{s}", "[Bx] no INM, 10 cells", "basal"),
+        )
+    )
+    low, high = Difference(Ratio(round(ALONE * RUNS), RUNS), Ratio(round(IN_GROUP * RUNS), RUNS)).interval()
+    return Evidence(
+        f"[B☒] without INM, alone minus in a group, model as printed and published one: {told(found)}. A drop from "
+        f"70 % to 60 % seen in {RUNS} runs of each would be known to {100 * low:+.0f} … {100 * high:+.0f} points.",
+        printed=(
+            more("alone minus in a group, [B☒] without INM", found),
+            equal("printed drop with its interval", ALONE - IN_GROUP, ALONE - IN_GROUP, 0.05, (low, high)),
+        ),
+        runs_needed=runs_needed(ALONE, IN_GROUP),
+    )
+
+
+def mixed(tables: Tables, study: str, events: str, inm: str) -> Ratio:
+    """Cells with these events, in any order, in a group of Table 5."""
+    names = ("[AB]", "[BA]") if events == "[A] and [B]" else (events,)
+    return category(tables, study, *(f"{name}{inm}" for name in names))
+
+
+def like(tables: Tables, suffix: str, events: str, inm: str) -> Ratio:
+    """Cells with these events at any time in a group in which all have them."""
+    return ratio_of(tables, f"questions{suffix}", f"{events} at any time{inm}, 10 cells", "basal")
+
+
+def against_like(tables: Tables, events: str, inm: str, sign: int) -> dict[str, Difference]:
+    """Mixed minus homogeneous groups, or the other way round."""
+
+    def find(suffix: str) -> Difference:
+        sides = (mixed(tables, f"{MIDDLE}{suffix}", events, inm), like(tables, suffix, events, inm))
+        return Difference(*sides[::sign])
+
+    return in_both(find)
+
+
+def _mixed(tables: Tables, inm: str, sign: int, kinds: tuple[str, ...]) -> Evidence:
+    found = {events: against_like(tables, events, inm, sign) for events in kinds}
+    what = "mixed minus homogeneous" if sign > 0 else "homogeneous minus mixed"
+    lines = "; ".join(f"{events}{inm} {told(each)}" for events, each in found.items())
+    return Evidence(
+        f"Basal extrusion in groups of ten, {what}, 35 % [P], model as printed and published one: {lines}.",
+        printed=tuple(more(f"{events}{inm}, {what}", each) for events, each in found.items()),
+        runs_needed=needed(*found.values()),
+    )
+
+
+def _with_inm(tables: Tables) -> Evidence:
+    return _mixed(tables, "", -1, ("[A]", "[A] and [B]"))
+
+
+def _no_inm(tables: Tables) -> Evidence:
+    return _mixed(tables, " no INM", 1, ("[A]", "[B]", "[A] and [B]"))
+
+
+def _competition(tables: Tables) -> Evidence:
+    events = ("[A]", "[B]", "[A] and [B]")
+    found = {
+        name: in_both(
+            lambda s, name=name: Difference(
+                mixed(tables, f"table5_7{s}", name, " no INM"), mixed(tables, f"table5_63{s}", name, " no INM")
+            )
+        )
+        for name in events
+    }
+    return Evidence(
+        "Basal extrusion of cells without INM among 7 % with [P] minus that among 63 %, model as printed and published "
+        f"one: {'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
+        printed=tuple(more(f"{name} no INM, 7 % [P] minus 63 % [P]", each) for name, each in found.items()),
+        runs_needed=needed(*found.values()),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c4.dominates",
+        "section 4.3, Figure 15",
+        "we can already draw that [P] will dominate each other event (which is also confirmed later in Figure 15)",
+        _dominates,
+        needs=(RATIOS,),
+        statement="Each program with [P] extrudes more cells basally than each without, for cells of one kind.",
+    ),
+    Claim(
+        "c4.homogeneous-drop",
+        "section 4.4.1, Table 4",
+        "the basal extrusion for homogeneous EMT drops …, the difference is up to −10% (for example [☒] without INM)",
+        _drop,
+        needs=(RATIOS,),
+        statement="In a homogeneous group up to ten points fewer of the cells with [B☒] and without INM leave basally.",
+        recorded=Kind.OPEN,
+    ),
+    Claim(
+        "c4.mixed-with-inm",
+        "section 4.5.1",
+        "for EMT cells with INM the frequency of basal extrusion is lowest in the case of heterogeneous EMT",
+        _with_inm,
+        needs=(CATEGORIES, RATIOS),
+        statement="Cells with INM leave basally less often in a mixed group than among cells with the same events.",
+        recorded=Kind.OPEN,
+        chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
+    ),
+    Claim(
+        "c4.mixed-without-inm",
+        "section 4.5.2",
+        "EMT cells without INM show higher rates of basal extrusion than they would show in a homogeneous case",
+        _no_inm,
+        needs=(CATEGORIES, RATIOS),
+        statement="Cells without INM leave basally more often in a mixed group than among cells with the same events.",
+        recorded=Kind.OPEN,
+        chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
+    ),
+    Claim(
+        "c4.competition",
+        "Figure 19",
+        "the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions",
+        _competition,
+        needs=(CATEGORIES,),
+        statement="The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
+    ),
+    Claim(
+        "c4.fewer-apical",
+        "section 5",
+        "Protrusive activities lead to basal extrusion and prevent apical extrusion, see Figure 10.",
+        _fewer,
+        needs=(RATIOS,),
+        statement="With [P] fewer cells leave apically than without it, by the programs with [B] of Table 4.",
+        chosen="prevent: make rarer, for section 4.1.1 says that [BP], too, leads to some",
+    ),
+    Claim(
+        "c4.only-protrusions",
+        "section 5.1",
+        "The model suggests that such high rates of basal extrusion are only possible with cell protrusions.",
+        _only,
+        needs=(RATIOS,),
+        statement="Nearly all cells leave basally by some programs with [P], and by none without.",
+        chosen=f"such high rates, 100 % in practice: more than {NEARLY_ALL:.0%}",
+    ),
+)

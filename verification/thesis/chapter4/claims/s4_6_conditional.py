@@ -1,0 +1,196 @@
+"""Chapter 4, sections 4.5.3 and 4.6: basal extrusion by event times and by the position at the onset."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+
+from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference
+from tissue.study.ratios import LEVEL, Ratio, as_ratio
+from verification.claim import Claim, Tables
+from verification.evidence import Evidence, Interval, Kind
+from verification.thesis.chapter4.frequencies import (
+    CONDITIONAL,
+    alike,
+    hull,
+    more,
+    most_runs,
+    needed,
+    runs_by_width,
+    runs_for_bound,
+    runs_for_margin,
+)
+from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.chapter4.summaries import POPULATIONS
+
+RANKING = "emt_complete_ranking"
+# The middle row of Table 5, whose cells Figure 22 shows.
+MIDDLE = "table5_35"
+KINDS = ("INM", "no INM")
+# Section 4.6: the rates in the most basal fifth.
+LEAST, MOST = 0.7, 0.8
+# Fewer cells of an interval tell nothing.
+FEWEST = 100
+
+
+def rows(tables: Tables, study: str, given: str, inm: str) -> pd.DataFrame:
+    """Basal extrusion by intervals of an event time, or of the position at the onset."""
+    table = tables[CONDITIONAL]
+    chosen = table[(table["study"] == study) & (table["given"] == given) & (table["inm"] == inm)]
+    return chosen[chosen["of"] >= FEWEST].sort_values("low_edge")
+
+
+def first_minus_last(tables: Tables, suffix: str, given: str, inm: str) -> Difference:
+    """Between the first and the last interval."""
+    found = rows(tables, f"{MIDDLE}{suffix}", given, inm)
+    return Difference(as_ratio(found.iloc[0]), as_ratio(found.iloc[-1]))
+
+
+def by_kind(tables: Tables, given: str) -> dict[str, Difference]:
+    """The same for cells with INM and without it, in both models."""
+    return {
+        f"{preset}, {inm}": first_minus_last(tables, suffix, given, inm)
+        for preset, suffix in PRESETS.items()
+        for inm in KINDS
+    }
+
+
+def _timing(tables: Tables) -> Evidence:
+    a, b, p = (by_kind(tables, f"t_{event}_h") for event in "abp")
+    size = [100 * each.value for each in a.values()]
+    within = (runs_for_margin(each, ALIKE) for both in (b, p) for each in both.values())
+    return Evidence(
+        "Basal extrusion of cells with an event at 6 h to 9 h minus at 21 h to 24 h, with and without INM, model as "
+        f"printed, then published: [A] {_points(a)}; [B] {_points(b)}; [P] {_points(p)} points. The dependence on [A] "
+        f"is {min(size):.0f} to {max(size):.0f} points.",
+        printed=(more("early minus late [A]", a), alike("early [B]", b, ALIKE), alike("early [P]", p, ALIKE)),
+        runs_needed=most_runs((needed(a), *within)),
+    )
+
+
+def _points(found: dict[str, Difference]) -> str:
+    return ", ".join(f"{100 * each.value:+.1f}" for each in found.values())
+
+
+def lead(first: Interval, second: Interval) -> Interval:
+    """The first number minus the second."""
+    return first[0] - second[1], first[1] - second[0]
+
+
+def _onset(tables: Tables) -> Evidence:
+    """How much the first interval differs from the last, by the position and by the time of [A] or [B]."""
+    onset, *times = (by_kind(tables, given) for given in ("onset_ab", "t_a_h", "t_b_h"))
+    pairs = [
+        (each, max((time[name] for time in times), key=lambda fall: fall.interval(CLAIM_LEVEL)[1]))
+        for name, each in onset.items()
+    ]
+    leads = [lead(each.interval(CLAIM_LEVEL), time.interval(CLAIM_LEVEL)) for each, time in pairs]
+    fewest = [min(side.size for found in pair for side in (found.first, found.second)) for pair in pairs]
+    return Evidence(
+        "From the lowest to the highest position at the onset basal extrusion falls by "
+        f"{_points(onset)} points with and without INM, model as printed, then published; from early to late [A] by "
+        f"{_points(times[0])}, [B] by {_points(times[1])}.",
+        printed=(hull("fall by position minus fall by time", leads, 0.0, math.inf),),
+        runs_needed=most_runs(runs_by_width(*found, CLAIM_LEVEL) for found in zip(fewest, leads, strict=True)),
+    )
+
+
+def _predictor(tables: Tables) -> Evidence:
+    """By permutation importance in the group '35 % [P]'."""
+    table, lines, leads = tables[RANKING], [], []
+    for preset in PRESETS:
+        found = table[(table["preset"] == preset) & (table["factor"] != "P")].set_index("factor")
+        onset, others = found.loc["onset"], found.drop(index="onset").sort_values("value")
+        leads.append(lead((onset["low"], onset["high"]), (others["low"].max(), others["high"].max())))
+        lines.append(f"{onset['value']:.3f} nats against {others['value'].iloc[-1]:.3f} of {others.index[-1]}")
+    return Evidence(
+        "The position at the onset has the greatest importance for basal extrusion beside [P], in the model as printed "
+        f"{lines[0]}, in the published one {lines[1]}.",
+        printed=(hull("importance of the onset minus that of the next factor [nats]", leads, 0.0, math.inf),),
+        runs_needed=most_runs(runs_by_width(table["cells"].max(), each, LEVEL) for each in leads),
+    )
+
+
+def _most_basal(tables: Tables) -> Evidence:
+    """Figure 21 does not say of which group and of which cells it is: all are taken."""
+    found = [
+        as_ratio(row)
+        for study in POPULATIONS
+        for suffix in PRESETS.values()
+        for inm in KINDS
+        for _, row in rows(tables, f"{study}{suffix}", "onset_ab", inm).iterrows()
+        if row["high_edge"] <= 0.2 + 1e-9
+    ]
+    intervals = [each.interval(CLAIM_LEVEL) for each in found]
+    values = [each.value for each in found]
+    return Evidence(
+        f"In the two lowest tenths {100 * min(values):.0f} % to {100 * max(values):.0f} % leave basally, by the group "
+        "of Table 5, with or without INM, in the model as printed or the published one; the text does not say which.",
+        printed=(hull("basal extrusion in the most basal fifth", intervals, LEAST, MOST),),
+    )
+
+
+def _lower_half(tables: Tables) -> Evidence:
+    found = []
+    for suffix in PRESETS.values():
+        table = rows(tables, f"{MIDDLE}{suffix}", "onset_ab", "no INM")
+        low = int(table[table["high_edge"] <= 0.5 + 1e-9]["count"].sum())
+        found.append(Ratio(low, int(table["count"].sum())))
+    return Evidence(
+        f"Of the basally extruded cells without [P] and INM {found[0]} began EMT in the lower half in the model as "
+        f"printed, {found[1]} in the published one.",
+        printed=(hull("from the lower half", [each.interval(CLAIM_LEVEL) for each in found], 0.5, math.inf),),
+        runs_needed=most_runs(runs_for_bound(each.value, 0.5) for each in found),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c4.timing",
+        "section 4.5.3, Figure 20",
+        "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend concerning [A], "
+        "preferring earlier timings",
+        _timing,
+        needs=(CONDITIONAL,),
+        statement="In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, "
+        "and so are early and late [P].",
+        chosen=f"the group '35 % [P]'; independent: alike within {ALIKE:.0%}",
+    ),
+    Claim(
+        "c4.onset-over-timing",
+        "section 4.6, Figures 20, 21",
+        "Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing",
+        _onset,
+        needs=(CONDITIONAL,),
+        statement="Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
+        chosen="the group '35 % [P]'",
+    ),
+    Claim(
+        "c4.predictor",
+        "section 4.6",
+        "basal positioning is for cells without protrusive activities the best predictor of basal extrusion",
+        _predictor,
+        needs=(RANKING,),
+        statement="Beside protrusions nothing tells more about basal extrusion than the position at the onset.",
+        chosen="the group '35 % [P]', all cells; what a factor tells: the loss of a classifier without it",
+    ),
+    Claim(
+        "c4.most-basal",
+        "section 4.6, Figure 21",
+        "EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %.",
+        _most_basal,
+        needs=(CONDITIONAL,),
+        statement="Seven or eight of ten cells without [P] that begin EMT in the lowest fifth leave basally.",
+        recorded=Kind.OPEN,
+    ),
+    Claim(
+        "c4.lower-half",
+        "Figure 22",
+        "Most cells which extrude basally start EMT from the lower half of the tissue.",
+        _lower_half,
+        needs=(CONDITIONAL,),
+        statement="More than half of the basally extruded cells without INM began EMT at a position below 1/2.",
+        chosen="cells without [P], as the figure shows",
+    ),
+)

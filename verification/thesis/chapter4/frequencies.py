@@ -1,0 +1,129 @@
+"""Ratios of cells for claims about runs: what both models say at once, and how many runs a difference would need."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Mapping, Sequence
+
+import numpy as np
+from scipy.special import ndtri
+
+from tissue.study.comparisons import CLAIM_LEVEL, POWER, Difference, runs_needed
+from tissue.study.ratios import Ratio, as_ratio, quantile
+from verification.claim import Tables
+from verification.evidence import Comparison, Interval
+from verification.thesis.chapter4.studies import PRESETS
+
+RATIOS, CATEGORIES, CONDITIONAL = (f"emt_complete_{name}" for name in ("ratios", "categories", "conditional"))
+
+
+def ratio_of(tables: Tables, study: str, scenario: str, what: str) -> Ratio:
+    """The cells of a scenario with this outcome at the end of the runs."""
+    table = tables[RATIOS]
+    (row,) = np.flatnonzero((table["study"] == study) & (table["scenario"] == scenario) & (table["what"] == what))
+    return as_ratio(table.iloc[row])
+
+
+def of_event(tables: Tables, suffix: str, event: str, what: str) -> Ratio:
+    """An isolated cell with INM and one event, Figure 10."""
+    return ratio_of(tables, f"figure10{suffix}", event, what)
+
+
+def category(tables: Tables, study: str, *categories: str) -> Ratio:
+    """The basally extruded ones among the cells of a mixed group with these events, several orders taken together."""
+    rows = tables[CATEGORIES].set_index(["study", "category"])
+    found = [as_ratio(rows.loc[(study, name)]) for name in categories]
+    counts = [sum(numbers) for numbers in zip(*((each.count, each.of, each.size) for each in found), strict=True)]
+    return Ratio(int(counts[0]), int(counts[1]), counts[2])
+
+
+def in_both(find: Callable[[str], Difference]) -> dict[str, Difference]:
+    """A difference by preset; ``find`` is given the end of the names of its studies."""
+    return {preset: find(suffix) for preset, suffix in PRESETS.items()}
+
+
+def exclusive(first: Ratio, second: Ratio) -> Difference:
+    """The difference of two outcomes of the same cells, of which no cell has both; one cell in each run."""
+    p, q = first.value, second.value
+    spread = math.sqrt(p * (1 - p) * q * (1 - q))
+    return Difference(first, second, max(-1.0, -p * q / spread) if spread > 0 else 0.0)
+
+
+def hull(what: str, intervals: Sequence[Interval], low: float, high: float) -> Comparison:
+    """One number of several models: its interval reaches over all of theirs, so that models that differ decide nothing.
+
+    A statement about the runs of the thesis holds if it does in the model as printed and in the published one.
+    """
+    least, most = min(a for a, _ in intervals), max(b for _, b in intervals)
+    return Comparison(what, sum(a + b for a, b in intervals) / (2 * len(intervals)), low, high, (least, most))
+
+
+def more(what: str, found: Mapping[str, Difference]) -> Comparison:
+    """The first ratio is larger than the second, in both models."""
+    return hull(what, _intervals(found), 0.0, math.inf)
+
+
+def alike(what: str, found: Mapping[str, Difference], margin: float) -> Comparison:
+    """The ratios differ by less than the margin, in both models."""
+    return hull(what, _intervals(found), -margin, margin)
+
+
+def most_runs(sizes: Iterable[int | None]) -> int | None:
+    """The largest of some numbers of runs; None stands for what no number of runs shows."""
+    return max((size for size in sizes if size is not None), default=None)
+
+
+def needed(*found: Mapping[str, Difference]) -> int | None:
+    """Runs of each kind with which the measured differences would be seen, of those that runs can show."""
+    return most_runs(
+        runs_needed(each.first.value, each.second.value, level=CLAIM_LEVEL)
+        for differences in found
+        for each in differences.values()
+    )
+
+
+def runs_for_bound(value: float, bound: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
+    """Independent cells with which a ratio is seen to be above or below a bound with the given probability.
+
+    n = (z_level sqrt(b (1 - b)) + z_power sqrt(p (1 - p)))^2/(p - b)^2 for the ratio p and the bound b; None if they
+    are equal, which no number of cells tells apart, and for a bound that no ratio crosses.
+    """
+    if value == bound or not 0 < bound < 1:
+        return None
+    spread = quantile(level) * math.sqrt(bound * (1 - bound)) + float(ndtri(power)) * math.sqrt(value * (1 - value))
+    return max(1, math.ceil((spread / (value - bound)) ** 2))
+
+
+def runs_for_margin(found: Difference, margin: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
+    """Independent cells of each kind with which a difference is seen to be above or below a margin.
+
+    n = ((z_level + z_power)/(|d| - margin))^2 (v_1 + v_2 - 2 c sqrt(v_1 v_2)) with v = p (1 - p) and the correlation c;
+    None for a difference at the margin.
+    """
+    distance = abs(abs(found.value) - margin)
+    if distance == 0:
+        return None
+    variances = [side.value * (1 - side.value) for side in (found.first, found.second)]
+    variance = sum(variances) - 2 * found.correlation * math.sqrt(math.prod(variances))
+    return max(1, math.ceil(((quantile(level) + float(ndtri(power))) / distance) ** 2 * variance))
+
+
+def runs_by_width(cells: float, interval: Interval, level: float) -> int | None:
+    """Independent cells with which a number is seen to be above or below 0, by its interval from ``cells`` of them.
+
+    n = cells (h/m (z_claim + z_power)/z_level)^2 for the middle m and the half-width h; None for m = 0.
+    """
+    half, middle = (interval[1] - interval[0]) / 2, (interval[0] + interval[1]) / 2
+    if middle == 0:
+        return None
+    factor = (quantile(CLAIM_LEVEL) + float(ndtri(POWER))) / quantile(level)
+    return max(1, math.ceil(cells * (half / middle * factor) ** 2))
+
+
+def told(found: Mapping[str, Difference]) -> str:
+    """The differences with their intervals, in the order of the models."""
+    return " and ".join(str(each).removesuffix(" points") for each in found.values()) + " points"
+
+
+def _intervals(found: Mapping[str, Difference]) -> list[Interval]:
+    return [difference.interval(CLAIM_LEVEL) for difference in found.values()]

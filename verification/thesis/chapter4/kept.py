@@ -1,0 +1,72 @@
+"""The tables of the complete studies, computed once: ``python -m verification.thesis.chapter4.kept FOLDER [PRESET]``.
+
+It makes the runs that are missing in FOLDER, some 215,000 in an hour on two cores, can be stopped at
+any time and called again, and writes ``verification/thesis/data/emt_*.parquet``. With a preset, "published"
+(25,000 runs) or "thesis", it makes the runs and rows of that one and leaves those of the other.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from tissue.study.read import Results
+from verification.study import workers
+from verification.thesis.chapter4 import printed, sensitivity, studies, summaries
+from verification.thesis.chapter4.studies import PRESETS, preset_of
+
+DATA = Path(__file__).parent.parent / "data"
+# By name: results of studies -> table.
+TABLES: dict[str, Callable[[Mapping[str, Results]], pd.DataFrame]] = {
+    "printed": printed.compared,
+    "ratios": summaries.scenario_ratios,
+    "categories": summaries.category_ratios,
+    "conditional": summaries.conditional,
+    "outside": summaries.outside,
+    "controls": summaries.controls,
+    "answers": summaries.answered,
+    "ranking": summaries.ranking,
+}
+# Only of the complete form.
+COMPLETE = TABLES | {sensitivity.NAME: sensitivity.indices}
+COMPLETE_PREFIX = "emt_complete_"
+
+
+def read(name: str) -> pd.DataFrame:
+    """A kept table of the complete studies."""
+    return pd.read_parquet(DATA / f"emt_{name}.parquet")
+
+
+def tables() -> dict[str, pd.DataFrame]:
+    """All kept tables, by the names that they have in the report."""
+    return {f"{COMPLETE_PREFIX}{name}": read(name) for name in COMPLETE}
+
+
+def main(folder: Path, preset: str | None = None) -> None:
+    """Complete the studies, of one preset or of all, sum them up and keep the tables."""
+    if preset not in {None, *PRESETS}:
+        raise InvalidProblem(f"preset = {describe(preset)}: must be {' or '.join(PRESETS)}")
+    chosen = {name: study for name, study in studies.chosen(full=True).items() if preset in {None, preset_of(name)}}
+    with workers() as executor:
+        results = studies.watched(chosen, folder, executor)
+    for name, table in COMPLETE.items():
+        if name != sensitivity.NAME or sensitivity.NAME in results:
+            made = table(results)
+            kept = made if preset is None else with_others(made, read(name), preset)
+            kept.to_parquet(DATA / f"emt_{name}.parquet", index=False)
+
+
+def with_others(made: pd.DataFrame, before: pd.DataFrame, preset: str) -> pd.DataFrame:
+    """The rows made for one preset, and of the table before those of the others, in the order of the presets."""
+    owner = before["preset"] if "preset" in before else before["study"].map(preset_of)
+    parts = [made if name == preset else before[owner == name] for name in PRESETS]
+    return pd.concat(parts, ignore_index=True)[list(before)]
+
+
+if __name__ == "__main__":
+    main(Path(sys.argv[1]), *sys.argv[2:])

@@ -1,0 +1,92 @@
+"""Which studies are run, and how often each scenario in the short form."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import replace
+from pathlib import Path
+
+from tissue.study.identity import fingerprint, identity
+from tissue.study.plan import Study, load_study
+from tissue.study.read import Results
+from tissue.study.run import carry_out
+from verification.progress import Ticker
+from verification.thesis.chapter4 import sensitivity
+
+# Replicates of each scenario in the short form, half of them where numbers are printed: fifteen seconds on two cores.
+SHORT = {
+    "figure10": 32,
+    "figure12": 32,
+    "figure14": 8,
+    "figure15": 8,
+    "table5_63": 24,
+    "table5_35": 48,
+    "table5_7": 24,
+    "figure10_published": 32,
+    "figure12_published": 32,
+}
+# The complete form: as the files say.
+COMPLETE = (
+    *(name for name in SHORT if not name.endswith("_published")),
+    "questions",
+    *(
+        f"{name}_published"
+        for name in ("figure10", "figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7", "questions")
+    ),
+)
+# What the questions are asked of, beside "questions" where it is. Of one name in two of them the later one counts:
+# [AxB] with 12 h between the events, not with 18 h.
+QUESTIONED = ("figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7")
+PRESETS = {"thesis": "", "published": "_published"}
+
+
+def preset_of(name: str) -> str:
+    """The preset that a study changes."""
+    return next(preset for preset, suffix in reversed(PRESETS.items()) if name.endswith(suffix))
+
+
+def shortened(name: str, replicates: int) -> Study:
+    """A study that comes with the package, with fewer replicates."""
+    study = load_study(name)
+    kept = tuple(number for number in study.trajectories if number < replicates)
+    return replace(study, replicates=replicates, trajectories=kept)
+
+
+def chosen(full: bool) -> dict[str, Study]:
+    """The studies of a form, by name."""
+    if full:
+        return {name: load_study(name) for name in COMPLETE} | {sensitivity.NAME: sensitivity.study()}
+    return {name: shortened(name, replicates) for name, replicates in SHORT.items()}
+
+
+def place(name: str, study: Study, folder: Path) -> Path:
+    """Where the results of this version of the study and of the code are."""
+    return folder / f"{name}-{fingerprint(identity(study))[:12]}"
+
+
+def completed(
+    studies: Mapping[str, Study],
+    folder: Path,
+    executor: Executor | None,
+    watch: Callable[[str, int], None] | None = None,
+) -> dict[str, Results]:
+    """Make the runs that are missing in ``folder``; ``watch`` is told the study and how many of its runs are there."""
+    results = {}
+    for name, study in studies.items():
+        folder.mkdir(parents=True, exist_ok=True)
+        seen = None if watch is None else lambda done, name=name: watch(name, done)
+        results[name] = carry_out(study, place(name, study, folder), executor, seen)
+    return results
+
+
+def watched(studies: Mapping[str, Study], folder: Path, executor: Executor | None) -> dict[str, Results]:
+    """As ``completed``, with a bar for all studies together."""
+    stored = dict.fromkeys(studies, 0)
+    with Ticker("EMT", sum(study.runs for study in studies.values())) as bar:
+
+        def watch(name: str, done: int) -> None:
+            bar.finished(name, done - stored[name])
+            stored[name] = done
+
+        return completed(studies, folder, executor, watch)

@@ -1,0 +1,140 @@
+"""The tables of the chapter on EMT: ratios of all scenarios, conditional ratios, controls, answers, rankings."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import get_args
+
+import numpy as np
+import pandas as pd
+
+from tissue.study.categories import What, by_order, happened, kept_times, outcome
+from tissue.study.curves import given
+from tissue.study.questions import answers
+from tissue.study.ranking import by_importance
+from tissue.study.ratios import ratio, ratios
+from tissue.study.read import Results
+from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.chapter4 import sensitivity
+from verification.thesis.chapter4.studies import PRESETS, QUESTIONED
+
+POPULATIONS = ("table5_63", "table5_35", "table5_7")
+RANKED = "table5_35"
+# Of the position at the onset (Figure 21), and of the event times [h] (Figure 20).
+ONSETS, TIMES = tuple(np.arange(11) / 10), tuple(range(6, 25, 3))
+SEED = 0
+COLUMNS = ["count", "of", "effective", "runs", "value", "low", "high"]
+
+
+def scenario_ratios(results: Mapping[str, Results]) -> pd.DataFrame:
+    """Each outcome at the end of the runs, one row for each study, scenario and outcome, with 95 % intervals."""
+    rows = []
+    for study, found in _named(results):
+        for scenario in found.study.scenarios:
+            cells = found.cells(scenario)
+            for what in get_args(What):
+                hits = outcome(cells, what, kept_times(cells)[-1])
+                one = ratio(hits, cells["replicate"])
+                low, high = one.interval()
+                counts = {"count": one.count, "of": one.of, "effective": one.size, "runs": cells["replicate"].nunique()}
+                value = {"value": one.value, "low": low, "high": high}
+                rows.append({"study": study, "scenario": scenario, "what": what} | counts | value)
+    return pd.DataFrame(rows)
+
+
+def category_ratios(results: Mapping[str, Results]) -> pd.DataFrame:
+    """Basal extrusion in the heterogeneous groups by the events of a cell in their order, with and without INM."""
+    parts = []
+    for study, scenario, cells, end in _populations(results):
+        table = ratios(outcome(cells, "basal", end), cells["replicate"], by_order(cells, end, inm=True))
+        parts.append(table.rename_axis("category").reset_index().assign(study=study, scenario=scenario))
+    return pd.concat(parts, ignore_index=True)[["study", "scenario", "category", *COLUMNS]]
+
+
+def conditional(results: Mapping[str, Results]) -> pd.DataFrame:
+    """Basal extrusion by the position at the onset, without [P] (Figure 21), and by event times (Figure 20)."""
+    parts = []
+    for study, _, cells, end in _populations(results):
+        basal = outcome(cells, "basal", end)
+        passive = ~happened(cells, end)["P"]
+        for inm, text in ((True, "INM"), (False, "no INM")):
+            for column, edges, among in (
+                ("onset_ab", ONSETS, passive),
+                ("t_a_h", TIMES, passive),
+                ("t_b_h", TIMES, passive),
+                ("t_p_h", TIMES, ~passive),
+            ):
+                kind = among & (cells["inm"] == inm)
+                table = given(basal[kind], cells["replicate"][kind], cells[column][kind], edges)
+                parts.append(table.assign(study=study, given=column, inm=text))
+    names = ["study", "given", "inm", "low_edge", "high_edge", "middle", *COLUMNS]
+    return pd.concat(parts, ignore_index=True)[names]
+
+
+def outside(results: Mapping[str, Results]) -> pd.DataFrame:
+    """How many cells of the heterogeneous groups of each preset begin EMT outside of 0 < y_AB <= 1."""
+    rows = []
+    for preset, suffix in PRESETS.items():
+        found = [cells["onset_ab"] for *_, cells, _ in _populations(results, [name + suffix for name in POPULATIONS])]
+        if found:
+            onsets = pd.concat(found).dropna()
+            beyond = int((~onsets.between(0, 1, inclusive="right")).sum())
+            rows.append({"preset": preset, "outside": beyond, "of": len(onsets)})
+    return pd.DataFrame(rows)
+
+
+def controls(results: Mapping[str, Results]) -> pd.DataFrame:
+    """Control cells with y_AB > 1 and < 0 at the end, means over runs with 95 % intervals, for each study."""
+    rows = []
+    for study, found in _named(results):
+        runs = pd.concat([found.runs(scenario) for scenario in found.study.scenarios])
+        end = found.parameters(found.study.scenarios[0]).t_end
+        sound = runs[runs["status"] == "SUCCESS"]
+        row = {"study": study, "runs": len(runs), "failed": len(runs) - len(sound)}
+        for side in ("apical", "basal"):
+            share = sound[f"controls_{side}_{end:g}h"] / sound[f"controls_{end:g}h"]
+            mean, low, high = over_seeds(share)
+            row |= {side: mean, f"{side}_low": low, f"{side}_high": high}
+        rows.append(row)
+    return pd.DataFrame(rows)
+
+
+def answered(results: Mapping[str, Results]) -> pd.DataFrame:
+    """Q1 to Q8 for each preset whose studies are there: the answer of the thesis, what was measured, the verdict."""
+    rows = []
+    for preset, suffix in PRESETS.items():
+        if any(name + suffix not in results for name in QUESTIONED):
+            continue
+        there = [results[name + suffix] for name in ("questions", *QUESTIONED) if name + suffix in results]
+        tables = {scenario: found.cells(scenario) for found in there for scenario in found.study.scenarios}
+        for name, answer in answers(tables).items():
+            texts = {"question": answer.question, "thesis": answer.thesis, "measured": "\n".join(answer.measured)}
+            rows.append({"preset": preset, "id": name} | texts | {"verdict": answer.verdict, "needed": answer.needed})
+    return pd.DataFrame(rows)
+
+
+def ranking(results: Mapping[str, Results]) -> pd.DataFrame:
+    """Permutation importance of each factor for basal extrusion in a heterogeneous group, for each preset."""
+    parts = []
+    for preset, suffix in PRESETS.items():
+        for _, _, cells, end in _populations(results, (RANKED + suffix,)):
+            found = by_importance(cells, outcome(cells, "basal", end), end, seed=SEED)
+            numbers = {"cells": found.cells, "loss": found.loss, "without": found.without}
+            parts.append(found.table.assign(preset=preset, **numbers))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _named(results: Mapping[str, Results]) -> Iterator[tuple[str, Results]]:
+    """The studies but for the sensitivity, of which the scenarios are points."""
+    return ((name, found) for name, found in results.items() if name != sensitivity.NAME)
+
+
+def _populations(
+    results: Mapping[str, Results], names: Sequence[str] | None = None
+) -> Iterator[tuple[str, str, pd.DataFrame, float]]:
+    """Study, scenario, cells and end of the heterogeneous studies that are there."""
+    for name in names or [name + suffix for suffix in PRESETS.values() for name in POPULATIONS]:
+        if name in results:
+            (scenario,) = results[name].study.scenarios
+            cells = results[name].cells(scenario)
+            yield name, scenario, cells, kept_times(cells)[-1]

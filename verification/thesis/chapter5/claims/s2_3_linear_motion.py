@@ -1,0 +1,141 @@
+"""Chapter 5, section 2.3: motion with the linearised constraint (Example 5.3) and with linear ones."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.thesis.chapter5.claims.s2_3_examples import ONE, PLANE, M, shifted, tissue, with_springs
+from verification.thesis.chapter5.instant import Floats, force0, force1, instant, omega, phi
+from verification.thesis.chapter5.measure import shift_rate, tested
+
+# What central differences of numbers that are right to rounding leave.
+TOL = 1e-8
+# Far above it: what a wrong term makes here.
+WRONG = 1e-2
+
+
+def _linear_newton(_: Tables) -> Evidence:
+    at = shifted()
+    force = force0(at.system, at.y) + force1(at.system, at.X).mean()
+    printed, right = (float(np.abs(mass * at.a - force).max()) for mass in (M, 1 + M))
+    return Evidence(
+        f"mÿ misses the force by {printed:.2f}, (1 + m)ÿ, as (5.26) says, by {right:.0e}: the mass of y itself is "
+        "left out.",
+        printed=(at_most("|mÿ − F₀ − 1/N Σ_j F₁|", printed, 0.0, TOL),),
+        corrected=(at_most("|(1 + m)ÿ − F₀ − 1/N Σ_j F₁|", right, 0.0, TOL),),
+    )
+
+
+def bell() -> tuple[Floats, Floats]:
+    """A density of the particles that is not symmetric, by values on a grid that sum to 1."""
+    x = np.linspace(-7.0, 8.0, 4001)
+    f = np.exp(-((x - 0.3) ** 2) / 2) * (1.5 + np.tanh(x))
+    return x, f / f.sum()
+
+
+def _linear_limit(_: Tables) -> Evidence:
+    """The acceleration by 60 constrained particles at quantiles of a density, against the integral over it."""
+    x, f = bell()
+    X = np.interp((np.arange(60) + 0.5) / 60, f.cumsum(), x)
+    at = instant(shifted().system, X[:, None], *ONE)
+    force = force0(at.system, at.y) + f @ force1(at.system, x[:, None])[:, 0]
+    printed, right = (float(np.abs(mass * at.a - force).max()) for mass in (M, 1 + M))
+    return Evidence(
+        f"60 constrained particles that stand for a density: mÿ misses F₀ + ∫F₁f dx by {printed:.2f}, (1 + m)ÿ by "
+        f"{right:.0e}, which is due to their number.",
+        printed=(at_most("|mÿ − F₀ − ∫F₁f dx|", printed, 0.0, WRONG),),
+        corrected=(at_most("|(1 + m)ÿ − F₀ − ∫F₁f dx|", right, 0.0, WRONG),),
+    )
+
+
+def _linear_velocity(_: Tables) -> Evidence:
+    at = shifted()
+    printed, right = (float(np.abs(side - at.v).max()) for side in (at.X, at.U))
+    return Evidence(
+        f"X̃_i differs from ẏ by {printed:.2f}, its derivative by {right:.0e}.",
+        printed=(at_most("|X̃_i − ẏ|", printed, 0.0, TOL),),
+        corrected=(at_most("|dX̃_i/dt − ẏ|", right, 0.0, TOL),),
+    )
+
+
+def _linear_transport(_: Tables) -> Evidence:
+    v = ONE[1][0]
+    by_flow, by_formula = tested(lambda x: 0 * x + v, lambda x, f: shift_rate(x, f, v), 1)
+    off = abs(by_flow - by_formula)
+    return Evidence(
+        f"∫ξf dx of a smooth ξ changes at a rate of {by_flow:.2f}, by (5.31) as by moving the particles, to {off:.0e}.",
+        printed=(
+            at_most("rates apart", off, 0.0, TOL),
+            at_least("size of the rate", abs(by_flow), WRONG),
+        ),
+    )
+
+
+def _linear_map(_: Tables) -> Evidence:
+    """g = G y - X, and the level of the positions that are said to solve X' = G y'."""
+    G = np.array([[0.3, -0.2, 0.7], [0.5, 0.1, -0.4]])
+    at = instant(with_springs(lambda X, y: G @ y - X), tissue().X, *PLANE)
+    later = at.y + np.array([0.4, -0.9, 1.3])
+    level = float(np.abs(at.system.g(at.X + G @ (later - at.y), later) - at.system.g(at.X, at.y)).max())
+    curved = float(np.abs(omega(at.system, at.X, at.y, at.v, at.v)).max())
+    off = float(np.abs(phi(at.system, at.X, at.y) - G).max())
+    return Evidence(
+        f"Φ = G to {off:.0e}, Ω = 0 to {curved:.0e}, and g keeps its value at X_iⁱⁿⁱᵗ + G(y − yⁱⁿⁱᵗ), to {level:.0e}.",
+        printed=(
+            at_most("|Φ − G|", off, 0.0, TOL),
+            at_most("|Ω[ẏ, ẏ]|", curved, 0.0, TOL),
+            at_most("change of g", level, 0.0, TOL),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c5.linear-newton",
+        "(5.28)",
+        "mÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
+        _linear_newton,
+        statement="The equation of motion with the linearised constraint.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "(1 + m)ÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)", Effect.MODEL, "the motion of Example 5.3; (5.26) is right"
+        ),
+    ),
+    Claim(
+        "c5.linear-velocity",
+        "(5.29)",
+        "X̃_i = ẏ",
+        _linear_velocity,
+        statement="With the linearised constraint each particle moves as the macroscopic component does.",
+        recorded=Kind.CORRECTED,
+        correction=Correction("dX̃_i/dt = ẏ", Effect.NOTATION, "the motion of Example 5.3; (5.31) is right"),
+    ),
+    Claim(
+        "c5.linear-limit",
+        "(5.30)",
+        "mÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
+        _linear_limit,
+        statement="The mean-field equation of motion with the linearised constraint.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "(1 + m)ÿ = F₀(y) + ∫F₁(x)f(x, t) dx", Effect.MODEL, "the mean-field motion of Example 5.3, as in (5.28)"
+        ),
+    ),
+    Claim(
+        "c5.linear-transport",
+        "(5.31)",
+        "∂_t f(x, t) = −∂_x(f(x, t) ẏ(t))",
+        _linear_transport,
+        statement="With the linearised constraint the density is shifted.",
+    ),
+    Claim(
+        "c5.linear-map",
+        "after (5.31)",
+        "g = Gy − X_i imply that Φ = G is constant and Ω = 0 … X_i(t) = X_iⁱⁿⁱᵗ + G(y(t) − yⁱⁿⁱᵗ)",
+        _linear_map,
+        statement="With linear constraints the positions are an explicit function of the macroscopic state.",
+    ),
+)

@@ -1,0 +1,228 @@
+"""Chapter 5, sections 2.5 and 3.3: the energy is conserved."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.thesis.chapter5.instant import (
+    STEP,
+    Floats,
+    Instant,
+    effective_force,
+    effective_mass,
+    force0,
+    force1,
+    general_instant,
+    kernel,
+    kinetic,
+    omega,
+    phi,
+    potential,
+    pulls,
+    pushed,
+    slope,
+)
+
+# What central differences of numbers that are right to rounding leave.
+TOL = 1e-8
+# Far above it: what a wrong term makes here.
+WRONG = 1e-2
+WEIGHTS = np.array([0.4, 0.3, 0.2, 0.1])
+# A rate of a sum over a square is known to rounding of the sum.
+SMALL_RATE = 1e-6
+SIDE = np.linspace(-2.0, 2.0, 41)
+SQUARE = np.stack(np.meshgrid(SIDE, SIDE, indexing="ij"), axis=-1).reshape(-1, 2)
+# Some acceleration that no force causes.
+ANY = np.array([0.9, -1.3, 0.4])
+
+
+def along(at: Instant, f: Callable[[Floats, Floats], Floats]) -> float:
+    """The rate of f(X, y) along the motion."""
+    return float(slope(lambda s: f(at.X + s * at.U, at.y + s * at.v), np.zeros(()), np.ones(())))
+
+
+def accelerated(at: Instant) -> float:
+    """The rate of the kinetic energy."""
+    return float(at.v @ at.a + at.system.m * (at.U * at.A).sum(axis=1).mean())
+
+
+def _energy(_: Tables) -> Evidence:
+    at = general_instant()
+    parts = accelerated(at)
+    rate = parts + along(at, lambda X, y: potential(at.system, X, y))
+    return Evidence(
+        f"The kinetic energy changes at a rate of {parts:.2f}, the sum by {abs(rate):.0e}.",
+        printed=(
+            at_most("rate of the total energy", abs(rate), 0.0, TOL),
+            at_least("rate of the kinetic energy", abs(parts), WRONG),
+        ),
+    )
+
+
+def _lagrangian(_: Tables) -> Evidence:
+    at = general_instant()
+    system, pairs = at.system, at.system.V(at.X[:, None] - at.X[None])
+    each = system.m / 2 * (at.U**2).sum(axis=1) - system.W1(at.X) - pairs.mean(axis=0) / 2
+    L = at.v @ at.v / 2 - system.W0(at.y) + each.mean()
+    E = kinetic(system, at.U, at.v) + potential(system, at.X, at.y)
+    moving = (at.U**2).sum(axis=1).mean()
+    printed, right = (float(abs(at.v @ at.v + s * moving - E - L)) for s in (0.0, system.m))
+    return Evidence(
+        f"‖ẏ‖² − E differs from L of (5.8) by {printed:.2f}, the particles' kinetic energy twice; "
+        f"‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E, by {right:.0e}.",
+        printed=(at_most("|‖ẏ‖² − E − L|", printed, 0.0, TOL),),
+        corrected=(at_most("|‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E − L|", right, 0.0, TOL),),
+    )
+
+
+def atoms_move() -> tuple[Instant, Floats, float]:
+    """Four points with unequal weights, ÿ of (5.40) for them, and the rate of their kinetic energy and that of y."""
+    at, w = general_instant(), WEIGHTS
+    system, moved = at.system, phi(at.system, at.X, at.y)
+    curved = omega(system, at.X, at.y, at.v, at.v)
+    each = force1(system, at.X) + np.tensordot(w, pulls(system, at.X), axes=1) - system.m * curved
+    mass = np.eye(3) + system.m * np.tensordot(w, moved.transpose(0, 2, 1) @ moved, axes=1)
+    a = np.linalg.solve(mass, force0(system, at.y) + w @ pushed(moved, each))
+    return at, a, float(at.v @ a + system.m * (w @ (at.U * (moved @ a + curved)).sum(axis=1)))
+
+
+def _mean_field(_: Tables) -> Evidence:
+    """The rate of (5.50) by (5.40), with dμ(x), and with dx: then x stays, and only y, ẏ and the measure move."""
+    at, a, gained = atoms_move()
+    system, w = at.system, WEIGHTS
+
+    def stored(X: Floats, y: Floats) -> Floats:
+        return np.asarray(system.W0(y) + w @ system.W1(X) + w @ system.V(X[:, None] - X[None]) @ w / 2)
+
+    def read_with_dx(s: float) -> float:
+        X, y, v = at.X + s * at.U, at.y + s * at.v, at.v + s * a
+        each = system.m / 2 * ((phi(system, SQUARE, y) @ v) ** 2).sum(axis=1) + system.W1(SQUARE)
+        each = each + w @ system.V(X[:, None] - SQUARE[None]) / 2
+        return float(v @ v / 2 + system.W0(y) + each.sum() * (SIDE[1] - SIDE[0]) ** 2)
+
+    rate = abs(gained + along(at, stored))
+    printed = abs(read_with_dx(STEP) - read_with_dx(-STEP)) / (2 * STEP)
+    return Evidence(
+        f"For four points of unequal weights (5.50) with dμᵗ(x) changes at a rate of {rate:.0e}, the kinetic energy at "
+        f"{abs(gained):.2f}. Without it the integral could only be over dx: it changes at a rate of {printed:.2f} on a "
+        "square and is infinite on ℝ².",
+        printed=(at_most("rate of (5.50) with dx on a square", printed, 0.0, SMALL_RATE),),
+        corrected=(
+            at_most("rate of (5.50) with dμᵗ(x)", rate, 0.0, TOL),
+            at_least("rate of the kinetic energy", abs(gained), WRONG),
+        ),
+    )
+
+
+def _power(_: Tables) -> Evidence:
+    """(5.52) for all pairs of four particles, and the sum (5.53)."""
+    at = general_instant()
+    X, U, pull = at.X, at.U, pulls(at.system, at.X)
+    rates = slope(lambda s: at.system.V((X + s * U)[:, None] - (X + s * U)[None]), np.zeros(()), np.ones(()))
+    first = np.einsum("ka,kia->ki", U, pull) - np.einsum("ia,kia->ki", U, pull)
+    swapped = kernel(at.system, X[None, :], np.broadcast_to(X[:, None], pull.shape))
+    second = -np.einsum("ka,kia->ki", U, swapped) - np.einsum("ia,kia->ki", U, pull)
+    total = -(U * pull.mean(axis=0)).sum(axis=1).mean()
+    lines = [float(np.abs(rates - line).max()) for line in (first, second)]
+    both = float(abs(rates.mean() / 2 - total))
+    return Evidence(
+        f"Both lines of (5.52) hold to {max(lines):.0e}, the integral (5.53) to {both:.0e}, for an even 𝒱.",
+        printed=(
+            at_most("first line of (5.52)", lines[0], 0.0, TOL),
+            at_most("second line of (5.52)", lines[1], 0.0, TOL),
+            at_most("(5.53)", both, 0.0, TOL),
+        ),
+    )
+
+
+def _proof(_: Tables) -> Evidence:
+    """The third line of Ė on a motion, and the last one for an acceleration that no force causes."""
+    at = general_instant()
+    system, moved, pull = at.system, phi(at.system, at.X, at.y), pulls(at.system, at.X).mean(axis=0)
+
+    def third_line(forces: Floats) -> float:
+        inertia = system.m * (moved @ at.a + omega(system, at.X, at.y, at.v, at.v))
+        return float(abs(at.v @ (at.a - force0(system, at.y)) + (pushed(moved, inertia - forces) @ at.v).mean()))
+
+    def energy(s: float) -> float:
+        X, y, v = at.X + s * at.U, at.y + s * at.v, at.v + s * ANY
+        return float(kinetic(system, phi(system, X, y) @ v, v) + potential(system, X, y))
+
+    rate = (energy(STEP) - energy(-STEP)) / (2 * STEP)
+    stated = float(at.v @ (effective_mass(system, at.X, at.y) @ ANY - effective_force(system, at.X, at.y, at.v)))
+    printed, right = third_line(force1(system, at.X - pull)), third_line(force1(system, at.X) + pull)
+    return Evidence(
+        f"On a motion the third line of Ė is {printed:.2f} with F₁(Xᵗ(x) − 𝒦(x)), {right:.0e} with F₁(Xᵗ(x)) − 𝒦(x). "
+        f"For an ÿ that does not solve (5.40a) Ė is {rate:.4f}, which is ẏᵀ(m_eff ÿ − F_eff) to "
+        f"{abs(rate - stated):.0e}.",
+        printed=(at_most("third line of Ė as printed, on a motion", printed, 0.0, TOL),),
+        corrected=(
+            at_most("third line of Ė with F₁(Xᵗ(x)) − 𝒦(x), on a motion", right, 0.0, TOL),
+            at_most("rate of the energy against ẏᵀ(m_eff ÿ − F_eff)", abs(rate - stated), 0.0, TOL),
+            at_least("size of this rate", abs(rate), WRONG),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c5.energy",
+        "Lemma 5.5, (5.37)",
+        "E = … + 1/(2N) Σ_k 𝒱(X_k, X_i)) is a conserved quantity",
+        _energy,
+        statement="The reduced equations keep the total energy.",
+        chosen="𝒱(X_k, X_i) is read as 𝒱(X_k − X_i), 𝒱 being a function of one vector, and even",
+    ),
+    Claim(
+        "c5.energy-lagrangian",
+        "proof of Lemma 5.5",
+        "the Lagrangian L = ‖ẏ‖² − E",
+        _lagrangian,
+        statement="How Lagrangian and energy are related.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "L = ‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E", Effect.PROOF, "nothing: with L of (5.8) Lemma 5.5 follows as said"
+        ),
+    ),
+    Claim(
+        "c5.mean-field-energy",
+        "Lemma 5.11, (5.50)",
+        "E = ½‖ẏ‖² + 𝒲₀(y) + ∫ m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′) is conserved",
+        _mean_field,
+        statement="The mean-field equations keep the total energy.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "E = ½‖ẏ‖² + 𝒲₀(y) + ∫(m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′)) dμᵗ(x)",
+            Effect.NOTATION,
+            "the first line of Ė in the proof, which has dμᵗ(x̃′) twice; from its second line on x has its measure",
+        ),
+        chosen="an even 𝒱; for the reading with dx the square |x₁|, |x₂| ≤ 2",
+    ),
+    Claim(
+        "c5.interaction-power",
+        "(5.52), (5.53)",
+        "d/dt 𝒱(Xᵗ(x′) − Xᵗ(x)) = −Ẋᵗ(x′)K(Xᵗ(x), Xᵗ(x′)) − Ẋᵗ(x)K(Xᵗ(x′), Xᵗ(x))",
+        _power,
+        statement="The rate of the energy of a pair, and of all pairs.",
+        chosen="𝒱 is even",
+    ),
+    Claim(
+        "c5.energy-proof",
+        "proof of Lemma 5.11",
+        "Ė = … ∫ ẏᵀΦ_xᵀ(mΦ_x[ÿ] + mΩ_x[ẏ, ẏ] − F₁(Xᵗ(x) − 𝒦(x)) dμⁱⁿⁱᵗ(x) = … = ẏᵀ(m_eff ÿ − F_eff) = 0",
+        _proof,
+        statement="The rate of the energy is the power of what the equation of motion leaves.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "… − F₁(Xᵗ(x)) − 𝒦(x)) dμⁱⁿⁱᵗ(x) …",
+            Effect.NOTATION,
+            "the second and third line of Ė; the fourth has the bracket where it belongs",
+        ),
+        chosen="for the last line an acceleration that does not solve the equation, so that the rate is not 0",
+    ),
+)

@@ -1,0 +1,176 @@
+"""Chapter 5, sections 3.1 and 3.2: the mean-field equations, particles as measures, weak solutions."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.thesis.chapter5 import bounded
+from verification.thesis.chapter5.bounded import State, force, mass
+from verification.thesis.chapter5.instant import Floats, System, instant
+from verification.thesis.chapter5.measure import shift_rate, tested
+from verification.thesis.chapter5.wavy import T, soft, wavy_flow, wavy_motion
+
+# What rounding leaves of sums, what steps of a Runge-Kutta method leave, and central differences of a bisection.
+TOL, RUN_TOL, DIFFERENCE = 1e-9, 1e-7, 1e-6
+# Far above: what a wrong term makes here.
+WRONG = 1e-2
+# A distribution of the particles: its mean and width.
+MEAN, WIDTH = 0.3, 0.8
+Y, YDOT = 0.4, 1.5
+
+
+def _system() -> System:
+    """The fibre of ``bounded`` as functions of the Lagrangian."""
+
+    def sqrt(x: Floats) -> Floats:
+        return np.sqrt(1 + (x**2).sum(axis=-1))
+
+    return System(bounded.M, lambda X, y: X + np.sin(X) / 2 - y, lambda y: -np.cos(y[0]), sqrt, sqrt)
+
+
+def spread(count: int) -> Floats:
+    """Points of equal weight that stand for two bells, by their distribution function."""
+    line = np.linspace(MEAN - 9 * WIDTH, MEAN + 9 * WIDTH, 20001)
+    share = np.cumsum(np.exp(-((line - MEAN) ** 2) / (2 * WIDTH**2)) * (1.5 + np.tanh(line)))
+    return np.interp((np.arange(count) + 0.5) / count, share / share[-1], line)
+
+
+def _limit_force(_: Tables) -> Evidence:
+    """The acceleration of constrained particles, for more and more of them, against the integrals over a density."""
+    fine = spread(1000)
+    at = State(fine, np.full(fine.size, 1 / fine.size), Y, YDOT)
+    limit = force(at) / mass(at)
+    off = []
+    for count in (5, 40):
+        found = instant(_system(), spread(count)[:, None], np.array([Y]), np.array([YDOT])).a.item()
+        off.append(abs(found - limit))
+    part = abs(limit - force(at._replace(v=0.0)) / mass(at))
+    return Evidence(
+        f"ÿ of 5 and 40 constrained particles with interaction that stand for a density differs from that of the "
+        f"integrals ({limit:.4f}) by {off[0]:.0e} and {off[1]:.0e}; the term with ẏ makes {part:.2f} of it.",
+        printed=(
+            at_most("ÿ of 40 particles against the limit", off[1], 0.0, WRONG),
+            at_most("error of 40 particles over that of 5", off[1] / off[0], 0.2),
+            at_least("what the term with ẏ contributes", part, WRONG),
+        ),
+    )
+
+
+def transported(x: Floats, y: float) -> Floats:
+    """The density that the flow of g = X + sin(X)/2 - y makes of a bell while y goes from 0 to y."""
+    start = wavy_flow(x, -y)
+    return np.asarray(np.exp(-((start - MEAN) ** 2) / 2) * soft(start) / soft(x))
+
+
+def _transport(_: Tables) -> Evidence:
+    """df/dt by differences against -(f Phi y')' by differences, y' = 1.5."""
+    x, h = np.linspace(-3.0, 4.0, 36), 1e-4
+    rate = YDOT * (transported(x, Y + h) - transported(x, Y - h)) / (2 * h)
+    flux = [transported(x + s, Y) * soft(x + s) * YDOT for s in (h, -h)]
+    off = float(np.abs(rate + (flux[0] - flux[1]) / (2 * h)).max())
+    largest = float(np.abs(rate).max())
+    return Evidence(
+        f"g = X + sin(X)/2 − y: the density that the particles carry along changes at rates of up to {largest:.2f}, "
+        f"which is −div(fΦẏ) to {off:.0e}.",
+        printed=(
+            at_most("|∂_t f + div(fΦẏ)|", off, 0.0, DIFFERENCE),
+            at_least("|∂_t f|", largest, WRONG),
+        ),
+    )
+
+
+def _empirical(_: Tables) -> Evidence:
+    """The integrals (5.41) of narrow bells about the particles, against m_eff y'' of the constrained system."""
+    X, width = np.array([0.3, -0.8, 1.7]), 0.02
+    offsets = np.linspace(-6.0, 6.0, 61)
+    bell = np.exp(-(offsets**2) / 2)
+    points, weights = (X[:, None] + width * offsets).ravel(), np.tile(bell / bell.sum() / X.size, X.size)
+    at = State(points, weights, Y, YDOT)
+    found = instant(_system(), X[:, None], np.array([Y]), np.array([YDOT])).a.item()
+    off = abs(mass(at) * found - force(at))
+    return Evidence(
+        f"Three particles as bells of width {width}: the integrals (5.41) and ÿ of the constrained system fulfil "
+        f"m_eff ÿ = F_eff = {force(at):.3f} to {off:.0e}.",
+        printed=(
+            at_most("|m_eff(μ) ÿ − F_eff(μ)|", off, 0.0, WRONG / 10),
+            at_least("|F_eff|", abs(force(at)), WRONG),
+        ),
+    )
+
+
+def _consistency(_: Tables) -> Evidence:
+    """Three particles, two in one place, and the measure of two atoms with the weights 2/3 and 1/3."""
+    particles = wavy_motion(np.array([0.2, 1.5, 1.5]), np.full(3, 1 / 3))
+    measure = wavy_motion(np.array([1.5, 0.2]), np.array([2, 1]) / 3)
+    same = float(np.abs(particles[[0, 1, 3, 2]] - measure).max())
+    flowed = float(np.abs(wavy_flow(np.array([0.2, 1.5, 1.5]), particles[0]) - particles[2:]).max())
+    return Evidence(
+        f"g = X + sin(X)/2 − y, three particles, two of them in one place: y, ẏ and X_i at t = {T:g} are those of "
+        f"(5.40) for their empirical measure to {same:.0e}, and the flow at X_iⁱⁿⁱᵗ is X_i(t), (5.48), to "
+        f"{flowed:.0e}.",
+        printed=(
+            at_most("particles against their empirical measure", same, 0.0, RUN_TOL),
+            at_most("X_i(t) against the flow", flowed, 0.0, RUN_TOL),
+        ),
+    )
+
+
+def _bracket(_: Tables) -> Evidence:
+    """Particles that are all shifted, Phi = 1, y' = 0.6: the divergence of Phi y' is 0, that of Phi y' f is not."""
+    v = 0.6
+    by_flow, printed = tested(lambda x: 0 * x + v, lambda x, f: 0 * f, 1)
+    right = tested(lambda x: 0 * x + v, lambda x, f: shift_rate(x, f, v), 1)[1]
+    return Evidence(
+        f"Φ = 1: d/dt ⟨ξ, f⟩ = {by_flow:.3f}, but −⟨ξ, div(Φẏ)f⟩ = {printed:g}. f belongs into the bracket, as in the "
+        f"line above: −⟨ξ, div(Φẏ f)⟩ = {right:.3f}.",
+        printed=(at_most("|d/dt ⟨ξ, f⟩ + ⟨ξ, div(Φẏ)f⟩|", abs(by_flow - printed), 0.0, TOL),),
+        corrected=(at_most("|d/dt ⟨ξ, f⟩ + ⟨ξ, div(Φẏ f)⟩|", abs(by_flow - right), 0.0, TOL),),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c5.limit-force",
+        "section 1, (5.40a), (5.41)",
+        "(∫ m_eff⁽¹⁾(x, y) f dx) ÿ = ∫ (F_eff⁽¹⁾(x, y, ẏ) + ∫ K_eff(x′, x) f(x′, t) dx′) f(x, t) dx",
+        _limit_force,
+        statement="Constrained particles that stand for a density accelerate y as the integrals over the density say.",
+        chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
+    ),
+    Claim(
+        "c5.transport",
+        "section 1, (5.42b)",
+        "∂_t f(x, t) = −div_x(f(x, t) Φ(x, y)[ẏ])",
+        _transport,
+        statement="How the density of the particles changes.",
+    ),
+    Claim(
+        "c5.empirical",
+        "(5.44) to (5.46)",
+        "m_eff(μ^emp, y) = m_eff⁽ᴺ⁾(X⁽ᴺ⁾, y), F_eff(μ^emp, y, v) = F_eff⁽ᴺ⁾(X⁽ᴺ⁾, y, v)",
+        _empirical,
+        statement="For point masses the integrals are the effective mass and force of the particles.",
+        chosen="point masses as narrow bells; F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
+    ),
+    Claim(
+        "c5.consistency",
+        "Lemma 5.10",
+        "solutions of the ODE model are solutions of (5.40a) to (5.40c)",
+        _consistency,
+        statement="The motion of particles solves the mean-field equations for their empirical measure.",
+    ),
+    Claim(
+        "c5.weak-bracket",
+        "proof of Lemma 5.10",
+        "d/dt ⟨ξ, f⟩ = … = −⟨ξ, div(Φẏ) f⟩",
+        _bracket,
+        statement="The weak form of the transport equation.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "−⟨ξ, div(Φẏ f)⟩", Effect.NOTATION, "nothing: the line above it has f under the divergence"
+        ),
+    ),
+)

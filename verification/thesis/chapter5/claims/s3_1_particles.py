@@ -1,0 +1,149 @@
+"""Chapter 5, sections 3.1 and 3.2: how particles depend on each other, and what the flow makes of their measure."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from math import ceil
+from statistics import NormalDist
+
+import numpy as np
+
+from verification.claim import Claim, Correction, Effect, Tables
+from verification.evidence import Evidence, Interval, Kind, at_least, at_most
+from verification.thesis.chapter5.claims.s3_1_limit import MEAN, transported
+from verification.thesis.chapter5.instant import Floats, effective_force, effective_mass, general_instant, phi
+from verification.thesis.chapter5.wavy import runge_kutta, soft, wavy_flow
+
+# What rounding and sums over a fine grid leave.
+TOL = 1e-9
+# Far above: what a wrong term makes here.
+WRONG = 1e-2
+SEED, RUNS = 31, 700
+# Particles that are heavy enough to be felt by each other through y, their spread at first, and the time.
+M, SPREAD, TIME, STEPS = 5.0, 0.5, 3.0, 40
+TWO_SIDED = NormalDist().inv_cdf(0.975)
+# A correlation above this is seen as one.
+SMALL = 0.15
+
+
+def velocity(at_X: Floats) -> Floats:
+    """The velocities of all particles of ``general_system`` as functions of all positions, y and y' being given."""
+    at = general_instant()
+    return np.asarray(phi(at.system, at_X, at.y) @ at.v)
+
+
+def _no_pairs(_: Tables) -> Evidence:
+    """The accelerations of y without interaction, and what a shift of one particle changes of all velocities."""
+    at = general_instant()
+    alone = at.system._replace(V=lambda r: 0.0 * r[..., 0])
+    a, without = (
+        np.linalg.solve(effective_mass(s, at.X, at.y), effective_force(s, at.X, at.y, at.v)) for s in (at.system, alone)
+    )
+    pulled = float(np.abs(a - without).max())
+    moved = at.X + np.array([0.2, -0.1]) * (np.arange(len(at.X)) == 0)[:, None]
+    change = np.abs(velocity(moved) - velocity(at.X)).max(axis=1)
+    return Evidence(
+        f"F_eff of (5.11a) contains K(X_k, X_j) by (5.14): without it ÿ changes by {pulled:.2f}. (5.11b) is without: a "
+        f"shift of one particle, y and ẏ as they are, changes its own velocity by {change[0]:.2f}, those of the others "
+        f"by {change[1:].max():g}.",
+        printed=(at_most("change of ÿ of (5.11a) without K", pulled, 0.0, TOL),),
+        corrected=(
+            at_least("change of ÿ of (5.11a) without K", pulled, WRONG),
+            at_most("change of the velocities of the others", float(change[1:].max()), 0.0, TOL),
+            at_least("change of its own velocity", float(change[0]), WRONG),
+        ),
+    )
+
+
+def ends(count: int, rng: np.random.Generator) -> Floats:
+    """Two of ``count`` particles on g = X + sin(X)/2 - y at the time TIME, in RUNS runs with independent starts."""
+    start = np.zeros((RUNS, count + 2))
+    start[:, 1], start[:, 2:] = 1.0, SPREAD * rng.normal(size=(RUNS, count))
+
+    def rate(z: Floats) -> Floats:
+        v, X = z[:, 1:2], z[:, 2:]
+        curved = np.sin(X) / 2 * soft(X) ** 3 * v**2
+        force, mass = -M * (soft(X) * curved), 1 + M * soft(X) ** 2
+        return np.concatenate([v, force.mean(1, keepdims=True) / mass.mean(1, keepdims=True), soft(X) * v], axis=1)
+
+    return np.asarray(runge_kutta(rate, start, TIME, STEPS))[-1, :, 2:4]
+
+
+def _correlation(found: Floats) -> tuple[float, Interval]:
+    """The correlation of the columns, with its interval by Fisher's transformation."""
+    value = float(np.corrcoef(found.T)[0, 1])
+    half = TWO_SIDED / np.sqrt(len(found) - 3)
+    return value, (float(np.tanh(np.arctanh(value) - half)), float(np.tanh(np.arctanh(value) + half)))
+
+
+def _independent(_: Tables) -> Evidence:
+    """The correlation of two particles among 2 and among 24."""
+    rng = np.random.default_rng(SEED)
+    (few, of_few), (many, of_many) = (_correlation(ends(count, rng)) for count in (2, 24))
+    needed = ceil((TWO_SIDED / (SMALL - abs(many))) ** 2) + 3 if abs(many) < SMALL else None
+    return Evidence(
+        f"g = X + sin(X)/2 − y, m = {M:g}, {RUNS} runs with independent starts: at t = {TIME:g} two particles have the "
+        f"correlation {few:.2f} [{of_few[0]:.2f}, {of_few[1]:.2f}] if there are 2, {many:.2f} [{of_many[0]:.2f}, "
+        f"{of_many[1]:.2f}] if there are 24.",
+        printed=(
+            at_most("correlation of two of 2 particles", few, -SMALL, interval=of_few),
+            at_most("correlation of two of 24 particles", many, SMALL, interval=of_many),
+            at_least("correlation of two of 24 particles", many, -SMALL, interval=of_many),
+        ),
+        seed=SEED,
+        runs_needed=needed,
+    )
+
+
+def _moved_measure(_: Tables) -> Evidence:
+    """int xi f_t dx by the density at the end, and by moving the points of the start."""
+    x, y = np.linspace(-12.0, 14.0, 26001), 1.1
+    step = x[1] - x[0]
+    start = np.exp(-((x - MEAN) ** 2) / 2)
+
+    def xi(at: Floats) -> Floats:
+        return np.asarray(np.exp(-((at - 0.5) ** 2)) * (1 + np.sin(at)))
+
+    by_density = float((xi(x) * transported(x, y)).sum() * step)
+    by_points = float((xi(wavy_flow(x, y)) * start).sum() * step)
+    before = float((xi(x) * start).sum() * step)
+    return Evidence(
+        f"g = X + sin(X)/2 − y, y from 0 to {y}: ∫ξ dμᵗ = {by_density:.6f} by the density, ∫ξ(Xᵗ(x)) dμⁱⁿⁱᵗ differs "
+        f"from it by {abs(by_density - by_points):.0e}; at first it was {before:.3f}.",
+        printed=(
+            at_most("∫ξ dμᵗ − ∫ξ∘Xᵗ dμⁱⁿⁱᵗ", abs(by_density - by_points), 0.0, TOL),
+            at_least("change of ∫ξ dμ", abs(by_density - before), WRONG),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c5.independent",
+        "section 3.1",
+        "we can hope that there exists a statistical distribution … such that X₁(t), …, X_N(t) ~ μᵗ",
+        _independent,
+        statement="Particles with independent starts become independent as their number grows.",
+        chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of two",
+    ),
+    Claim(
+        "c5.no-pairs",
+        "footnote 2",
+        "the ODE model (5.11a) and (5.11b) since it lacks pairwise interaction between particles",
+        _no_pairs,
+        statement="Neither of the two reduced equations has an interaction of pairs of particles.",
+        recorded=Kind.CORRECTED,
+        correction=Correction(
+            "only (5.11b) lacks it: (5.11a) has the forces K, by which particles act on each other through y",
+            Effect.MODEL,
+            "why independence in the limit is called less surprising; (5.14), (5.16), (5.41b) have these forces",
+        ),
+    ),
+    Claim(
+        "c5.moved-measure",
+        "proof of Lemma 5.10",
+        "∫ξ(x) dμᵗ(x) = ∫ξ(Xᵗ(x′)) dμⁱⁿⁱᵗ(x′)",
+        _moved_measure,
+        statement="Integrals over the measure at a time are integrals over the initial one along the flow.",
+    ),
+)

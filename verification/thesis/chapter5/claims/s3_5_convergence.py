@@ -1,0 +1,157 @@
+"""Chapter 5, sections 3.4 and 3.5: the linear case, and particles that come close to the mean-field limit."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+from math import ceil
+from statistics import NormalDist
+
+import numpy as np
+
+from verification.claim import Claim, Tables
+from verification.evidence import Evidence, Interval, at_least, at_most, equal
+from verification.thesis.chapter5.instant import Floats
+from verification.thesis.chapter5.wavy import wavy_motion
+
+# What rounding leaves of sums.
+TOL = 1e-9
+SEED, SAMPLES = 65, 200
+DRAWS, TWO_SIDED = 40, NormalDist().inv_cdf(0.975)
+SHIFT = 0.8
+
+
+def carried(x: Floats, way: float) -> Floats:
+    """Where particles go with a linear constraint."""
+    return x + way
+
+
+def _linear_step(_: Tables) -> Evidence:
+    """Two sets of points that are shifted by different ways: (5.65) with Lip = 1."""
+    rng, worst = np.random.default_rng(SEED), 0.0
+    for _sample in range(SAMPLES):
+        first, second = np.sort(rng.normal(size=(2, 8)) * rng.uniform(0.1, 2.0, (2, 1)), axis=1)
+        ways = SHIFT * rng.normal(size=2)
+        later = np.abs(carried(first, ways[0]) - carried(second, ways[1])).mean()
+        moment = max(1 + np.abs(first).mean(), 1 + np.abs(second).mean())
+        worst = max(worst, later / (moment * abs(ways[0] - ways[1]) + np.abs(first - second).mean()))
+    return Evidence(
+        f"{SAMPLES} pairs of measures on a line that are only shifted: W₁(μ₁ᵗ, μ₂ᵗ) reaches {worst:.3f} of "
+        "C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ), so there (5.65) holds as printed.",
+        printed=(at_most("W₁(μ₁ᵗ, μ₂ᵗ) over the bound (5.65)", worst, 1.0, TOL),),
+        seed=SEED,
+    )
+
+
+def _shifted(_: Tables) -> Evidence:
+    """Particles that follow y by a shift: how many are in A = [0, 1] at first, in A - w later, w minus the shift."""
+    x = np.random.default_rng(SEED).normal(size=SAMPLES)
+    later = carried(x, SHIFT)
+
+    def inside(points: Floats, start: float) -> int:
+        return int(((points >= start) & (points <= start + 1)).sum())
+
+    first, with_minus, with_plus = inside(x, 0.0), inside(later, SHIFT), inside(later, -SHIFT)
+    return Evidence(
+        f"A − w(t) holds as many of {SAMPLES} points as A did ({first}) for w = −(shift); for w = shift it is "
+        f"{with_plus}, so w is the negative of the displacement G(y(t) − yⁱⁿⁱᵗ).",
+        printed=(
+            equal("points in A − w later, w minus the shift, minus points in A", with_minus - first, 0.0),
+            at_least("how many more or fewer there are for w = shift", abs(with_plus - first), 1.0),
+        ),
+        seed=SEED,
+    )
+
+
+def quantiles(count: int) -> Floats:
+    """Points of equal weight that stand for the normal distribution."""
+    return np.array([NormalDist().inv_cdf((k + 0.5) / count) for k in range(count)])
+
+
+FINE = quantiles(2048)
+
+
+def distance(one: Floats, fine: Floats) -> float:
+    """W1 of points of equal weight and of a multiple of as many."""
+    return float(np.abs(np.repeat(np.sort(one), fine.size // one.size) - np.sort(fine)).mean())
+
+
+def _rate(_: Tables) -> Evidence:
+    """More and more particles for a normal distribution, against 2048, on g = X + sin(X)/2 - y at t = 3."""
+    exact = wavy_motion(FINE, np.full(FINE.size, 1 / FINE.size))
+    starts, ends = [], []
+    for count in (8, 32, 128):
+        found = wavy_motion(quantiles(count), np.full(count, 1 / count))
+        starts.append(distance(quantiles(count), FINE))
+        ends.append(float(np.abs(found[:2] - exact[:2]).sum()) + distance(found[2:], exact[2:]))
+    order = float(np.log(ends[0] / ends[-1]) / np.log(starts[0] / starts[-1]))
+    worst = max(end / start for start, end in zip(starts, ends, strict=True))
+    return Evidence(
+        f"8, 32, 128 particles: the distance at the start falls from {starts[0]:.3f} to {starts[-1]:.4f}, the error "
+        f"of y, ẏ and μ at t = 3 from {ends[0]:.3f} to {ends[-1]:.4f}: at most {worst:.2f} times as large, of the "
+        f"order {order:.2f} in it.",
+        printed=(
+            at_most("error of 128 particles over that of 8", ends[-1] / ends[0], 0.2),
+            equal("order of the error in W₁ at the start", order, 1.0, 0.2),
+        ),
+    )
+
+
+def draws() -> Floats:
+    """W1 of 64 and of 1024 random points and the normal distribution, (2, DRAWS)."""
+    rng = np.random.default_rng(SEED)
+    return np.array([[distance(rng.normal(size=n), FINE) for _draw in range(DRAWS)] for n in (64, 1024)])
+
+
+def _samples(_: Tables) -> Evidence:
+    """Random initial positions: the logarithm of the ratio of the mean distances, with its interval."""
+    found = draws()
+    means, spreads = found.mean(axis=1), found.std(axis=1, ddof=1)
+    order = float(np.log(means[0] / means[1]) / np.log(1024 / 64))
+    error = TWO_SIDED * float(np.sqrt(((spreads / means) ** 2).sum() / DRAWS)) / np.log(1024 / 64)
+    interval: Interval = (order - error, order + error)
+    needed = ceil(DRAWS * (error / order) ** 2) + 1
+    return Evidence(
+        f"{DRAWS} times 64 and 1024 independent points of a normal distribution: W₁ to it is {means[0]:.3f} and "
+        f"{means[1]:.4f} in the mean, so it falls like N to the power −{order:.2f} ± {error:.2f}.",
+        printed=(
+            at_least("order in N at which W₁ falls", order, 0.3, interval=interval),
+            at_most("mean W₁ of 1024 points", float(means[1]), float(means[0]) / 2),
+        ),
+        seed=SEED,
+        runs_needed=needed,
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c5.shifted",
+        "Remark 5.18",
+        "there is a vector w(t) such that μⁱⁿⁱᵗ(A) = μᵗ(A − w(t))",
+        _shifted,
+        statement="With linear constraints the measure is only shifted.",
+    ),
+    Claim(
+        "c5.linear-step",
+        "Remark 5.18",
+        "in the linear case the third step in the proof is easier, since the particle distribution will only be "
+        "shifted",
+        _linear_step,
+        statement="For measures that are shifted the last step of the proof needs nothing else.",
+    ),
+    Claim(
+        "c5.convergence",
+        "Corollary 5.19",
+        "‖y − y_k‖ + ‖ẏ − ẏ_k‖ + W₁(μᵗ, μ_kᵗ) ≤ C e^{Lt} W₁(μⁱⁿⁱᵗ, μ_k^emp) → 0",
+        _rate,
+        statement="Particles converge to the mean-field limit, at the rate of their distance at the start.",
+        chosen="g = X + sin(X)/2 − y, a normal distribution by its quantiles, t = 3",
+    ),
+    Claim(
+        "c5.samples",
+        "section 3.5",
+        "the existence of suitable initial conditions such that (5.66) holds is shown in",
+        _samples,
+        statement="Random positions come close to the distribution that they are drawn from.",
+        chosen="a normal distribution on a line",
+    ),
+)

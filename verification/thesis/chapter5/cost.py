@@ -1,0 +1,177 @@
+"""Speed against accuracy: y at the end of a mean-field problem by every level of the model; one right-hand side."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Sequence
+from functools import cache, partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from meanfield import Moments, solve_moments
+from meanfield.characteristics import solve_characteristics
+from meanfield.field import field, field_by_numpy
+from meanfield.interaction import forces
+from meanfield.pde import solve_pde
+from verification.study import Key, Study
+from verification.table import Row
+from verification.thesis.chapter5 import cases, exact
+from verification.thesis.chapter5.methods import SOLVERS
+
+Floats = NDArray[np.float64]
+T = np.array([4.0])
+MODELS = ("straight", "wavy")
+# Not for WavyFibre, whose moments do not close and which cannot be reduced.
+CLOSED = ("reduced", "moments")
+REFERENCE = 1e-13
+PARTICLES = (4, 32, 256, 2048, 16_384, 131_072, 1_048_576)
+TOLERANCES = tuple(10.0**-k for k in range(2, 13))
+TOLERATED = ("characteristics", "moments")
+CELLS = (32, 64, 128, 256, 512, 1024, 2048)
+SETTINGS: dict[str, Sequence[float]] = {
+    "dae": PARTICLES[:5],
+    "rattle4": PARTICLES[:5],
+    "ode": PARTICLES,
+    "reduced": PARTICLES,
+    "characteristics": TOLERANCES,
+    "moments": TOLERANCES,
+    "pde": CELLS,
+}
+# Of N quantiles, whose y has an error of about 1/(30 N): a tenth of that for the solver, or its step of order 4.
+QUANTILE_ERROR, LEAST_TOLERANCE = 0.003, 1e-12
+# Finer settings are left out after a run that takes longer [s]; of the others the best of so many.
+ENOUGH, FULL_ENOUGH, REPEATS = 0.2, 3.0, 4
+# One right-hand side: particles, and with all pairs.
+MANY, PAIRED = 1_000_000, 3000
+SIDES = ("straight", "linear", "wavy", "element", "interacting")
+TIMED = 3
+
+
+def study(full: bool) -> Study:
+    """All methods on both models, a row for each setting."""
+    runs = [
+        {"model": name, "method": method}
+        for method in SETTINGS
+        for name in MODELS
+        if not (name == "wavy" and method in CLOSED)
+    ]
+    enough = FULL_ENOUGH if full else ENOUGH
+    return Study(
+        name=f"meanfield_cost{'_full' if full else ''}",
+        title="Mean field: speed against accuracy",
+        key=("model", "method"),
+        runs=tuple(runs),
+        run=partial(_rows, enough, 1 if full else 2),
+        fingerprint=cases.made_by(
+            "cost.py", "exact.py", "methods.py", enough=enough, settings={k: list(v) for k, v in SETTINGS.items()}
+        ),
+    )
+
+
+def _rows(enough: float, stride: int, key: Key) -> list[Row]:
+    name, method = key["model"], key["method"]
+    true, rows = reference(name), list[Row]()
+    for setting in SETTINGS[method][:: stride if method in TOLERATED else 1]:
+        ask = question(name, method, setting)
+        # The first of them may compile: some kernels are made for many particles only.
+        seconds, found = _timed(ask, 2)
+        if seconds <= enough:
+            seconds = min(seconds, _timed(ask, REPEATS - 2)[0])
+        error = float(np.linalg.norm(found.y[-1] - true))
+        rows.append(
+            dict(key) | {"setting": setting, "seconds": seconds, "error": error, "unknowns": found.work.unknowns}
+        )
+        if seconds > enough:
+            break
+    return rows
+
+
+def question(name: str, method: str, setting: float) -> Callable[[], Any]:
+    """y(T) from the density, as a call that is timed; particles are at the quantiles, found before."""
+    model, law, case = cases.model(name), cases.law(name), cases.CASES[name]
+    start = case.y0, case.v0, T
+    if method == "pde":
+        return partial(solve_pde, model, law, *start, int(setting))
+    if method == "characteristics":
+        return partial(solve_characteristics, model, law, *start, setting)
+    if method == "moments":
+        return partial(solve_moments, model, Moments(*law.moments()), *start, setting)
+    wanted = max(QUANTILE_ERROR / setting, LEAST_TOLERANCE)
+    fine = wanted**0.25 if method == "rattle4" else wanted
+    return partial(SOLVERS[method], model, cases.state(name, law.quantiles(int(setting))), T, fine)
+
+
+@cache
+def reference(name: str) -> Floats:
+    """y(T): in closed form from the second moment, or by characteristics to rounding."""
+    law, case = cases.law(name), cases.CASES[name]
+    if name == "straight":
+        second = float(law.moments()[1][0, 0])
+        return exact.harmonic(name, np.array([[np.sqrt(second)]]), T).y[0]
+    return solve_characteristics(cases.model(name), law, case.y0, case.v0, T, REFERENCE).y[0]
+
+
+def _timed(action: Callable[[], Any], repeats: int) -> tuple[float, Any]:
+    """Least of some times, and the result."""
+    best, found = np.inf, None
+    for _ in range(repeats):
+        began = time.perf_counter()
+        found = action()
+        best = min(best, time.perf_counter() - began)
+    return best, found
+
+
+def side_study() -> Study:
+    """One right-hand side of the ODE with many particles, beside one pass over the array and the NumPy twin."""
+    return Study(
+        name="meanfield_side",
+        title="Mean field: one right-hand side",
+        key=("model",),
+        runs=tuple({"model": name} for name in SIDES),
+        run=partial(_side, MANY),
+        fingerprint=cases.made_by("cost.py", many=MANY),
+    )
+
+
+def _side(many: int, key: Key) -> list[Row]:
+    name = key["model"]
+    model, case = cases.model(name), cases.CASES[name]
+    X = np.tile(cases.law(name).sample(cases.stream("start", many), many // 10), (10, 1))
+
+    def side(way: Callable[..., Any], given: Floats, repeats: int) -> tuple[float, Any]:
+        return _timed(lambda: way(model, given, None, np.array(case.y0), np.array(case.v0)), repeats)
+
+    side(field, X, 1)
+    one, _ = side(field, X, TIMED)
+    reading, _ = _timed(X.sum, TIMED)
+    # The twin takes so much longer that a tenth of the particles will do.
+    (part, found), (twin, other) = side(field, X[: many // 10], TIMED), side(field_by_numpy, X[: many // 10], 1)
+    off = max(float(np.abs(found.force - other.force).max()), float(np.abs(found.mass - other.mass).max()))
+    row = {"N": many, "seconds": one, "reading": one / reading, "twin": twin / part, "off": off}
+    row |= {"pairs": np.nan, "pairs_off": np.nan}
+    if model.V is not None:
+        row |= _pairs(name)
+    return [dict(key) | row]
+
+
+def _pairs(name: str) -> dict[str, float]:
+    """All pairs summed by NumPy over the interaction of the package, for PAIRED particles."""
+    model, X = cases.model(name), cases.law(name).sample(cases.stream("start", PAIRED), PAIRED)
+    fast, found = _timed(lambda: forces(model, X, None), TIMED)
+    direct, true = _timed(lambda: np.array([model.K(X - x).mean(axis=0) for x in X]), 1)
+    return {"pairs": direct / fast, "pairs_off": float(np.abs(found - true).max())}
+
+
+def seconds_to(table: pd.DataFrame, targets: Sequence[float]) -> pd.DataFrame:
+    """The least time of the settings that reach an error, for each model and method; NaN if none does."""
+    rows = []
+    for (name, method), mine in table.groupby(["model", "method"], sort=False):
+        row: dict[str, Any] = {"model": name, "method": method}
+        for target in targets:
+            reached = mine[mine["error"] <= target]
+            row |= {f"{target:g}": float(reached["seconds"].min()) if len(reached) else np.nan}
+        rows.append(row | {"best": float(mine["error"].min()), "most": int(mine["unknowns"].max())})
+    return pd.DataFrame(rows)

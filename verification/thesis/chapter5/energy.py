@@ -1,0 +1,130 @@
+"""Drift of the energies (5.37) and (5.50): against the setting of each solver, and over many periods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from meanfield import Moments, solve_moments
+from meanfield.characteristics import solve_characteristics
+from meanfield.pde import solve_pde
+from verification.order import estimate, order_text
+from verification.study import Key, Study
+from verification.table import Row
+from verification.thesis.chapter5 import cases
+from verification.thesis.chapter5.agreement import TIMES
+from verification.thesis.chapter5.lines import slope
+from verification.thesis.chapter5.methods import SOLVERS
+
+Floats = NDArray[np.float64]
+# Of the solvers of the mean-field equations; exponents of ten, and numbers of cells.
+TOLERANCES, FULL_TOLERANCES = range(3, 12, 2), range(3, 12)
+CELLS, FULL_CELLS = (28, 35, 44, 55, 69), (32, 48, 72, 108, 162, 243, 365)
+LIMIT_MODELS = ("straight", "wavy")
+# Over long times, WavyFibre with five particles: method and setting; a period takes about PERIOD.
+LONG = (("rattle2", 0.1), ("rattle4", 0.5), ("ode", 1e-5), ("ode", 1e-8), ("dae", 1e-5))
+PERIOD, SAMPLES = 7.0, 121
+PERIODS, FULL_PERIODS = 12, 1000
+
+
+def limit_study(full: bool) -> Study:
+    """The energy (5.50) of characteristics, moments (where they close) and the PDE."""
+    runs = [{"model": name, "method": method} for method in ("pde", "characteristics") for name in LIMIT_MODELS]
+    settings = (FULL_TOLERANCES, FULL_CELLS) if full else (TOLERANCES, CELLS)
+    return Study(
+        name=f"meanfield_energy_limit{'_full' if full else ''}",
+        title="Mean field: energy of the limit",
+        key=("model", "method"),
+        runs=(*runs, {"model": "straight", "method": "moments"}),
+        run=_limit_full if full else _limit_short,
+        fingerprint=cases.made_by("energy.py", settings=[list(part) for part in settings], models=LIMIT_MODELS),
+    )
+
+
+def _limit_short(key: Key) -> list[Row]:
+    return _limit(key, TOLERANCES, CELLS)
+
+
+def _limit_full(key: Key) -> list[Row]:
+    return _limit(key, FULL_TOLERANCES, FULL_CELLS)
+
+
+def _limit(key: Key, digits: Any, cells: Any) -> list[Row]:
+    name = key["model"]
+    model, law, case = cases.model(name), cases.law(name), cases.CASES[name]
+    start = case.y0, case.v0, TIMES
+    solve: Callable[[Any], Any] = {
+        "pde": lambda n: solve_pde(model, law, *start, cells=n),
+        "characteristics": lambda tol: solve_characteristics(model, law, *start, tol),
+        "moments": lambda tol: solve_moments(model, Moments(*law.moments()), *start, tol),
+    }[key["method"]]
+    settings = cells if key["method"] == "pde" else [10.0**-k for k in digits]
+    rows: list[Row] = []
+    for setting in settings:
+        energy = solve(setting).energy()
+        fine = 1 / setting if key["method"] == "pde" else setting
+        drift = float(np.abs(energy - energy[0]).max())
+        rows.append(dict(key) | {"setting": fine, "energy": drift, "energy_scale": float(abs(energy[0]))})
+    return rows
+
+
+def long_study(full: bool) -> Study:
+    """The energy (5.37) over many periods."""
+    runs = tuple({"method": method, "setting": setting} for method, setting in LONG)
+    return Study(
+        name=f"meanfield_energy_long{'_full' if full else ''}",
+        title="Mean field: energy over long times",
+        key=("method", "setting"),
+        runs=runs,
+        run=_long_full if full else _long_short,
+        fingerprint=cases.made_by("energy.py", "methods.py", periods=FULL_PERIODS if full else PERIODS),
+    )
+
+
+def _long_short(key: Key) -> list[Row]:
+    return _long(key, PERIODS)
+
+
+def _long_full(key: Key) -> list[Row]:
+    return _long(key, FULL_PERIODS)
+
+
+def _long(key: Key, periods: int) -> list[Row]:
+    t = np.linspace(0.0, periods * PERIOD, SAMPLES)
+    motion = SOLVERS[key["method"]](cases.model("wavy"), cases.few("wavy", 5), t, key["setting"])
+    energy = motion.energy()
+    return [dict(key) | {"t": at, "change": float(e - energy[0])} for at, e in zip(t, energy, strict=True)]
+
+
+def slopes(agreement: pd.DataFrame, limit: pd.DataFrame) -> pd.DataFrame:
+    """How the largest change of energy falls with the setting: |E - E(0)| ~ setting^p, p with its 95 % interval."""
+    rows = []
+    table = pd.concat([agreement, limit.assign(limit=True)])
+    for (name, method), mine in table.groupby(["model", "method"], sort=False):
+        fit = estimate(mine["setting"], mine["energy"], scale=float(mine["energy_scale"].iloc[0]))
+        rows.append({"model": name, "method": method, "slope": order_text(fit), "least": float(mine["energy"].min())})
+    return pd.DataFrame(rows).sort_values(["method", "model"], ignore_index=True)
+
+
+def trends(table: pd.DataFrame) -> pd.DataFrame:
+    """Largest change of energy, and the slope of a line through the changes with its 95 % interval, per period."""
+    rows = []
+    for (method, setting), mine in table.groupby(["method", "setting"]):
+        fit = slope(mine["t"] / PERIOD, mine["change"])
+        rows.append(
+            {
+                "method": method,
+                "setting": setting,
+                "periods": float(mine["t"].max()) / PERIOD,
+                "largest": float(mine["change"].abs().max()),
+                "slope": fit.value,
+                "low": fit.low,
+                "high": fit.high,
+                "drifts": fit.low > 0 or fit.high < 0,
+            }
+        )
+    return pd.DataFrame(rows)

@@ -1,0 +1,94 @@
+"""Where the methods of the mean-field chapter fail: what is predicted, what was found."""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import partial
+
+import pandas as pd
+
+from verification.study import Key, Study
+from verification.table import Row
+from verification.thesis.chapter5 import cases
+from verification.thesis.chapter5.methods import LABELS
+from verification.thesis.chapter5.provoked import (
+    KERNELS,
+    PARTICLE_SOLVERS,
+    Found,
+    blow_up,
+    flat_element,
+    fold,
+    left_grid,
+    off_constraint,
+    rattle_limit,
+    stiff_steps,
+    through_zero,
+    unbounded_kernel,
+)
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What fails, by which solver ("" if any), and how to look for it."""
+
+    title: str
+    solver: str
+    look: Callable[[], Found]
+
+
+FAILURES = {
+    **{
+        f"{name}-{solver}": Failure(f"Start off the constraint, {name}", solver, partial(off_constraint, name, solver))
+        for name in ("U", "level")
+        for solver in PARTICLE_SOLVERS
+    },
+    **{
+        f"zero-{solver}": Failure("StraightFibre, y goes to 0", solver, partial(through_zero, solver))
+        for solver in (*PARTICLE_SOLVERS, "reduced", "moments", "characteristics", "pde")
+    },
+    **{
+        f"flat-{solver}": Failure("TissueElement, det F(y) goes to 0", solver, partial(flat_element, solver))
+        for solver in PARTICLE_SOLVERS
+    },
+    **{f"fold-{solver}": Failure("A fold of g", solver, partial(fold, solver)) for solver in PARTICLE_SOLVERS},
+    "stiff-ode": Failure("Stiff springs, steps", "ode", stiff_steps),
+    "stiff-rattle2": Failure("Stiff springs, stability limit", "rattle2", rattle_limit),
+    **{f"kernel-{kind}": Failure(f"Kernel V = {kind}", "", partial(unbounded_kernel, kind)) for kind in KERNELS},
+    **{
+        f"blow-{solver}": Failure("W0 = −y⁴, y goes to infinity", solver, partial(blow_up, solver))
+        for solver in ("ode", "rattle2")
+    },
+    "grid-pde": Failure("The density reaches the end of the grid", "pde", left_grid),
+}
+
+
+def study() -> Study:
+    """All cases; there is one form only."""
+    return Study(
+        name="meanfield_failures",
+        title="Mean field: failures",
+        key=("case",),
+        runs=tuple({"case": name} for name in FAILURES),
+        run=_row,
+        fingerprint=cases.made_by("failures.py", "provoked.py", "exact.py", "methods.py"),
+    )
+
+
+def _row(key: Key) -> list[Row]:
+    failure = FAILURES[key["case"]]
+    began = time.perf_counter()
+    found = failure.look()
+    seconds = time.perf_counter() - began
+    return [dict(key) | found._asdict() | {"seconds": seconds}]
+
+
+def named(table: pd.DataFrame) -> pd.DataFrame:
+    """With the title of each case and the name of its solver, in the order of the page."""
+    rows = table.set_index("case").loc[[name for name in FAILURES if name in set(table["case"])]].reset_index()
+    return rows.assign(
+        title=[FAILURES[case].title for case in rows["case"]],
+        solver=[LABELS.get(FAILURES[case].solver, "any") for case in rows["case"]],
+    )

@@ -1,0 +1,215 @@
+"""How fast N particles represent a density: E W1 against N at t = 0, random starts in d = 1, 2, 3 and quantiles.
+
+In one dimension W1(mu_N, mu) is exact. In two and three, W1(mu_N, mu'_N) of two independent samples is taken, between
+proved bounds. Both have the same rate: mu is the mean of mu'_N and W1 is convex, so that
+
+    E W1(mu_N, mu) <= E W1(mu_N, mu'_N) <= 2 E W1(mu_N, mu).
+
+The complete form takes three quarters of an hour: ``python -m verification.thesis.chapter5.sampling FILE``.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.special import ndtri, stdtrit
+
+from meanfield import transport
+from meanfield.density import Density
+from meanfield.wasserstein import w1
+from verification.study import Key, Study
+from verification.table import Row, fingerprint
+
+FILE = Path(__file__).parent.parent / "data" / "w1_rates.parquet"
+IID, PAIR, QUANTILES = "iid against density", "iid against iid", "quantiles against density"
+KEY = ("d", "start", "N", "repeat")
+# A run of the complete form that is kept at once [s].
+LONG = 5.0
+# N: repeats. Those of the complete form fall with the cost of a value; at 1e5 in two dimensions it is four minutes.
+SHORT = {
+    1: {10: 40, 100: 40, 1000: 40, 10_000: 20},
+    2: {10: 16, 30: 16, 100: 16, 300: 12, 1000: 4},
+    3: {10: 16, 30: 16, 100: 16, 300: 12, 1000: 4},
+}
+FULL = {
+    1: {n: 400 if n <= 10_000 else 100 for n in (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000)},
+    2: {10: 400, 30: 400, 100: 400, 300: 200, 1000: 100, 3000: 40, 10_000: 16, 30_000: 6, 100_000: 3},
+    3: {10: 400, 30: 400, 100: 400, 300: 200, 1000: 100, 3000: 40, 10_000: 16, 30_000: 6, 100_000: 3},
+}
+# (upper - lower) / upper of exact transport: far below the scatter of the repeats.
+GAP = 1e-4
+# Random numbers: stream (d, N, repeat) of this seed.
+SEED = 20260105
+CONFIDENCE = 0.95
+# Fits begin where the faces of the cube no longer touch most particles.
+FIRST = 100
+# With fewer repeats, the deviation of one value is taken from the next smaller N; its relative size falls with N.
+ENOUGH = 8
+Floats = NDArray[np.float64]
+
+
+class Law(NamedTuple):
+    """(E W1)^power = a term_1 + b term_2 in dimension d; terms: (N, log N) -> one or two arrays."""
+
+    d: int
+    name: str
+    power: int
+    terms: Callable[[Floats, Floats], list[Floats]]
+
+
+# In one dimension a = sqrt(pi / 32), the mean of int |B| for the Brownian bridge B. In two the logarithm is that of
+# Ajtai, Komlos and Tusnady (1984): disorder of all scales adds up. In three, that of the scale of the cube adds N^-1/2.
+LAWS = (
+    Law(1, "a N^-1/2", 1, lambda n, log: [n**-0.5]),
+    Law(2, "a N^-1/2", 1, lambda n, log: [n**-0.5]),
+    Law(2, "a (log N / N)^1/2", 1, lambda n, log: [np.sqrt(log / n)]),
+    Law(2, "a N^-1/2 log N", 1, lambda n, log: [log * n**-0.5]),
+    Law(2, "((a + b log N) / N)^1/2", 2, lambda n, log: [1 / n, log / n]),
+    Law(3, "a N^-1/3", 1, lambda n, log: [n ** (-1 / 3)]),
+    Law(3, "a N^-1/3 + b N^-1/2", 1, lambda n, log: [n ** (-1 / 3), n**-0.5]),
+)
+
+
+def known(d: int, start: str) -> float:
+    """The exponent p of the known rate N^p, in two dimensions without its logarithm."""
+    return -1.0 if start == QUANTILES else -1.0 / max(d, 2)
+
+
+def value(key: Key) -> list[Row]:
+    """One distance on the unit cube: one row."""
+    d, count = key["d"], key["N"]
+    density = Density.uniform(np.zeros(d), np.ones(d))
+    rng = np.random.default_rng(np.random.SeedSequence(SEED, spawn_key=(d, count, key["repeat"])))
+    began = time.perf_counter()
+    if key["start"] == PAIR:
+        equal = np.full(count, 1 / count)
+        lower, upper = transport.bounds(density.sample(rng, count), equal, density.sample(rng, count), equal, GAP)
+    else:
+        points = density.sample(rng, count) if key["start"] == IID else density.quantiles(count)
+        lower = upper = w1(points, density)
+    seconds = time.perf_counter() - began
+    return [dict(key) | {"w1": (lower + upper) / 2, "lower": lower, "upper": upper, "seconds": seconds}]
+
+
+def keys(full: bool) -> list[Key]:
+    """The runs, the shortest first; of one size those that each dimension has, before any is repeated."""
+    counts = FULL if full else SHORT
+    found: list[Key] = [{"d": 1, "start": QUANTILES, "N": n, "repeat": 0} for n in counts[1]]
+    for d in counts:
+        start = IID if d == 1 else PAIR
+        found += [{"d": d, "start": start, "N": n, "repeat": k} for n, many in counts[d].items() for k in range(many)]
+    return sorted(found, key=lambda key: (key["N"], key["repeat"]))
+
+
+def study(full: bool) -> Study:
+    """The runs of the short form, or of the complete one."""
+    return Study(
+        name=f"w1_rates{'_full' if full else ''}",
+        title="W1 of starts",
+        key=KEY,
+        runs=tuple(reversed(keys(full))),
+        run=value,
+        fingerprint=fingerprint("meanfield/sampling.py", packages=("meanfield",)),
+    )
+
+
+def means(table: pd.DataFrame) -> pd.DataFrame:
+    """Mean of W1 over the repeats with its 95 % interval by Student's t, for each d, start and N.
+
+    ``deviation`` is that of log W1 in one run, approximately; 0 for quantiles, which are not random. One random run has
+    no interval: NaN.
+    """
+    rows = []
+    for (d, start, n), group in table.groupby(["d", "start", "N"]):
+        many, mean = len(group), group["w1"].mean()
+        scatter = 0.0 if start == QUANTILES else float(group["w1"].std())
+        half = float(stdtrit(max(many - 1, 1), (1 + CONFIDENCE) / 2)) * scatter / np.sqrt(many)
+        row = {"d": d, "start": start, "N": n, "repeats": many, "mean": mean, "low": mean - half, "high": mean + half}
+        rows.append(row | {"deviation": scatter / mean, "seconds": group["seconds"].mean()})
+    return pd.DataFrame(rows)
+
+
+def exponents(found: pd.DataFrame) -> pd.DataFrame:
+    """The slope p of log E W1 = c + p log N with its 95 % interval, for each d and start, and the known one.
+
+    Least squares on the rows of ``means``, weighted by their errors; the interval is the larger one of two: from these
+    errors, and by Student's t from the scatter of the means about the line. ``misfit`` is chi^2 per degree of freedom,
+    NaN for quantiles, which have no errors.
+    """
+    rows = []
+    for (d, start), group in found[found["N"] >= FIRST].groupby(["d", "start"]):
+        x, y, error = _points(group)
+        slope, half, _, misfit = _line(x, y, error)
+        row = {"d": d, "start": start, "sizes": len(x), "from": group["N"].min(), "to": group["N"].max()}
+        row |= {"exponent": slope, "low": slope - half, "high": slope + half}
+        rows.append(row | {"known": known(d, start), "misfit": misfit})
+    return pd.DataFrame(rows)
+
+
+def laws(found: pd.DataFrame) -> pd.DataFrame:
+    """The laws of ``LAWS`` fitted to ``means``, N >= 100: a and b with half their 95 % intervals, and how they fit.
+
+    ``misfit`` is chi^2 per degree of freedom, about 1 for a law that describes the data; ``largest`` is the largest
+    relative distance of a mean from the law.
+    """
+    rows = []
+    for law in LAWS:
+        random = found[(found["d"] == law.d) & (found["start"] != QUANTILES) & (found["N"] >= FIRST)]
+        x, y, error = _points(random)
+        target = np.exp(law.power * y)
+        basis = np.stack(law.terms(np.exp(x), x), axis=1) / (law.power * target * error)[:, None]
+        covariance = np.linalg.inv(basis.T @ basis)
+        terms = covariance @ basis.T @ (1 / (law.power * error))
+        ratio = (basis @ terms) * law.power * error
+        misfit = float((((ratio - 1) / (law.power * error)) ** 2).sum()) / (len(x) - len(terms))
+        half = ndtri((1 + CONFIDENCE) / 2) * np.sqrt(np.diag(covariance) * max(1.0, misfit))
+        row = dict(zip(("a", "a_half", "b", "b_half"), np.stack([terms, half], axis=1).ravel().tolist(), strict=False))
+        largest = np.abs(np.maximum(ratio, 0.0) ** (1 / law.power) - 1).max()
+        rows.append({"d": law.d, "law": law.name} | row | {"misfit": misfit, "largest": largest})
+    return pd.DataFrame(rows)
+
+
+def _points(group: pd.DataFrame) -> tuple[Floats, Floats, Floats]:
+    """log N, log mean and the standard error of the latter."""
+    group = group.sort_values("N")
+    deviation = group["deviation"].where(group["repeats"] >= ENOUGH).ffill().fillna(group["deviation"])
+    error = (deviation / np.sqrt(group["repeats"])).to_numpy()
+    return np.log(group["N"].to_numpy(float)), np.log(group["mean"].to_numpy()), error
+
+
+def _line(x: Floats, y: Floats, error: Floats) -> tuple[float, float, float, float]:
+    """Slope of the weighted line with half its interval, value at x = 0, and chi^2 per degree of freedom."""
+    exact = not error.any()
+    weight = np.ones(len(x)) if exact else error**-2.0
+    centre = np.average(x, weights=weight)
+    spread = float(weight @ (x - centre) ** 2)
+    slope = float(weight @ ((x - centre) * y)) / spread
+    constant = float(np.average(y, weights=weight)) - slope * centre
+    misfit = float(weight @ (y - constant - slope * x) ** 2) / (len(x) - 2)
+    by_scatter = float(stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2)) * np.sqrt(misfit)
+    by_error = 0.0 if exact else float(ndtri((1 + CONFIDENCE) / 2))
+    return slope, max(by_error, by_scatter) * spread**-0.5, constant, np.nan if exact else misfit
+
+
+def main() -> None:
+    """Make the runs of the complete form that the file lacks; it is written whenever a size or a long run is done."""
+    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
+    rows: list[Row] = pd.read_parquet(file).to_dict("records") if file.exists() else []
+    done = {tuple(row[name] for name in KEY) for row in rows}
+    runs = [key for key in keys(True) if tuple(key[name] for name in KEY) not in done]
+    for k, key in enumerate(runs, 1):
+        rows += value(key)
+        if k == len(runs) or runs[k]["N"] != key["N"] or rows[-1]["seconds"] > LONG:
+            pd.DataFrame(rows).sort_values(list(KEY)).to_parquet(file, index=False)
+            print(f"{k} of {len(runs)} runs, last {key}, {rows[-1]['seconds']:.1f} s", flush=True)
+
+
+if __name__ == "__main__":
+    main()

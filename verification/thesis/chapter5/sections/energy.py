@@ -1,0 +1,74 @@
+"""The energy."""
+# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
+
+from __future__ import annotations
+
+from typing import Any
+
+import pandas as pd
+
+from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.thesis.chapter3.sections.part import Part
+from verification.thesis.chapter5 import energy, figures
+from verification.thesis.chapter5.methods import LABELS, METHODS
+from verification.thesis.chapter5.sections.words import listed, named
+
+SLOPES = {"method": "Method", "model": "Model", "slope": "Power of the setting [95 %]", "least": "Least change of E"}
+TRENDS = {
+    "method": "Method",
+    "setting": "dt or tol",
+    "periods": "Periods",
+    "largest": "Largest |E − E(0)|",
+    "slope": "Change per period",
+    "low": "from",
+    "high": "to",
+    "drifts": "Drifts",
+}
+
+
+def _run(context: Context) -> None:
+    where = context.folder, context.executor
+    limit = energy.limit_study(context.full).complete(*where)
+    long = energy.long_study(context.full).complete(*where)
+    context.tables["meanfield_energy_limit"], context.tables["meanfield_energy_long"] = limit, long
+    context.keep("meanfield_energy_slopes", energy.slopes(context.tables["meanfield_agreement"], limit))
+    context.keep("meanfield_energy_trends", energy.trends(long))
+
+
+def _section(context: Context) -> Section:
+    slopes, trends = (context.tables[f"meanfield_energy_{name}"] for name in ("slopes", "trends"))
+    picture = context.draw("meanfield_energy", figures.energy, context.tables["meanfield_energy_long"], energy.PERIOD)
+    return Section(
+        "Energy (5.37), (5.50)",
+        [
+            Text(_words(trends)),
+            Picture(picture, "WavyFibre with five particles."),
+            Grid(named(trends, TRENDS), "A line through E − E(0), with 95 % intervals.", "meanfield_energy_trends"),
+            Grid(
+                named(slopes, SLOPES),
+                "Change of energy against tol, dt or the width of a cell.",
+                "meanfield_energy_slopes",
+                folded=True,
+            ),
+        ],
+    )
+
+
+def _words(trends: pd.DataFrame) -> str:
+    told = {
+        word: listed([_one(row) for row in trends[trends["drifts"] == drifts].itertuples()])
+        for word, drifts in (("drift", True), ("hold", False))
+    }
+    return (
+        f"Over {trends['periods'].max():.0f} periods the energy changes per period (95 % interval of a line) by: "
+        f"{told['drift']}. No trend is shown by: {told['hold']}. RATTLE swings about the energy with a size that falls "
+        "with the order of the step and does not add up; solvers with a tolerance lose or gain some in each period."
+    )
+
+
+def _one(row: Any) -> str:
+    setting = f"{METHODS[row.method].setting} = {number(row.setting)}"
+    return f"{LABELS[row.method]}, {setting}: {number(row.slope)} [{number(row.low)}, {number(row.high)}]"
+
+
+PART = Part(_run, _section)

@@ -1,0 +1,128 @@
+"""Conclusions of the thesis: what a proof of convergence of PBD would rest on."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+import dincl
+from verification.claim import Claim, Tables
+from verification.evidence import Evidence, at_least, at_most, equal
+from verification.thesis.chapter2.discs import RADIUS, Floats, points_of_step
+
+SEED, SAMPLES = 61, 30
+TOL = 1e-10
+DT = 0.05
+# Ten discs in a corner: steps, a time when they have come to rest, and one long after [time].
+CORNER_STEPS, SETTLED, LONG = (0.02, 0.01), 3.0, 12.0
+# States of touching discs, in units of the radius: a row, a triangle, a rhombus.
+TOUCHING = (
+    np.array([[0.0, 0.0], [2.0, 0.0], [4.0, 0.0], [6.0, 0.0]]),
+    np.array([[0.0, 0.0], [2.0, 0.0], [1.0, math.sqrt(3)]]),
+    np.array([[0.0, 0.0], [2.0, 0.0], [1.0, math.sqrt(3)], [3.0, math.sqrt(3)]]),
+)
+
+
+def swept(x: Floats) -> Floats:
+    """P_{S_M} ... P_{S_1}(x)."""
+    return points_of_step(x, 0 * x, 0.0)[-1]
+
+
+def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
+    """max_j dist(x, S_j)/dist(x, S), what one sweep leaves of the way to P_S(x), and M."""
+    nearest = dincl.project(problem, x, dincl.Daqp(tol=TOL)).point
+    far = float(np.linalg.norm(nearest - x))
+    worst = problem.violation(0.0, x) / math.sqrt(2)
+    return worst / far, float(np.linalg.norm(nearest - swept(x))) / far, math.comb(len(x), 2)
+
+
+def _contraction(_: Tables) -> Evidence:
+    rng = np.random.default_rng(SEED)
+    found = []
+    for state in TOUCHING:
+        problem = dincl.Problem(RADIUS * state, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
+        disturbed = RADIUS * state + 0.01 * rng.normal(size=(SAMPLES, *state.shape))
+        found += [ratios(problem, x) for x in disturbed if problem.violation(0.0, x) > 0]
+    alpha, left = (float(value) for value in (min(a for a, _, _ in found), max(c for _, c, _ in found)))
+    excess = max(c - math.sqrt(1 - a**2 / count) for a, c, count in found)
+    return Evidence(
+        f"{len(found)} states of 3 or 4 discs near contact: max_j dist(x, S_j) is at least {alpha:.2f} dist(x, S), and "
+        f"a sweep leaves at most {left:.2f} of the distance to P_S(x), never more than √(1 − α²/M), which holds for "
+        "convex sets.",
+        (
+            at_least("least α", alpha, 0.1),
+            at_most("largest c", left, 0.99),
+            at_most("c − √(1 − α²/M)", excess, 0.0, 0.02),
+        ),
+        seed=SEED,
+    )
+
+
+def scheme() -> dincl.Scheme:
+    """The method that is said to stay within S."""
+    return dincl.CatchUp(dt=DT, projection=dincl.Daqp(tol=TOL))
+
+
+def _feasible(_: Tables) -> Evidence:
+    scene = dincl.scenes.four_disks()
+    times = np.arange(1, round(2 / DT) + 1) * DT
+    moreau, pbd = (float(dincl.solve(scene, s, t=times).violation().max()) for s in (scheme(), dincl.PBD(dt=DT)))
+    return Evidence(
+        f"Four discs, dt = {DT:g}, all steps to t = 2: the catch-up scheme overlaps by at most {moreau:.0e} "
+        f"(projections to 1e-10), PBD by {pbd:.3f}.",
+        (
+            at_most("overlap, catch-up", moreau, 0.0, 10 * TOL),
+            at_least("overlap, PBD", pbd, 1e-4),
+            at_most("overlap over a radius, PBD", pbd / RADIUS, 0.1),
+        ),
+    )
+
+
+def largest_overlaps(dt: float) -> tuple[float, float]:
+    """Of ten discs that fall into a corner, while they settle and long after."""
+    times = np.arange(1, round(LONG / dt) + 1) * dt
+    found = dincl.solve(dincl.scenes.ten_disks_corner(), dincl.PBD(dt=dt), t=times).violation()
+    return float(found[times <= SETTLED].max()), float(found[times > SETTLED].max())
+
+
+def _bounded(_: Tables) -> Evidence:
+    coarse, fine = (largest_overlaps(dt) for dt in CORNER_STEPS)
+    return Evidence(
+        f"Ten discs in a corner, dt = {CORNER_STEPS[1]:g}: the largest overlap is {fine[0]:.3f} to t = {SETTLED:g} and "
+        f"{fine[1]:.3f} from then to t = {LONG:g}; with twice the step {coarse[0]:.3f} and {coarse[1]:.3f}.",
+        (
+            at_most("overlap later over that before", fine[1] / fine[0], 1.0),
+            equal("largest overlap over that of half the step", max(coarse) / max(fine), 2.0, 0.2),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c6.feasible",
+        "Ideas for proving convergence of PBD",
+        "Moreau's catch-up scheme always stays within the feasible set S, whereas the PBD method can lead to slightly "
+        "infeasible states.",
+        _feasible,
+        statement="Of the two methods only PBD leaves overlaps, small ones.",
+        chosen="the four discs of Figure 4 of chapter 2, their start and step",
+    ),
+    Claim(
+        "c6.bounded",
+        "Ideas for proving convergence of PBD",
+        "the distance to the feasible set remains bounded and converges to zero",
+        _bounded,
+        statement="The overlaps of PBD do not grow in time, and vanish with the step.",
+        chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
+    ),
+    Claim(
+        "c6.contraction",
+        "Ideas for proving convergence of PBD",
+        "max_j dist(x, S_j) ≥ α dist(x, S) … c ∈ (0, 1): ‖P_S(x) − P_{S_M} ∘ … ∘ P_{S_1}(x)‖ ≤ c ‖P_S(x) − x‖",
+        _contraction,
+        statement="Near S a sweep of projections comes nearer to the projection onto S by a factor below 1.",
+        chosen="rows, triangles and rhombi of discs, disturbed by a hundredth",
+    ),
+)

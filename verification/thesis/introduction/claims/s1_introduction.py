@@ -1,0 +1,199 @@
+"""Introduction: what it says of the method, the model of cells and the mean-field limit."""
+
+from __future__ import annotations
+
+import math
+from itertools import product
+
+import numpy as np
+
+import dincl
+from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
+from verification.claim import Claim, Tables
+from verification.evidence import Comparison, Evidence, at_least, at_most, equal
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter4.frequencies import RATIOS, ratio_of
+from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.chapter5.instant import effective_mass, phi, wavy_system
+
+ROUNDING = 1e-12
+# Seconds of damped Arrow-Hurwicz and of PBD, as sections 3.2 and 3.4 of chapter 3 print them.
+RUNTIMES = ((27.0, 0.08), (28.0, 0.08))
+PROTRUSIONS, OTHERS = "[BP]", ("[A]", "[B]", "[S]")
+
+
+def _faster(_: Tables) -> Evidence:
+    ratios = [slow / fast for slow, fast in RUNTIMES]
+    return Evidence(
+        f"The runtimes that chapter 3 prints, 27 s (28 s) and 0.08 s, have the ratios "
+        f"{' and '.join(f'{ratio:.1f}' for ratio in ratios)}.",
+        printed=(at_least("least ratio of the printed runtimes", min(ratios), 300.0),),
+    )
+
+
+def pbd_by_hand(x: Floats, h: float, steps: int) -> tuple[Floats, int]:
+    """Steps of -x, with one operation for each overlap of discs of radius 1/2, i by i, then j < i; and their number."""
+    x, operations, pairs = x.copy(), 0, [(i, j) for i in range(len(x)) for j in range(i)]
+    for _ in range(steps):
+        x -= h * x
+        for i, j in pairs:
+            arrow = x[i] - x[j]
+            overlap = 1.0 - math.hypot(*arrow)
+            if overlap > 0:
+                push = overlap / 2 * arrow / (1.0 - overlap)
+                x[i], x[j], operations = x[i] + push, x[j] - push, operations + 1
+    return x, operations
+
+
+def _simple(_: Tables) -> Evidence:
+    scene = dincl.scenes.four_disks()
+    found = dincl.solve(scene, dincl.PBD(dt=0.01), t=2.0)
+    x, operations = pbd_by_hand(scene.x0, 0.01, 200)
+    off = float(np.abs(found.final - x).max())
+    return Evidence(
+        f"Four discs, 200 steps: a loop that has no parameter but h and makes one operation for each of {operations} "
+        f"overlaps gives the states of the solver to {off:.0e}; that counts {found.stats.constraint_projections} "
+        f"operations and {found.stats.solver_calls} calls of a solver for multipliers.",
+        printed=(
+            at_most("difference of the states", off, 0.0, ROUNDING),
+            equal("operations of the solver less overlaps", found.stats.constraint_projections - operations, 0),
+            equal("calls of a solver for multipliers", found.stats.solver_calls, 0),
+        ),
+    )
+
+
+def pbd_error(dt: float) -> float:
+    """The error of PBD at t = 2, when one of two discs pushes the other and slides around it."""
+    scene = dincl.scenes.two_disks()
+    exact = np.full((2, 2), np.nan) if scene.exact is None else scene.exact(2.0)
+    return float(np.abs(dincl.solve(scene, dincl.PBD(dt=dt), t=2.0).final - exact).max())
+
+
+def _converges(_: Tables) -> Evidence:
+    errors = [pbd_error(dt) for dt in (0.04, 0.01, 0.0025)]
+    order = math.log(errors[0] / errors[2], 16)
+    return Evidence(
+        f"Two discs whose motion is known, at t = 2: errors of PBD {errors[0]:.1e}, {errors[1]:.1e}, {errors[2]:.1e} "
+        f"for dt = 0.04, 0.01, 0.0025, of order {order:.2f}.",
+        printed=(
+            at_most("error, dt/16 over dt", errors[2] / errors[0], 0.2),
+            at_most("error at dt = 0.0025", errors[2], 1e-2),
+        ),
+    )
+
+
+def scenarios() -> int:
+    """Orders of the four events in time, each of which may not happen or happen with others."""
+    found = set()
+    for a, b, s, p in product((1, 2, 3, 4, math.inf), repeat=4):
+        times = (a, b, s, max(p, b))
+        ranks = sorted({t for t in times if t < math.inf})
+        found.add(tuple(ranks.index(t) if t < math.inf else None for t in times))
+    return len(found)
+
+
+def _scenarios(_: Tables) -> Evidence:
+    one = scenarios()
+    two = one * (one + 1) // 2
+    return Evidence(
+        f"The four times, each also ∞, with [P] not before [B], have {one} orders; two cells with times of their own "
+        f"have {two} scenarios. With and without INM, which is no time, there are {2 * one} for a cell.",
+        printed=(at_least("scenarios of two cells", two, 2000),),
+    )
+
+
+def _protrusions(tables: Tables) -> Evidence:
+    """[BP] against the best other event, by basal extrusion; and the most of apical extrusion without [P]."""
+    comparisons: list[Comparison] = []
+    told, runs = [], 0
+    for preset, suffix in PRESETS.items():
+        study = f"figure10{suffix}"
+        with_p = ratio_of(tables, study, PROTRUSIONS, "basal")
+        others = [ratio_of(tables, study, event, "basal") for event in OTHERS]
+        risk = [ratio_of(tables, study, event, "apical") for event in OTHERS]
+        most = max(others, key=lambda ratio: ratio.value)
+        more, worst = Difference(with_p, most), max(risk, key=lambda ratio: ratio.value)
+        interval = more.interval(CLAIM_LEVEL)
+        runs = max(runs, runs_needed(with_p.value, most.value, level=CLAIM_LEVEL) or 0)
+        comparisons += [
+            at_least(f"[P] less the best other, {preset}", with_p.value - most.value, 0.0, interval=interval),
+            at_least(f"apical without [P], {preset}", worst.value, 0.01, interval=worst.interval(CLAIM_LEVEL)),
+        ]
+        told.append(
+            f"{preset}: basal with [P] {with_p.value:.2f}, without at most {most.value:.2f}, apical {worst.value:.2f}"
+        )
+    return Evidence(f"Isolated cells, ratios; {'; '.join(told)}.", printed=tuple(comparisons), runs_needed=runs)
+
+
+def _mean_field_mass(_: Tables) -> Evidence:
+    """The effective mass of five particles at two levels y of a straight fibre and of one with hindrances."""
+    particles = np.linspace(0.1, 2.0, 5)[:, None]
+    wavy, straight = wavy_system(0.7), wavy_system(0.7)._replace(g=lambda X, y: X - y)
+    y = np.zeros(1)
+    speeds = phi(wavy, particles, y)[:, 0, 0]
+    changes = {
+        name: abs((effective_mass(system, particles + 1.0, y) - effective_mass(system, particles, y)).item())
+        for name, system in (("straight", straight), ("wavy", wavy))
+    }
+    return Evidence(
+        f"Particles on a fibre that all move at one speed keep the effective mass to {changes['straight']:.0e} while "
+        f"they move by 1; on g = X + sin(X)/2 - y their speeds range from {speeds.min():.2f} to "
+        f"{speeds.max():.2f}, and the mass changes by {changes['wavy']:.2f}.",
+        printed=(
+            at_most("change of the mass, one speed", changes["straight"], 0.0, ROUNDING),
+            at_least("change of the mass, different speeds", changes["wavy"], 0.01),
+        ),
+    )
+
+
+CLAIMS = (
+    Claim(
+        "c0.faster",
+        "introduction, Part II",
+        "Thanks to that, we can simulate over 300 times faster",
+        _faster,
+        statement="How much faster the new method simulates tissues, beside the runtimes of chapter 3.",
+        chosen="the runtimes are those that chapter 3 prints",
+    ),
+    Claim(
+        "c0.converges",
+        "introduction, Part I",
+        "the PBD method converges in numerical tests to the exact solutions.",
+        _converges,
+        statement="Position based dynamics comes to the exact solution as the steps get shorter.",
+        chosen="two discs, one of which pushes the other and slides around it",
+    ),
+    Claim(
+        "c0.simple",
+        "introduction, Part I",
+        "one simple operation per overlap, but neither Lagrangian multipliers nor artificial numerical parameters.",
+        _simple,
+        statement="What a step of position based dynamics takes.",
+    ),
+    Claim(
+        "c0.scenarios",
+        "introduction, Part II",
+        "only four parameters … plus groups of cells … give thousands of possible EMT scenarios.",
+        _scenarios,
+        statement="How many scenarios the four event times make.",
+        chosen="the parameters are the four times of chapter 4, section 2.2; scenarios differ by the order of events, "
+        "not by their times; groups of two cells",
+    ),
+    Claim(
+        "c0.protrusions",
+        "introduction, Part II",
+        "cells showing protrusive activities … are much more efficient at exiting basally than cells relying on "
+        "passive forces",
+        _protrusions,
+        needs=(RATIOS,),
+        statement="Cells with protrusions leave basally more often; those without may leave apically.",
+        chosen="isolated cells with one event, with INM, by the model as printed and by the published one",
+    ),
+    Claim(
+        "c0.mean-field-mass",
+        "introduction, Part III",
+        "The mean-field mass can even be non-constant if the constrained particles have to move at different speeds",
+        _mean_field_mass,
+        statement="When the inertia that constrained particles add to the macroscopic component changes.",
+    ),
+)

@@ -1,0 +1,96 @@
+"""What holds: every statement of the thesis with its verdict and evidence, and the corrections that change results."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import pandas as pd
+
+from verification.claim import Effect
+from verification.evidence import Kind
+from verification.page.report import Chapter, Context, Grid, Search, Section, Statements, Text
+from verification.thesis.decide import decided, differing
+from verification.thesis.register import register
+
+TITLES = {
+    0: "Introduction",
+    1: "Differential inclusions (chapter 1)",
+    2: "First-order PBD (chapter 2)",
+    3: "Growing tissue and its minimisers (chapter 3 and appendix 1)",
+    4: "Epithelial-to-mesenchymal transitions (chapter 4)",
+    5: "The mean-field limit of constrained particles (chapter 5 and appendix 2)",
+    6: "Conclusions",
+}
+CORRECTIONS = {
+    "id": "Statement",
+    "source": "Source",
+    "quote": "As printed",
+    "correction": "To be read",
+    "effect": "Changes",
+    "depends": "What depends on it",
+}
+# The most serious first; what only concerns notation changes no result.
+SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
+
+
+def run(context: Context) -> None:
+    """Decide every claim, those about studies from the tables of the other chapters."""
+    context.keep("claims", decided(register(), context.tables, context.folder, context.executor))
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """Counts, the corrections that change results, and all statements in the order of the thesis, to be searched."""
+    table = context.tables["claims"]
+    found = [_counts(table), _corrections(table), Section("All statements, to be searched", [Search()])]
+    for number, title in TITLES.items():
+        rows = table[table["chapter"] == number]
+        if not rows.empty:
+            found.append(Section(title, [Statements(rows)]))
+    return found
+
+
+def _counts(table: pd.DataFrame) -> Section:
+    counts = pd.crosstab(table["chapter"], table["verdict"])
+    counts = counts.reindex(columns=[kind.value for kind in Kind], fill_value=0)
+    counts.insert(0, "Chapter", [TITLES[number] for number in counts.index])
+    total = table["verdict"].value_counts()
+    told = ", ".join(f"{total.get(kind.value, 0)} {kind.value}" for kind in Kind)
+    text = (
+        f"{len(table)} statements of the thesis were decided by computation: {told}. “Holds after the correction” "
+        "means that the statement is false as printed, and that what is to be read instead was confirmed by the same "
+        "check; “inconclusive”, that an interval is too wide or a solver failed. Of each check stand what was measured "
+        "and the range that the statement wants."
+    )
+    other = differing(table)
+    if not other.empty:
+        text += f" The verdicts of {', '.join(other['id'])} are not the recorded ones."
+    return Section(
+        "How the statements came out", [Text(text), Grid(counts, "Statements by chapter and verdict.", "claims")]
+    )
+
+
+def _corrections(table: pd.DataFrame) -> Section:
+    wrong = corrections(table)
+    steps = wrong["effect"] == Effect.PROOF.value
+    counted = ", ".join(f"{count} {effect}" for effect, count in wrong["effect"].value_counts(sort=False).items())
+    shown = wrong[list(CORRECTIONS)].rename(columns=CORRECTIONS)
+    return Section(
+        "Corrections that change results",
+        [
+            Text(
+                f"{len(wrong)} statements are wrong as printed and something else follows if they are put right, the "
+                f"most serious first: {counted}. Corrections of notation only are among the statements below."
+            ),
+            Grid(shown[~steps], "Corrections of conclusions, of the model or method, and of numbers.", "claims"),
+            Grid(shown[steps], "Corrections of steps of proofs whose result stands", "claims", folded=True),
+        ],
+    )
+
+
+def corrections(table: pd.DataFrame) -> pd.DataFrame:
+    """The statements that do not hold as printed and whose correction changes a result, the most serious first."""
+    wrong = table[table["verdict"].isin([Kind.CORRECTED.value, Kind.FAILS.value]) & table["effect"].isin(SERIOUS)]
+    return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")
+
+
+CHAPTER = Chapter("What holds", run, sections)
