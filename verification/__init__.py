@@ -13,8 +13,9 @@ from verification.method import Method
 from verification.order import Order, estimate
 from verification.order_study import OrderStudy, order_study
 from verification.outcome import Outcome
+from verification.page.results import save
 from verification.reference import Known, Reference, reference
-from verification.result import Result, save
+from verification.result import Result
 from verification.stability import StabilityMap, stability_map
 from verification.work_precision import WorkPrecision, work_precision
 
