@@ -93,4 +93,4 @@ def no_emt() -> Emt:
 
 def first(cells: Cells, n: int) -> Cells:
     """A copy of the first n cells."""
-    return Cells(*(array[:n].copy() for array in cells))
+    return Cells._make(array[:n].copy() for array in cells)

@@ -23,7 +23,8 @@ def draw_cycle(numbers: Numbers, draws: Generator) -> float:
 @kernel
 def in_g2(cells: Cells, i: int, t: float, numbers: Numbers) -> bool:
     """Whether t_age >= t_G2 = t_cycle - T_G2 - T_mitosis: the active part of G2, or mitosis."""
-    return t - cells.birth[i] >= cells.cycle[i] - numbers.g2 - numbers.mitosis
+    late: bool = t - cells.birth[i] >= cells.cycle[i] - numbers.g2 - numbers.mitosis
+    return late
 
 
 @kernel

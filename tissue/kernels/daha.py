@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
@@ -30,7 +30,7 @@ UNFINISHED = 1 + max(DONE, CROWDED, NON_FINITE)
 # Bound of |z_n|^2 + |z_{n+1} - z_n|^2: below it |z_{n+1}| is below LOST.
 TOO_FAR = LOST**2 / 2
 # The first fields of Cells are the coordinates x, y, ax, ay, bx, by.
-COORDINATES = Cells._fields.index("by") + 1
+COORDINATES: Final = 6
 BX = Cells._fields.index("bx")
 
 

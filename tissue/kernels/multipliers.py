@@ -7,9 +7,10 @@ As functions g >= 0 ("the square of (C1) to (C4)"): |X_i - X_j|^2 - (R_i + R_j)^
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tissue.cells import Cells, Floats, Integers, Layers
 from tissue.kernels._numba import kernel
@@ -42,7 +43,7 @@ def multipliers_for(cells: Cells) -> Multipliers:
     capacity = len(cells.x)
     lengths = {"pairs": 1, "order": capacity, "distance": capacity, "last": capacity}
     floats = {"square", "discs", "order", "distance"}
-    arrays = {
+    arrays: dict[str, NDArray[Any]] = {
         name: np.zeros(lengths.get(name, MOST * capacity), np.float64 if name in floats else np.int64)
         for name in Multipliers._fields
     }
@@ -138,7 +139,7 @@ def _add(multipliers: Multipliers, i: int, j: int, square: float, multiplier: fl
 @kernel
 def _is_held(multipliers: Multipliers, i: int, j: int) -> bool:
     """Whether the pair is listed."""
-    k = multipliers.last[i]
+    k: int = multipliers.last[i]
     while k >= 0 and multipliers.j[k] != j:
         k = multipliers.previous[k]
     return k >= 0

@@ -11,7 +11,6 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
 from numpy.random import Generator
 
 from tissue.cells import Floats, Integers
@@ -22,6 +21,7 @@ from tissue.kernels.lanes import (
     binary_parts,
     either,
     fma,
+    instruction,
     load,
     load_words,
     spread,
@@ -51,7 +51,7 @@ def draw_key(noise: Generator, key: Integers) -> None:
         key[lane], key[WIDTH + lane] = first, second
 
 
-@intrinsic
+@instruction
 def threefry(typing: Any, key: Any, counter: Any, place: Any, number: Any) -> Any:
     """Two words of each lane, as doubles: a function of its key and of its counter (counter[place + lane], number).
 

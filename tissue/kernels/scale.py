@@ -25,7 +25,8 @@ def ab_position(store: Store, i: int) -> float:
         away_x, away_y = away_x - part * along_x, away_y - part * along_y
         if away_x * away_x + away_y * away_y < nearest:
             nearest, reference = away_x * away_x + away_y * away_y, from_y + part * along_y
-    return y / reference
+    position: float = y / reference
+    return position
 
 
 @kernel

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tissue.cells import Cells, Floats, Integers
 from tissue.kernels.lanes import WIDTH
@@ -74,7 +75,7 @@ def scratch_for(cells: Cells) -> Scratch:
         "counts": len(COUNTERS),
     }
     whole = {"order", "low", "high", "near", "near_count", "moved", "noise_key", "flags", "counts"}
-    arrays = {
+    arrays: dict[str, NDArray[Any]] = {
         name: np.zeros(lengths.get(name, capacity + WIDTH), np.int64 if name in whole else np.float64)
         for name in Scratch._fields
     }
