@@ -34,13 +34,19 @@ def study(file: File, out: Out, scheduler: Scheduler = None) -> None:
         plan = load_study(file)
         for remark in plan.remarks:
             print(remark)
-        start, stored = time.monotonic(), []
+        start = time.monotonic()
+        stored: list[int] = []
         try:
             with (
                 cluster(scheduler) if scheduler is not None else nullcontext() as executor,
                 progress(plan.title, plan.runs, "runs") as watch,
             ):
-                results = carry_out(plan, out, executor, lambda runs: (stored.append(runs), watch(runs)))
+
+                def told(runs: int) -> None:
+                    stored.append(runs)
+                    watch(runs)
+
+                results = carry_out(plan, out, executor, told)
         except KeyboardInterrupt:
             typer.echo(f"Interrupted: {GOES_ON}", err=True)
             raise typer.Exit(INTERRUPTED) from None

@@ -25,12 +25,12 @@ class Piece(NamedTuple):
 
     scenario: str
     first: int
-    count: int
+    runs: int
 
     @property
     def replicates(self) -> range:
         """The numbers of its replicates."""
-        return range(self.first, self.first + self.count)
+        return range(self.first, self.first + self.runs)
 
 
 @dataclass(frozen=True)

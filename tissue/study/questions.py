@@ -202,10 +202,10 @@ def _q5(tables: Tables) -> Iterator[Claim]:
     for text, own, mixed in _own_and_mixed(tables, GROUP):
         yield from _between(more, f"{text}, mixed more", mixed, own)
     for inm in ("", NO_INM):
-        mixed, same_time = f"[A] and [B]{ANY_TIME}{inm}{GROUP}", f"[AB]{inm}{GROUP}"
-        if mixed in tables and same_time in tables:
+        any_time, same_time = f"[A] and [B]{ANY_TIME}{inm}{GROUP}", f"[AB]{inm}{GROUP}"
+        if any_time in tables and same_time in tables:
             yield from _between(
-                more, f"{mixed} more than {same_time}", (tables[mixed], None), (tables[same_time], None)
+                more, f"{any_time} more than {same_time}", (tables[any_time], None), (tables[same_time], None)
             )
 
 

@@ -54,8 +54,8 @@ class Results:
         if noted is None:
             raise InvalidProblem(f"{self.folder}: must be the folder of a study, of which it lacks the notes")
         self._noted = noted
-        settings = (noted[key] for key in ("title", "replicates", "seed"))
-        self.study = About(*settings, tuple(noted["trajectories"]), tuple(noted["scenarios"]))
+        title, trajectories = noted["title"], tuple(noted["trajectories"])
+        self.study = About(title, noted["replicates"], noted["seed"], trajectories, tuple(noted["scenarios"]))
 
     @property
     def complete(self) -> bool:

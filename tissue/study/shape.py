@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeGuard
 from urllib.parse import quote
 
 from dincl.checks import describe
@@ -63,13 +63,16 @@ class Tables:
     least: int = 0
 
     def __call__(self, raw: Any) -> dict[str, dict[str, Any]]:
-        tables = isinstance(raw, dict) and all(isinstance(table, dict) for table in raw.values())
-        if not tables or len(raw) < self.least:
+        if not _is_of_tables(raw) or len(raw) < self.least:
             raise ValueError(f"must be {self.allowed}")
         for name in raw:
             if not name or not name.isprintable() or len(quote(name, safe="")) > LONGEST_NAME:
                 raise ValueError(f"must be {self.allowed}; {describe(name)} is too long, empty or not printable")
         return raw
+
+
+def _is_of_tables(raw: Any) -> TypeGuard[dict[str, dict[str, Any]]]:
+    return isinstance(raw, dict) and all(isinstance(table, dict) for table in raw.values())
 
 
 SHAPE: dict[str, Check] = {

@@ -41,7 +41,8 @@ def needs(*studies: str) -> Callable[[Draw], Draw]:
 
 def needed(draw: Draw) -> tuple[str, ...]:
     """The studies that a figure is drawn from."""
-    return draw.__dict__["needs"]
+    studies: tuple[str, ...] = draw.__dict__["needs"]
+    return studies
 
 
 def cells_of(results: Results, scenario: str, *, last_only: bool = False) -> pd.DataFrame:
