@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from tissue.first_order import simulate
+    from tissue.frame import Frame
     from tissue.many import simulate_many
     from tissue.parameters import Parameters, load, preset
-    from tissue.run import Frame, Run, RunFailed
+    from tissue.run import Run, RunFailed
     from tissue.study.run import run_study
 
 __all__ = ["Frame", "Parameters", "Run", "RunFailed", "load", "preset", "run_study", "simulate", "simulate_many"]
 
 _HOMES = {
-    "Frame": "run",
+    "Frame": "frame",
     "Parameters": "parameters",
     "Run": "run",
     "RunFailed": "run",

@@ -6,13 +6,14 @@ from collections.abc import Callable, Iterator
 from itertools import count, takewhile
 
 from dincl.status import Status
+from tissue.frame import Frame
 from tissue.kernels.advance import CROWDED, DONE, FULL, NON_FINITE, advance, find_lost
 from tissue.kernels.neighbours import LOST
 from tissue.kernels.scratch import COUNTERS
 from tissue.kernels.store import CELLS, Store, contents, grown
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters
-from tissue.run import Frame, Run, RunFailed
+from tissue.run import Run, RunFailed
 from tissue.start import started
 from tissue.streams import Streams, streams
 

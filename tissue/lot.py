@@ -8,6 +8,7 @@ import numpy as np
 
 from dincl.status import Status
 from tissue.first_order import failed_at, kept_steps
+from tissue.frame import Frame
 from tissue.kernels.advance import FULL
 from tissue.kernels.batch.advance import advance
 from tissue.kernels.batch.board import EMPTY, RUNNING, board_for
@@ -16,7 +17,7 @@ from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import DIVISIONS
 from tissue.kernels.store import Store, contents
 from tissue.parameters import Parameters
-from tissue.run import Frame, Run
+from tissue.run import Run
 from tissue.start import started
 from tissue.streams import streams
 

@@ -14,8 +14,8 @@ from dincl.errors import InvalidProblem
 from tissue.picture import stills
 
 if TYPE_CHECKING:
+    from tissue.frame import Frame
     from tissue.parameters import Parameters
-    from tissue.run import Frame
 
 ENDINGS = (".gif", ".webp")
 # Milliseconds that each picture and the last one are shown; GIF counts in tens.

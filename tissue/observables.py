@@ -12,8 +12,8 @@ from dincl.errors import InvalidProblem
 from tissue.cells import Floats, Integers, Layers
 
 if TYPE_CHECKING:
+    from tissue.frame import Frame
     from tissue.numbers import Numbers
-    from tissue.run import Frame
 
 PHASES = ("G1/S", "G2", "mitosis")
 # Soft discs have the radius R_soft = 1.

@@ -42,8 +42,8 @@ from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
     from tissue.cells import Flags, Floats
+    from tissue.frame import Frame
     from tissue.parameters import Parameters
-    from tissue.run import Frame
 
 ENDINGS = (".png", ".svg", ".pdf")
 # Inches: a picture, its panels at most, and what stands around them.

@@ -3,24 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 from dincl.status import Status
-from tissue.cells import Cells, Layers
+from tissue.frame import Frame
 from tissue.start import Parted
 
 if TYPE_CHECKING:
     import pandas as pd
 
     from tissue.parameters import Parameters
-
-
-class Frame(NamedTuple):
-    """The tissue at one time; lengths in R_soft, times in hours."""
-
-    t: float
-    cells: Cells
-    layers: Layers
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,13 +51,13 @@ class Run:
         """One row for each kept time and cell: phase, age, positions in um; the columns of ``tissue.tables``."""
         from tissue.tables import cell_table
 
-        return cell_table(self)
+        return cell_table(self.frames, self.parameters)
 
     def summary(self) -> pd.DataFrame:
         """One row for each kept time: cells, height, widths, extrusions; the columns of ``tissue.tables``."""
         from tissue.tables import summary_table
 
-        return summary_table(self)
+        return summary_table(self.frames, self.parameters)
 
     def __repr__(self) -> str:
         return f"Run({self.status.name}, t = {self.final.t:g} h, {len(self.final.cells.x)} cells, seed {self.seed})"

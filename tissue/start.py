@@ -71,7 +71,7 @@ def _choose_middle(cells: Cells, moves: Flags) -> None:
 def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
     """Cells with the drawn positions, ages and cycles."""
     n = start.cells
-    places = np.arange(n) - (n - 1) / 2
+    places: Floats = np.arange(n, dtype=np.float64) - (n - 1) / 2
     apical, basal = start.apical_spacing * places, start.basal_spacing * places
     cycle = draws.uniform(numbers.min_cycle, numbers.max_cycle, n)
     age = draws.uniform(0.0, 1.0, n) * cycle

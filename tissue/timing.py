@@ -66,12 +66,12 @@ def timing(text: Any) -> Timing:
     if match is None:
         time = _time(text)
         return Timing(time, time)
-    found = Timing(_time(match["low"]), _time(match["high"]), float(match["percent"] or 100))
-    if found.low.value > found.high.value:
+    low, high, percent = _time(match["low"]), _time(match["high"]), float(match["percent"] or 100)
+    if low.value > high.value:
         raise ValueError("the first time must be the earlier one")
-    if found.percent > 100:
+    if percent > 100:
         raise ValueError("the probability must be 100 % at most")
-    return found
+    return Timing(low, high, percent)
 
 
 def _time(text: str) -> Measure:

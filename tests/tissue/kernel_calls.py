@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from tests.tissue import states as tissue_states
-from tissue import twins
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
 from tissue.cells import Emt, emt_cells
 from tissue.energy import Forces
 from tissue.kernels import advance, scale, store, substeps, sweeps
@@ -14,7 +15,6 @@ from tissue.kernels.batch import board as boards
 from tissue.kernels.batch.advance import advance as batch_advance
 from tissue.kernels.batch.group import grouped, replicate
 from tissue.kernels.lanes import WIDTH
-from tissue.twins import Tissue
 
 COORDINATES = Forces._fields
 MOBILE = COORDINATES[:5]  # by is 0 on the basal line

@@ -8,6 +8,7 @@ from dincl.errors import InvalidProblem
 from tests.tissue.states import HEIGHT, cells, layers, numbers
 from tests.tissue.states import tissue as cells_at
 from tissue.first_order import simulate
+from tissue.frame import Frame
 from tissue.observables import (
     PHASES,
     Extruded,
@@ -21,7 +22,6 @@ from tissue.observables import (
     widths,
 )
 from tissue.parameters import preset
-from tissue.run import Frame
 
 
 def frame(x, a, apical=None, basal=None, t=0.0, **fields):

@@ -15,10 +15,10 @@ from tests.tissue.states import layers, tissue
 from tissue import movie as film
 from tissue import picture as drawing
 from tissue.first_order import simulate
+from tissue.frame import Frame
 from tissue.observables import PHASES
 from tissue.parameters import preset
 from tissue.picture import picture, stills
-from tissue.run import Frame
 from tissue.sheet import APICAL, BASAL, COLOURS, EMT_COLOURS
 from tissue.tables import EVENTS
 

@@ -10,8 +10,8 @@ import pandas as pd
 
 from dincl.errors import InvalidProblem
 from tissue.cells import Cells, Layers, empty
+from tissue.frame import Frame
 from tissue.picture import Box, drawing
-from tissue.run import Frame
 from tissue.sheet import Figure
 from tissue.study.figures.needs import Studies, needs
 from tissue.study.figures.style import POSITION, caption

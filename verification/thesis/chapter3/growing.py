@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from dincl.status import Status
 from tissue.cells import COORDINATES, Cells
 from tissue.first_order import STATUS, advance_to
+from tissue.frame import Frame
 from tissue.kernels.store import CELLS, Store, contents
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters, preset
-from tissue.run import Frame
 from tissue.start import started
 from tissue.streams import Streams, streams
 

@@ -11,9 +11,9 @@ import numpy as np
 from tissue.cells import COORDINATES, Cells
 from tissue.energy import forces
 from tissue.first_order import simulate
+from tissue.frame import Frame
 from tissue.observables import height
 from tissue.parameters import preset
-from tissue.run import Frame
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import Interval, over_seeds

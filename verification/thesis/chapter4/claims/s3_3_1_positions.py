@@ -9,8 +9,8 @@ from itertools import product
 import numpy as np
 
 from tissue.cells import Cells, Floats, Layers, empty
+from tissue.frame import Frame
 from tissue.observables import ab_positions
-from tissue.run import Frame
 from tissue.study.comparisons import POWER
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_most

@@ -9,25 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.random import Generator
 
-from tissue.cells import Cells, Emt, Flags, Floats, Layers, no_emt
+from tests.twins.tissue.events import Motion, begin_events, last_events, motion, watch_sides
+from tests.twins.tissue.normals import WORDS, normals
+from tests.twins.tissue.state import Tissue
+from tissue.cells import Cells, Flags, Floats, Layers
 from tissue.energy import forces
 from tissue.numbers import Numbers
-from tissue.twins_events import Motion, begin_events, last_events, motion, watch_sides
-from tissue.twins_normals import WORDS, normals
-
-
-class Tissue(NamedTuple):
-    """What changes in a run."""
-
-    cells: Cells
-    layers: Layers
-    next_id: int
-    emt: Emt = no_emt()
 
 
 def steps(tissue: Tissue, made: int, wanted: int, numbers: Numbers, draws: Generator, noise: Generator) -> Tissue:

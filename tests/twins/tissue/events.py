@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
+from tests.twins.tissue.state import Tissue
 from tissue.cells import Cells, Emt, Flags, Floats, Layers
 from tissue.events import bits
+from tissue.frame import Frame
 from tissue.numbers import Numbers
 from tissue.observables import ab_positions
-from tissue.run import Frame
-
-if TYPE_CHECKING:
-    from tissue.twins import Tissue
 
 Arrays = TypeVar("Arrays", Cells, Emt)
 
