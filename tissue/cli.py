@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from tissue.parameters import Parameters
     from tissue.run import Run
 
+MAKES_NO_NUMBERS = True
+
 app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
 app.command()(study)
 app.command()(figures)

@@ -9,6 +9,8 @@ import typer
 
 from tissue.cli_messages import messages
 
+MAKES_NO_NUMBERS = True
+
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study, or a folder with such folders in it.")]
 
 

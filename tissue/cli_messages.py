@@ -10,6 +10,8 @@ import typer
 from dincl.errors import InvalidProblem
 from tissue.study.stopped import StudyStopped
 
+MAKES_NO_NUMBERS = True
+
 # Exit codes: a run that failed; bad input; a study that stopped early, and one that was interrupted from the keyboard.
 RUN_FAILED, BAD_INPUT, STOPPED, INTERRUPTED = 1, 2, 3, 130
 GOES_ON = "what was computed is kept, and the same command goes on from there"

@@ -15,6 +15,8 @@ from tissue.progress import progress
 if TYPE_CHECKING:
     from tissue.study.read import Results
 
+MAKES_NO_NUMBERS = True
+
 File = Annotated[str, typer.Argument(metavar="FILE", help="A study file, or a study that comes with the program.")]
 Out = Annotated[Path, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
 Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")]
@@ -55,7 +57,6 @@ def study(file: File, out: Out, scheduler: Scheduler = None) -> None:
 
 def _summary(results: Results, runs: int, seconds: float) -> str:
     """One line: what was done, how fast, how many runs failed, and where the results are."""
-    statuses = [results.runs(scenario, ["status"])["status"] for scenario in results.study.scenarios]
-    failed = sum(int((status != "SUCCESS").sum()) for status in statuses)
+    stored = results.summary()
     now = f"{runs} of them now in {seconds:.1f} s, {runs / seconds:.3g} runs/s"
-    return f"{sum(map(len, statuses))} runs, {now}; {failed} failed; {results.folder}"
+    return f"{stored['runs'].sum()} runs, {now}; {stored['failed'].sum()} failed; {results.folder}"

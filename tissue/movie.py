@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     from tissue.frame import Frame
     from tissue.parameters import Parameters
 
+MAKES_NO_NUMBERS = True
+
 ENDINGS = (".gif", ".webp")
 # Milliseconds that each picture and the last one are shown; GIF counts in tens.
 EACH, LAST = 80, 2000

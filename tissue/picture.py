@@ -45,6 +45,8 @@ if TYPE_CHECKING:
     from tissue.frame import Frame
     from tissue.parameters import Parameters
 
+MAKES_NO_NUMBERS = True
+
 ENDINGS = (".png", ".svg", ".pdf")
 # Inches: a picture, its panels at most, and what stands around them.
 WIDTH, TALLEST = 9.2, 7.0
@@ -104,6 +106,13 @@ def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = N
         for panel, frame in zip(panels, frames, strict=True):
             _draw(panel, frame, parameters, _decimals(frames))
     return figure
+
+
+def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
+    """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
+    with style():
+        _axes(panel, _box([frame], parameters), lowest=True, leftmost=True)
+        _draw(panel, frame, parameters, _decimals([frame]))
 
 
 def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
@@ -230,8 +239,14 @@ def _free(frame: Frame) -> tuple[Flags, Flags]:
 def _thinner(panel: Axes) -> float:
     """The factor of line widths in a small scale, so that lines do not hide what they join."""
     left, right = panel.get_xlim()
-    points = 72 * WIDTH * panel.get_position().width
+    points = 72 * _inches(panel) * panel.get_position().width
     return min(1.0, max(THINNEST, math.sqrt(points / (right - left) / FULL)))
+
+
+def _inches(panel: Axes) -> float:
+    """The width of its figure."""
+    figure = panel.get_figure(root=True)
+    return WIDTH if figure is None else float(figure.get_size_inches()[0])
 
 
 def _decimals(frames: Sequence[Frame]) -> int:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from io import BytesIO
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -19,6 +20,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
 from tissue.observables import PHASES
+
+MAKES_NO_NUMBERS = True
 
 __all__ = ["Artist", "Axes", "EllipseCollection", "Figure", "FigureCanvasAgg", "Line2D", "LineCollection", "Patch"]
 
@@ -67,6 +70,14 @@ def write(figure: Figure, path: str | PathLike[str]) -> None:
     dated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
     with style():
         figure.savefig(path, metadata=dated.get(Path(path).suffix.lower()))
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as the bytes of a PNG file, for a page."""
+    file = BytesIO()
+    with style():
+        figure.savefig(file, format="png", dpi=100)
+    return file.getvalue()
 
 
 def _dot(colour: str, size: float, **look: Any) -> Line2D:

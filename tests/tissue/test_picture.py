@@ -7,41 +7,17 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
-from PIL import Image
 
 from dincl.errors import InvalidProblem
 from tests.contracts.test_imports import imported, sources
 from tests.tissue.states import layers, tissue
-from tissue import movie as film
+from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, two_hours
 from tissue import picture as drawing
-from tissue.first_order import simulate
 from tissue.frame import Frame
 from tissue.observables import PHASES
-from tissue.parameters import preset
 from tissue.picture import picture, stills
 from tissue.sheet import APICAL, BASAL, COLOURS, EMT_COLOURS
 from tissue.tables import EVENTS
-
-THESIS = preset("thesis")
-UM = 5.0
-AGES = {"G1/S": 3.0, "G2": 14.2, "mitosis": 14.7}
-
-
-def pair(phase="mitosis", distance=12.0, radius=0.7, t=0.0):
-    """Two cells that stand upright, of one phase, this far apart."""
-    x, a, b = ([[0.0, y], [distance, y]] for y in (4.0, 8.0, 0.0))
-    state = tissue(x, a, b, radius=radius, birth=t - AGES[phase], cycle=15.0)
-    return Frame(t, state, layers(2))
-
-
-def drawn(frame):
-    return next(iter(stills([frame], THESIS)))
-
-
-def coloured(still, colour, tolerance=3):
-    """Where the picture has this colour: rows and columns of the panel, without the legend below."""
-    found = np.abs(still.astype(int) - np.round(255 * np.array(to_rgb(colour)))).max(axis=2) <= tolerance
-    return np.nonzero(found[:-90])
 
 
 def luminance(colour):
@@ -61,8 +37,7 @@ def figures(monkeypatch):
 
 @pytest.fixture(scope="module")
 def run():
-    """Two hours, a state every half hour."""
-    return simulate(THESIS.changed({"numerics.t_end": "2 h", "numerics.keep": "0.5 h"}), 1)
+    return two_hours()
 
 
 @pytest.mark.parametrize("radius", [1 / 3, 0.7])
@@ -270,58 +245,6 @@ def test_the_style_of_others_is_left_alone(run):
         for _ in stills(run.frames[:2], run.parameters):
             assert mpl.rcParams["font.size"] == 3.0
             assert mpl.rcParams["axes.spines.top"]
-
-
-@pytest.mark.parametrize("ending", ["gif", "webp"])
-def test_a_movie_shows_every_state_once(run, tmp_path, ending):
-    path, seen = tmp_path / f"movie.{ending}", []
-    film.movie(run.frames, run.parameters, path, seen.append)
-    assert seen == [1, 2, 3, 4, 5]
-    with Image.open(path) as movie:
-        assert movie.format == ending.upper()
-        assert movie.n_frames == 5
-        assert movie.info["loop"] == 0  # for ever
-        shown, durations = [], []
-        for k in range(5):
-            movie.seek(k)
-            movie.load()
-            shown.append(np.asarray(movie.convert("RGB")).astype(int))
-            durations.append(movie.info["duration"])
-    assert durations == [80] * 4 + [2000]
-    for image, still in zip(shown, stills(run.frames, run.parameters), strict=True):
-        assert np.abs(image - still).mean() < 2.5
-        assert (image[:20, -20:] == 255).all()  # the paper stays white
-
-
-def test_a_gif_knows_the_colours_of_all_states(tmp_path):
-    frames = [pair("G1/S"), pair("G2", t=1.0), pair("mitosis", t=2.0)]
-    film.movie(frames, THESIS, tmp_path / "movie.gif")
-    with Image.open(tmp_path / "movie.gif") as movie:
-        for k, phase in enumerate(PHASES):
-            movie.seek(k)
-            rows, _ = coloured(np.asarray(movie.convert("RGB")), COLOURS[phase], tolerance=6)
-            assert len(rows) > 300
-
-
-def test_a_movie_of_one_state(tmp_path):
-    film.movie([pair()], THESIS, tmp_path / "one.gif")
-    with Image.open(tmp_path / "one.gif") as movie:
-        assert movie.n_frames == 1
-
-
-@pytest.mark.parametrize(
-    ("name", "frames", "message"),
-    [
-        ("x.mp4", [pair()], r"x\.mp4: must end in \.gif or \.webp"),
-        ("x", [pair()], r"must end in"),
-        ("x.gif", [], "frames is empty"),
-        ("x.webp", [], "frames is empty"),
-    ],
-)
-def test_a_movie_that_can_not_be_made_leaves_no_file(tmp_path, name, frames, message):
-    with pytest.raises(InvalidProblem, match=message):
-        film.movie(frames, THESIS, tmp_path / name)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize(("library", "door"), [("matplotlib", "sheet.py"), ("PIL", "movie.py")])

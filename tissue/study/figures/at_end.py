@@ -31,6 +31,8 @@ from tissue.study.ratios import Ratio
 if TYPE_CHECKING:
     from tissue.study.read import Results
 
+MAKES_NO_NUMBERS = True
+
 EVENTS = ("[A]", "[B]", "[S]", "[BP]", "no EMT")
 PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
 GROUP = ", 10 cells"

@@ -21,6 +21,8 @@ from tissue.study.plan import FOLDER, shipped
 from tissue.study.read import Results
 from tissue.study.store import about
 
+MAKES_NO_NUMBERS = True
+
 # By their numbers in chapter 4.
 FIGURES: dict[int, Draw] = {
     10: figure_10,

@@ -26,6 +26,8 @@ from tissue.study.figures.style import (
     percent_axis,
 )
 
+MAKES_NO_NUMBERS = True
+
 ONE = "table5_35"
 GROUP = "Heterogeneous groups, 35 % of the cells with [P]"
 TIMES = np.arange(6.0, 25.0, 2.0)  # [h], of intervals of event times

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from tissue.parameters import Parameters
     from tissue.study.read import Results
 
+MAKES_NO_NUMBERS = True
+
 ASIDE, ROOM = 55.0, 8.0  # um: shown on either side of the EMT cells; around points above and below
 STILLS = 3  # of each run
 FOOT = 0.5  # inches below the legend, for the caption

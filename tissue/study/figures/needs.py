@@ -16,6 +16,8 @@ if TYPE_CHECKING:
 
     from tissue.study.read import Results
 
+MAKES_NO_NUMBERS = True
+
 # The studies of Table 5, and the scenario of each.
 POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
 Studies = Mapping[str, "Results"]

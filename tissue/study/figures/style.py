@@ -14,6 +14,8 @@ from tissue.sheet import EMT_COLOURS, Axes, Figure, Line2D, Patch
 from tissue.study.categories import What
 from tissue.study.ratios import LEVEL, Ratio
 
+MAKES_NO_NUMBERS = True
+
 WIDTH = 9.2  # inches, as the pictures and the page of the report
 DPI = 200
 LOOK: Any = {
