@@ -47,7 +47,7 @@ class Cells(NamedTuple):
 COORDINATES = Cells._fields[:6]
 
 
-class Layers(NamedTuple):
+class CellLayers(NamedTuple):
     """Which cells hold on to which neighbour: indices into Cells, increasing, so from left to right."""
 
     apical: Integers  # (na,): junctions join consecutive entries (3.5)

@@ -13,7 +13,7 @@ from dincl.checks import integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.cells import Cells, Layers
+from tissue.cells import CellLayers, Cells
 from tissue.energy import energy
 from tissue.frozen import constraints, particles
 from tissue.kernels.advance import CROWDED, DONE, NON_FINITE
@@ -42,7 +42,7 @@ class Stopped(NamedTuple):
 
 
 @dataclass(frozen=True)
-class DampedArrowHurwicz:
+class TissueArrowHurwicz:
     r"""Method 3.4 for the energy W of a tissue and its constraints g >= 0.
 
         z_{n+1} = (2 z_n - (1 - a) z_{n-1} - dtau^2 p_n) / (1 + a),   a = c dtau / 2,                        (3.25)
@@ -87,7 +87,7 @@ class DampedArrowHurwicz:
         number("gamma", self.numbers.gamma, non_negative=True)
         integer("most_iterations", self.numbers.most_iterations, least=1)
 
-    def minimise(self, cells: Cells, layers: Layers, numbers: Numbers) -> Stopped:
+    def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Stopped:
         """The state at which the rule (3.24) stops the iteration from ``cells``, which need not be in S.
 
         The status is NOT_CONVERGED if it does not in ``most_iterations``, NON_FINITE if coordinates grow beyond all

@@ -13,7 +13,7 @@ import numpy as np
 from dincl.checks import LARGEST, bounded
 from dincl.errors import InvalidProblem
 from dincl.pairs import near_pairs
-from tissue.cells import Cells, Floats, Integers, Layers
+from tissue.cells import CellLayers, Cells, Floats, Integers
 from tissue.numbers import Numbers
 
 # Soft discs have the radius R_soft = 1, so nuclei push each other below this distance.
@@ -44,7 +44,7 @@ class Forces(NamedTuple):
     by: Floats
 
 
-def energy(cells: Cells, layers: Layers, numbers: Numbers) -> float:
+def energy(cells: Cells, layers: CellLayers, numbers: Numbers) -> float:
     """W = sum_i (W_i^ax + W_i^bx + W_i^axb) + sum_{(i, j) in A} W_ij^aa + sum_{j < i} W_ij^xx  (3.14).
 
     Arguments and errors are those of ``parts``; complex for complex coordinates.
@@ -52,7 +52,7 @@ def energy(cells: Cells, layers: Layers, numbers: Numbers) -> float:
     return sum(parts(cells, layers, numbers))
 
 
-def parts(cells: Cells, layers: Layers, numbers: Numbers) -> Parts:
+def parts(cells: Cells, layers: CellLayers, numbers: Numbers) -> Parts:
     r"""The terms of W.
 
         W_i^ax  = alpha_i^ax (|A_i - X_i| - l)^2 / l^p,  l = 1 + eta_i^ax                   (3.9)
@@ -91,7 +91,7 @@ def parts(cells: Cells, layers: Layers, numbers: Numbers) -> Parts:
     )
 
 
-def forces(cells: Cells, layers: Layers, numbers: Numbers) -> Forces:
+def forces(cells: Cells, layers: CellLayers, numbers: Numbers) -> Forces:
     r"""-grad W, with u = (A - X)/|A - X|, v = (B - X)/|B - X|, c = u . v = cos gamma.
 
         on A_i  -2 alpha^ax (|A - X| - l)/l^p u - alpha^axb (v - c u)/|A - X|  + junctions
@@ -133,7 +133,7 @@ class _Arrows(NamedTuple):
     xx: _Bundle  # from X_i to X_j, j < i, closer than 2
 
 
-def _arrows(cells: Cells, layers: Layers) -> _Arrows:
+def _arrows(cells: Cells, layers: CellLayers) -> _Arrows:
     x, a, b = _points(cells)
     each = np.arange(len(cells.x))
     return _Arrows(

@@ -99,7 +99,7 @@ class EventTime:
 
 
 @dataclass(frozen=True)
-class Choice:
+class OneOf:
     """One of a few values."""
 
     options: tuple[str | int | bool, ...]
@@ -115,7 +115,7 @@ class Choice:
 
 
 @dataclass(frozen=True)
-class Interval:
+class Span:
     """Parts of the height; a nucleus on a layer might have no direction to its basal or apical point."""
 
     allowed: str = 'a list of two fractions 0 <= low <= high <= 1, not both 0 and not both 1, such as [0, "1/3"]'
@@ -180,5 +180,5 @@ Begin = Annotated[Timing, PlainValidator(EventTime()), _TEXT]
 Positive = Annotated[float, PlainValidator(Number(zero=False))]
 NonNegative = Annotated[float, PlainValidator(Number(zero=True))]
 Probability = Annotated[float, PlainValidator(Number(zero=True, most=1.0))]
-Flag = Annotated[bool, PlainValidator(Choice((True, False)))]
-Fractions = Annotated[tuple[float, float], PlainValidator(Interval()), PlainSerializer(list)]
+Flag = Annotated[bool, PlainValidator(OneOf((True, False)))]
+Fractions = Annotated[tuple[float, float], PlainValidator(Span()), PlainSerializer(list)]

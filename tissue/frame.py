@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from tissue.cells import Cells, Layers
+from tissue.cells import CellLayers, Cells
 
 
 class Frame(NamedTuple):
@@ -12,4 +12,4 @@ class Frame(NamedTuple):
 
     t: float
     cells: Cells
-    layers: Layers
+    layers: CellLayers

@@ -10,12 +10,12 @@ from dincl.errors import InvalidProblem
 from dincl.problem import Problem
 from dincl.projection import Projection
 from dincl.projection.project import project
-from tissue.cells import Cells, Floats, Layers, first
+from tissue.cells import CellLayers, Cells, Floats, first
 from tissue.energy import Forces, forces
 from tissue.numbers import Numbers
 
 
-def frozen_problem(cells: Cells, layers: Layers, numbers: Numbers) -> Problem:
+def frozen_problem(cells: Cells, layers: CellLayers, numbers: Numbers) -> Problem:
     """mu dZ/dt in -grad W(Z) - N(S, Z): the tissue between two updates of its rules, without noise  (section 3.2).
 
     The 3n particles are the nuclei, then the apical points, then the basal points, each in the order of the cells; the
@@ -51,7 +51,7 @@ def frozen_problem(cells: Cells, layers: Layers, numbers: Numbers) -> Problem:
     From one of these kinds of state to another it is 0.1 to 0.7. So schemes agree on the motion after a division only
     if they start from one state of S.
     """
-    frozen, network = first(cells, len(cells.x)), Layers(layers.apical.copy(), layers.basal.copy())
+    frozen, network = first(cells, len(cells.x)), CellLayers(layers.apical.copy(), layers.basal.copy())
     mu = number("mu", numbers.mu, positive=True)
     sets = constraints(frozen, network, numbers)
     held = 2 * len(frozen.x) + network.basal
@@ -64,7 +64,7 @@ def frozen_problem(cells: Cells, layers: Layers, numbers: Numbers) -> Problem:
     return Problem(particles(frozen), drift, sets)
 
 
-def constraints(cells: Cells, layers: Layers, numbers: Numbers) -> tuple[Constraint, ...]:
+def constraints(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[Constraint, ...]:
     """(C1), (C4) and (C2) on the particles of ``frozen_problem``, in the order in which a substep projects.
 
     Arguments and errors are those of ``frozen_problem``, but the state need not be in S.
@@ -83,7 +83,7 @@ def constraints(cells: Cells, layers: Layers, numbers: Numbers) -> tuple[Constra
     )
 
 
-def made_feasible(cells: Cells, layers: Layers, numbers: Numbers, projection: Projection) -> Cells:
+def made_feasible(cells: Cells, layers: CellLayers, numbers: Numbers, projection: Projection) -> Cells:
     """P_S(Z): a state near the given one, locally the nearest, in which (C1) to (C4) hold; all but positions stays.
 
     Arguments and errors are those of ``frozen_problem``, but the state need not be in S; and ``projection`` computes
@@ -102,7 +102,7 @@ def particles(points: Cells | Forces) -> Floats:
     return np.stack((np.concatenate((p.x, p.ax, p.bx)), np.concatenate((p.y, p.ay, p.by))), axis=1)
 
 
-def cells_at(x: Floats, cells: Cells, layers: Layers) -> Cells:
+def cells_at(x: Floats, cells: Cells, layers: CellLayers) -> Cells:
     """The cells with the coordinates of the particles x (3n, 2); those of the basal layer stay on their line."""
     n = len(cells.x)
     if x.shape != (3 * n, 2):

@@ -16,7 +16,7 @@ from dincl.checks import number
 from dincl.constraints.rows import DistanceRows, RowsTogether
 from dincl.pairs import near_pairs
 from dincl.status import Status
-from tissue.cells import Cells, Floats, Integers, Layers
+from tissue.cells import CellLayers, Cells, Floats, Integers
 from tissue.energy import SOFT, energy, forces
 from tissue.frozen import cells_at, constraints, particles
 from tissue.numbers import Numbers
@@ -56,7 +56,7 @@ ENDED = (SOLVED, "Solved_To_Acceptable_Level", "Search_Direction_Becomes_Too_Sma
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Minimum:
+class JudgedMinimum:
     """Cells and multipliers >= 0 with, up to the residuals, grad W = J^T multipliers, g >= 0, multipliers . g = 0.
 
     Attributes
@@ -98,7 +98,7 @@ class Minimum:
         return f"Minimum(W = {self.energy:.9g}, {self.status.name}, residual = {self.residual:.2g})"
 
 
-def local_minimum(cells: Cells, layers: Layers, numbers: Numbers, tol: float) -> Minimum:
+def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float) -> JudgedMinimum:
     r"""A local minimum of W over S near the given state:  argmin over Z in S of W(Z)  (section 2.2.8).
 
     Unknown are all coordinates but the y of the basal layer. Moving a tissue along the line changes neither W nor S;
@@ -145,7 +145,7 @@ def local_minimum(cells: Cells, layers: Layers, numbers: Numbers, tol: float) ->
     complementarity = float(np.max(np.abs(np.minimum(found.multipliers, rows.values(found.x))), initial=0.0))
     residual = max(stationarity, violation, complementarity)
     reached = residual <= tol
-    return Minimum(
+    return JudgedMinimum(
         cells=at,
         energy=float(energy(at, layers, numbers)),
         status=Status.SUCCESS if reached else Status.NOT_CONVERGED,
@@ -170,7 +170,7 @@ class _Found(NamedTuple):
     word: str
 
 
-def _search(cells: Cells, layers: Layers, numbers: Numbers) -> tuple[_Found, Ends]:
+def _search(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[_Found, Ends]:
     """Solve programs with more and more pairs until one has all that it meets, or fails; and its pairs of (C1)."""
     n = len(cells.x)
     found = _Found(particles(cells), np.zeros(0), 0, 0, "")
@@ -185,7 +185,7 @@ def _search(cells: Cells, layers: Layers, numbers: Numbers) -> tuple[_Found, End
     return found, hard.ends()
 
 
-def _free(cells: Cells, layers: Layers) -> Integers:
+def _free(cells: Cells, layers: CellLayers) -> Integers:
     """The coordinates of the particles (3n, 2), flattened, that may change: not y in the basal layer  (C3)."""
     n = len(cells.x)
     return np.delete(np.arange(6 * n), 2 * (2 * n + layers.basal) + 1)
@@ -224,7 +224,7 @@ class _Program:
     compiled in 0.1 s, where scalar expressions take 1 s and are evaluated no faster. ``soft`` pairs may repel.
     """
 
-    def __init__(self, cells: Cells, layers: Layers, numbers: Numbers, soft: Ends, hard: Ends) -> None:
+    def __init__(self, cells: Cells, layers: CellLayers, numbers: Numbers, soft: Ends, hard: Ends) -> None:
         n = len(cells.x)
         self._free = _free(cells, layers)
         z = casadi.MX.sym("z", len(self._free))
@@ -275,7 +275,7 @@ def _cell_energy(cells: Cells, numbers: Numbers, x: Any, a: Any, b: Any) -> Any:
     return casadi.sum2(each + _row(cells.stiff_axb) * (cosine + 1))
 
 
-def _pair_energy(cells: Cells, layers: Layers, numbers: Numbers, x: Any, a: Any, soft: Ends) -> Any:
+def _pair_energy(cells: Cells, layers: CellLayers, numbers: Numbers, x: Any, a: Any, soft: Ends) -> Any:
     """(3.11) and, of the pairs ``soft``, (3.13)."""
     left, right = layers.apical[:-1], layers.apical[1:]
     strain = _lengths(a, (left, right)) - _row(cells.rest_aa[left])

@@ -7,7 +7,7 @@ from typing import Protocol
 
 from dincl.checks import number
 from dincl.status import Status
-from tissue.cells import Cells, Layers
+from tissue.cells import CellLayers, Cells
 from tissue.numbers import Numbers
 
 
@@ -42,10 +42,10 @@ class Minimised(Protocol):
     def detail(self) -> str: ...
 
 
-class Minimiser(Protocol):
+class TissueMinimiser(Protocol):
     """A way to find a local minimum of W over S near a given state  (3.18)."""
 
-    def minimise(self, cells: Cells, layers: Layers, numbers: Numbers) -> Minimised:
+    def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Minimised:
         """Go down from ``cells``, which need not be in S."""
 
 
@@ -58,7 +58,7 @@ class Judge:
     def __post_init__(self) -> None:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
-    def minimise(self, cells: Cells, layers: Layers, numbers: Numbers) -> Minimised:
+    def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Minimised:
         from tissue.judge import local_minimum
 
         return local_minimum(cells, layers, numbers, self.tol)

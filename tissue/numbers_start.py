@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 
-class Start(NamedTuple):
+class StartNumbers(NamedTuple):
     """What the first state is made from; made from the parameters of a file by ``Parameters.start_numbers``.
 
     Apical points lie at y = height, basal points at y = 0, each row evenly spaced and centred on the box of the nuclei.

@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.errors import InvalidProblem
-from tissue.cells import Floats, Integers, Layers
+from tissue.cells import CellLayers, Floats, Integers
 
 if TYPE_CHECKING:
     from tissue.frame import Frame
@@ -68,7 +68,7 @@ def widths(frame: Frame) -> Widths:
     Raises InvalidProblem if a layer is empty.
     """
     cells = frame.cells
-    apical, basal = (_inhabited(name, frame.layers) for name in Layers._fields)
+    apical, basal = (_inhabited(name, frame.layers) for name in CellLayers._fields)
     return Widths(*(float(np.ptp(x)) for x in (cells.ax[apical], cells.bx[basal], cells.x)))
 
 
@@ -121,7 +121,7 @@ def extruded(positions: Floats) -> Extruded:
     return Extruded(int((positions > 1).sum()), int((positions < 0).sum()))
 
 
-def _inhabited(name: str, layers: Layers) -> Integers:
+def _inhabited(name: str, layers: CellLayers) -> Integers:
     layer: Integers = getattr(layers, name)
     if not layer.size:
         raise InvalidProblem(f"layers.{name} is empty: must have a cell, to be measured")

@@ -16,7 +16,7 @@ from tissue.combinations import broken
 from tissue.messages import known_keys, problems, refuse, unknown
 from tissue.numbers import Numbers
 from tissue.numbers_daha import Daha
-from tissue.numbers_start import Start
+from tissue.numbers_start import StartNumbers
 from tissue.parameter_files import FOLDER, merged, read, written
 from tissue.scenario import Scenario
 from tissue.sections import (
@@ -142,12 +142,12 @@ class Parameters(BaseModel):
             forced_below=events.at_depth == "forces",
         )
 
-    def start_numbers(self) -> Start:
+    def start_numbers(self) -> StartNumbers:
         """What the first state is made from: lengths over R_soft."""
         tissue, soft_radius = self.tissue, self.cell.soft_radius
         height = reduced(tissue.height, soft_radius)
         low, high = self.start.nuclei_height
-        return Start(
+        return StartNumbers(
             cells=tissue.cells,
             height=height,
             width=reduced(tissue.width, soft_radius),

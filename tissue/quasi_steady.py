@@ -10,12 +10,12 @@ import numpy as np
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.cells import COORDINATES, Cells, Flags, Floats, Integers
-from tissue.daha import DampedArrowHurwicz
+from tissue.daha import TissueArrowHurwicz
 from tissue.first_order import grow
 from tissue.kernels.advance import apply_rules
 from tissue.kernels.division import count_due
 from tissue.kernels.store import CELLS, Store, contents, grown
-from tissue.minimiser import Minimiser
+from tissue.minimiser import TissueMinimiser
 from tissue.numbers import Numbers
 from tissue.parameters import Parameters
 from tissue.run import Run, RunFailed
@@ -47,7 +47,7 @@ class QuasiSteadyRun(Run):
 def simulate_quasi_steady(
     parameters: Parameters,
     seed: int = 0,
-    minimiser: Minimiser | None = None,
+    minimiser: TissueMinimiser | None = None,
     *,
     throw: bool = True,
     watch: Callable[[float], None] | None = None,
@@ -62,7 +62,7 @@ def simulate_quasi_steady(
     parameters, seed, throw, watch
         As of ``simulate``.
     minimiser
-        What finds the minima, such as ``Judge(tol=1e-6)``; None: ``DampedArrowHurwicz`` with the numbers in
+        What finds the minima, such as ``Judge(tol=1e-6)``; None: ``TissueArrowHurwicz`` with the numbers in
         ``parameters``.
 
     Raises
@@ -77,7 +77,7 @@ def simulate_quasi_steady(
         raise InvalidProblem(f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps')
     if parameters.emt.cells:
         raise InvalidProblem(f"emt.cells = {parameters.emt.cells}: must be 0, the quasi-steady model has no EMT events")
-    steps = _Steps(minimiser or DampedArrowHurwicz(parameters.daha_numbers()))
+    steps = _Steps(minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
     found = steps.run(grow(parameters, seed, steps.advance, watch))
     if throw and not found.status:
         raise RunFailed(found)
@@ -87,7 +87,7 @@ def simulate_quasi_steady(
 class _Steps:
     """Makes the steps and keeps what the minimiser says about each."""
 
-    def __init__(self, minimiser: Minimiser) -> None:
+    def __init__(self, minimiser: TissueMinimiser) -> None:
         self._minimiser = minimiser
         self._found: list[tuple[int, bool, float, float]] = []
 

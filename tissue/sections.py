@@ -12,7 +12,6 @@ from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, fiel
 from tissue.fields import (
     MOST_CELLS,
     Begin,
-    Choice,
     Count,
     DiffusionOrZero,
     Duration,
@@ -24,6 +23,7 @@ from tissue.fields import (
     LengthOrZero,
     MetricLength,
     NonNegative,
+    OneOf,
     Positive,
     Probability,
     RateOrZero,
@@ -31,7 +31,7 @@ from tissue.fields import (
 )
 
 
-class Section(BaseModel):
+class ParameterSection(BaseModel):
     """A table of a file: all keys have to be given, no others, and nothing changes afterwards."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
@@ -45,7 +45,7 @@ class Section(BaseModel):
         return value
 
 
-class TissueSection(Section):
+class TissueSection(ParameterSection):
     """[tissue]: Table 1."""
 
     cells: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # N^init
@@ -58,7 +58,7 @@ class TissueSection(Section):
     diffusion: DiffusionOrZero  # D
 
 
-class CellSection(Section):
+class CellSection(ParameterSection):
     """[cell]: Table 2."""
 
     soft_radius: MetricLength  # R^soft, the unit of length R_soft
@@ -79,44 +79,44 @@ class CellSection(Section):
     alpha_axb: NonNegative  # of the bending spring
 
 
-class NumericsSection(Section):
+class NumericsSection(ParameterSection):
     """[numerics]: Tables 3 and 5, and what is kept of a run."""
 
     dt: Duration  # between updates of rules and events
     substeps: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # PBD steps in one dt
     mu: Duration  # damping coefficient
-    noise: Annotated[str, PlainValidator(Choice(("step", "substep")))]  # how often it is added
+    noise: Annotated[str, PlainValidator(OneOf(("step", "substep")))]  # how often it is added
     t_end: Duration
     keep: Kept  # a state is kept every so often, or at these times; at the start and at the end in any case
 
 
-class RulesSection(Section):
+class RulesSection(ParameterSection):
     """[rules]: where the variants of the model differ in more than a number."""
 
-    spring_power: Annotated[int, PlainValidator(Choice((1, 2)))]  # p of W = alpha (d - l)^2/l^p (3.9), (3.10)
+    spring_power: Annotated[int, PlainValidator(OneOf((1, 2)))]  # p of W = alpha (d - l)^2/l^p (3.9), (3.10)
     junction_factor: NonNegative  # k of a junction (3.11) over the mean alpha_aa of its two cells
     repulsion_factor: NonNegative  # k of the soft repulsion (3.13) over alpha_xx
     floor_rest_length: Flag  # desired rest length max(0, d - R_soft) in place of d - R_soft
-    enlarge_from: Annotated[str, PlainValidator(Choice(("mitosis", "G2")))]  # when the enlarged radius begins
+    enlarge_from: Annotated[str, PlainValidator(OneOf(("mitosis", "G2")))]  # when the enlarged radius begins
     g2_stiffening: NonNegative  # factor of alpha_aa of a cell from G2 to division
     resting_cells_enlarge: Flag  # whether a cell without INM enlarges and stiffens all the same
 
 
-class DivisionSection(Section):
+class DivisionSection(ParameterSection):
     """[division]: section 2.2.5."""
 
     offset: Length  # of each daughter from the mother (3.7); at 0 the daughters would coincide
     new_junction: LengthOrZero  # rest length of the junction between daughters, and of all junctions at the start
 
 
-class StartSection(Section):
+class StartSection(ParameterSection):
     """[start]: where the nuclei are."""
 
-    nuclei: Annotated[str, PlainValidator(Choice(("box", "even", "own_basal")))]  # rule of their x
+    nuclei: Annotated[str, PlainValidator(OneOf(("box", "even", "own_basal")))]  # rule of their x
     nuclei_height: Fractions  # between which their y are drawn, of the height
 
 
-class EmtSection(Section):
+class EmtSection(ParameterSection):
     """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4).
 
     An event fires in the step dt that ends at its time, or in which its time lies: it acts from the beginning of this
@@ -131,20 +131,20 @@ class EmtSection(Section):
     p: Begin  # T^P, protrusions; they wait for [B]
 
 
-class EventsSection(Section):
+class EventsSection(ParameterSection):
     """[events]: how the variants of the model carry out the events (section 2.2 of chapter 4)."""
 
     freed_stiffness: NonNegative  # factor of the stiffness of the spring to a freed point: [A], [B]
-    bridge: Annotated[str, PlainValidator(Choice(("sum", "distance")))]  # rest length of the junction that bridges [A]
+    bridge: Annotated[str, PlainValidator(OneOf(("sum", "distance")))]  # rest length of the junction that bridges [A]
     bent_stiffness: NonNegative  # of the bending spring after [S]
     run_speed: Speed  # v^run (4.1) of the basal point in [P]
     run_depth: Length  # below the basal line, where its run ends
-    spring_above: Annotated[str, PlainValidator(Choice(("no force", "gives way")))]  # while the point is above the line
+    spring_above: Annotated[str, PlainValidator(OneOf(("no force", "gives way")))]  # while the point is above the line
     contraction: DurationOrZero  # time constant of the rest length below it; 0: at once
-    at_depth: Annotated[str, PlainValidator(Choice(("stays", "forces")))]  # the point at run_depth
+    at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))]  # the point at run_depth
 
 
-class DahaSection(Section):
+class DahaSection(ParameterSection):
     """[daha]: Table 4, the damped Arrow-Hurwicz method of the quasi-steady model."""
 
     alpha: Positive

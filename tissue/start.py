@@ -13,7 +13,7 @@ from tissue.kernels.cycle import set_phases
 from tissue.kernels.store import Store, stored
 from tissue.kernels.sweeps import part
 from tissue.numbers import Numbers
-from tissue.numbers_start import Start
+from tissue.numbers_start import StartNumbers
 from tissue.scenario import drawn
 
 if TYPE_CHECKING:
@@ -40,7 +40,7 @@ def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
 
 
 def first_state(
-    start: Start, numbers: Numbers, draws: Generator, group: tuple[Emt, Flags] | None = None
+    start: StartNumbers, numbers: Numbers, draws: Generator, group: tuple[Emt, Flags] | None = None
 ) -> tuple[Store, Parted]:
     """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.scenario.drawn``.
 
@@ -68,7 +68,7 @@ def _choose_middle(cells: Cells, moves: Flags) -> None:
     cells.emt[group], cells.moves[group], cells.divides[group] = np.arange(m), moves, False
 
 
-def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
+def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator) -> Cells:
     """Cells with the drawn positions, ages and cycles."""
     n = start.cells
     places: Floats = np.arange(n, dtype=np.float64) - (n - 1) / 2
@@ -101,7 +101,7 @@ def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
     )
 
 
-def _columns(start: Start, basal: Floats, draws: Generator) -> Floats:
+def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
     """x of the nuclei: in the box at random, in the order of the cells; near even places; or above the basal points."""
     n, width = start.cells, start.width
     if start.nuclei == "own_basal":

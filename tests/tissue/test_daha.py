@@ -10,7 +10,7 @@ import dincl
 from dincl.minimise import DampedArrowHurwicz as OnAProblem
 from dincl.minimise import RelativeMove, minimise
 from tests.tissue.states import cells, divided, layers, numbers, tissue
-from tissue.daha import DampedArrowHurwicz, violation
+from tissue.daha import TissueArrowHurwicz, violation
 from tissue.energy import Forces, energy, forces
 from tissue.frozen import constraints, frozen_problem, particles
 from tissue.judge import local_minimum
@@ -24,7 +24,7 @@ NEVER = 1e-300  # an eps that no move meets
 
 
 def found(state, network, given, **changes):
-    return DampedArrowHurwicz(TABLE_4._replace(**changes)).minimise(state, network, given)
+    return TissueArrowHurwicz(TABLE_4._replace(**changes)).minimise(state, network, given)
 
 
 def steps_of(count, **changes):
@@ -204,7 +204,7 @@ def test_printed_signs_let_discs_overlap_and_attract_others(gap):
     state, network, apart = two(gap), layers(2, apical=[0], basal=[0]), lambda c: c.x[1] - c.x[0]
     steps = TABLE_4._replace(**steps_of(300))
     as_printed = apart(literal(state, network, FREE, steps, printed=True)[0])
-    right = apart(DampedArrowHurwicz(steps).minimise(state, network, FREE).cells)
+    right = apart(TissueArrowHurwicz(steps).minimise(state, network, FREE).cells)
     if gap < 0:
         assert as_printed == apart(state)
         assert right > apart(state) + 0.05
@@ -279,7 +279,7 @@ def test_violation_is_the_largest_of_all():
 )
 def test_bad_numbers(name, value):
     with pytest.raises(dincl.InvalidProblem, match=name):
-        DampedArrowHurwicz(TABLE_4._replace(**{name: value}))
+        TissueArrowHurwicz(TABLE_4._replace(**{name: value}))
 
 
 @pytest.mark.parametrize("place", [1e7, math.inf, math.nan])
@@ -297,4 +297,4 @@ def test_layers_of_another_tissue():
 
 def test_numbers_of_another_kind():
     with pytest.raises(dincl.InvalidProblem, match="daha_numbers"):
-        DampedArrowHurwicz(numbers())
+        TissueArrowHurwicz(numbers())

@@ -7,7 +7,7 @@ from scipy.optimize import minimize
 import dincl
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
 from tissue import judge
-from tissue.cells import Layers
+from tissue.cells import CellLayers
 from tissue.energy import energy, forces
 from tissue.frozen import cells_at, constraints, particles
 from tissue.judge import local_minimum
@@ -205,7 +205,7 @@ def test_pairs_that_are_met_on_the_way_are_taken_in():
 def test_a_pair_may_end_at_the_kink_of_the_energy():
     """Cells of no layer part until their soft discs just touch; there the second derivative of W jumps."""
     state = tissue([[0.0, 2.5], [1.0, 2.6]], [[0.0, 5.0], [1.0, 5.0]], [[0.0, 0.0], [1.0, 0.0]])
-    found = local_minimum(state, Layers(np.zeros(0, np.int64), np.zeros(0, np.int64)), numbers(), TOL)
+    found = local_minimum(state, CellLayers(np.zeros(0, np.int64), np.zeros(0, np.int64)), numbers(), TOL)
     at = found.cells
     assert found.status
     assert found.energy == pytest.approx(0, abs=1e-12)

@@ -11,7 +11,7 @@ from dincl.errors import InvalidProblem
 from tests.tissue.states import PEER_CONTROL
 from tissue.numbers import Numbers
 from tissue.numbers_daha import Daha
-from tissue.numbers_start import Start
+from tissue.numbers_start import StartNumbers
 from tissue.parameter_files import FOLDER
 from tissue.parameters import PRESETS, load, preset
 
@@ -74,7 +74,7 @@ PUBLISHED = THESIS._replace(
     contraction=THIRD,
     forced_below=True,
 )
-START = Start(60, 8.0, 10.0, THIRD, THIRD, "box", 0.0, 8.0, 1.5, THIRD)
+START = StartNumbers(60, 8.0, 10.0, THIRD, THIRD, "box", 0.0, 8.0, 1.5, THIRD)
 EXPECTED = {
     "thesis": (THESIS, START, 48.0),
     "published": (PUBLISHED, START._replace(cells=45, nuclei="even", nuclei_low=8 / 6, nuclei_high=40 / 6), 54.0),
@@ -183,7 +183,7 @@ def test_the_peer_is_a_change_of_the_published_runs():
     )
     close(
         parameters.start_numbers(),
-        Start(45, 8.0, 10.0, 10 / 45, 10 / 45, "own_basal", 8 / 3, 16 / 3, 4.0, THIRD),
+        StartNumbers(45, 8.0, 10.0, 10 / 45, 10 / 45, "own_basal", 8 / 3, 16 / 3, 4.0, THIRD),
     )
 
 

@@ -9,7 +9,7 @@ import pytest
 import dincl
 from dincl.status import Status
 from tissue.cells import Cells
-from tissue.daha import DampedArrowHurwicz
+from tissue.daha import TissueArrowHurwicz
 from tissue.first_order import simulate
 from tissue.minimiser import Judge
 from tissue.numbers_daha import Daha
@@ -109,7 +109,7 @@ def test_arrays_grow_with_the_tissue():
 def test_daha_is_the_default_with_the_numbers_of_the_file():
     chosen = parameters(**{"daha.eps": 1e-5})
     run = simulate_quasi_steady(chosen, 1)
-    again = simulate_quasi_steady(chosen, 1, DampedArrowHurwicz(Daha(1e-3, 0.25, 1e-2, 2.0, 1.0, 1e-5, 100_000)))
+    again = simulate_quasi_steady(chosen, 1, TissueArrowHurwicz(Daha(1e-3, 0.25, 1e-2, 2.0, 1.0, 1e-5, 100_000)))
     other = simulate_quasi_steady(parameters(), 1)
     assert same(run.final.cells, again.final.cells)
     assert run.iterations.tolist() == again.iterations.tolist()

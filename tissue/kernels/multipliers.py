@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import Cells, Floats, Integers, Layers
+from tissue.cells import CellLayers, Cells, Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.scratch import Scratch
 from tissue.numbers_daha import Daha
@@ -72,7 +72,7 @@ def hold_discs(
 @kernel
 def hold_basal(
     cells: Cells,
-    layers: Layers,
+    layers: CellLayers,
     basal: int,
     largest: float,
     daha: Daha,

@@ -27,7 +27,7 @@ class Check(Protocol):
 
 
 @dataclass(frozen=True)
-class Text:
+class OneLine:
     """One line that says something."""
 
     allowed: str = "a text of one line"
@@ -39,7 +39,7 @@ class Text:
 
 
 @dataclass(frozen=True)
-class Numbers:
+class ReplicateNumbers:
     """Replicates, each once."""
 
     allowed: str = "a list of different replicates, which count from 0"
@@ -76,11 +76,11 @@ def _is_of_tables(raw: Any) -> TypeGuard[dict[str, dict[str, Any]]]:
 
 
 SHAPE: dict[str, Check] = {
-    "title": Text(),
-    "base": Text("a preset or the path of a parameter file, relative to this one"),
+    "title": OneLine(),
+    "base": OneLine("a preset or the path of a parameter file, relative to this one"),
     "replicates": Count(MOST_REPLICATES),
     "seed": Count(2**63 - 1, least=0),
-    "trajectories": Numbers(),
+    "trajectories": ReplicateNumbers(),
     "overrides": Tables("sections of parameters, such as [overrides.numerics]"),
     "scenarios": Tables('at least one table, such as [scenarios."[A]"], of sections of parameters', least=1),
 }

@@ -8,7 +8,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from tests.twins.tissue.state import Tissue
-from tissue.cells import Cells, Emt, Flags, Floats, Layers
+from tissue.cells import CellLayers, Cells, Emt, Flags, Floats
 from tissue.events import bits
 from tissue.frame import Frame
 from tissue.numbers import Numbers
@@ -51,7 +51,7 @@ def begin_events(tissue: Tissue, t: float, numbers: Numbers) -> Tissue:
             cells.stiff_bx[i] = numbers.freed_stiffness * numbers.alpha_bx
         if new & bits.S:
             cells.stiff_axb[i] = numbers.bent_stiffness
-    return tissue._replace(cells=cells, layers=Layers(apical, basal), emt=emt)
+    return tissue._replace(cells=cells, layers=CellLayers(apical, basal), emt=emt)
 
 
 def _without(layer: np.ndarray, i: int, cells: Cells, numbers: Numbers) -> np.ndarray:

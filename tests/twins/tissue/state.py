@@ -2,13 +2,13 @@
 
 from typing import NamedTuple
 
-from tissue.cells import Cells, Emt, Layers, no_emt
+from tissue.cells import CellLayers, Cells, Emt, no_emt
 
 
 class Tissue(NamedTuple):
     """What changes in a run."""
 
     cells: Cells
-    layers: Layers
+    layers: CellLayers
     next_id: int
     emt: Emt = no_emt()

@@ -17,7 +17,7 @@ from numpy.random import Generator
 from tests.twins.tissue.events import Motion, begin_events, last_events, motion, watch_sides
 from tests.twins.tissue.normals import WORDS, normals
 from tests.twins.tissue.state import Tissue
-from tissue.cells import Cells, Flags, Floats, Layers
+from tissue.cells import CellLayers, Cells, Flags, Floats
 from tissue.energy import forces
 from tissue.numbers import Numbers
 
@@ -63,7 +63,7 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator) -> Tiss
             one_by_one.append(first)
     cells = Cells(*map(np.array, zip(*one_by_one, strict=True)))
     place = {name: i for i, name in enumerate(cells.id.tolist())}
-    layers = Layers(*(np.array([place[name] for name in layer], np.int64) for layer in (apical, basal)))
+    layers = CellLayers(*(np.array([place[name] for name in layer], np.int64) for layer in (apical, basal)))
     return tissue._replace(cells=cells, layers=layers, next_id=next_id)
 
 
@@ -102,7 +102,7 @@ def add_noise(cells: Cells, variance: float, noise: Generator) -> Cells:
     return cells._replace(x=cells.x + kicks[:, 0], y=cells.y + kicks[:, 1])
 
 
-def make_substeps(cells: Cells, layers: Layers, numbers: Numbers, noise: Generator) -> Cells:
+def make_substeps(cells: Cells, layers: CellLayers, numbers: Numbers, noise: Generator) -> Cells:
     """Twin of ``substeps.make_substeps``: all PBD steps in one dt (3.34)."""
     h, own = numbers.dt / numbers.substeps, motion(cells, numbers)
     key = [int(WORDS * noise.random()) for _ in range(2)] if numbers.noise_in_substeps else None
@@ -114,7 +114,7 @@ def make_substeps(cells: Cells, layers: Layers, numbers: Numbers, noise: Generat
     return cells
 
 
-def moved(cells: Cells, layers: Layers, numbers: Numbers, h: float, own: Motion) -> Cells:
+def moved(cells: Cells, layers: CellLayers, numbers: Numbers, h: float, own: Motion) -> Cells:
     """Z - (h / mu) grad W(Z); basal points of the layer stay on the basal line (C3), others may run ahead (4.1)."""
     push = forces(cells, layers, numbers)
     push.by[layers.basal] = 0.0
@@ -125,7 +125,7 @@ def moved(cells: Cells, layers: Layers, numbers: Numbers, h: float, own: Motion)
     return cells._replace(**end | {"bx": end["bx"] + ahead[0], "by": end["by"] + ahead[1]})
 
 
-def swept(cells: Cells, layers: Layers, numbers: Numbers) -> Cells:
+def swept(cells: Cells, layers: CellLayers, numbers: Numbers) -> Cells:
     """One sweep of projections: hard spheres, basal order, basal distance."""
     x, y = separate(cells.x, cells.y, cells.radius)
     bx = cells.bx.copy()

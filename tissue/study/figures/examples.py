@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
-from tissue.cells import Cells, Layers, empty
+from tissue.cells import CellLayers, Cells, empty
 from tissue.frame import Frame
 from tissue.picture import Box, drawing
 from tissue.sheet import Figure
@@ -84,7 +84,7 @@ def _frame(rows: pd.DataFrame, t: float, soft_radius: float) -> Frame:
     codes = {"events": rows["events"].map(EVENTS.index)}
     plain = {name: column.to_numpy() for name, column in (others | codes).items()}
     cells: Cells = empty(len(rows))._replace(**lengths, **plain)
-    return Frame(t, cells, Layers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in Layers._fields)))
+    return Frame(t, cells, CellLayers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in CellLayers._fields)))
 
 
 def _stored(study: Results, scenario: str) -> list[Example]:

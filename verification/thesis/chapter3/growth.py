@@ -24,15 +24,15 @@ DOUBLED = 2.0
 
 
 @dataclass(frozen=True)
-class Form:
+class GrowthForm:
     """How far the study goes: number of seeds, largest h / mu of the fine runs."""
 
     seeds: int
     fine: float
 
 
-SHORT = Form(5, 1 / 60)
-FULL = Form(24, 1 / 240)
+SHORT = GrowthForm(5, 1 / 60)
+FULL = GrowthForm(24, 1 / 240)
 
 
 def study(full: bool) -> Study:

@@ -37,7 +37,7 @@ def steps():
 
 @pytest.fixture(scope="module")
 def moved():
-    form = catch_up.Form(1, (20, 40, 640), (40, 80), 160)
+    form = catch_up.CatchUpForm(1, (20, 40, 640), (40, 80), 160)
     return pd.DataFrame(catch_up.moved({"seed": 0}, form, judged.floored()))
 
 

@@ -91,7 +91,7 @@ def test_interval_is_that_of_student():
 
 
 def test_errors_are_distances_to_the_same_run_with_many_substeps():
-    form = substeps.Form({"published": (10,)}, {"published": 80}, 1, (1.0, 2.0))
+    form = substeps.SubstepsForm({"published": (10,)}, {"published": 80}, 1, (1.0, 2.0))
     rows = pd.DataFrame(substeps.compared({"preset": "published", "seed": 4}, form))
     assert rows[["substeps", "t"]].to_numpy().tolist() == [[10, 1], [10, 2], [40, 1], [40, 2]]
     few, many = (simulated("published", 4, 2, **{"numerics.substeps": count}).final for count in (10, 80))

@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 
-from tissue.cells import Cells, Floats, Layers, empty
+from tissue.cells import CellLayers, Cells, Floats, empty
 from tissue.frame import Frame
 from tissue.observables import ab_positions
 from tissue.study.comparisons import POWER
@@ -42,7 +42,7 @@ def _drawn(rng: np.random.Generator) -> tuple[Frame, Floats]:
     y = rng.uniform(-2.0, 12.0, CELLS)
     y[:3] = top[:3]
     cells: Cells = empty(CELLS)._replace(x=x, y=y, ax=path_x, ay=path_y)
-    return Frame(0.0, cells, Layers(np.arange(CELLS), np.arange(CELLS))), top
+    return Frame(0.0, cells, CellLayers(np.arange(CELLS), np.arange(CELLS))), top
 
 
 def _scale(_: Tables) -> Evidence:
