@@ -59,6 +59,7 @@ def threefry(typing: Any, key: Any, counter: Any, place: Any, number: Any) -> An
     """
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        """The rounds, written out."""
         zero, width = ir.Constant(ir.IntType(64), 0), ir.Constant(ir.IntType(64), WIDTH)
         keys = [load_words(context, builder, signature.args[0], values[0], at) for at in (zero, width)]
         at = context.cast(builder, values[2], signature.args[2], types.intp)
