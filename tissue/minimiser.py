@@ -51,7 +51,7 @@ class TissueMinimiser(Protocol):
 
 @dataclass(frozen=True)
 class Judge:
-    """The minimiser of ``tissue.judge``: Ipopt, with all conditions of a local minimum met to ``tol`` > 0."""
+    """The minimiser of ``judge.local_minimum``: Ipopt, with all conditions of a local minimum met to ``tol`` > 0."""
 
     tol: float
 

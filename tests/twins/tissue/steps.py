@@ -1,7 +1,7 @@
 """The tissue kernels again in plain Python: the same numbers to rounding, written to be read and not to be fast.
 
 Nothing is shared with the kernels: all pairs are looked at, there are no lists, and the forces are those of
-``tissue.energy``. Sums of forces may round differently; projections, noise and events are the same bit for bit, with
+``energy.forces``. Sums of forces may round differently; projections, noise and events are the same bit for bit, with
 random numbers drawn from the same generators in the same order.
 """
 
