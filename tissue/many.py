@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from tissue.frame import Frame
+from tissue.files.parameters import Parameters
 from tissue.kernels.lanes import WIDTH
 from tissue.lot import Lot
-from tissue.parameters import Parameters
+from tissue.model.frame import Frame
 from tissue.run import Run, RunFailed
 
 

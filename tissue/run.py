@@ -12,15 +12,15 @@ import numpy as np
 
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.frame import Frame
-from tissue.observables import measurable
+from tissue.model.frame import Frame
+from tissue.model.observables import measurable
 from tissue.start import Parted
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from tissue.parameters import Parameters
-    from tissue.sheet import Axes
+    from tissue.files.parameters import Parameters
+    from tissue.pictures.sheet import Axes
 
 
 # Of the summary in a notebook.
@@ -90,7 +90,7 @@ class Run:
         InvalidProblem
             If no state is kept at this time, or its coordinates are not finite.
         """
-        from tissue.picture import draw_frame, drawing
+        from tissue.pictures.picture import draw_frame, drawing
 
         frame = self._kept(t)
         if ax is None:
@@ -100,7 +100,7 @@ class Run:
 
     def animate(self, file: str | PathLike[str]) -> None:
         """Write a movie of the kept states; ``file`` ends in .gif or .webp, InvalidProblem is raised for another."""
-        from tissue.movie import movie
+        from tissue.pictures.movie import movie
 
         movie(measurable(self.frames), self.parameters, file)
 
@@ -116,8 +116,8 @@ class Run:
 
     def _repr_html_(self) -> str:
         """How the run ended, its last state and its summary."""
-        from tissue.picture import drawing
-        from tissue.sheet import png
+        from tissue.pictures.picture import drawing
+        from tissue.pictures.sheet import png
 
         image = b64encode(png(drawing([self._kept(None)], self.parameters))).decode()
         return (

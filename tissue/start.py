@@ -8,17 +8,17 @@ import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.cells import Cells, Emt, Flags, Floats, no_emt
+from tissue.files.scenario import drawn
 from tissue.kernels.cycle import set_phases
 from tissue.kernels.store import Store, stored
 from tissue.kernels.sweeps import part
-from tissue.numbers import Numbers
-from tissue.numbers_start import StartNumbers
-from tissue.scenario import drawn
+from tissue.model.cells import Cells, Emt, Flags, Floats, no_emt
+from tissue.model.numbers import Numbers
+from tissue.model.numbers_start import StartNumbers
 
 if TYPE_CHECKING:
-    from tissue.parameters import Parameters
-    from tissue.streams import Streams
+    from tissue.files.parameters import Parameters
+    from tissue.model.streams import Streams
 
 NOBODY = np.zeros(0, np.bool_)
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
@@ -42,7 +42,7 @@ def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
 def first_state(
     start: StartNumbers, numbers: Numbers, draws: Generator, group: tuple[Emt, Flags] | None = None
 ) -> tuple[Store, Parted]:
-    """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.scenario.drawn``.
+    """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.files.scenario.drawn``.
 
     Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle].
     Drawn nuclei overlap: sweeps of (C1) part them, so that the hard discs do not overlap by more than 1e-10. Neighbours

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from tissue.events import bits
-from tissue.observables import (
+from tissue.model.observables import (
     PHASES,
     ab_positions,
     extruded,
@@ -22,8 +22,8 @@ from tissue.observables import (
 )
 
 if TYPE_CHECKING:
-    from tissue.frame import Frame
-    from tissue.parameters import Parameters
+    from tissue.files.parameters import Parameters
+    from tissue.model.frame import Frame
 
 # Columns that are lengths, and the array of Cells each one is taken from.
 LENGTHS = {
@@ -71,7 +71,7 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
 
 
 def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
-    """One row for each kept time; what is measured is defined in ``tissue.observables``.
+    """One row for each kept time; what is measured is defined in ``tissue.model.observables``.
 
     A state that is not finite has no row.
 

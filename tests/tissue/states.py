@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tissue.cells import CellLayers, Cells, empty
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells, empty
+from tissue.model.numbers import Numbers
 
 # The thesis, with what it leaves open taken from the published program.
 THESIS = Numbers(

@@ -6,10 +6,10 @@ import numpy as np
 from matplotlib.colors import to_rgb
 
 from tests.tissue.states import layers, tissue
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.frame import Frame
-from tissue.parameters import preset
-from tissue.picture import stills
+from tissue.model.frame import Frame
+from tissue.pictures.picture import stills
 
 THESIS = preset("thesis")
 UM = 5.0

@@ -10,12 +10,12 @@ from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
 from tests.twins.tissue.state import Tissue
-from tissue.energy import Forces
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels import advance
 from tissue.kernels.neighbours import LOST
 from tissue.kernels.scratch import COUNTERS
-from tissue.parameters import preset
+from tissue.model.energy import Forces
 from tissue.run import RunFailed
 
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"}) for name in ("thesis", "published")}

@@ -14,7 +14,7 @@ from tests.tissue.kernel_calls import STILL, both, upright
 from tests.tissue.states import layers, tissue
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
-from tissue.energy import forces
+from tissue.model.energy import forces
 
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.
 RARE = 1e-3

@@ -13,7 +13,7 @@ from PIL import Image
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue.stills import two_hours
-from tissue.picture import draw_frame
+from tissue.pictures.picture import draw_frame
 from tissue.run import RunFailed
 
 

@@ -5,10 +5,10 @@ import pytest
 from scipy import stats
 
 import dincl
+from tissue.files.parameters import preset
 from tissue.kernels.scratch import COUNTERS
 from tissue.kernels.store import contents
-from tissue.numbers_start import StartNumbers
-from tissue.parameters import preset
+from tissue.model.numbers_start import StartNumbers
 from tissue.start import first_state
 
 RARE = 1e-3

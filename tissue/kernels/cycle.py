@@ -6,12 +6,12 @@ import math
 
 from numpy.random import Generator
 
-from tissue.cells import Cells
 from tissue.events.together import last_events
 from tissue.kernels._numba import kernel
 from tissue.kernels.scratch import STALE
 from tissue.kernels.store import CELLS, Store
-from tissue.numbers import Numbers
+from tissue.model.cells import Cells
+from tissue.model.numbers import Numbers
 
 
 @kernel

@@ -6,7 +6,6 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from tissue.cells import Cells, Floats
 from tissue.kernels._numba import kernel
 from tissue.kernels.advance import CROWDED, DONE, NON_FINITE
 from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
@@ -22,8 +21,9 @@ from tissue.kernels.multipliers import (
 from tissue.kernels.neighbours import LOST, make_lists
 from tissue.kernels.scratch import Scratch
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
-from tissue.numbers import Numbers
-from tissue.numbers_daha import Daha
+from tissue.model.cells import Cells, Floats
+from tissue.model.numbers import Numbers
+from tissue.model.numbers_daha import Daha
 
 # How a call ended, beside DONE, CROWDED and NON_FINITE: all iterations made, and the rule does not hold yet.
 UNFINISHED = 1 + max(DONE, CROWDED, NON_FINITE)

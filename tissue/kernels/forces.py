@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from tissue.cells import CellLayers, Cells
 from tissue.kernels._numba import kernel
 from tissue.kernels.lanes import WIDTH, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.scratch import SOFT_PAIRS, Scratch
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells
+from tissue.model.numbers import Numbers
 
 Lane = Any  # a value of type Lanes
 Plane = tuple[Lane, Lane]

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import CellLayers, Cells, Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.scratch import Scratch
-from tissue.numbers_daha import Daha
+from tissue.model.cells import CellLayers, Cells, Floats, Integers
+from tissue.model.numbers_daha import Daha
 
 # Pairs of hard discs per cell that may overlap soon, or did and still push: more mean that the tissue has collapsed.
 MOST = 32

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from tissue.cells import Floats
 from tissue.kernels._numba import kernel
 from tissue.kernels.store import APICAL, CELLS, Store
+from tissue.model.cells import Floats
 
 
 @kernel

@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import Cells, Floats, Integers
 from tissue.kernels.lanes import WIDTH
+from tissue.model.cells import Cells, Floats, Integers
 
 # Far from every cell, and from each other: the end of the sorted arrays.
 FAR = 1e6

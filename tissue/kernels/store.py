@@ -6,9 +6,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tissue.cells import CellLayers, Cells, Emt, Integers, empty, first, no_emt
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import Scratch, scratch_for
+from tissue.model.cells import CellLayers, Cells, Emt, Integers, empty, first, no_emt
 
 # Places in Store.sizes
 CELLS, APICAL, BASAL, NEXT_ID = range(4)

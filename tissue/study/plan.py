@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from dincl.errors import InvalidProblem
-from tissue.messages import refuse
-from tissue.parameter_files import merged, read
-from tissue.parameters import NoBase, Parameters, based_on
+from tissue.files.messages import refuse
+from tissue.files.parameter_files import merged, read
+from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.study.shape import checked
 from tissue.study.wording import in_scenarios, waits
 

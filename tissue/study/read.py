@@ -13,7 +13,7 @@ import pyarrow.dataset as ds
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
-from tissue.parameters import Parameters, preset
+from tissue.files.parameters import Parameters, preset
 from tissue.study.layout import scenario_folder, trajectory
 from tissue.study.plan import flat
 from tissue.study.store import about
@@ -21,7 +21,7 @@ from tissue.study.store import about
 if TYPE_CHECKING:
     import pandas as pd
 
-    from tissue.sheet import Axes
+    from tissue.pictures.sheet import Axes
 
 
 class About(NamedTuple):

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dincl.checks import describe, integer
 from dincl.errors import InvalidProblem
-from tissue.parameters import Parameters
+from tissue.files.parameters import Parameters
 from tissue.study.ratios import LEVEL, Ratio, quantile
 
 RESAMPLES = 200  # of the bootstrap

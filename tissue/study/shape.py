@@ -1,4 +1,4 @@
-"""The keys of a study file and what each may be, as ``tissue.fields`` does it for parameter files."""
+"""The keys of a study file and what each may be, as ``tissue.files.fields`` does it for parameter files."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from typing import Any, Protocol, TypeGuard
 from urllib.parse import quote
 
 from dincl.checks import describe
-from tissue.fields import Count
-from tissue.messages import unknown
+from tissue.files.fields import Count
+from tissue.files.messages import unknown
 
 MOST_REPLICATES = 10_000_000
 # Bytes of the name of a folder, of which "scenario=" is part, that file systems take.

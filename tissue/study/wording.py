@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dincl.checks import describe
 
 if TYPE_CHECKING:
-    from tissue.timing import Timing
+    from tissue.files.timing import Timing
 
 
 def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:

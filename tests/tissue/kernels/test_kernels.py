@@ -8,7 +8,7 @@ from tests.tissue.kernel_calls import SUBSTEP, aged, compared, distance, freed, 
 from tests.tissue.states import THESIS, cells, layers, numbers, tissue
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
-from tissue.parameters import preset
+from tissue.files.parameters import preset
 
 SIZES = (1, 2, 7, 8, 9, 60, 200)
 each_preset = pytest.mark.parametrize("name", ["thesis", "published"])

@@ -10,6 +10,7 @@ from tests.tissue.kernel_calls import RUNNING, aged, distance, freed, heap, same
 from tests.tissue.states import layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels.advance import FULL
 from tissue.kernels.batch import board as boards
@@ -19,7 +20,6 @@ from tissue.kernels.batch.forces import repulsion
 from tissue.kernels.batch.group import grouped, replicate
 from tissue.kernels.lanes import WIDTH
 from tissue.many import simulate_many
-from tissue.parameters import preset
 from tissue.run import RunFailed
 
 # Cells divide all the time, so that replicates soon differ in their numbers of cells.

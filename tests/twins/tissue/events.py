@@ -8,11 +8,11 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from tests.twins.tissue.state import Tissue
-from tissue.cells import CellLayers, Cells, Emt, Flags, Floats
 from tissue.events import bits
-from tissue.frame import Frame
-from tissue.numbers import Numbers
-from tissue.observables import ab_positions
+from tissue.model.cells import CellLayers, Cells, Emt, Flags, Floats
+from tissue.model.frame import Frame
+from tissue.model.numbers import Numbers
+from tissue.model.observables import ab_positions
 
 Arrays = TypeVar("Arrays", Cells, Emt)
 

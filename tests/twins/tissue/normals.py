@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tissue.cells import Floats, Integers
+from tissue.model.cells import Floats, Integers
 
 WORDS = 2.0**32
 

@@ -17,9 +17,9 @@ from numpy.random import Generator
 from tests.twins.tissue.events import Motion, begin_events, last_events, motion, watch_sides
 from tests.twins.tissue.normals import WORDS, normals
 from tests.twins.tissue.state import Tissue
-from tissue.cells import CellLayers, Cells, Flags, Floats
-from tissue.energy import forces
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells, Flags, Floats
+from tissue.model.energy import forces
+from tissue.model.numbers import Numbers
 
 
 def steps(tissue: Tissue, made: int, wanted: int, numbers: Numbers, draws: Generator, noise: Generator) -> Tissue:

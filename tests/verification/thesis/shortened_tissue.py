@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.parameters import preset
 from verification.thesis.chapter3 import (
     bench,
     beyond,

@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from dincl.errors import InvalidProblem
-from tissue.parameter_files import read
-from tissue.sheet import write
+from tissue.files.parameter_files import read
+from tissue.pictures.sheet import write
 from tissue.study.figures.at_end import figure_13, figure_15
 from tissue.study.figures.conditional import figure_20, figure_21, figure_22
 from tissue.study.figures.environments import figure_17, figure_18, figure_19

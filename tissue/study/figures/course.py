@@ -8,7 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from tissue.sheet import GREY, Axes, Line2D, Patch, style
+from tissue.pictures.sheet import GREY, Axes, Line2D, Patch, style
 from tissue.study.categories import EVENTS, kept_times, time_column
 from tissue.study.curves import over_time
 from tissue.study.figures.style import LOOK, OUTCOMES, band, legend, outcome_lines, page, percent_axis

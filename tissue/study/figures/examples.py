@@ -9,16 +9,16 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
-from tissue.cells import CellLayers, Cells, empty
-from tissue.frame import Frame
-from tissue.picture import Box, drawing
-from tissue.sheet import Figure
+from tissue.model.cells import CellLayers, Cells, empty
+from tissue.model.frame import Frame
+from tissue.pictures.picture import Box, drawing
+from tissue.pictures.sheet import Figure
 from tissue.study.figures.needs import Studies, needs
 from tissue.study.figures.style import POSITION, caption
 from tissue.tables import EVENTS, LENGTHS
 
 if TYPE_CHECKING:
-    from tissue.parameters import Parameters
+    from tissue.files.parameters import Parameters
     from tissue.study.read import Results
 
 MAKES_NO_NUMBERS = True

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
-from tissue.sheet import GREY, Axes, Figure
+from tissue.pictures.sheet import GREY, Axes, Figure
 from tissue.study.figures.course import RATIO, TIME, course_lines, draw_course
 from tissue.study.figures.needs import Studies, cells_of, needs
 from tissue.study.figures.style import (

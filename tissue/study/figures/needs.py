@@ -7,7 +7,7 @@ from functools import wraps
 from typing import TYPE_CHECKING
 
 from dincl.errors import InvalidProblem
-from tissue.sheet import Figure, style
+from tissue.pictures.sheet import Figure, style
 from tissue.study.figures.style import LOOK
 from tissue.study.ratios import Ratio, ratio
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tissue.frame import Frame
-from tissue.numbers import Numbers
+from tissue.model.frame import Frame
+from tissue.model.numbers import Numbers
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3 import linear

@@ -13,8 +13,8 @@ import pandas as pd
 
 import dincl
 from dincl.schemes.base import Scheme
-from tissue.frozen import frozen_problem, made_feasible, particles
-from tissue.parameters import Parameters
+from tissue.files.parameters import Parameters
+from tissue.quasi_steady.frozen import frozen_problem, made_feasible, particles
 from verification.order import estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row, fingerprint

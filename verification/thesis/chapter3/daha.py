@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from tissue.cells import Cells
-from tissue.frame import Frame
-from tissue.observables import height, widths
-from tissue.parameters import Parameters, preset
-from tissue.quasi_steady import QuasiSteadyRun, simulate_quasi_steady
+from tissue.files.parameters import Parameters, preset
+from tissue.model.cells import Cells
+from tissue.model.frame import Frame
+from tissue.model.observables import height, widths
+from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3 import linear

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from dincl.status import Status
-from tissue.daha import TissueArrowHurwicz
+from tissue.quasi_steady.daha import TissueArrowHurwicz
 from verification.study import Study
 from verification.thesis.chapter2.stability.plane import Axis, Plane
 from verification.thesis.chapter3 import linear, maps

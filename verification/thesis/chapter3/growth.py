@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from tissue.observables import height
-from tissue.parameters import preset
+from tissue.files.parameters import preset
+from tissue.model.observables import height
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3.growing import COMMON, PACKAGES, PRESETS, SUCCESS, growing

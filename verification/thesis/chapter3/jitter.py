@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import COORDINATES, CellLayers, Cells
 from tissue.kernels.store import contents, stored
 from tissue.kernels.substeps import make_substeps
-from tissue.numbers import Numbers
+from tissue.model.cells import COORDINATES, CellLayers, Cells
+from tissue.model.numbers import Numbers
 
 Floats = NDArray[np.float64]
 

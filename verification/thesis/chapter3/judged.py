@@ -11,18 +11,18 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from tissue.cells import Cells
-from tissue.daha import TissueArrowHurwicz, violation
-from tissue.energy import energy, forces
+from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
-from tissue.frozen import constraints, particles
-from tissue.judge import local_minimum
 from tissue.kernels.advance import apply_rules
 from tissue.kernels.store import contents
-from tissue.minimiser import Judge
-from tissue.observables import height
-from tissue.parameters import Parameters, preset
-from tissue.quasi_steady import simulate_quasi_steady
+from tissue.model.cells import Cells
+from tissue.model.energy import energy, forces
+from tissue.model.observables import height
+from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
+from tissue.quasi_steady.frozen import constraints, particles
+from tissue.quasi_steady.judge import local_minimum
+from tissue.quasi_steady.minimiser import Judge
+from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3.frozen import Frozen

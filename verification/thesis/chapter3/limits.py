@@ -9,9 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from tissue.cells import CellLayers, empty
-from tissue.numbers import Numbers
-from tissue.parameters import preset
+from tissue.files.parameters import preset
+from tissue.model.cells import CellLayers, empty
+from tissue.model.numbers import Numbers
 from verification.study import Study
 from verification.table import fingerprint
 from verification.thesis.chapter2.stability.boundary import boundary

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import CellLayers, Cells
-from tissue.energy import Forces, forces
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells
+from tissue.model.energy import Forces, forces
+from tissue.model.numbers import Numbers
 
 Floats = NDArray[np.float64]
 # Unknowns of a cell whose basal point is on its line.

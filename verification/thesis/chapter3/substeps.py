@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tissue.frame import Frame
-from tissue.observables import height
+from tissue.model.frame import Frame
+from tissue.model.observables import height
 from verification.order import Order, estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row, fingerprint

@@ -7,7 +7,7 @@ from scipy.stats import t as student
 
 from tests.tissue.states import tissue
 from tests.verification.thesis.shortened_tissue import simulated
-from tissue.observables import height
+from tissue.model.observables import height
 from verification import table
 from verification.thesis.chapter3 import bench, disturbed, growing, growth, substeps
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, THROWN

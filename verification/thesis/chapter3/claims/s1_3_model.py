@@ -10,9 +10,9 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import ab_positions
-from tissue.parameters import preset
+from tissue.model.observables import ab_positions
 from tissue.study.ratios import Ratio
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most, equal

@@ -11,13 +11,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
-from tissue.cells import Cells
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.frame import Frame
 from tissue.kernels.cycle import adapt_rest_lengths
 from tissue.kernels.division import divide
 from tissue.kernels.store import contents, stored
-from tissue.parameters import preset
+from tissue.model.cells import Cells
+from tissue.model.frame import Frame
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import grown, runs_for

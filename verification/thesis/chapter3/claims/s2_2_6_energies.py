@@ -8,12 +8,12 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from tissue.cells import COORDINATES, Cells
-from tissue.energy import forces
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.frame import Frame
-from tissue.observables import height
-from tissue.parameters import preset
+from tissue.model.cells import COORDINATES, Cells
+from tissue.model.energy import forces
+from tissue.model.frame import Frame
+from tissue.model.observables import height
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds

@@ -6,15 +6,15 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from tissue.cells import COORDINATES, Cells
-from tissue.energy import energy
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.frame import Frame
-from tissue.frozen import constraints, particles
 from tissue.kernels.cycle import adapt_rest_lengths
 from tissue.kernels.store import contents, stored
 from tissue.kernels.substeps import make_substeps
-from tissue.parameters import preset
+from tissue.model.cells import COORDINATES, Cells
+from tissue.model.energy import energy
+from tissue.model.frame import Frame
+from tissue.quasi_steady.frozen import constraints, particles
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter3.terms import slope, spring

@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from tissue.cells import CellLayers, Cells, Floats, empty
-from tissue.frame import Frame
-from tissue.observables import ab_positions
+from tissue.model.cells import CellLayers, Cells, Floats, empty
+from tissue.model.frame import Frame
+from tissue.model.observables import ab_positions
 from tissue.study.comparisons import POWER
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_most

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from tissue.cells import CellLayers, Floats, empty
-from tissue.energy import forces
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import ab_positions
-from tissue.parameters import preset
+from tissue.model.cells import CellLayers, Floats, empty
+from tissue.model.energy import forces
+from tissue.model.observables import ab_positions
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter4.studies import PRESETS
