@@ -52,6 +52,6 @@ def compare(file: Path, out: Path) -> Path:
 def _reference(problem: object, file: Path) -> Any:
     if not isinstance(problem, Problem):
         raise InvalidProblem(
-            f"{file.name} names a problem, {describe(problem)}, that is no dincl.Problem: it must name a reference, too"
+            f"problem = {describe(problem)}: {file.name} names no dincl.Problem: it must name a reference, too"
         )
     return reference(problem, TOL)
