@@ -15,8 +15,8 @@ from dincl.events.watch import Found, Watch
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
 from dincl.projection.feasible import FeasibleSet
+from dincl.run.outcome import Event
 from dincl.status import Status
-from dincl.trajectory import Event
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

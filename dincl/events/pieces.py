@@ -11,7 +11,7 @@ import numpy as np
 
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
-from dincl.trajectory import Between
+from dincl.run.outcome import Between
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

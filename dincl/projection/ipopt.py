@@ -56,7 +56,7 @@ class _IpoptSolver(Solver):
         self._compile = Program
         self._programs: Kept[Program] = Kept(MOST_PROGRAMS)
 
-    def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+    def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         blocks = blocks_of(rows)
         scale = float(-rows.values(y).min())
         program = self._programs.get(rows.structure, lambda: self._compile(blocks, y.shape))

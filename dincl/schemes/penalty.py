@@ -10,14 +10,15 @@ import numpy as np
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.near import Near
-from dincl.schemes.base import State, Stepper, TimeStepping
+from dincl.run.bound import State, Stepper
+from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
 @dataclass(frozen=True)
-class Penalty(TimeStepping):
+class Penalty(FixedStep):
     """x_{k+1} = x_k + dt (F + strength sum_k max(0, -g_k)^(exponent - 1) grad g_k), explicit Euler for (2.2).
 
     Parameters
