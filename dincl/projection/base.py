@@ -126,7 +126,7 @@ class Solver(ABC):
     def certify(
         self, linear: AffineRows, y: NDArray[np.float64], x: NDArray[np.float64], lam: NDArray[np.float64], work: int
     ) -> Projected:
-        """The certificate of x with multipliers ``lam`` (m,), from ``rows.linearised(x)``; ``work`` counts iterations."""
+        """The certificate of x with multipliers ``lam`` (m,), from ``rows.linearised(x)`` and ``work`` iterations."""
         values = linear.values(x)
         misfit = (x - y).ravel() - linear.matrix.transposed_times(lam)
         return Projected(
