@@ -64,6 +64,7 @@ class _ClosedFormSolver(Solver):
         return self.tol * float(max([np.abs(y).max(), *lengths]))
 
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        """Spheres by their lines, then planes one after another."""
         x = y.copy()
         multipliers = np.concatenate([_onto_spheres(block, x) for block in blocks_of(rows)])
         flat = np.concatenate(

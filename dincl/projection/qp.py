@@ -51,6 +51,7 @@ class QpSolver(Solver):
         self._multipliers = np.zeros(0)
 
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        """x <- P_{S~(x)}(y) until the certificate holds; for affine rows once."""
         linear = rows.linearised(guess)
         iterations = 0
         for _ in range(MOST_RELINEARISATIONS):

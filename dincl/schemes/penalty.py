@@ -55,6 +55,7 @@ class _PenaltyStepper(Stepper):
         self._scheme = scheme
 
     def step(self, t: float, h: float, state: State) -> State:
+        """x_k + dt (F + penalty force), both at t_k."""
         velocity = self.velocity(t, state.x)
         reach = h * float(np.abs(velocity).max())
         rows = self._near.rows(t, state.x, reach)
