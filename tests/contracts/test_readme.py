@@ -85,7 +85,11 @@ def test_named_things_exist():
             set(dincl.__all__)
             - set(named)
             - {
+                "Between",
                 "Constraint",
+                "DifferentiableConstraint",
+                "Event",
+                "FixedStep",
                 "InvalidProblem",
                 "MinimisationFailed",
                 "Minimiser",
@@ -93,16 +97,24 @@ def test_named_things_exist():
                 "Projected",
                 "Projection",
                 "ProjectionFailed",
+                "RunOutcome",
                 "Scheme",
+                "State",
                 "Status",
                 "StepFailed",
+                "StepFailure",
+                "Stepper",
                 "Stop",
                 "Trajectory",
                 "Work",
+                "checks",
+                "constraints",
                 "geometry",
                 "minimise",
                 "project",
+                "projection",
                 "scenes",
+                "shapes",
                 "solve",
             }
         )

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import nnls
 
 import dincl
-from dincl.schemes.base import State
+from dincl import State
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
 from tissue.model.energy import Forces, forces
 from tissue.quasi_steady.frozen import cells_at, frozen_problem, made_feasible, particles

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from dincl.schemes.base import Scheme
+from dincl import Scheme
 from tissue.files.parameters import Parameters
 from tissue.quasi_steady.frozen import frozen_problem, made_feasible, particles
 from verification.order import estimate, order_text
