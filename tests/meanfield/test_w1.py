@@ -12,11 +12,9 @@ from hypothesis.extra import numpy as arrays
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import wasserstein_distance
 
-from meanfield import transport
-from meanfield.density import Density
-from meanfield.errors import InvalidModel, SolveFailed
-from meanfield.panels import Panels
-from meanfield.wasserstein import Weighted, w1
+from dincl import InvalidProblem
+from meanfield import Density, Panels, SolveFailed, Weighted, w1
+from meanfield.transport import discrete
 from verification.thesis.chapter5 import sampling
 
 UNIFORM, NORMAL = Density.uniform(0.0, 1.0), Density.normal(0.0, 1.0)
@@ -26,7 +24,7 @@ HALVES = Panels.steps([0.0, 0.5, 1.0], [0.4, 1.6])
 @pytest.fixture
 def few_pairs(monkeypatch):
     """Let three levels of points guide each other already for few points."""
-    monkeypatch.setattr(transport, "ALL_PAIRS", 2000)
+    monkeypatch.setattr(discrete, "ALL_PAIRS", 2000)
 
 
 def equal(n):
@@ -122,10 +120,10 @@ def test_few_pairs_give_the_distance_of_all_pairs(d, rng):
     x, y = rng.random((2, 500, d))
     costs = np.linalg.norm(x[:, None] - y, axis=2)
     exact = costs[linear_sum_assignment(costs)].mean()
-    found = transport.bounds(x, equal(500), y, equal(500))
+    found = discrete.bounds(x, equal(500), y, equal(500))
     assert found.upper == pytest.approx(exact, rel=1e-13)
     assert found.lower == pytest.approx(exact, rel=1e-9)
-    rough = transport.bounds(x, equal(500), y, equal(500), 0.05)
+    rough = discrete.bounds(x, equal(500), y, equal(500), 0.05)
     assert exact * 0.95 <= rough.lower <= exact * (1 + 1e-12)
     assert exact * (1 - 1e-12) <= rough.upper
 
@@ -162,13 +160,13 @@ def test_clouds_far_apart(rng):
 
 @pytest.mark.usefixtures("few_pairs")
 def test_rounds_that_are_not_enough_are_an_error(rng, monkeypatch):
-    monkeypatch.setattr(transport, "MOST_ROUNDS", 1)
+    monkeypatch.setattr(discrete, "MOST_ROUNDS", 1)
     with pytest.raises(SolveFailed, match="not all pairs"):
         w1(*rng.random((2, 500, 2)))
 
 
 def test_a_simplex_method_that_stops_early_is_an_error(rng, monkeypatch):
-    monkeypatch.setattr(transport, "MOST_PIVOTS", 10)
+    monkeypatch.setattr(discrete, "MOST_PIVOTS", 10)
     with pytest.raises(SolveFailed, match="numItermax"):
         w1(rng.random((50, 2)), rng.random((50, 2)))
 
@@ -240,5 +238,5 @@ BAD = {
 
 @pytest.mark.parametrize("message", BAD)
 def test_bad_input_is_refused_by_name(message):
-    with pytest.raises(InvalidModel, match=message):
+    with pytest.raises(InvalidProblem, match=message):
         w1(*BAD[message])

@@ -9,8 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Motion
-from meanfield.rattle import solve_rattle
+from meanfield import Motion, solve_rattle
 from verification.order import estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row

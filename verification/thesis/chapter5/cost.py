@@ -11,11 +11,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Moments, solve_moments
-from meanfield.characteristics import solve_characteristics
-from meanfield.field import field, field_by_numpy
-from meanfield.interaction import forces
-from meanfield.pde import solve_pde
+from meanfield import Moments, solve_characteristics, solve_moments, solve_pde
+from meanfield.forces.field import field, field_by_numpy
+from meanfield.forces.interaction import forces
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases, exact

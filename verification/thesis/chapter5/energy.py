@@ -9,9 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Moments, solve_moments
-from meanfield.characteristics import solve_characteristics
-from meanfield.pde import solve_pde
+from meanfield import Moments, solve_characteristics, solve_moments, solve_pde
 from verification.order import estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row

@@ -7,9 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meanfield import Model
-from meanfield.density import Density
-from meanfield.index import consistent
+from meanfield import Density, Model
+from meanfield.solvers.index import consistent
 from verification.thesis.chapter5.cases import CASES, FIBRE
 
 Floats = NDArray[np.float64]

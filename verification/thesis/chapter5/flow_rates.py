@@ -19,10 +19,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Motion, solve_ode
-from meanfield.characteristics import Flow, solve_characteristics
-from meanfield.density import Density
-from meanfield.wasserstein import w1
+from meanfield import Density, Flow, Motion, solve_characteristics, solve_ode, w1
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases, exact

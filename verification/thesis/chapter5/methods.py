@@ -9,10 +9,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from meanfield import Model, Motion, State, reduce, solve_ode
-from meanfield.dae import solve_dae
-from meanfield.rattle import solve_rattle
-from meanfield.reduction import Positions
+from meanfield import Model, Motion, Positions, State, reduce, solve_dae, solve_ode, solve_rattle
 
 Floats = NDArray[np.float64]
 Solve = Callable[[Model, State, Floats, float], Motion]

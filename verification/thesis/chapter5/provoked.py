@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from meanfield import (
+    Density,
     InvalidModel,
     LinearFibre,
     Model,
@@ -19,15 +20,14 @@ from meanfield import (
     Status,
     StraightFibre,
     reduce,
+    solve_characteristics,
+    solve_dae,
     solve_moments,
     solve_ode,
+    solve_pde,
+    solve_rattle,
 )
-from meanfield.characteristics import solve_characteristics
-from meanfield.dae import solve_dae
-from meanfield.density import Density
-from meanfield.pde import solve_pde
-from meanfield.rattle import solve_rattle
-from meanfield.symbolic import library
+from meanfield.model.symbolic import library
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.methods import SOLVERS

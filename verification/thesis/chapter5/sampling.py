@@ -21,9 +21,8 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
-from meanfield import transport
-from meanfield.density import Density
-from meanfield.wasserstein import w1
+from meanfield import Density, w1
+from meanfield.transport import discrete
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 
@@ -90,7 +89,7 @@ def value(key: Key) -> list[Row]:
     began = time.perf_counter()
     if key["start"] == PAIR:
         equal = np.full(count, 1 / count)
-        lower, upper = transport.bounds(density.sample(rng, count), equal, density.sample(rng, count), equal, GAP)
+        lower, upper = discrete.bounds(density.sample(rng, count), equal, density.sample(rng, count), equal, GAP)
     else:
         points = density.sample(rng, count) if key["start"] == IID else density.quantiles(count)
         lower = upper = w1(points, density)

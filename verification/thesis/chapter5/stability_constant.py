@@ -19,9 +19,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Model, Motion, State, StraightFibre, solve_ode
-from meanfield.index import consistent
-from meanfield.wasserstein import w1
+from meanfield import Model, Motion, State, StraightFibre, solve_ode, w1
+from meanfield.solvers.index import consistent
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases

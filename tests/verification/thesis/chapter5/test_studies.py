@@ -4,9 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from meanfield import State, solve_ode
-from meanfield.density import Density
-from meanfield.wasserstein import w1
+from meanfield import Density, State, solve_ode, w1
 from verification.thesis.chapter5 import (
     agreement,
     cases,
