@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import pickle
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -12,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from dincl import checks
 from dincl.errors import InvalidProblem
 from meanfield.density.panels import Panels, resolved
+from meanfield.density.shapes import BumpShape, NormalShape, UniformShape
 
 Floats = NDArray[np.float64]
 Pdf = Callable[[Floats], Floats]
@@ -73,10 +76,8 @@ class Density:
     def uniform(cls, lower: ArrayLike, upper: ArrayLike) -> Density:
         """f = 1 / volume on the box."""
         low, high = _corners(lower, upper)
-        value = 1.0 / float(np.prod(high - low))
-        return cls(
-            lambda x: np.full(len(x), value), low, high, sampler=lambda rng, n: rng.uniform(low, high, (n, len(low)))
-        )
+        shape = UniformShape(low, high)
+        return cls(shape, low, high, sampler=shape.sample)
 
     @classmethod
     def normal(cls, mean: ArrayLike, deviation: ArrayLike) -> Density:
@@ -91,19 +92,9 @@ class Density:
         """
         centre = checks.shaped("mean", np.atleast_1d(mean), (None,))
         factor, deviations = _factor(deviation, len(centre))
-        inverse = np.linalg.inv(factor)
-        scale = float(np.prod(np.diag(inverse))) / (2 * np.pi) ** (len(centre) / 2)
-
-        def pdf(x: Floats) -> Floats:
-            values: Floats = scale * np.exp(-(((x - centre) @ inverse.T) ** 2).sum(axis=1) / 2)
-            return values
-
         low, high = centre - CUT * deviations, centre + CUT * deviations
-
-        def sampler(rng: np.random.Generator, n: int) -> Floats:
-            return np.clip(centre + rng.standard_normal((n, len(centre))) @ factor.T, low, high)
-
-        return cls(pdf, low, high, sampler=sampler)
+        shape = NormalShape(centre, factor, low, high)
+        return cls(shape, low, high, sampler=shape.sample)
 
     @classmethod
     def bump(cls, centre: ArrayLike, radius: ArrayLike) -> Density:
@@ -121,13 +112,18 @@ class Density:
         if len(given) not in (1, len(middle)) or (given <= 0).any():
             raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
         r = np.broadcast_to(given, middle.shape)
+        return cls(BumpShape(middle, r), middle - r, middle + r)
 
-        def pdf(x: Floats) -> Floats:
-            s = (x - middle) / r
-            values: Floats = np.prod(315 / (256 * r) * np.maximum(1 - s * s, 0.0) ** 4, axis=1)
-            return values
-
-        return cls(pdf, middle - r, middle + r)
+    def __getstate__(self) -> dict[str, Any]:
+        for name in ("pdf", "sampler"):
+            try:
+                pickle.dumps(getattr(self, name))
+            except (pickle.PicklingError, AttributeError, TypeError) as error:
+                raise pickle.PicklingError(
+                    f"{name} = {checks.describe(getattr(self, name))}: a Density pickles if its pdf and sampler do; "
+                    "give functions that are defined at the top of a module"
+                ) from error
+        return self.__dict__
 
     @property
     def nx(self) -> int:

@@ -12,7 +12,7 @@ from dincl.checks import describe, integer, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.model.functions import function
-from meanfield.model.symbolic import Expressions, expressions
+from meanfield.model.symbolic import Expressions, expressions, functions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -46,7 +46,8 @@ class Model:
         dimensions of a particle (at most 3) and of y (at most 12).
 
     The functions are callables on CasADi expressions (a ``casadi.Function`` is one), or CasADi expressions in symbols
-    named X, y, r (one component) or X_0, X_1, ... Everything derived from them is made once, on first use.
+    named X, y, r (one component) or X_0, X_1, ... Everything derived from them is made once, on first use. A model
+    pickles whatever it was made from: its functions come back as CasADi functions, with the same values.
 
     Raises
     ------
@@ -81,6 +82,12 @@ class Model:
     def _functions(self) -> dict[str, Callable[..., list[NDArray[np.float64]]]]:
         """The functions of ``expressions`` that were asked for."""
         return {}
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # As CasADi functions, since lambdas do not pickle and symbols that are pickled one by one lose each other.
+        made = functions(self.expressions)
+        V = None if self.V is None else made["V"]
+        return Model, (made["g"], made["W0"], made["W1"], V, self.m, self.nx, self.ny)
 
     def level(self, X: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
         """g(X_i, y) of shape (Q, nx), for X (Q, nx) and y (ny,)."""

@@ -88,6 +88,13 @@ def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
     )
 
 
+def functions(e: Expressions) -> dict[str, Any]:
+    """g, W0, W1 and V of some expressions as CasADi functions, which pickle whatever they were made from."""
+    ca = library()
+    parts = {"g": ([e.X, e.y], e.level), "W0": ([e.y], e.W0), "W1": ([e.X], e.W1), "V": ([e.r], e.V)}
+    return {name: ca.Function(name, symbols, [value]) for name, (symbols, value) in parts.items()}
+
+
 def affine(expression: Any, X: Any) -> Any:
     """An expression whose second derivative in X vanishes as value at 0 plus slope times X, others as they are.
 

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.status import Status
+from meanfield import plotting
 from meanfield.errors import SolveFailed
 from meanfield.model.state import State
 from meanfield.solvers.arguments import checked_start, tolerance
 from meanfield.solvers.motion import Motion
 from meanfield.solvers.ode import solve_weighted
+from meanfield.solvers.result import DENSITIES, chosen
 from meanfield.transport.wasserstein import Weighted
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from meanfield.density.density import Density
@@ -29,7 +34,7 @@ MOST_INTERACTING = 10_000
 ROUNDING = 1e-14
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Flow(Motion):
     """The characteristics (5.40): a Motion whose particles are quadrature nodes of the initial density.
 
@@ -52,6 +57,21 @@ class Flow(Motion):
         """
         gX, _ = self.model.jacobians(self.X[k], self.y[k])
         return np.asarray(self.level_density * np.abs(np.linalg.det(gX)))
+
+    def _size(self) -> str:
+        return f"{len(self.level_density)} nodes, nx = {self.model.nx}, ny = {self.model.ny}"
+
+    def _pictures(self) -> list[Callable[[Any], None]]:
+        if not self._has_plane():
+            return []
+        if self.model.nx == 2:
+            title = f"Density at the nodes, t = {self.t[-1]:.3g}"
+            return [partial(plotting.draw_nodes, x=self.X[-1], f=self.density(-1), title=title)]
+        lines = {}
+        for k in chosen(len(self.t), DENSITIES):
+            order = np.argsort(self.X[k, :, 0])
+            lines[float(self.t[k])] = self.X[k, order, 0], self.density(k)[order]
+        return [partial(plotting.draw_densities, lines=lines)]
 
     def measure(self, k: int) -> Weighted:
         """The nodes at the kept time k and their weights, for ``w1``."""

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from dincl.checks import describe, shaped
 from dincl.errors import InvalidProblem, StepFailure
+from meanfield import plotting
 from meanfield.errors import NotClosed, SolveFailed
 from meanfield.forces.interaction import pair_energy
 from meanfield.forces.weights import each
@@ -16,8 +18,11 @@ from meanfield.model.closure import closure, obstacle
 from meanfield.solvers.arguments import times, tolerance
 from meanfield.solvers.integrate import integrate
 from meanfield.solvers.motion import Work
+from meanfield.solvers.result import Result
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.status import Status
@@ -35,8 +40,8 @@ class Moments(NamedTuple):
     second: NDArray[np.float64]
 
 
-@dataclass(frozen=True, eq=False)
-class MomentMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class MomentMotion(Result):
     """y, y' (K, ny) and the moments rho (K, nx), sigma (K, nx, nx) at K times; how the run ended, and what it cost."""
 
     model: Model
@@ -59,6 +64,25 @@ class MomentMotion:
             potential = self.model.energy0(y) + w @ self.model.energy1(X) + pair_energy(self.model, X, w) / 2
             found.append(kinetic + potential)
         return np.array(found)
+
+    def _measures(self) -> dict[str, NDArray[np.float64]]:
+        deviation = self._deviation()
+        columns = {f"mean{k + 1}": self.mean[:, k] for k in range(self.model.nx)}
+        return columns | {f"deviation{k + 1}": deviation[:, k] for k in range(self.model.nx)}
+
+    def _drifts(self) -> dict[str, NDArray[np.float64]]:
+        return {}
+
+    def _size(self) -> str:
+        return f"nx = {self.model.nx}, ny = {self.model.ny}"
+
+    def _pictures(self) -> list[Callable[[Any], None]]:
+        return [partial(plotting.draw_bands, t=self.t, mean=self.mean, deviation=self._deviation())]
+
+    def _deviation(self) -> NDArray[np.float64]:
+        """Standard deviation of each coordinate, (K, nx)."""
+        variance = np.einsum("kii->ki", self.second) - self.mean**2
+        return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def points(moments: Moments) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from functools import partial
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from meanfield.forces.interaction import forces, pair_energy
 from meanfield.forces.weights import each
 from meanfield.model.state import State
+from meanfield.solvers.particles import draw_particles
+from meanfield.solvers.result import Result
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from dincl.status import Status
@@ -27,8 +32,8 @@ class Work(NamedTuple):
     newton: int = 0
 
 
-@dataclass(frozen=True, eq=False)
-class Motion:
+@dataclass(frozen=True, eq=False, repr=False)
+class Motion(Result):
     """Particles and macroscopic component at K times.
 
     Parameters
@@ -75,6 +80,18 @@ class Motion:
             gX, gy = self.model.jacobians(X, y)
             worst.append(np.abs((gX @ U[..., None])[..., 0] + gy @ v).max())
         return np.array(worst)
+
+    def _size(self) -> str:
+        return f"N = {self.X.shape[1]}, nx = {self.model.nx}, ny = {self.model.ny}"
+
+    def _drifts(self) -> dict[str, NDArray[np.float64]]:
+        return {"constraint_drift": self.constraint_drift(), "velocity_drift": self.velocity_drift()}
+
+    def _pictures(self) -> list[Callable[[Any], None]]:
+        return [partial(draw_particles, model=self.model, y=self.y, X=self.X)] if self._has_plane() else []
+
+    def _has_plane(self) -> bool:
+        return len(self.t) > 0 and self.model.nx in (1, 2)
 
     def state(self, k: int) -> State:
         """The state at the k-th kept time, for a run that goes on from there."""

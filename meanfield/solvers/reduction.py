@@ -50,6 +50,9 @@ class Reduction:
     positions: Positions
     obstacle: str | None
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Reduction, (self.model, self.positions, self.obstacle)
+
     def degrees_of_freedom(self, particles: int) -> int:
         """Unknowns that ``solve_ode`` integrates for so many particles."""
         carried = particles * self.model.nx if self.positions is Positions.FLOW else 0

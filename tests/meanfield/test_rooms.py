@@ -13,9 +13,10 @@ MAY_IMPORT = {
     "density": set(),
     "transport": {"density"},
     "forces": {"model"},
-    "solvers": {"model", "forces", "density", "transport"},
+    "solvers": {"model", "forces", "density", "transport", "plotting"},
     "kernels": set(),
     "errors": set(),
+    "plotting": set(),
 }
 
 

@@ -3,16 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.errors import InvalidProblem
+from meanfield import plotting
 from meanfield.density.panels import Panels
 from meanfield.forces.interaction import pair_energy
 from meanfield.solvers.grid.cells import CellGrid
+from meanfield.solvers.result import DENSITIES, Result, chosen
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from dincl.status import Status
@@ -20,8 +25,8 @@ if TYPE_CHECKING:
     from meanfield.solvers.motion import Work
 
 
-@dataclass(frozen=True, eq=False)
-class GridMotion:
+@dataclass(frozen=True, eq=False, repr=False)
+class GridMotion(Result):
     """The mean-field PDE (5.42) on a grid that stays where it is.
 
     Parameters
@@ -88,6 +93,25 @@ class GridMotion:
         if len(self.edges) > 1:
             raise InvalidProblem("density(k) on a grid of two axes: must be of one; f holds the averages")
         return Panels.steps(self.edges[0], self.f[k])
+
+    def _measures(self) -> dict[str, NDArray[np.float64]]:
+        mean = self.mean()
+        return {"mass": self.mass()} | {f"mean{k + 1}": mean[:, k] for k in range(mean.shape[1])}
+
+    def _drifts(self) -> dict[str, NDArray[np.float64]]:
+        return {"mass - 1": self.mass() - 1}
+
+    def _size(self) -> str:
+        return f"{' x '.join(str(len(e) - 1) for e in self.edges)} cells, ny = {self.model.ny}"
+
+    def _pictures(self) -> list[Callable[[Any], None]]:
+        if not len(self.t):
+            return []
+        if len(self.edges) == 1:
+            lines = {float(self.t[k]): (self.edges[0], self.f[k]) for k in chosen(len(self.t), DENSITIES)}
+            return [partial(plotting.draw_densities, lines=lines)]
+        said = f"{self.t[-1]:.3g}; half its height at t = {self.t[0]:.3g} dashed"
+        return [partial(plotting.draw_density_map, edges=self.edges, f=self.f[-1], begin=self.f[0], times=said)]
 
     def _weights(self) -> NDArray[np.float64]:
         """Mass of each cell at the kept times, (K, cells in all)."""
