@@ -1,4 +1,4 @@
-"""The commands: ``verification report``, ``claims``, ``stability`` and ``bench``."""
+"""The commands: ``verification report``, ``claims``, ``compare``, ``stability`` and ``bench``."""
 
 from __future__ import annotations
 
@@ -103,6 +103,21 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
         shown.add_row(row.title, row.theory, f"{row.expected:.5g}", f"{row.found:.5g}", agrees)
     Console().print(shown)
     print(f"tables in {context.folder}, figures in {out / 'figures'}")
+
+
+@app.command()
+def compare(
+    file: Annotated[Path, typer.Argument(help="A Python file that names problem, methods, settings and t.")],
+    out: Out = Path("comparison"),
+) -> None:
+    """Compare methods on a problem of your own: orders, speed against accuracy, and a page in <out>."""
+    from dincl import InvalidProblem
+    from verification.compare import compare as compared
+
+    try:
+        print(compared(file, out))
+    except InvalidProblem as wrong:
+        raise typer.BadParameter(str(wrong)) from None
 
 
 @app.command()

@@ -178,10 +178,15 @@ def _facts(context: Context) -> Iterator[tuple[str, str]]:
         "Form",
         "complete" if context.full else "short: fewer and coarser steps (make report FULL=1 runs the complete one)",
     )
+    yield from machine()
+    yield "Times", "seconds of wall time with two runs at once, after a warm-up; building of solvers included"
+
+
+def machine() -> Iterator[tuple[str, str]]:
+    """The machine and the versions that numbers and times depend on."""
     yield "Processor", f"{_processor()}, {os.cpu_count()} cores"
     yield "System", f"{platform.system()} {platform.release()}, Python {platform.python_version()}"
     yield "Versions", ", ".join(f"{name} {version(name)}" for name in PACKAGES)
-    yield "Times", "seconds of wall time with two runs at once, after a warm-up; building of solvers included"
 
 
 def _processor() -> str:

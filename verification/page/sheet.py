@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Circle, Polygon
 from numpy.typing import NDArray
 
-__all__ = ["GREY", "WIDTH", "Axes", "Figure", "discs", "polygon", "sheet"]
+__all__ = ["GREY", "WIDTH", "Axes", "Figure", "discs", "own_axes", "polygon", "sheet"]
 
 Floats = NDArray[np.float64]
 WIDTH = 9.2  # inches; the page shows figures at this width, with twice the dots
@@ -49,6 +49,17 @@ def sheet(path: Path, height: float, **style: Any) -> Iterator[Figure]:
         yield figure
         path.parent.mkdir(parents=True, exist_ok=True)
         figure.savefig(path, dpi=DPI)
+
+
+def own_axes(ax: Axes | None) -> Axes:
+    """The axes given, or those of a new figure in this style; no global state of matplotlib is touched."""
+    if ax is not None:
+        return ax
+    with mpl.rc_context(STYLE):
+        figure = Figure(figsize=(6.4, 4.4), layout="constrained", dpi=DPI)
+        FigureCanvasAgg(figure)
+        panel: Axes = figure.subplots()
+        return panel
 
 
 def discs(panel: Axes, centres: Floats, radius: Floats, **look: Any) -> None:

@@ -12,6 +12,7 @@ from tests.verification.thesis.shortened_emt import FEWEST, shorten_emt
 from tests.verification.thesis.shortened_meanfield import shorten_meanfield
 from tests.verification.thesis.shortened_tissue import shorten_daha, shorten_tissue
 from tissue.study.figures import style
+from verification.budget import CpuSeconds
 from verification.claim import Claim
 from verification.page import sheet
 from verification.thesis import chapters, decide, register
@@ -93,7 +94,7 @@ def shorten_work_precision(patch: pytest.MonkeyPatch) -> None:
         patch.delitem(work_references.SCENES, name)
     patch.setattr(work_references, "FILES", {})
     patch.setattr(work_precision, "CHARTED", (PBD, LINEARISED_DAQP, LSODA, CHIPMUNK))
-    form = work_precision.Form({"dt": [0.1, 0.02], "tol": [1e-2, 1e-4]}, 100.0, 100.0, 100.0)
+    form = work_precision.Form({"dt": [0.1, 0.02], "tol": [1e-2, 1e-4]}, CpuSeconds(100.0))
     patch.setattr(work_precision, "SHORT", form)
 
 

@@ -1,142 +1,121 @@
-"""Which method reaches an accuracy in the shortest time."""
+"""Who is cheapest on each scene of the report, in tables and in words."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from verification.cheapest import AT_THE_LIMIT, NOT_REACHED, NOT_TRIED, TIE, accuracy
 from verification.order import MIN_STEPS, estimate, order_text
 from verification.page.report import number
-from verification.thesis.chapter2.methods import METHODS, PBD
+from verification.thesis.chapter2.methods import CHARTED, PBD
+from verification.thesis.chapter2.work_precision import Form, chart
+from verification.work_precision import TARGETS, WorkPrecision
 
-TARGETS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
-# An error below this many times the stated error of the reference is not counted as an accuracy reached.
-RESOLVED = 2.0
-# Rows of runs that were not made, which is no failure.
-NOT_TRIED = ("LEFT_OUT", "REFUSED")
-
-
-def accuracy(rows: pd.DataFrame) -> pd.Series:
-    """The largest error in time, or RESOLVED times the error of the reference if that is larger; NaN if none."""
-    return rows["sup"].clip(lower=RESOLVED * rows["reference_error"])
+SETTINGS = {method.label: method.setting for method in CHARTED}
+UNDECIDED = (TIE, AT_THE_LIMIT)
 
 
-def seconds_to(rows: pd.DataFrame, target: float) -> float:
-    """The time in which one method reaches ``target``, from its runs on one scene; infinite if it does not [s].
+def times(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
+    """One row for each scene and method.
 
-    Runs go from coarse to fine. After the last one that misses the target the next one has it, and so have all finer
-    ones; the time lies on the straight line between these two in (log error, log time). Nothing is extrapolated: where
-    no run misses the target, the shortest time of all is taken; where the finest misses it, it is not reached.
-    """
-    done = rows[rows["status"] == "SUCCESS"].sort_values("setting", ascending=False)
-    error, seconds = accuracy(done).to_numpy(), done["seconds"].to_numpy()
-    missing = np.flatnonzero(error > target)
-    if len(missing) == 0:
-        return float(seconds.min(initial=math.inf))
-    last = int(missing[-1])
-    if last == len(error) - 1:
-        return math.inf
-    pair = slice(last, last + 2)
-    there = np.interp(np.log(target), np.log(error[pair])[::-1], np.log(seconds[pair])[::-1])
-    return float(np.exp(there))
-
-
-def times(table: pd.DataFrame, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
-    """One row for each scene and method, in the order of METHODS.
-
-    Columns: the time to each target [s], NaN where it is not reached; ``best``, the smallest error reached, and of that
+    Columns: CPU seconds to each target, NaN where it is not reached; ``best``, the smallest error reached, and of that
     run ``at_end``, the error at the end over the largest in time; ``order`` of the error in dt, "" for tolerances or
     too few runs; how many runs ``failed``.
     """
-    groups = table.groupby(["scene", "method"], sort=False)
-    found = [{"scene": name[0], "method": name[1]} | _of_one(rows, targets) for name, rows in groups]
-    order = {name: rank for rank, name in enumerate(METHODS)}
+    found = []
+    for scene in dict.fromkeys(table["scene"]):
+        one = chart(table, scene, form)
+        costs = one.costs(targets)
+        for label, rows in one.table.groupby("method", sort=False):
+            seconds = {f"{target:g}": costs.loc[label, target] for target in targets}
+            found.append({"scene": scene, "method": label} | seconds | _of_one(rows))
+    order = {method.label: rank for rank, method in enumerate(CHARTED)}
     return pd.DataFrame(found).sort_values(
         ["scene", "method"], key=lambda names: names.map(order) if names.name == "method" else names, ignore_index=True
     )
 
 
-def _of_one(rows: pd.DataFrame, targets: Sequence[float]) -> dict[str, object]:
-    """The columns of ``times`` for one scene and method."""
-    seconds = {f"{target:g}": seconds_to(rows, target) for target in targets}
+def _of_one(rows: pd.DataFrame) -> dict[str, object]:
+    """The columns of ``times`` that no target belongs to."""
     done = rows[rows["status"] == "SUCCESS"]
-    best = done.loc[done["sup"].idxmin()] if len(done) else None
-    stepping = len(done) >= MIN_STEPS and METHODS[rows["method"].iloc[0]].setting == "dt"
-    return {name: s if math.isfinite(s) else math.nan for name, s in seconds.items()} | {
-        "best": math.nan if best is None else accuracy(done).min(),
-        "at_end": math.nan if best is None or best["sup"] == 0 else best["final"] / best["sup"],
-        "order": order_text(estimate(done["setting"], done["sup"], done["reference_error"].max())) if stepping else "",
+    best = done.loc[done["largest"].idxmin()] if len(done) else None
+    stepping = len(done) >= MIN_STEPS and SETTINGS[rows["method"].iloc[0]] == "dt"
+    order = estimate(done["setting"], done["largest"], done["reference_error"].max()) if stepping else None
+    return {
+        "best": math.nan if best is None else accuracy(done, "largest").min(),
+        "at_end": math.nan if best is None or best["largest"] == 0 else best["final"] / best["largest"],
+        "order": "" if order is None else order_text(order),
         "failed": int((~rows["status"].isin(("SUCCESS", *NOT_TRIED))).sum()),
     }
 
 
-def winners(table: pd.DataFrame, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
-    """One row for each scene and target: the cheapest method, its time, and how many times longer others take.
-
-    ``method`` is "" where none reaches the target; ``runner_up`` likewise, and ratios are NaN where there is nothing
-    to compare with.
-    """
-    wide = times(table, targets)
-    return pd.DataFrame(
-        [
-            {"scene": scene, "target": target} | _winner(rows.set_index("method")[f"{target:g}"].dropna())
-            for scene, rows in wide.groupby("scene", sort=False)
-            for target in targets
-        ]
-    )
+def winners(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
+    """One row for each scene and target: ``WorkPrecision.cheapest``, and how many times more PBD costs."""
+    charts = {scene: chart(table, scene, form) for scene in dict.fromkeys(table["scene"])}
+    return pd.concat([_of_scene(scene, one, targets) for scene, one in charts.items()], ignore_index=True)
 
 
-def _winner(seconds: pd.Series) -> dict[str, object]:
-    """``seconds`` by method, those that reach the target."""
-    ranked = seconds.sort_values()
-    best, second = ([*ranked.index, "", ""])[:2]
-    time, next_time = ([*ranked, math.nan, math.nan])[:2]
-    return {
-        "method": best,
-        "seconds": time,
-        "runner_up": second,
-        "runner_up_ratio": next_time / time,
-        "pbd_ratio": float(ranked.get(PBD.name, math.nan)) / time,
-    }
+def _of_scene(scene: str, one: WorkPrecision, targets: Sequence[float]) -> pd.DataFrame:
+    found = one.cheapest(targets)
+    costs = one.costs(targets)
+    pbd = costs.loc[PBD.label] if PBD.label in costs.index else pd.Series(dtype=float)
+    ratio = found["target"].map(pbd).astype(float) / found["cost"]
+    return found.assign(pbd_ratio=ratio, disturbed=int(one.table["disturbed"].sum())).assign(scene=scene)[
+        ["scene", "target", "cheapest", "cost", "tied", "next", "ratio", "pbd_ratio", "disturbed"]
+    ]
 
 
 def sentence(rows: pd.DataFrame) -> str:
     """The winners of one scene in words, from the table of ``winners``."""
     ordered = rows.sort_values("target", ascending=False)
-    won, open_ = ordered[ordered["method"] != ""], ordered[ordered["method"] == ""]
-    parts = [_part(row) for row in won.itertuples()]
-    if len(open_):
-        parts.append(f"no method reaches {', '.join(number(target) for target in open_['target'])} in the time given")
+    parts = [_part(row) for row in ordered.itertuples() if row.cheapest not in (NOT_REACHED, AT_THE_LIMIT)]
+    for verdict, words in (
+        (AT_THE_LIMIT, "whoever reaches {} does so at the limit of the time given, which decides nothing"),
+        (NOT_REACHED, "no method reaches {} in the time given"),
+    ):
+        named = ordered.loc[ordered["cheapest"] == verdict, "target"]
+        if len(named):
+            parts.append(words.format(", ".join(map(number, named))))
     text = "; ".join(parts)
     return f"{text[0].upper()}{text[1:]}."
 
 
 def _part(row: Any) -> str:
+    target = f"to an error of {number(row.target)}"
+    if row.cheapest == TIE:
+        return (
+            f"{target} {_listed(row.tied.split('; '))} cost the same, {number(row.cost)} s, as far as can be measured"
+        )
     others = []
-    if row.runner_up and row.runner_up != PBD.name:
-        others.append(f"{METHODS[row.runner_up].label} takes {number(row.runner_up_ratio)} times as long")
-    if not row.runner_up:
+    if row.next and row.next != PBD.label:
+        others.append(f"{row.next} takes {number(row.ratio)} times as long")
+    if not row.next:
         others.append("no other method gets there")
-    elif row.method != PBD.name:
+    elif row.cheapest != PBD.label:
         got = math.isfinite(row.pbd_ratio)
         others.append(f"PBD takes {number(row.pbd_ratio)} times as long" if got else "PBD does not get there")
-    label, target = METHODS[row.method].label, number(row.target)
-    return f"to an error of {target} {label} is the cheapest, with {number(row.seconds)} s ({', '.join(others)})"
+    return f"{target} {row.cheapest} is the cheapest, with {number(row.cost)} s ({', '.join(others)})"
+
+
+def _listed(names: Iterable[str]) -> str:
+    *first, last = names
+    return f"{', '.join(first)} and {last}"
 
 
 def summary(rows: pd.DataFrame) -> str:
     """How often each method wins, and where PBD does, from the table of ``winners``."""
-    won = rows[rows["method"] != ""]
-    counts = [f"{METHODS[name].label} {count}" for name, count in won["method"].value_counts(sort=True).items()]
-    own = [
-        f"{number(target)}" for target in sorted(won.loc[won["method"] == PBD.name, "target"].unique(), reverse=True)
-    ]
-    where = f"PBD is the cheapest at an error of {' and '.join(own)} only" if own else "PBD is never the cheapest"
+    decided = rows[~rows["cheapest"].isin((*UNDECIDED, NOT_REACHED))]
+    counts = [f"{name} {count}" for name, count in decided["cheapest"].value_counts(sort=True).items()]
+    own = np.unique(decided.loc[decided["cheapest"] == PBD.label, "target"])[::-1]
+    where = f"PBD is the cheapest at an error of {' and '.join(map(number, own))} only" if len(own) else ""
+    undecided = {word: int((rows["cheapest"] == word).sum()) for word in (*UNDECIDED, NOT_REACHED)}
     return (
-        f"Of {len(rows)} pairs of scene and error, {len(won)} were reached by some method. Cheapest, and how often: "
-        f"{', '.join(counts)}. {where}."
+        f"Of {len(rows)} pairs of scene and error, {len(decided)} have one cheapest method. Cheapest, and how often: "
+        f"{', '.join(counts)}. {where or 'PBD is never alone the cheapest'}. Of the other pairs {undecided[TIE]} are "
+        f"ties, {undecided[AT_THE_LIMIT]} lie at the limit of the time given, {undecided[NOT_REACHED]} are not reached."
     )

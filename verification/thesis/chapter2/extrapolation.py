@@ -14,10 +14,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from verification.reference import Known
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter2.convergence import STEP
-from verification.thesis.chapter2.known import Known
 from verification.thesis.chapter2.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, REFERENCE_TOL
 from verification.thesis.chapter2.reference import EVERY, Reference, kept_times, stack
 from verification.thesis.chapter2.runs import distance, position_rows, solved

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 import dincl
 from dincl.scenes import Scene
 from verification.page.sheet import GREY, WIDTH, Axes, discs, polygon, sheet
-from verification.thesis.chapter2.methods import METHODS, PBD, PENALTIES, PENALTY_PRINTED, Method
+from verification.thesis.chapter2.methods import METHODS, PBD, PENALTIES, PENALTY_PRINTED, NamedMethod
 
 Floats = NDArray[np.float64]
 DISC, WALL = "#9db8d2", "#d9d5cd"
@@ -42,7 +42,7 @@ def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> 
     return path
 
 
-def _line(panel: Axes, rows: pd.DataFrame, method: Method, quantity: str) -> None:
+def _line(panel: Axes, rows: pd.DataFrame, method: NamedMethod, quantity: str) -> None:
     """A curve with markers; values too small to matter are markers on the lower edge, without a line to them."""
     rows = rows.sort_values("dt")
     values, lowest = rows[quantity].to_numpy(), LOWEST[quantity]

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any
 
 import dincl
+from verification.method import Method, SchemeOf
 from verification.thesis.chapter2.moreau_jean import MoreauJean
 from verification.thesis.chapter2.yardsticks import Chipmunk, Lsoda
 
@@ -25,159 +25,158 @@ DENSE = 200
 
 
 @dataclass(frozen=True)
-class Method:
-    """A way to solve a problem with a setting that fixes its accuracy.
+class NamedMethod(Method):
+    """A method of the report: ``name`` stands in tables, ``label`` in figures.
 
-    Attributes
-    ----------
-    name, label
-        In tables; for readers.
-    colour, marker, line
-        In figures.
-    scheme
-        setting -> the scheme.
-    costly
-        Whether a step calls a solver of a foreign library: the short studies give such a method fewer step sizes.
-    setting
-        "dt" [time], or "tol" [length] of a method that chooses its steps.
-    most
-        The largest number N d of unknowns that it is made for, or None.
+    ``costly``: a step calls a solver of a foreign library, so the short studies give it fewer step sizes.
     """
 
-    name: str
-    label: str
-    colour: str
-    marker: str | tuple[int, int, int]
-    line: str
-    scheme: Callable[[float], dincl.Scheme]
+    name: str = ""
     costly: bool = False
-    setting: Literal["dt", "tol"] = "dt"
-    most: int | None = None
+
+    @property
+    def colour(self) -> str:
+        """In figures."""
+        return str(self.look["color"])
+
+    @property
+    def marker(self) -> str | tuple[int, int, int]:
+        """In figures."""
+        marker: str | tuple[int, int, int] = self.look["marker"]
+        return marker
+
+    @property
+    def line(self) -> str:
+        """In figures."""
+        return str(self.look["linestyle"])
 
 
-def _penalty(strength: float, colour: str, marker: str) -> Method:
-    return Method(
+def _named(
+    name: str,
+    label: str,
+    family: str,
+    look: tuple[str, str | tuple[int, int, int], str],
+    scheme: SchemeOf,
+    *,
+    costly: bool = False,
+    setting: str = "dt",
+    most: int | None = None,
+) -> NamedMethod:
+    """With a colour, a marker and a line; hollow markers where the line is not solid."""
+    colour, marker, line = look
+    drawn: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line}
+    if line != "-":
+        drawn["markerfacecolor"] = "none"
+    return NamedMethod(label, family, scheme, setting=setting, most_unknowns=most, look=drawn, name=name, costly=costly)
+
+
+def _penalty(strength: float, colour: str, marker: str) -> NamedMethod:
+    return _named(
         f"penalty_{strength:g}",
         f"penalty, strength {strength:g}",
-        colour,
-        marker,
-        "-",
+        "penalty",
+        (colour, marker, "-"),
         lambda dt: dincl.Penalty(dt=dt, strength=strength),
     )
 
 
-PBD = Method("pbd", "PBD", "#d55e00", "o", "-", lambda dt: dincl.PBD(dt=dt))
-CATCH_UP = Method(
+PBD = _named("pbd", "PBD", "PBD", ("#d55e00", "o", "-"), lambda dt: dincl.PBD(dt=dt))
+CATCH_UP = _named(
     "catch_up_ipopt",
     "catch-up, Ipopt",
-    "#0072b2",
-    "s",
-    "-",
+    "catch-up",
+    ("#0072b2", "s", "-"),
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Ipopt(tol=REFERENCE_TOL)),
     costly=True,
     most=DENSE,
 )
-CATCH_UP_DAQP = Method(
+CATCH_UP_DAQP = _named(
     "catch_up_daqp",
     "catch-up, Daqp",
-    "#003f66",
-    "D",
-    ":",
+    "catch-up",
+    ("#003f66", "D", ":"),
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
     most=DENSE,
 )
-LINEARISED_DAQP = Method(
+LINEARISED_DAQP = _named(
     "linearised_daqp",
     "linearised catch-up, Daqp",
-    "#5f9e4a",
-    "P",
-    ":",
+    "linearised catch-up",
+    ("#5f9e4a", "P", ":"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
     most=DENSE,
 )
-LINEARISED_CLARABEL = Method(
+LINEARISED_CLARABEL = _named(
     "linearised_clarabel",
     "linearised catch-up, Clarabel",
-    "#009e73",
-    "^",
-    "--",
+    "linearised catch-up",
+    ("#009e73", "^", "--"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Clarabel(tol=QP_TOL)),
     costly=True,
 )
-LINEARISED_CVXPY = Method(
+LINEARISED_CVXPY = _named(
     "linearised_cvxpy",
     "linearised catch-up, cvxpy",
-    "#56b4e9",
-    "v",
-    ":",
+    "linearised catch-up",
+    ("#56b4e9", "v", ":"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.CvxpyQP(tol=QP_TOL)),
     costly=True,
 )
 PENALTIES = (_penalty(10, "#e3b7d2", "<"), _penalty(100, "#cc79a7", "d"), _penalty(1000, "#8e4572", ">"))
-PENALTY_TIED = Method(
+PENALTY_TIED = _named(
     "penalty_tied",
     f"penalty, strength {TIED_STRENGTH:g}/dt",
-    "#6f6f6f",
-    "X",
-    "-",
+    "penalty",
+    ("#6f6f6f", "X", "-"),
     lambda dt: dincl.Penalty(dt=dt, strength=TIED_STRENGTH / dt),
 )
-PENALTY_PRINTED = Method(
+PENALTY_PRINTED = _named(
     "penalty_printed",
     "penalty as printed, strength 10",
-    "#b8a33b",
-    "*",
-    "-",
+    "penalty",
+    ("#b8a33b", "*", "-"),
     lambda dt: dincl.Penalty(dt=dt, strength=10.0, exponent=1),
 )
 
-PBD_16 = Method("pbd_16", "PBD, 16 sweeps", "#f2a07b", "8", "-", lambda dt: dincl.PBD(dt=dt, sweeps=16))
-LINEARISED_PIQP = Method(
+PBD_16 = _named("pbd_16", "PBD, 16 sweeps", "PBD", ("#f2a07b", "8", "-"), lambda dt: dincl.PBD(dt=dt, sweeps=16))
+LINEARISED_PIQP = _named(
     "linearised_piqp",
     "linearised catch-up, Piqp",
-    "#44bbaa",
-    (3, 0, 180),
-    "-",
+    "linearised catch-up",
+    ("#44bbaa", (3, 0, 180), "-"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Piqp(tol=QP_TOL)),
 )
-MIDPOINT = Method(
+MIDPOINT = _named(
     "midpoint_cg",
     "midpoint catch-up, projected CG",
-    "#c2003d",
-    "p",
-    "-",
+    "midpoint catch-up",
+    ("#c2003d", "p", "-"),
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedCG(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
 )
-MOREAU_JEAN = Method(
+MOREAU_JEAN = _named(
     "moreau_jean_daqp",
     "catch-up, theta = 1/2, Daqp",
-    "#4f7cac",
-    (5, 1, 0),
-    ":",
+    "catch-up, theta = 1/2",
+    ("#4f7cac", (5, 1, 0), ":"),
     lambda dt: MoreauJean(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
     most=DENSE,
 )
-EVENT_DRIVEN = Method(
+EVENT_DRIVEN = _named(
     "event_driven",
     "event-driven",
-    "#000000",
-    "H",
-    "-",
+    "event-driven",
+    ("#000000", "H", "-"),
     lambda tol: dincl.EventDriven(tol=tol),
     setting="tol",
     most=DENSE,
 )
 # The yardsticks: programs of others.
-LSODA = Method(
-    "lsoda",
-    "penalty, LSODA",
-    "#8b5a2b",
-    "h",
-    "--",
-    lambda tol: Lsoda(tol=tol),
-    setting="tol",
+LSODA = _named(
+    "lsoda", "penalty, LSODA", "penalty, LSODA", ("#8b5a2b", "h", "--"), lambda tol: Lsoda(tol=tol), setting="tol"
 )
-CHIPMUNK = Method("chipmunk", "Chipmunk", "#e6a800", (4, 1, 0), "--", lambda dt: Chipmunk(dt=dt, iterations=10))
+CHIPMUNK = _named(
+    "chipmunk", "Chipmunk", "Chipmunk", ("#e6a800", (4, 1, 0), "--"), lambda dt: Chipmunk(dt=dt, iterations=10)
+)
 
 COMPARED = (PBD, CATCH_UP, LINEARISED_CLARABEL, LINEARISED_CVXPY, *PENALTIES, PENALTY_TIED, PENALTY_PRINTED)
 # Of the chart of speed against accuracy. A scheme with another projection is another method there.

@@ -6,36 +6,43 @@ from collections.abc import Sequence
 
 import pandas as pd
 
+from verification.budget import GRACE
+from verification.cheapest import LEAST_SPREAD, RESOLVED
+from verification.measure import BRIEF, REPEATS
 from verification.page.report import Chapter, Context, Grid, Picture, Section, Text, number
 from verification.thesis.chapter2 import cheapest, figures_work_precision, work_precision, work_references
 from verification.thesis.chapter2.methods import METHODS
 from verification.thesis.chapter2.work_references import SCENES
+from verification.work_precision import TARGETS
 
 WINNERS = {
     "scene": "Scene",
     "target": "Error",
-    "method": "Cheapest",
-    "seconds": "Seconds",
-    "runner_up": "Next",
-    "runner_up_ratio": "takes times as long",
+    "cheapest": "Cheapest",
+    "cost": "CPU seconds",
+    "tied": "Within the spread",
+    "next": "Next",
+    "ratio": "takes times as long",
     "pbd_ratio": "PBD takes times as long",
 }
 TIMES = {"method": "Method", "order": "Order in dt [95 %]"} | {
-    f"{target:g}": f"s to {number(target)}" for target in cheapest.TARGETS
+    f"{target:g}": f"s to {number(target)}" for target in TARGETS
 }
 TIMES |= {"best": "Best error", "at_end": "at the end, of it", "failed": "Failed"}
 RUNS = {
     "method": "Method",
     "setting": "dt or tol",
     "status": "Status",
-    "seconds": "Seconds",
+    "cpu_seconds": "CPU seconds",
     "repeats": "Repeats",
+    "spread": "Longest over shortest",
+    "disturbed": "Disturbed",
     "drift_evaluations": "Drift evaluations",
     "candidate_pairs": "Pairs in sweeps",
     "solver_iterations": "Solver iterations",
-    "sup": "Largest error",
+    "largest": "Largest error",
     "final": "Error at the end",
-    "infeasibility": "Infeasibility",
+    "overlap": "Overlap",
     "detail": "Detail",
 }
 ERROR = (
@@ -45,9 +52,11 @@ ERROR = (
     "exactly right."
 )
 TIME = (
-    "Time is that of the solution only, without the construction of scene and scheme, after a whole run for warming "
-    f"up; the best of {work_precision.REPEATS} where a run takes less than {number(work_precision.BRIEF)} s. Two "
-    "methods run at once, on a core each. The counted work is the number of evaluations of the drift: every method "
+    "Time is CPU time, after a run for warming up; the shortest of "
+    f"{REPEATS} runs where one takes less than {number(BRIEF)} s. Two methods run at once, on a core each. Two times "
+    f"differ if their ratio is more than the measured spread, and at least {LEAST_SPREAD:g}; otherwise the table says "
+    "tie. A run is disturbed if it had to wait for the processor. The counted work is the number of evaluations of "
+    "the drift: every method "
     "here counts it alike, a step of any kind being one or a few of them. What a method does between two of them "
     "differs, and is in the table of the runs: pairs looked at by sweeps, iterations of solvers."
 )
@@ -70,7 +79,7 @@ REFERENCES = (
     "References: exact solutions of the sliding disc and the stack; the event-driven scheme with tol = "
     f"{number(work_references.TOL)} for the four and ten discs and the balls (its own line is therefore measured "
     "against itself, with a tighter tolerance); a fine solution, kept as a table, for the pile. An error below "
-    f"{cheapest.RESOLVED:g} times the stated error of the reference counts as that."
+    f"{RESOLVED:g} times the stated error of the reference counts as that."
 )
 
 
@@ -80,10 +89,11 @@ def run(context: Context) -> None:
     known = work_references.study().complete(*where)
     context.tables["work_references"] = known
     references = {name: work_references.reference(known, name) for name in SCENES}
+    form = _form(context)
     table = work_precision.study(references, context.full).complete(*where)
     context.tables["work_precision"] = table
-    context.keep("work_times", cheapest.times(table))
-    context.keep("work_winners", cheapest.winners(table))
+    context.keep("work_times", cheapest.times(table, form))
+    context.keep("work_winners", cheapest.winners(table, form))
 
 
 def sections(context: Context) -> Sequence[Section]:
@@ -95,21 +105,20 @@ def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
     """The columns of a table that a reader wants, with words for names."""
     words = {method.name: method.label for method in METHODS.values()}
     titles = {name: make().title for name, make in SCENES.items()}
-    return (
-        table[list(headings)].replace({"method": words, "runner_up": words, "scene": titles}).rename(columns=headings)
-    )
+    return table[list(headings)].replace({"method": words, "scene": titles}).rename(columns=headings)
+
+
+def _form(context: Context) -> work_precision.Form:
+    return work_precision.FULL if context.full else work_precision.SHORT
 
 
 def _summary(context: Context) -> Section:
-    form = work_precision.FULL if context.full else work_precision.SHORT
-    winners = context.tables["work_winners"]
-    costly = f", and {number(form.costly)} of that for costly methods" if form.costly < 1 else ""
+    form, winners = _form(context), context.tables["work_winners"]
     limits = Text(
-        "From the coarsest setting on, finer ones are run until one takes more than "
-        f"{number(form.enough)} s ({number(form.enough_of_many)} s for the pile of discs{costly}; for tolerances, as "
-        "much more as steps are refined from one to the next). A run that takes "
-        f"{number(form.patience)} s is stopped and is a row of its own. Not reached means: not within these times. "
-        "Between two runs the time to an error is interpolated in logarithms; nothing is extrapolated."
+        f"From the coarsest setting on, finer ones are run until one takes more than {form.budget}; a run that takes "
+        f"{number(GRACE)} times as long is stopped and is a row of its own. An error that rests on a run of more than "
+        f"{number(form.budget.certain())} s is at the limit: on another day it could be missed. Between two runs the "
+        "time to an error is interpolated in logarithms; nothing is extrapolated."
     )
     grid = Grid(_named(winners, WINNERS), "The cheapest method for each scene and error.", "work_winners")
     texts = [Text(text) for text in (ERROR, TIME, SECOND_ORDER, YARDSTICKS, REFERENCES)]
@@ -118,19 +127,19 @@ def _summary(context: Context) -> Section:
 
 def _scene(context: Context, name: str) -> Section:
     table, times, winners = (context.tables[one] for one in ("work_precision", "work_times", "work_winners"))
-    path = context.draw(f"work_precision_{name}", figures_work_precision.chart, table, name)
+    path = context.draw(f"work_precision_{name}", figures_work_precision.draw_chart, table, name, _form(context))
     return Section(
         f"Speed against accuracy: {SCENES[name]().title.lower()}",
         [
             Text(cheapest.sentence(winners[winners["scene"] == name])),
             Picture(
                 path,
-                "Largest error in time against time, and against counted work; coarse settings left. Crosses on the "
+                "Largest error in time against CPU time and against counted work; coarse settings left. Crosses on the "
                 "upper edge: runs that failed or were stopped. The grey edge is below what the reference resolves.",
             ),
             Grid(
                 _named(times[times["scene"] == name], TIMES),
-                "Seconds to reach an error (—: not reached), and the order of the largest error in time.",
+                "CPU seconds to reach an error (—: not reached), and the order of the largest error in time.",
                 "work_times",
             ),
             Grid(_named(table[table["scene"] == name], RUNS), "All runs.", _file(context), folded=True),

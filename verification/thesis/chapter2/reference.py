@@ -10,9 +10,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import dincl
+from verification.reference import Known
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
-from verification.thesis.chapter2.known import Known
 from verification.thesis.chapter2.runs import about, position_rows, scene, timed
 
 Floats = NDArray[np.float64]

@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
+from verification.reference import Known
 from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
-from verification.thesis.chapter2.known import Known
 
 Floats = NDArray[np.float64]
 SCENES: Mapping[str, Callable[[], Scene]] = {

@@ -1,4 +1,4 @@
-"""Who is cheapest at which error: interpolation between runs, winners, sentences."""
+"""Tables and sentences of who is cheapest on the scenes of the report."""
 
 import math
 
@@ -6,79 +6,53 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from verification.budget import CpuSeconds
 from verification.thesis.chapter2 import cheapest
-from verification.thesis.chapter2.methods import LINEARISED_DAQP, LSODA, METHODS, PBD, PBD_16
+from verification.thesis.chapter2.methods import LINEARISED_DAQP, LSODA, PBD, PBD_16
+from verification.thesis.chapter2.work_precision import Form
+
+FORM = Form({}, CpuSeconds(100.0))
+SLIDE, STACK = "sliding_disc", "stack"
 
 
-def measured(errors, seconds, reference_error=0.0, **columns):
+def measured(errors, seconds, method=PBD, **columns):
     count = len(errors)
     return pd.DataFrame(
         {
-            "scene": "s",
-            "method": "pbd",
+            "scene": SLIDE,
+            "method": method.name,
             "setting": 0.1 / 2.0 ** np.arange(count),
             "status": ["SUCCESS"] * count,
-            "sup": errors,
+            "largest": errors,
             "final": errors,
-            "seconds": seconds,
-            "reference_error": reference_error,
+            "cpu_seconds": seconds,
+            "spread": 1.0,
+            "disturbed": False,
+            "reference_error": 0.0,
         }
         | columns
     )
 
 
-def test_time_to_an_error_follows_a_power_law_between_runs():
-    error = np.array([1e-1, 3e-3, 2e-5])
-    seconds = 0.5 * error**-0.7
-    table = measured(error, seconds).sample(frac=1, random_state=1)
-    for target in (5e-2, 1e-3, 1e-4, 2e-5):
-        assert cheapest.seconds_to(table, target) == pytest.approx(0.5 * target**-0.7)
-
-
-def test_nothing_is_extrapolated():
-    table = measured([1e-1, 1e-3], [1.0, 3.0])
-    assert cheapest.seconds_to(table, 9e-4) == math.inf
-    assert cheapest.seconds_to(table, 0.5) == 1.0
-    assert cheapest.seconds_to(table.head(0), 0.5) == math.inf
-    better = measured([1e-9, 1e-9], [5.0, 4.0])
-    assert cheapest.seconds_to(better, 1e-2) == 4.0
-
-
-def test_an_error_that_is_small_by_chance_does_not_count():
-    table = measured([1e-1, 1e-5, 1e-2, 1e-4], [1.0, 2.0, 4.0, 8.0])
-    assert cheapest.seconds_to(table, 1e-3) == pytest.approx(math.sqrt(4.0 * 8.0))
-
-
-def test_an_error_below_that_of_the_reference_does_not_count():
-    table = measured([1e-1, 1e-7], [1.0, 2.0], reference_error=1e-3)
-    assert cheapest.seconds_to(table, 1.9e-3) == math.inf
-    assert cheapest.seconds_to(table, 2e-3) == pytest.approx(2.0)
-
-
-def test_failed_runs_reach_nothing():
-    table = measured([1e-1, np.nan, 1e-3], [1.0, 0.1, 4.0], status=["SUCCESS", "NON_FINITE", "SUCCESS"])
-    assert cheapest.seconds_to(table, 1e-2) == pytest.approx(2.0)
-
-
 @pytest.fixture(scope="module")
 def three():
-    pbd = measured([1e-1, 1e-3], [1.0, 4.0], method=PBD.name)
-    more = measured([1e-1, 1e-3], [2.0, 8.0], method=PBD_16.name)
-    lsoda = measured([1e-3, 1e-6], [6.0, 7.0], method=LSODA.name)
+    pbd = measured([1e-1, 1e-3], [1.0, 4.0])
+    more = measured([1e-1, 1e-3], [2.0, 8.0], method=PBD_16)
+    lsoda = measured([1e-3, 1e-6], [6.0, 7.0], method=LSODA)
     return pd.concat([lsoda, more, pbd])
 
 
 def test_winners(three):
-    found = cheapest.winners(three, (1e-2, 1e-3, 1e-6, 1e-8))
-    assert found["method"].tolist() == ["pbd", "pbd", "lsoda", ""]
-    assert found["seconds"].tolist()[:3] == pytest.approx([2.0, 4.0, 7.0])
-    assert found["runner_up"].tolist() == ["pbd_16", "lsoda", "", ""]
-    assert found["runner_up_ratio"].tolist()[:2] == pytest.approx([2.0, 1.5])
+    found = cheapest.winners(three, FORM, (1e-2, 1e-3, 1e-6, 1e-8))
+    assert found["cheapest"].tolist() == [PBD.label, PBD.label, LSODA.label, "not reached"]
+    assert found["next"].tolist() == [PBD_16.label, LSODA.label, "", ""]
+    assert found["ratio"].tolist()[:2] == pytest.approx([2.0, 1.5])
     assert found["pbd_ratio"].tolist() == pytest.approx([1.0, 1.0, np.nan, np.nan], nan_ok=True)
+    assert found["disturbed"].tolist() == [0] * 4
 
 
 def test_sentences(three):
-    found = cheapest.winners(three, (1e-6, 1e-2, 1e-8))
+    found = cheapest.winners(three, FORM, (1e-6, 1e-2, 1e-8))
     text = cheapest.sentence(found)
     assert text == (
         "To an error of 0.01 PBD is the cheapest, with 2 s (PBD, 16 sweeps takes 2 times as long); "
@@ -87,26 +61,33 @@ def test_sentences(three):
     )
     assert cheapest.sentence(found.tail(1)) == "No method reaches 1.0·10⁻⁸ in the time given."
     whole = cheapest.summary(found)
-    assert "Of 3 pairs of scene and error, 2 were reached" in whole
+    assert "Of 3 pairs of scene and error, 2 have one cheapest method" in whole
     assert "PBD is the cheapest at an error of 0.01 only" in whole
-    assert "PBD is never the cheapest" in cheapest.summary(found[found["target"] < 1e-3])
+    assert "PBD is never alone the cheapest" in cheapest.summary(found[found["target"] < 1e-3])
+
+
+def test_a_tie_and_the_limit_are_said(three):
+    like = measured([1e-1, 1e-3], [1.1, 4.4], method=PBD_16)
+    tied = cheapest.winners(pd.concat([measured([1e-1, 1e-3], [1.0, 4.0]), like]), FORM, (1e-2,))
+    assert "To an error of 0.01 PBD and PBD, 16 sweeps cost the same, 2 s" in cheapest.sentence(tied)
+    assert "1 are ties" in cheapest.summary(tied)
+    short = cheapest.winners(three, Form({}, CpuSeconds(5.0)), (1e-2,))
+    assert cheapest.sentence(short).startswith("Whoever reaches 0.01 does so at the limit")
 
 
 def test_table_of_times(three):
     h = 0.1 / 2.0 ** np.arange(6)
-    more = measured(3 * h**2, 1 / h, scene="other", method=LINEARISED_DAQP.name, final=h**2)
-    failed = measured([1e-1], [1.0], scene="other", status=["OUT_OF_TIME"])
-    left = measured([np.nan], [np.nan], scene="other", status=["LEFT_OUT"])
-    found = cheapest.times(pd.concat([more, three, failed, left])).set_index(["scene", "method"])
-    assert [name for scene, name in found.index if scene == "s"] == [
-        name for name in METHODS if name in set(three["method"])
-    ]
-    daqp = found.loc[("other", LINEARISED_DAQP.name)]
+    more = measured(3 * h**2, 1 / h, scene=STACK, method=LINEARISED_DAQP, final=h**2)
+    failed = measured([1e-1], [1.0], scene=STACK, status=["OUT_OF_BUDGET"])
+    left = measured([np.nan], [np.nan], scene=STACK, status=["LEFT_OUT"])
+    found = cheapest.times(pd.concat([more, three, failed, left]), FORM).set_index(["scene", "method"])
+    assert [name for scene, name in found.index if scene == SLIDE] == [PBD.label, PBD_16.label, LSODA.label]
+    daqp = found.loc[(STACK, LINEARISED_DAQP.label)]
     assert daqp["order"].startswith("2.00 [")
     assert daqp["best"] == pytest.approx(3 * h[-1] ** 2)
     assert daqp["at_end"] == pytest.approx(1 / 3)
     assert daqp["0.01"] == pytest.approx(math.sqrt(300.0))
-    stopped = found.loc[("other", "pbd")]
+    stopped = found.loc[(STACK, PBD.label)]
     assert stopped["failed"] == 1
     assert stopped[["0.01", "best", "at_end"]].isna().all()
-    assert found.loc[("s", "lsoda"), "order"] == ""
+    assert found.loc[(SLIDE, LSODA.label), "order"] == ""

@@ -1,4 +1,4 @@
-"""The six outcomes and the rule that assigns them, bisection, and the cells of a plane."""
+"""Bisection, and the cells of a plane."""
 
 import pickle
 
@@ -8,34 +8,10 @@ import pytest
 import dincl
 from dincl.scenes.drifts import Constant
 from dincl.schemes.base import TimeStepping
-from verification.thesis.chapter2.stability import outcome
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter2.stability.catalogue import CASES, PLANES, cases
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
-from verification.thesis.chapter2.stability.outcome import FAR, OVERLAP, Outcome, judge, measured
-
-OK = dincl.Status.SUCCESS
-
-
-@pytest.mark.parametrize(
-    ("status", "error", "overlap", "growth", "expected"),
-    [
-        (OK, 0.0, 0.0, 1.0, Outcome.CONVERGED),
-        (OK, outcome.ERROR, OVERLAP, FAR, Outcome.CONVERGED),
-        (OK, 1.01 * outcome.ERROR, 0.0, 1.0, Outcome.INACCURATE),
-        (OK, np.nan, 0.0, 1.0, Outcome.INACCURATE),
-        (OK, 0.0, 1.01 * OVERLAP, 1.0, Outcome.INFEASIBLE),
-        (OK, 0.0, 1.01 * OVERLAP, 1.01 * FAR, Outcome.UNSTABLE),
-        (dincl.Status.NON_FINITE, np.nan, np.nan, 1.0, Outcome.UNSTABLE),
-        (dincl.Status.NOT_CONVERGED, np.nan, 0.0, 1.0, Outcome.NOT_TERMINATED),
-        (dincl.Status.NOT_CONVERGED, np.nan, 0.0, 1e9, Outcome.UNSTABLE),
-        (dincl.Status.INFEASIBLE, np.nan, 0.0, 1.0, Outcome.REFUSED),
-        (dincl.Status.COINCIDENT_CENTRES, np.nan, 0.0, 1.0, Outcome.REFUSED),
-        (dincl.Status.CROWDED, np.nan, 0.0, 1.0, Outcome.REFUSED),
-    ],
-)
-def test_rule(status, error, overlap, growth, expected):
-    assert judge(status, error, overlap, growth) is expected
+from verification.thesis.chapter2.stability.outcome import measured
 
 
 def wall(start=1.0):

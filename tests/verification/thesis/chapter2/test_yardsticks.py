@@ -8,7 +8,7 @@ import pytest
 import dincl
 from dincl.scenes import Scene
 from dincl.scenes.drifts import Constant, towards_origin
-from verification.thesis.chapter2.patience import impatient
+from verification.budget import CpuSeconds, DriftEvaluations, OutOfBudgetError, counted
 from verification.thesis.chapter2.yardsticks import Chipmunk, Lsoda, chipmunk
 
 SLIDE = dincl.scenes.sliding_disc()
@@ -98,10 +98,10 @@ def test_failures_end_a_run_with_their_status(scheme):
 
 
 @pytest.mark.parametrize("scheme", [Lsoda(tol=1e-3), Chipmunk(dt=0.01, iterations=10), dincl.PBD(dt=0.01)])
-def test_nobody_takes_lost_patience_for_an_error_of_its_own(scheme):
-    with pytest.raises(TimeoutError):
-        dincl.solve(impatient(SLIDE, -1.0), scheme, t=[3.0], throw=False)
-    patient = dincl.solve(impatient(SLIDE, 60.0), scheme, t=[3.0])
+def test_nobody_takes_a_spent_budget_for_an_error_of_its_own(scheme):
+    with pytest.raises(OutOfBudgetError):
+        dincl.solve(counted(SLIDE, DriftEvaluations(2))[0], scheme, t=[3.0], throw=False)
+    patient = dincl.solve(counted(SLIDE, CpuSeconds(60.0))[0], scheme, t=[3.0])
     assert (patient.final == dincl.solve(SLIDE, scheme, t=[3.0]).final).all()
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import dincl
 from dincl.schemes.base import TimeStepping
 from verification.thesis.chapter2 import methods
-from verification.thesis.chapter2.methods import Method
+from verification.thesis.chapter2.methods import NamedMethod
 
 TOL = 1e-9
 # dt times the strength of tied springs: stable for |J J^T| < 6.6, so for every packing of discs.
@@ -27,11 +27,11 @@ class Contestant:
     marker: str | tuple[int, int, int]
 
 
-def _as(method: Method, label: str, scheme: Callable[[float], TimeStepping]) -> Contestant:
+def _as(method: NamedMethod, label: str, scheme: Callable[[float], TimeStepping]) -> Contestant:
     return Contestant(label, scheme, method.colour, method.marker)
 
 
-def _catch_up(method: Method, projection: dincl.Projection) -> Contestant:
+def _catch_up(method: NamedMethod, projection: dincl.Projection) -> Contestant:
     label = f"catch-up, {type(projection).__name__}"
     return _as(method, label, lambda dt: dincl.CatchUp(dt=dt, projection=projection))
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any
 
@@ -11,22 +11,15 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from verification.outcome import COLOURS
+from verification.page.charts import edges, rgb
 from verification.page.sheet import GREY, Axes, Figure, polygon, sheet
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.decades import METHODS
-from verification.thesis.chapter2.stability.outcome import FAR, OVERLAP, Outcome
-from verification.thesis.chapter2.stability.plane import Axis, Plane
+from verification.thesis.chapter2.stability.outcome import FAR, OVERLAP, WORDS
+from verification.thesis.chapter2.stability.plane import Plane
 
 Floats = NDArray[np.float64]
-# One colour for each outcome in all maps.
-COLOURS: Mapping[str, str] = {
-    Outcome.CONVERGED.value: "#8fc49a",
-    Outcome.INACCURATE.value: "#f2d479",
-    Outcome.INFEASIBLE.value: "#e59a54",
-    Outcome.UNSTABLE.value: "#b8443c",
-    Outcome.NOT_TERMINATED.value: "#5b5b66",
-    Outcome.REFUSED.value: "#86a7cf",
-}
 LINES = ("-", "--", ":", "-.")
 INK = "#22262b"
 MOST_COLUMNS = 4
@@ -58,8 +51,8 @@ def plane(table: pd.DataFrame, drawn: Plane, path: Path) -> Path:
 def _cells(panel: Axes, rows: pd.DataFrame, drawn: Plane) -> None:
     x, y = (np.array(sorted(rows[name].unique())) for name in ("x", "y"))
     outcomes = rows.pivot(index="y", columns="x", values="outcome").loc[y, x].to_numpy()
-    colours = np.array([[_rgb(COLOURS[word]) for word in line] for line in outcomes])
-    wide, high = _edges(x, drawn.x), _edges(y, drawn.y)
+    colours = np.array([[rgb(COLOURS[word]) for word in line] for line in outcomes])
+    wide, high = edges(x, drawn.x.logarithmic), edges(y, drawn.y.logarithmic)
     panel.pcolormesh(wide, high, colours, edgecolors="white", linewidth=0.3)
     panel.set(xlim=(wide[0], wide[-1]), ylim=(high[0], high[-1]))
     panel.set_xscale("log" if drawn.x.logarithmic else "linear")
@@ -79,23 +72,10 @@ def _lines(panel: Axes, method: str, drawn: Plane) -> None:
             panel.plot(line.x(heights), heights, color=INK, linewidth=1.2, label=line.label, linestyle=look)
 
 
-def _edges(values: Floats, axis: Axis) -> Floats:
-    """The sides of cells around ``values``, halfway between them."""
-    places = np.log(values) if axis.logarithmic else values
-    middle = (places[1:] + places[:-1]) / 2
-    ends = [2 * places[0] - middle[0], 2 * places[-1] - middle[-1]]
-    edges: Floats = np.concatenate((ends[:1], middle, ends[1:]))
-    return np.exp(edges) if axis.logarithmic else edges
-
-
-def _rgb(colour: str) -> list[float]:
-    return [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]
-
-
 def _legend(figure: Figure, panels: Iterable[Axes]) -> None:
     panels = list(panels)
-    shown = [panels[0].plot([], [], "s", color=colour, markersize=7)[0] for colour in COLOURS.values()]
-    figure.legend(shown, list(COLOURS), loc="outside lower center", ncols=len(COLOURS))
+    shown = [panels[0].plot([], [], "s", color=COLOURS[word], markersize=7)[0] for word in WORDS]
+    figure.legend(shown, list(WORDS), loc="outside lower center", ncols=len(WORDS))
     lines = {
         label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }

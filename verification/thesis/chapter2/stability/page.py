@@ -11,7 +11,7 @@ from verification.page.report import Chapter, Context, Grid, Picture, Section, T
 from verification.thesis.chapter2.stability import catalogue, decades, pacman
 from verification.thesis.chapter2.stability import figures as figures_stability
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
-from verification.thesis.chapter2.stability.outcome import ERROR, FAR, OVERLAP, Outcome
+from verification.thesis.chapter2.stability.outcome import ERROR, FAR, OVERLAP, WORDS
 from verification.thesis.chapter2.stability.plane import Plane
 
 HEADINGS = {
@@ -51,7 +51,7 @@ def _counted(context: Context, plane: Plane) -> pd.DataFrame:
     """How many cells of a map came out how, one row for each method."""
     table = context.tables[_name(plane)]
     counts = table.groupby(["method", "outcome"]).size().unstack(fill_value=0)
-    counts = counts.reindex(index=list(plane.methods), columns=[one.value for one in Outcome], fill_value=0)
+    counts = counts.reindex(index=list(plane.methods), columns=list(WORDS), fill_value=0)
     named = counts.rename(index=plane.methods).rename_axis(columns=None).reset_index(names="method")
     return named.assign(map=plane.name)[["map", *named.columns]].astype({"method": str})
 

@@ -1,0 +1,118 @@
+"""What one run may cost: CPU time, or evaluations of the drift. Never wall time, which depends on what else runs."""
+
+from __future__ import annotations
+
+import copy
+import time
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, field
+from typing import Any
+
+from dincl import Problem
+from dincl.checks import integer, number
+
+# How much longer than its limit a run may take before it is stopped, and how much shorter it is to be beyond doubt.
+GRACE, CERTAIN = 2.0, 1.5
+
+
+class OutOfBudgetError(Exception):
+    """A run that cost as much as it may; no scheme takes it for a failure of its own."""
+
+
+@dataclass(frozen=True)
+class Budget(ABC):
+    """A limit of one run; ``column`` of the table of runs counts against it."""
+
+    column: str = field(init=False)
+
+    @abstractmethod
+    def limit(self) -> float:
+        """The largest value of ``column``, at which a run is stopped."""
+
+    @abstractmethod
+    def certain(self) -> float:
+        """Runs that cost no more are made on any day; those that cost more may be stopped on a busy one."""
+
+    @abstractmethod
+    def spent(self, began: float, evaluations: int) -> float:
+        """What a run has cost that began at the CPU time ``began`` and evaluated the drift so many times."""
+
+
+@dataclass(frozen=True)
+class CpuSeconds(Budget):
+    """So many seconds of CPU time of this process, all its threads together.
+
+    The same run takes more CPU time beside others. So a run is stopped only after GRACE times the seconds, and what
+    costs more than a part of them is reported as being at the limit.
+    """
+
+    seconds: float
+    column: str = field(init=False, default="cpu_seconds")
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "seconds", number("seconds", self.seconds, positive=True))
+
+    def limit(self) -> float:
+        """GRACE times the seconds."""
+        return GRACE * self.seconds
+
+    def certain(self) -> float:
+        """The seconds over CERTAIN."""
+        return self.seconds / CERTAIN
+
+    def spent(self, began: float, evaluations: int) -> float:
+        """CPU time since the run began [s]."""
+        return time.process_time() - began
+
+    def __str__(self) -> str:
+        return f"{self.seconds:g} s of CPU time"
+
+
+@dataclass(frozen=True)
+class DriftEvaluations(Budget):
+    """So many evaluations of the drift: the same on every machine."""
+
+    count: int
+    column: str = field(init=False, default="drift_evaluations")
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "count", integer("count", self.count, least=1))
+
+    def limit(self) -> float:
+        """The count."""
+        return float(self.count)
+
+    def certain(self) -> float:
+        """The count."""
+        return float(self.count)
+
+    def spent(self, began: float, evaluations: int) -> float:
+        """Evaluations made."""
+        return float(evaluations)
+
+    def __str__(self) -> str:
+        return f"{self.count} evaluations of the drift"
+
+
+class CountedDrift:
+    """The drift of a problem, counted; it raises OutOfBudgetError once a budget is spent."""
+
+    def __init__(self, drift: Any, budget: Budget | None) -> None:
+        self._drift, self._budget = drift, budget
+        self.evaluations, self.began = 0, time.process_time()
+
+    def __call__(self, t: float, x: Any) -> Any:
+        self.evaluations += 1
+        if self._budget is not None and self._budget.spent(self.began, self.evaluations) > self._budget.limit():
+            raise OutOfBudgetError
+        return self._drift(t, x)
+
+
+def counted(problem: Any, budget: Budget | None) -> tuple[Any, CountedDrift | None]:
+    """The problem with a counted drift, and that drift; anything but a dincl.Problem comes back as it is."""
+    if not isinstance(problem, Problem):
+        return problem, None
+    drift = CountedDrift(problem.drift, budget)
+    same = copy.copy(problem)
+    object.__setattr__(same, "drift", drift)  # checked already, with the drift inside
+    return same, drift

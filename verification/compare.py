@@ -1,0 +1,58 @@
+"""A comparison that a file names: problem, methods, settings; tables, charts and a page come out."""
+
+from __future__ import annotations
+
+import runpy
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dincl import InvalidProblem, Problem
+from dincl.checks import describe
+from verification.budget import CpuSeconds
+from verification.order import MIN_STEPS
+from verification.order_study import order_study
+from verification.reference import reference
+from verification.result import save
+from verification.work_precision import work_precision
+
+NEEDED = ("problem", "methods", "settings", "t")
+BUDGET = CpuSeconds(2.0)
+TOL = 1e-11
+
+
+def compare(file: Path, out: Path) -> Path:
+    """Run the comparison of ``file`` and write its page into ``out``; return the path of the page.
+
+    The file is a Python program that leaves these names: ``problem``, ``methods``, ``settings``, ``t``, as
+    ``work_precision`` takes them; and, where the defaults do not serve, ``reference`` (``reference(problem, tol)``
+    with tol = 1e-11) and ``budget`` (2 s of CPU time a run). An order is fitted where all settings are steps and there
+    are five.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no such file, a name is missing, or what it names cannot be compared.
+    """
+    if not file.is_file():
+        raise InvalidProblem(f"file = {str(file)!r}: there is no such file")
+    named = runpy.run_path(str(file))
+    given = [named.get(name) for name in NEEDED]
+    if missing := [name for name, value in zip(NEEDED, given, strict=True) if value is None]:
+        raise InvalidProblem(f"{file.name} does not name {', '.join(missing)}: it must name {', '.join(NEEDED)}")
+    problem, methods, settings, t = given
+    known = named.get("reference") or _reference(problem, file)
+    budget = named.get("budget", BUDGET)
+    chart = work_precision(problem, methods, settings, t, known, budget)
+    results: list[Any] = [chart]
+    if not isinstance(settings, Mapping) and len(settings) >= MIN_STEPS:
+        results.insert(0, order_study(problem, methods, settings, t, known, budget=budget))
+    return save(results, out)
+
+
+def _reference(problem: object, file: Path) -> Any:
+    if not isinstance(problem, Problem):
+        raise InvalidProblem(
+            f"{file.name} names a problem, {describe(problem)}, that is no dincl.Problem: it must name a reference, too"
+        )
+    return reference(problem, TOL)

@@ -1,0 +1,94 @@
+"""A method: what turns a setting into positions, with a name and a family."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from dincl import InvalidProblem, Scheme
+from dincl.checks import describe
+
+SchemeOf = Callable[[float], Scheme]
+Methods = Mapping[str, "Method | SchemeOf"] | Sequence["Method"]
+
+
+@dataclass(frozen=True)
+class Method:
+    """A way to solve problems, with one setting that fixes its accuracy.
+
+    Give either ``scheme`` or ``run``; the second lets any program stand beside the schemes of ``dincl``.
+
+    Parameters
+    ----------
+    label
+        The name in tables and legends.
+    family
+        Methods of one family are drawn in one colour, and the best of each family is found; "" is the label itself.
+    scheme
+        setting -> Scheme, such as ``dincl.PBD``.
+    run
+        (problem, setting, t) -> the states at the times t, an array whose first axis is time: (K, N, d) for particles.
+    setting
+        What the setting is: "dt" [time], or "tol" [length] of a method that chooses its steps.
+    most_unknowns
+        The largest number of unknowns N d that it is made for, or None.
+    look
+        Keywords of matplotlib, such as ``color`` and ``marker``, where the chart is not to choose.
+
+    Raises
+    ------
+    InvalidProblem
+        If neither or both of ``scheme`` and ``run`` are given, or one is no callable.
+    """
+
+    label: str
+    family: str = ""
+    scheme: SchemeOf | None = None
+    run: Callable[[Any, float, Any], Any] | None = None
+    setting: str = "dt"
+    most_unknowns: int | None = None
+    look: Mapping[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        given = [name for name in ("scheme", "run") if getattr(self, name) is not None]
+        if not isinstance(self.label, str) or not self.label:
+            raise InvalidProblem(f"label = {describe(self.label)}: must be a name")
+        if len(given) != 1 or not callable(getattr(self, given[0])):
+            raise InvalidProblem(
+                f"method {self.label!r}: give scheme, a function setting -> Scheme, or run, a function "
+                f"(problem, setting, t) -> states; given are {', '.join(given) or 'none of them'}"
+            )
+        object.__setattr__(self, "family", self.family or self.label)
+
+
+def as_methods(methods: Methods) -> tuple[Method, ...]:
+    """A list of methods from the forms in which they may be given: label -> (setting -> scheme), or Method objects.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is none, one is neither a Method nor a callable, or two have one label.
+    """
+    if isinstance(methods, Mapping):
+        pairs = [(str(label), method) for label, method in methods.items()]
+    elif isinstance(methods, Sequence) and not isinstance(methods, str):
+        pairs = [(getattr(method, "label", ""), method) for method in methods]
+    else:
+        raise InvalidProblem(f"methods = {describe(methods)}: must map labels to methods, or be a list of Method")
+    found = tuple(_as_method(label, method) for label, method in pairs)
+    labels = [method.label for method in found]
+    twice = {label for label in labels if labels.count(label) > 1}
+    if twice or not found:
+        raise InvalidProblem(f"methods has {'no entry' if not found else f'two named {sorted(twice)}'}: labels differ")
+    return found
+
+
+def _as_method(label: str, method: object) -> Method:
+    if isinstance(method, Method):
+        return method
+    if not callable(method) or not label:
+        raise InvalidProblem(
+            f"methods[{label!r}] = {describe(method)}: must be a Method or a function setting -> Scheme"
+        )
+    return Method(label, scheme=method)

@@ -1,0 +1,154 @@
+"""Orders of convergence: methods on one problem over a ladder of settings, with fitted slopes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from dincl import InvalidProblem
+from verification.budget import Budget
+from verification.measure import NORMS, measure
+from verification.method import Methods, as_methods
+from verification.order import MIN_STEPS, Order, estimate, order_text
+from verification.reference import known_at
+from verification.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class OrderStudy(Result):
+    """Errors against the setting, and the slope of each curve.
+
+    Attributes
+    ----------
+    table
+        One row for each method and setting: status, errors, counted work; ``role`` of the row in the fit of the first
+        error ("used", "pre-asymptotic", "floor", "failed") and ``slope`` from the next coarser row.
+    fits
+        One row for each method and error: ``order`` in words, ``slope`` with the 95 % interval ``low``, ``high``,
+        ``floor`` (what of the error was covered), ``failed`` runs, and the ``verdict`` as a sentence.
+    errors
+        Names of the errors, the first is drawn.
+    looks
+        label -> keywords of matplotlib.
+    """
+
+    table: pd.DataFrame
+    fits: pd.DataFrame
+    errors: tuple[str, ...]
+    looks: dict[str, dict[str, Any]]
+    title: str = "Order of convergence"
+    name: str = "orders"
+
+    def plot(self, ax: Axes | None = None, error: str = "") -> Axes:
+        """The error against the setting, in logarithms; rows that the fit left out are hollow, failed ones crosses."""
+        from verification.page.charts import draw_orders
+
+        return draw_orders(self, error or self.errors[0], ax)
+
+    def summaries(self) -> dict[str, pd.DataFrame]:
+        """The fits."""
+        return {"Slopes with 95 % intervals.": self.fits[["method", "error", "order", "failed", "verdict"]]}
+
+    def __repr__(self) -> str:
+        rows = self.fits.itertuples()
+        lines = [f"  {row.method}, {row.error}: {row.order}" for row in rows]
+        return "\n".join([f"OrderStudy of {self.table['method'].nunique()} methods", *lines])
+
+
+def order_study(
+    problem: Any,
+    methods: Methods,
+    settings: Sequence[float],
+    t: ArrayLike,
+    reference: Any,
+    errors: Sequence[str] = ("largest", "final"),
+    budget: Budget | None = None,
+) -> OrderStudy:
+    """Run every method with every setting, and fit error = C h^p on the asymptotic part of each curve.
+
+    Parameters
+    ----------
+    problem
+        A dincl.Problem, or whatever the methods can run.
+    methods
+        label -> (setting -> Scheme), or a list of Method.
+    settings
+        Steps or tolerances > 0, five at least, in any order [time or length].
+    t
+        Times at which states are compared, increasing.
+    reference
+        ``reference(problem, tol)``, a function t -> exact states, a Known, or an array (K, N, d).
+    errors
+        "largest" over t, "final" at the last t: max_i |X_i - exact| [length]; "overlap": max max(0, -g) over t.
+    budget
+        Of one run: CpuSeconds or DriftEvaluations. Finer settings than one that exceeds it are left out.
+
+    Raises
+    ------
+    InvalidProblem
+        For fewer than five settings, unknown names of errors, methods that are none, times that do not increase.
+    """
+    chosen, names = as_methods(methods), checked_errors(errors)
+    ladder = checked_settings(settings, least=MIN_STEPS)
+    known = known_at(reference, t)
+    rows = [row for method in chosen for row in measure(problem, method, ladder, known, names, budget, repeats=1)]
+    table, fits = pd.DataFrame(rows), []
+    for method in chosen:
+        mine = table["method"] == method.label
+        orders = {name: order_of(table[mine], name) for name in names}
+        fits += [{"method": method.label, "error": name} | _fit(order) for name, order in orders.items()]
+        table.loc[mine, "role"] = [row.role for row in orders[names[0]].rows]
+        table.loc[mine, "slope"] = [np.nan if row.slope is None else row.slope for row in orders[names[0]].rows]
+    looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
+    return OrderStudy(table, pd.DataFrame(fits), names, looks)
+
+
+def order_of(rows: pd.DataFrame, error: str) -> Order:
+    """The order of one method, from its rows (from coarse to fine); the reference's error is the floor.
+
+    The overlap has no reference; its floor is rounding.
+    """
+    floor = 0.0 if error == "overlap" else float(np.nan_to_num(rows["reference_error"]).max())
+    failed = (rows["status"] != "SUCCESS").to_numpy()
+    return estimate(rows["setting"], rows[error].where(~failed), floor=floor, failed=failed)
+
+
+def checked_errors(errors: Sequence[str]) -> tuple[str, ...]:
+    """Names of errors, one at least, each known."""
+    names = (errors,) if isinstance(errors, str) else tuple(errors)
+    unknown = [name for name in names if name not in NORMS]
+    if unknown or not names:
+        raise InvalidProblem(f"errors = {errors!r}: must be one or more of {', '.join(NORMS)}")
+    return names
+
+
+def checked_settings(settings: Sequence[float], least: int = 1) -> tuple[float, ...]:
+    """Different numbers > 0, from coarse to fine."""
+    try:
+        ladder = tuple(sorted({float(setting) for setting in settings}, reverse=True))
+    except (TypeError, ValueError):
+        ladder = ()
+    if len(ladder) < least or not all(0 < setting < np.inf for setting in ladder):
+        raise InvalidProblem(f"settings = {settings!r}: must be {least} or more different numbers > 0")
+    return ladder
+
+
+def _fit(order: Order) -> dict[str, Any]:
+    low, high = order.interval or (np.nan, np.nan)
+    return {
+        "order": order_text(order),
+        "slope": np.nan if order.slope is None else order.slope,
+        "low": low,
+        "high": high,
+        "floor": order.resolution,
+        "failed": order.count("failed"),
+        "verdict": order.verdict,
+    }

@@ -1,0 +1,151 @@
+"""The charts of the instruments, from their tables only."""
+
+from __future__ import annotations
+
+from itertools import cycle
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from verification.cheapest import NOT_TRIED, RESOLVED, accuracy
+from verification.page.sheet import GREY, Axes, own_axes
+
+if TYPE_CHECKING:
+    from verification.order_study import OrderStudy
+    from verification.stability import StabilityMap
+    from verification.work_precision import WorkPrecision
+
+Floats = NDArray[np.float64]
+# One colour for each family (Okabe and Ito's palette, apart from yellow, which is too light for lines).
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#6f6f6f")
+MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
+NAMES = {
+    "largest": "largest error in time",
+    "final": "error at the end",
+    "overlap": "largest overlap",
+    "cpu_seconds": "CPU time [s]",
+    "setting": "setting",
+}
+# Errors below this are rounding; they are drawn on the lower edge.
+LOWEST = 1e-16
+
+
+def styles(looks: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+    """label -> keywords of a line: a colour for each family, a marker for each of its methods."""
+    families = list(dict.fromkeys(look["family"] for look in looks.values()))
+    colours = dict(zip(families, cycle(COLOURS), strict=False))
+    used = dict.fromkeys(families, 0)
+    found = {}
+    for label, look in looks.items():
+        family = look["family"]
+        marker = MARKERS[used[family] % len(MARKERS)]
+        used[family] += 1
+        given = {name: value for name, value in look.items() if name != "family"}
+        found[label] = {"color": colours[family], "marker": marker, "linestyle": "-"} | given
+    return found
+
+
+def draw_orders(study: OrderStudy, error: str, ax: Axes | None) -> Axes:
+    """Error against setting; the fitted line of each method, rows outside of the fit hollow, failures crosses."""
+    panel = own_axes(ax)
+    for label, look in styles(study.looks).items():
+        rows = study.table[study.table["method"] == label]
+        fit = study.fits[(study.fits["method"] == label) & (study.fits["error"] == error)].iloc[0]
+        _line(panel, rows, "setting", rows[error], look, f"{label}: {fit['order']}")
+        _failures(panel, rows, "setting", look)
+    _floor(panel, study.table, error)
+    panel.set(xlabel=NAMES["setting"], ylabel=NAMES[error], title=study.title)
+    panel.legend(fontsize="small")
+    return panel
+
+
+def draw_work_precision(chart: WorkPrecision, error: str, cost: str, ax: Axes | None) -> Axes:
+    """Error against cost, coarse settings left."""
+    panel = own_axes(ax)
+    for label, look in styles(chart.looks).items():
+        rows = chart.table[chart.table["method"] == label].sort_values("setting", ascending=False)
+        _line(panel, rows, cost, accuracy(rows, error), look, label)
+        _failures(panel, rows, cost, look)
+    _floor(panel, chart.table, error)
+    panel.set(xlabel=NAMES.get(cost, cost.replace("_", " ")), ylabel=NAMES[error], title=chart.title)
+    panel.legend(fontsize="small")
+    return panel
+
+
+def _line(panel: Axes, rows: pd.DataFrame, x: str, y: pd.Series, look: dict[str, Any], label: str) -> None:
+    """A curve; values of zero stand on the lower edge."""
+    done = ((rows["status"] == "SUCCESS") & (rows[x] > 0)).to_numpy()
+    if not done.any():
+        return
+    values = y.to_numpy(float)[done].clip(LOWEST)
+    panel.loglog(rows[x].to_numpy(float)[done], values, label=label, **look)
+    if "role" in rows:
+        hollow = (rows["role"].to_numpy() != "used")[done]
+        outside = {"color": look["color"], "marker": look["marker"], "linestyle": "none", "markerfacecolor": "white"}
+        panel.loglog(rows[x].to_numpy(float)[done][hollow], values[hollow], **outside)
+
+
+def _failures(panel: Axes, rows: pd.DataFrame, x: str, look: dict[str, Any]) -> None:
+    failed = rows[~rows["status"].isin(("SUCCESS", *NOT_TRIED)) & (rows[x] > 0)]
+    panel.plot(
+        failed[x], np.full(len(failed), 0.97), "x", color=look["color"], transform=panel.get_xaxis_transform(), mew=1.6
+    )
+
+
+def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
+    """Where the reference itself is no better."""
+    limit = RESOLVED * float(np.nan_to_num(table["reference_error"]).max())
+    low, high = panel.get_ylim()
+    if error == "overlap" or not low < limit < high:
+        return
+    panel.axhspan(low, limit, color="#efefef", zorder=0)
+    text = "not resolved by the reference"
+    panel.text(0.02, limit, text, transform=panel.get_yaxis_transform(), va="top", color=GREY, fontsize=7)
+    panel.set_ylim(low, high)
+
+
+def draw_stability(found: StabilityMap, ax: Axes | None) -> Axes:
+    """The outcome of every cell, one colour for each word."""
+    from verification.outcome import COLOURS as COLOUR_OF
+
+    panel = own_axes(ax)
+    x, y = (np.array(sorted(found.table[name].unique())) for name in (found.x, found.y))
+    words = found.table.pivot(index=found.y, columns=found.x, values="outcome").loc[y, x].to_numpy()
+    colours = np.array([[rgb(COLOUR_OF[word]) for word in line] for line in words])
+    across, up = is_geometric(x), is_geometric(y)
+    panel.pcolormesh(edges(x, across), edges(y, up), colours, edgecolors="white", linewidth=0.3)
+    panel.set(xlabel=found.x, ylabel=found.y, title=found.title)
+    panel.set_xscale("log" if across else "linear")
+    panel.set_yscale("log" if up else "linear")
+    panel.grid(visible=False)
+    for word in dict.fromkeys(found.table["outcome"]):
+        panel.plot([], [], "s", color=COLOUR_OF[word], label=word)
+    panel.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    return panel
+
+
+def is_geometric(values: Floats) -> bool:
+    """Whether values > 0 are spaced by ratios rather than by differences."""
+    if len(values) < 3 or values[0] <= 0:
+        return False
+    ratios, steps = values[1:] / values[:-1], np.diff(values)
+    return bool(np.std(np.log(ratios)) / np.mean(np.log(ratios)) < np.std(steps) / np.mean(steps))
+
+
+def edges(values: Floats, logarithmic: bool) -> Floats:
+    """The sides of cells around ``values``, halfway between them."""
+    places = np.log(values) if logarithmic else values
+    if len(places) == 1:
+        places = np.array([places[0] - 0.5, places[0] + 0.5])
+        return np.exp(places) if logarithmic else places
+    middle = (places[1:] + places[:-1]) / 2
+    ends = [2 * places[0] - middle[0], 2 * places[-1] - middle[-1]]
+    found: Floats = np.concatenate((ends[:1], middle, ends[1:]))
+    return np.exp(found) if logarithmic else found
+
+
+def rgb(colour: str) -> list[float]:
+    """Red, green and blue in [0, 1] of "#rrggbb"."""
+    return [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]

@@ -1,0 +1,67 @@
+"""A page of results: the picture and the short tables of each, and the files beside it."""
+
+from __future__ import annotations
+
+import base64
+import os
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+
+from dincl import InvalidProblem
+from dincl.checks import describe
+from verification.page.report import Grid, machine
+from verification.result import Result
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """What the template reads of one result."""
+
+    title: str
+    file: str
+    picture: str
+    grids: list[Grid]
+
+
+def write_page(results: Sequence[Result], folder: Path) -> Path:
+    """Save every result into ``folder`` and write the page; InvalidProblem for an object that is no result."""
+    for result in results:
+        if not isinstance(result, Result):
+            raise InvalidProblem(f"results holds {describe(result)}: must be results of the instruments")
+    named = _named(results)
+    shown = [_shown(result, result.save(folder)) for result in named]
+    environment = Environment(
+        loader=PackageLoader("verification.page"),
+        autoescape=select_autoescape(),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
+    page = environment.get_template("results.html").render(results=shown, facts=list(machine()), made=made)
+    path, new = folder / "index.html", folder / ".index.html.new"
+    new.write_text(page, "utf-8")
+    os.replace(new, path)
+    return path
+
+
+def _named(results: Sequence[Any]) -> list[Any]:
+    """The results with different names: the second one of a name gets the number 2."""
+    seen: dict[str, int] = {}
+    found = []
+    for result in results:
+        seen[result.name] = seen.get(result.name, 0) + 1
+        count = seen[result.name]
+        found.append(result if count == 1 else replace(result, name=f"{result.name}_{count}"))
+    return found
+
+
+def _shown(result: Result, folder: Path) -> _Shown:
+    picture = base64.b64encode((folder / f"{result.name}.png").read_bytes()).decode("ascii")
+    grids = [Grid(rows, caption, result.name) for caption, rows in result.summaries().items()]
+    return _Shown(result.title, f"{result.name}.csv", f"data:image/png;base64,{picture}", grids)

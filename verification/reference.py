@@ -1,0 +1,139 @@
+"""What is known of a solution: positions with a stated error, from a formula, from events, or from halved steps."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+import dincl
+from dincl.checks import array, describe, number
+from dincl.scenes import Scene
+
+Floats = NDArray[np.float64]
+# Two times are the same if they differ by less than this [time]; kept times are multiples of 0.05 or more.
+SAME = 5e-8
+# Of an exact solution that was rounded to double numbers, relative to the largest coordinate.
+ROUNDING = 4 * np.finfo(float).eps
+# The stated error over the distance between the last two runs with halved steps, and halvings at most.
+SAFETY, MOST_HALVINGS = 2.0, 16
+
+
+@dataclass(frozen=True)
+class Known:
+    """The solution at some times.
+
+    Attributes
+    ----------
+    t, x
+        Times (K,) and states (K, N, d).
+    error
+        Stated error max_i |X_i - exact| at each time, (K,) [length].
+    """
+
+    t: Floats
+    x: Floats
+    error: Floats
+
+    def at(self, times: Floats | Sequence[float]) -> tuple[Floats, Floats]:
+        """States (len(times), N, d), stated errors (len(times),) at some of the times t; ValueError for others."""
+        wanted = np.asarray(times, dtype=np.float64)
+        index = np.abs(self.t - wanted[:, None]).argmin(axis=1)
+        if (np.abs(self.t[index] - wanted) > SAME).any():
+            raise ValueError(f"times = {wanted}: must be among the times of the reference, {self.t}")
+        return self.x[index], self.error[index]
+
+
+@dataclass(frozen=True)
+class Reference:
+    """A solution that is computed where it is asked for; see ``reference``."""
+
+    problem: dincl.Problem
+    tol: float
+    scheme: Callable[[float], dincl.Scheme] | None = None
+    dt: float | None = None
+
+    def __call__(self, t: ArrayLike) -> Known:
+        """The solution at increasing times t, (K,)."""
+        times = np.atleast_1d(array("t", t))
+        if isinstance(self.problem, Scene) and self.problem.exact is not None:
+            return _exact(times, self.problem.exact(times))
+        return self._event_driven(times) if self.scheme is None else self._halved(times)
+
+    def _event_driven(self, t: Floats) -> Known:
+        path = dincl.solve(self.problem, dincl.EventDriven(self.tol), t=t)
+        assert path.error is not None  # noqa: S101 - a run that succeeded has its estimate
+        return Known(path.t, path.x, path.error)
+
+    def _halved(self, t: Floats) -> Known:
+        assert self.scheme is not None  # noqa: S101 - the caller has looked
+        dt = self.dt or float(t[-1]) / 16
+        before = dincl.solve(self.problem, self.scheme(dt), t=t).x
+        for _ in range(MOST_HALVINGS):
+            dt /= 2
+            x = dincl.solve(self.problem, self.scheme(dt), t=t).x
+            moved = np.sqrt(((x - before) ** 2).sum(axis=-1)).max(axis=-1)
+            if SAFETY * moved.max() <= self.tol:
+                return Known(t, x, np.full(len(t), SAFETY * float(moved.max())))
+            before = x
+        raise RuntimeError(
+            f"tol = {self.tol:g}: not reached by steps down to dt = {dt:.3g}, the last two runs are "
+            f"{moved.max():.3g} apart; give a looser tol or a scheme of higher order"
+        )
+
+
+def reference(
+    problem: dincl.Problem,
+    tol: float,
+    scheme: Callable[[float], dincl.Scheme] | None = None,
+    dt: float | None = None,
+) -> Reference:
+    """A reference for a study: states with a stated error of at most ``tol``.
+
+    Exact where the problem is a scene with a formula; otherwise the event-driven scheme with its own estimate; with
+    ``scheme``, dt -> Scheme, steps halved from ``dt`` on until two runs are tol/2 apart at every time (of a method
+    that converges with order p >= 1 the finer one is then at most that far from the solution).
+
+    Raises
+    ------
+    InvalidProblem
+        If problem is no dincl.Problem, or tol, dt is no number > 0.
+    StepFailed, RuntimeError
+        From the call of the reference, if the tolerance is not reached.
+    """
+    if not isinstance(problem, dincl.Problem):
+        raise dincl.InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
+    if scheme is not None and not callable(scheme):
+        raise dincl.InvalidProblem(f"scheme = {describe(scheme)}: must be a function dt -> Scheme")
+    step = None if dt is None else number("dt", dt, positive=True)
+    return Reference(problem, number("tol", tol, positive=True), scheme, step)
+
+
+def known_at(source: Any, t: ArrayLike) -> Known:
+    """The solution at times t (K,) from a Reference, a Known, a function t -> states, or such a function's values.
+
+    Raises
+    ------
+    InvalidProblem
+        For times that are not increasing, or states that do not have K rows of finite numbers.
+    """
+    times = np.atleast_1d(array("t", t))
+    if times.ndim != 1 or times.size == 0 or (np.diff(times) <= 0).any():
+        raise dincl.InvalidProblem(f"t = {describe(t)}: must be one or more increasing times")
+    if isinstance(source, Known):
+        return Known(times, *source.at(times))
+    found = source(times) if callable(source) else source
+    if isinstance(found, Known):
+        return found
+    x = array("reference", found)
+    if x.ndim < 2 or len(x) != len(times):
+        raise dincl.InvalidProblem(f"reference of shape {x.shape}: must give one state for each of {len(times)} times")
+    return _exact(times, x)
+
+
+def _exact(t: Floats, x: ArrayLike) -> Known:
+    states = np.asarray(x, dtype=np.float64)
+    return Known(t, states, np.full(len(t), max(ROUNDING * float(np.abs(states).max()), np.finfo(float).tiny)))

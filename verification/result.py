@@ -1,0 +1,63 @@
+"""What every result of an instrument can do: be a table, a picture, a page, a folder."""
+
+from __future__ import annotations
+
+import base64
+import io
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+class Result(ABC):
+    """A result; frozen dataclasses that hold tables only, so that they pickle."""
+
+    title: str
+    name: str
+    table: pd.DataFrame
+
+    @abstractmethod
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """Draw it into ``ax``, or into a figure of its own."""
+
+    @abstractmethod
+    def summaries(self) -> dict[str, pd.DataFrame]:
+        """Short tables to read, by their captions."""
+
+    def png(self) -> bytes:
+        """The picture."""
+        file = io.BytesIO()
+        self.plot().figure.savefig(file, format="png")
+        return file.getvalue()
+
+    def _repr_html_(self) -> str:
+        picture = base64.b64encode(self.png()).decode("ascii")
+        tables = "".join(
+            f"<p>{caption}</p>{table.to_html(index=False, border=0)}" for caption, table in self.summaries().items()
+        )
+        return f'<h4>{self.title}</h4><img alt="{self.title}" src="data:image/png;base64,{picture}">{tables}'
+
+    def save(self, folder: str | Path) -> Path:
+        """Write the table (Parquet and CSV) and the picture into ``folder``; return the folder."""
+        from verification.table import write
+
+        out = Path(folder)
+        write(self.table, out / f"{self.name}.parquet")
+        (out / f"{self.name}.png").write_bytes(self.png())
+        return out
+
+
+def save(results: Sequence[Any] | Any, folder: str | Path) -> Path:
+    """Write the tables and pictures of results, and a page ``index.html`` that shows them; return its path.
+
+    Two results of one name get numbers. The page opens offline and links nothing outside of the folder.
+    """
+    from verification.page.results import write_page
+
+    return write_page(results if isinstance(results, Sequence) else [results], Path(folder))

@@ -1,0 +1,174 @@
+"""Speed against accuracy: what every method costs for the error that it makes, on one problem."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import pandas as pd
+from numpy.typing import ArrayLike
+
+from dincl import InvalidProblem
+from dincl.checks import describe
+from verification import cheapest
+from verification.budget import Budget
+from verification.measure import COUNTERS, REPEATS, measure
+from verification.method import Method, Methods, as_methods
+from verification.order_study import checked_errors, checked_settings
+from verification.reference import Known, known_at
+from verification.result import Result
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+TARGETS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+COSTS = ("cpu_seconds", *COUNTERS)
+Settings = Sequence[float] | Mapping[str, Sequence[float]]
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class WorkPrecision(Result):
+    """The chart of speed against accuracy.
+
+    Attributes
+    ----------
+    table
+        One row for each method and setting: family, status, errors, ``cpu_seconds`` (the shortest of ``repeats``) with
+        ``spread`` (longest over shortest), ``disturbed`` (the run waited for the processor), counted work.
+    errors
+        Names of the errors, the first is drawn.
+    budget
+        Of one run.
+    looks
+        label -> family and keywords of matplotlib.
+    """
+
+    table: pd.DataFrame
+    errors: tuple[str, ...]
+    budget: Budget
+    looks: dict[str, dict[str, Any]]
+    title: str = "Speed against accuracy"
+    name: str = "work_precision"
+
+    def cheapest(self, targets: Sequence[float] = TARGETS, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
+        """Who reaches each error at the smallest cost: a label, "tie", "at the limit" of the budget, "not reached".
+
+        Two CPU times count as different only if their ratio exceeds the measured spread; see ``cheapest.rank``.
+        """
+        found = cheapest.costs(self.table, _checked_targets(targets), self._error(error), _checked_cost(cost))
+        return cheapest.rank(found, self.budget.certain() if cost == self.budget.column else float("inf"))
+
+    def costs(self, targets: Sequence[float] = TARGETS, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
+        """What each method needs for each error: one row a method, one column a target, NaN where it is not reached."""
+        found = cheapest.costs(self.table, _checked_targets(targets), self._error(error), _checked_cost(cost))
+        wide = found.pivot(index="method", columns="target", values="value").replace(float("inf"), float("nan"))
+        return wide.loc[list(self.looks), sorted(wide, reverse=True)]
+
+    def families(self, targets: Sequence[float] = TARGETS, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
+        """The best method of each family for each error, and its cost."""
+        found = cheapest.costs(self.table, _checked_targets(targets), self._error(error), _checked_cost(cost))
+        there = found[found["value"] < float("inf")].assign(family=lambda rows: rows["method"].map(self._family))
+        best = there.sort_values("value").groupby(["target", "family"], sort=False).head(1)
+        return best.sort_values(["target", "value"], ascending=[False, True], ignore_index=True)
+
+    def front(self, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
+        """The efficient runs: no other has both a smaller error and a smaller cost; from cheap to dear."""
+        return cheapest.front(self.table, self._error(error), _checked_cost(cost))
+
+    def plot(self, ax: Axes | None = None, error: str = "", cost: str = "cpu_seconds") -> Axes:
+        """Error against cost in logarithms, families by colour; runs that failed are crosses on the upper edge."""
+        from verification.page.charts import draw_work_precision
+
+        return draw_work_precision(self, self._error(error), _checked_cost(cost), ax)
+
+    def summaries(self) -> dict[str, pd.DataFrame]:
+        """Who is the cheapest, and what each method needs."""
+        disturbed = int(self.table["disturbed"].sum())
+        note = f" {disturbed} of {len(self.table)} measurements were disturbed by other programs." if disturbed else ""
+        return {
+            f"The cheapest method for each error ({self.errors[0]}), CPU time in seconds.{note}": self.cheapest(),
+            "CPU seconds that each method needs for an error (nan: not reached).": self.costs().reset_index(),
+        }
+
+    def __repr__(self) -> str:
+        won = self.cheapest()
+        parts = [f"  {row.target:g}: {row.cheapest}" for row in won.itertuples()]
+        return "\n".join([f"WorkPrecision of {len(self.looks)} methods; cheapest by CPU time", *parts])
+
+    def _error(self, error: str) -> str:
+        if error and error not in self.errors:
+            raise InvalidProblem(f"error = {error!r}: must be one of {', '.join(self.errors)}, which were measured")
+        return error or self.errors[0]
+
+    def _family(self, label: str) -> str:
+        return str(self.looks[label]["family"])
+
+
+def work_precision(
+    problem: Any,
+    methods: Methods,
+    settings: Settings,
+    t: ArrayLike,
+    reference: Any,
+    budget: Budget,
+    errors: Sequence[str] = ("largest", "final", "overlap"),
+) -> WorkPrecision:
+    """Run every method from coarse to fine settings until a run exceeds the budget; errors against cost.
+
+    Parameters
+    ----------
+    problem, methods, t, reference, errors
+        As for ``order_study``.
+    settings
+        Steps or tolerances > 0; or a mapping from labels of methods, or from "dt" and "tol", to them.
+    budget
+        Of one run: ``CpuSeconds(2.0)`` or ``DriftEvaluations(10**5)``. Wall time is no budget: it depends on what else
+        the machine does. A program that never calls the drift is not stopped; after it, nothing finer is tried.
+
+    Raises
+    ------
+    InvalidProblem
+        For input outside of what is listed.
+    """
+    if not isinstance(budget, Budget):
+        raise InvalidProblem(f"budget = {describe(budget)}: must be CpuSeconds(...) or DriftEvaluations(...)")
+    chosen, names, known = as_methods(methods), checked_errors(errors), known_at(reference, t)
+    rows = [
+        row
+        for method in chosen
+        for row in rows_of(problem, method, settings_of(method, settings), known, names, budget)
+    ]
+    looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
+    return WorkPrecision(pd.DataFrame(rows), names, budget, looks)
+
+
+def rows_of(
+    problem: Any, method: Method, settings: Sequence[float], known: Known, errors: Sequence[str], budget: Budget
+) -> list[dict[str, Any]]:
+    """The rows of one method, as they are in the table of the chart."""
+    rows = measure(problem, method, settings, known, errors, budget, REPEATS)
+    return [{"method": method.label, "family": method.family} | row for row in rows]
+
+
+def settings_of(method: Method, settings: Settings) -> tuple[float, ...]:
+    """The settings of one method, from coarse to fine."""
+    if not isinstance(settings, Mapping):
+        return checked_settings(settings)
+    name = method.label if method.label in settings else method.setting
+    if name not in settings:
+        raise InvalidProblem(f"settings has no entry {method.label!r} or {method.setting!r}, which this method needs")
+    return checked_settings(settings[name])
+
+
+def _checked_targets(targets: Sequence[float]) -> tuple[float, ...]:
+    found = tuple(float(target) for target in targets)
+    if not found or not all(0 < target < float("inf") for target in found):
+        raise InvalidProblem(f"targets = {describe(targets)}: must be one or more errors > 0")
+    return found
+
+
+def _checked_cost(cost: str) -> str:
+    if cost not in COSTS:
+        raise InvalidProblem(f"cost = {cost!r}: must be one of {', '.join(COSTS)}")
+    return cost
