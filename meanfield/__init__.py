@@ -11,6 +11,7 @@ from meanfield.errors import NotClosed, SolveFailed
 from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
 from meanfield.model.model import Model
 from meanfield.model.state import State
+from meanfield.solvers.carried import carry_density
 from meanfield.solvers.characteristics import Flow, solve_characteristics
 from meanfield.solvers.dae import solve_dae
 from meanfield.solvers.grid.motion import GridMotion
@@ -44,6 +45,7 @@ __all__ = [
     "WavyFibre",
     "Weighted",
     "Work",
+    "carry_density",
     "reduce",
     "sample_moments",
     "solve_characteristics",

@@ -18,7 +18,7 @@ from meanfield.model.closure import closure, obstacle
 from meanfield.solvers.arguments import times, tolerance
 from meanfield.solvers.integrate import integrate
 from meanfield.solvers.motion import Work
-from meanfield.solvers.result import Result
+from meanfield.solvers.result import SolverResult
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -41,7 +41,7 @@ class Moments(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class MomentMotion(Result):
+class MomentMotion(SolverResult):
     """y, y' (K, ny) and the moments rho (K, nx), sigma (K, nx, nx) at K times; how the run ended, and what it cost."""
 
     model: Model
@@ -179,6 +179,7 @@ class _Unknowns:
             raise InvalidProblem(f"y0 = {describe(y)}: must be where dg/dX has full rank (5.5)")
 
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+        """z' and the orientation at z; NaN where there is none."""
         y, v, rho, sigma = self.split(z)
         n, ny = self._model.nx, self._model.ny
         with np.errstate(all="ignore"):

@@ -12,7 +12,7 @@ from meanfield.forces.interaction import forces, pair_energy
 from meanfield.forces.weights import each
 from meanfield.model.state import State
 from meanfield.solvers.particles import draw_particles
-from meanfield.solvers.result import Result
+from meanfield.solvers.result import SolverResult
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -33,7 +33,7 @@ class Work(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Motion(Result):
+class Motion(SolverResult):
     """Particles and macroscopic component at K times.
 
     Parameters

@@ -95,11 +95,13 @@ class _Transported:
         self.shares[: 2 * model.ny] = start.X.size
 
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+        """z' and the orientation at z; NaN where there is none."""
         y, v, X = self._split(z)
         found = field(self._model, X, self._weights, y, v)
         return np.concatenate([v, found.acceleration(), found.U.ravel()]), found.orientation
 
     def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        """X of shape (N, nx) at z."""
         return self._split(z)[2]
 
     def _split(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:

@@ -127,6 +127,7 @@ class Explicit:
         self._few = points(sample_moments(start.level, weights)) if closure(self._model) else None
 
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
+        """z' and the orientation at z; NaN where there is none."""
         ny = self._model.ny
         y, v = z[:ny], z[ny:]
         level, weights = (self._level, self._weights) if self._few is None else self._few
@@ -134,6 +135,7 @@ class Explicit:
         return np.concatenate([v, found.acceleration()]), found.orientation
 
     def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
+        """X of shape (N, nx) at z."""
         return self._placed(self._level, z[: self._model.ny])
 
     def _placed(self, level: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -23,7 +23,7 @@ SHOWN = 12
 DENSITIES = 4
 
 
-class Result(ABC):
+class SolverResult(ABC):
     """A motion at K kept times: times t (K,), macroscopic state y and velocity v (K, ny), and how the run ended."""
 
     t: NDArray[np.float64]

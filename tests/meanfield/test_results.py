@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import meanfield as mf
-from meanfield.solvers.result import Result, chosen
+from meanfield.solvers.result import SolverResult, chosen
 from tests.meanfield.models import EVERY, MODELS, start
 
 mpl.use("Agg")
@@ -47,8 +47,8 @@ RESULTS = {
 
 
 @pytest.fixture(scope="module", params=RESULTS)
-def result(request: pytest.FixtureRequest) -> Result:
-    made: Result = RESULTS[request.param]()
+def result(request: pytest.FixtureRequest) -> SolverResult:
+    made: SolverResult = RESULTS[request.param]()
     return made
 
 

@@ -15,6 +15,7 @@ from scipy.stats import wasserstein_distance
 from dincl import InvalidProblem
 from meanfield import Density, Panels, SolveFailed, Weighted, w1
 from meanfield.transport import discrete
+from verification.rates import IID, PAIR, QUANTILES
 from verification.thesis.chapter5 import sampling
 
 UNIFORM, NORMAL = Density.uniform(0.0, 1.0), Density.normal(0.0, 1.0)
@@ -175,7 +176,7 @@ def made_up(d, law):
     """40 values for each size, 10 % above and below the law in turn."""
     counts = np.repeat([10, 100, 300, 1000, 3000], 40)
     values = law(counts) * (1 + 0.1 * np.tile([-1, 1], 100))
-    rows = {"d": d, "start": sampling.PAIR, "N": counts, "w1": values, "seconds": 0.0}
+    rows = {"d": d, "start": PAIR, "N": counts, "w1": values, "seconds": 0.0}
     return sampling.means(pd.DataFrame(rows))
 
 
@@ -205,9 +206,9 @@ def test_kept_rates():
     assert (table["upper"] - table["lower"] <= sampling.GAP * table["upper"]).all()
     means = sampling.means(table)
     rates = sampling.exponents(means).set_index(["d", "start"])
-    assert rates.loc[(1, sampling.IID), "low"] < -0.5 < rates.loc[(1, sampling.IID), "high"]
-    assert abs(rates.loc[(1, sampling.QUANTILES), "exponent"] + 1) < 1e-12
-    assert rates.loc[(2, sampling.PAIR), "low"] > -0.5  # slower than without logarithm
+    assert rates.loc[(1, IID), "low"] < -0.5 < rates.loc[(1, IID), "high"]
+    assert abs(rates.loc[(1, QUANTILES), "exponent"] + 1) < 1e-12
+    assert rates.loc[(2, PAIR), "low"] > -0.5  # slower than without logarithm
     laws = sampling.laws(means).set_index("law")
     assert abs(laws["a"].iloc[0] - np.sqrt(np.pi / 32)) < laws["a_half"].iloc[0]
     fits = laws[["d", "misfit"]].groupby("d")["misfit"]
@@ -215,7 +216,7 @@ def test_kept_rates():
     assert fits.idxmin().loc[[2, 3]].tolist() == ["((a + b log N) / N)^1/2", "a N^-1/3 + b N^-1/2"]
 
 
-@pytest.mark.parametrize(("d", "start"), [(1, sampling.IID), (1, sampling.QUANTILES), (2, sampling.PAIR)])
+@pytest.mark.parametrize(("d", "start"), [(1, IID), (1, QUANTILES), (2, PAIR)])
 def test_a_kept_rate_is_made_again(d, start):
     key = {"d": d, "start": start, "N": 100, "repeat": 0}
     kept = pd.read_parquet(sampling.FILE).set_index(list(sampling.KEY)).loc[tuple(key.values())]

@@ -13,7 +13,7 @@ from meanfield import plotting
 from meanfield.density.panels import Panels
 from meanfield.forces.interaction import pair_energy
 from meanfield.solvers.grid.cells import CellGrid
-from meanfield.solvers.result import DENSITIES, Result, chosen
+from meanfield.solvers.result import DENSITIES, SolverResult, chosen
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class GridMotion(Result):
+class GridMotion(SolverResult):
     """The mean-field PDE (5.42) on a grid that stays where it is.
 
     Parameters

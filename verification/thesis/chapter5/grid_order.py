@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import GridMotion, Moments, solve_characteristics, solve_moments, solve_pde, w1
+from meanfield import GridMotion, Moments, carry_density, solve_characteristics, solve_moments, solve_pde, w1
+from meanfield.solvers.carried import origins
 from meanfield.solvers.grid.cells import CellGrid
 from verification.order import estimate, order_text
 from verification.study import Key, Study
@@ -45,7 +46,7 @@ class Carried(NamedTuple):
     def density(self, x: Floats) -> Floats:
         """f at points (n, nx)."""
         model, y0 = cases.model(self.name), np.array(cases.CASES[self.name].y0)
-        before = exact.origins(model, x, self.y, y0)
+        before = origins(model, x, self.y, y0)
         now, then = (np.linalg.det(model.jacobians(*at)[0]) for at in ((x, self.y), (before, y0)))
         return np.asarray(cases.law(self.name).density(before) * np.abs(now / then))
 
@@ -105,7 +106,7 @@ def _errors(name: str, motion: GridMotion, known: Limit) -> dict[str, Any]:
     distance = np.nan
     if model.nx == 1:
         true = exact.averages(model, law, y0, known.y, grid.edges[0])
-        distance = w1(motion.density(0), exact.carried(model, law, y0, known.y))
+        distance = w1(motion.density(0), carry_density(model, law, y0, known.y))
     else:
         low, high = np.asarray(BOXES[name])
         true = grid.averages(Carried(name, known.y, low, high))  # type: ignore[arg-type]
