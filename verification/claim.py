@@ -1,16 +1,24 @@
-"""A statement of the thesis, the check that decides it, and what to read instead where it is wrong."""
+"""A statement, the check that decides it, and what to read instead where it is wrong."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import KW_ONLY, dataclass
 from enum import Enum
+from importlib import import_module
+from inspect import signature
+from types import ModuleType
+from typing import TYPE_CHECKING
 
-import pandas as pd
-
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
 from verification.evidence import Evidence, Kind
 
-Tables = Mapping[str, pd.DataFrame]
+if TYPE_CHECKING:
+    import pandas as pd
+
+# By name.
+Tables = Mapping[str, "pd.DataFrame"]
 
 
 class MissingRow(RuntimeError):
@@ -61,48 +69,137 @@ class Claim:
     Attributes
     ----------
     id
-        Unique short name; it begins with the chapter: c1 to c5, c0 the introduction, c6 the conclusions. Appendix 1
-        goes with chapter 3, appendix 2 with chapter 5.
-    source
-        Section, equation, table or figure of the chapter.
-    quote
-        One sentence or formula, as printed.
+        Unique short name, without spaces.
+    statement
+        What is stated, in own words.
     check
-        tables -> Evidence.
+        What decides it: () -> Evidence, or tables -> Evidence where ``needs`` names some.
+    source
+        Where it is stated.
+    quote
+        One sentence or formula of the source, as printed.
     needs
         Names of the tables that ``check`` reads.
-    statement
-        What is stated, in other words than those of the thesis.
     recorded
         The verdict that was found; another one is a regression.
     correction
         Where the statement is wrong as printed.
     chosen
-        What the text leaves open and the check had to choose.
+        What the source leaves open and the check had to choose.
     cost
         See ``Cost``.
+
+    Raises
+    ------
+    InvalidProblem
+        If a field is not of its kind, if ``check`` takes other arguments, or if a verdict after a correction is
+        recorded without one, or "holds" with one.
     """
 
     id: str
-    source: str
-    quote: str
-    check: Callable[[Tables], Evidence]
-    needs: tuple[str, ...] = ()
-    _: KW_ONLY
     statement: str
+    check: Callable[..., Evidence]
+    _: KW_ONLY
+    source: str = ""
+    quote: str = ""
+    needs: tuple[str, ...] = ()
     recorded: Kind = Kind.HOLDS
     correction: Correction | None = None
     chosen: str = ""
     cost: Cost = Cost.SECONDS
 
-    @property
-    def chapter(self) -> int:
-        """The chapter of the thesis, by the id."""
-        return int(self.id[1])
+    def __post_init__(self) -> None:
+        if not isinstance(self.id, str) or not self.id or self.id != "".join(self.id.split()):
+            raise InvalidProblem(f"id = {describe(self.id)}: must be a short name without spaces")
+        for name in ("statement", "source", "quote", "chosen"):
+            self._refuse_unless(name, isinstance(getattr(self, name), str), "text")
+        self._refuse_unless("statement", bool(self.statement.strip()), "a sentence")
+        named = isinstance(self.needs, tuple) and all(isinstance(name, str) and name for name in self.needs)
+        self._refuse_unless("needs", named, "a tuple of names of tables")
+        for name, kind in (("recorded", Kind), ("cost", Cost)):
+            self._refuse_unless(name, isinstance(getattr(self, name), kind), f"one of {', '.join(map(str, kind))}")
+        self._refuse_unless(
+            "correction", self.correction is None or isinstance(self.correction, Correction), "a Correction or None"
+        )
+        fitting = (Kind.CORRECTED, Kind.FAILS) if self.correction else (Kind.HOLDS, Kind.FAILS, Kind.OPEN)
+        self._refuse_unless(
+            "recorded",
+            self.recorded in fitting,
+            f"one of {', '.join(map(str, fitting))} {'with' if self.correction else 'without'} a correction",
+        )
+        arguments = len(signature(self.check).parameters) if callable(self.check) else -1
+        allowed = "a function of the tables" if self.needs else "a function without arguments, as it needs no table"
+        self._refuse_unless("check", arguments == bool(self.needs), allowed)
+
+    def _refuse_unless(self, name: str, right: bool, allowed: str) -> None:
+        if not right:
+            raise InvalidProblem(f"claim {self.id}: {name} = {describe(getattr(self, name))}: must be {allowed}")
+
+    def __reduce__(self) -> tuple[Callable[[str, str], Claim], tuple[str, str]]:
+        """A claim travels to other processes by its name: there the name of its check stands for the claim."""
+        return _find, (self.check.__module__, self.id)
+
+    def missing(self, tables: Tables) -> list[str]:
+        """The names of the tables that the check reads and that are not there."""
+        return [name for name in self.needs if name not in tables]
 
     def decide(self, tables: Tables) -> Evidence:
         """What the check finds; inconclusive where a table is missing."""
-        missing = [name for name in self.needs if name not in tables]
+        missing = self.missing(tables)
         if missing:
-            return Evidence(f"the table {', '.join(missing)} is not there: run the report", ())
-        return self.check(tables)
+            return Evidence(f"the table {', '.join(missing)} is not there", ())
+        return self.check(tables) if self.needs else self.check()
+
+
+def claim(
+    id: str,
+    statement: str,
+    *,
+    source: str = "",
+    quote: str = "",
+    needs: tuple[str, ...] = (),
+    recorded: Kind = Kind.HOLDS,
+    correction: Correction | None = None,
+    chosen: str = "",
+    cost: Cost = Cost.SECONDS,
+) -> Callable[[Callable[..., Evidence]], Claim]:
+    """State what a check decides, above the check.
+
+    ``@claim("my.order", "PBD converges with order one on my scene")`` above a function () -> Evidence gives a Claim.
+    With ``needs``, the names of tables, the function is tables -> Evidence. Arguments and errors: see ``Claim``.
+    """
+
+    def stated(check: Callable[..., Evidence]) -> Claim:
+        """The claim that the function decides."""
+        return Claim(
+            id,
+            statement,
+            check,
+            source=source,
+            quote=quote,
+            needs=needs,
+            recorded=recorded,
+            correction=correction,
+            chosen=chosen,
+            cost=cost,
+        )
+
+    return stated
+
+
+def stated_in(module: ModuleType) -> tuple[Claim, ...]:
+    """The claims of a module, in order of definition: its attributes that are claims, or tuples of them.
+
+    Claims that it imports from another module are that one's.
+    """
+    found: dict[int, Claim] = {}
+    for value in vars(module).values():
+        for each in value if isinstance(value, tuple) else (value,):
+            if isinstance(each, Claim) and each.check.__module__ == module.__name__:
+                found[id(each)] = each
+    return tuple(found.values())
+
+
+def _find(module: str, name: str) -> Claim:
+    """The claim of a module by its id."""
+    return next(each for each in stated_in(import_module(module)) if each.id == name)

@@ -48,26 +48,27 @@ def claims(
 
     Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
     """
+    from verification.decide import decide_all, differing
     from verification.page.report import Context
     from verification.study import workers
-    from verification.thesis import decide, selection
+    from verification.thesis import selection
     from verification.thesis.register import register
 
     try:
-        chosen = selection.selected(register(), chapter or (), name or (), cost)
+        chosen = selection.select_claims(register(), chapter or (), name or (), cost)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     with workers() as executor:
         context = Context(out, full, executor)
         tables = selection.tables_for(chosen, context)
-        table = decide.decided(chosen, tables, context.folder, executor)
+        table = decide_all(chosen, tables, context.folder, executor)
     _list_claims(table)
-    raise typer.Exit(0 if decide.differing(table).empty else 1)
+    raise typer.Exit(0 if differing(table).empty else 1)
 
 
 def _list_claims(table: pd.DataFrame) -> None:
     """Each claim with its verdict and what was measured; at last those with another verdict than the recorded one."""
-    from verification.thesis.decide import differing
+    from verification.decide import differing
 
     shown = Table(show_lines=True)
     for heading, options in (("claim", {"min_width": 20}), ("verdict", {"max_width": 12}), ("measured", {"ratio": 1})):

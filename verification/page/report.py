@@ -74,7 +74,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Statements:
-    """Claims, one below the other; the rows of ``verification.thesis.decide.decided``."""
+    """Claims, one below the other; the rows of ``verification.decide.decide_all``, with their chapter."""
 
     table: pd.DataFrame
     kind: str = field(default="statements", init=False)

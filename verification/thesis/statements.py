@@ -7,10 +7,10 @@ from collections.abc import Sequence
 import pandas as pd
 
 from verification.claim import Effect
+from verification.decide import decide_all, differing
 from verification.evidence import Kind
 from verification.page.report import Chapter, Context, Grid, Search, Section, Statements, Text
-from verification.thesis.decide import decided, differing
-from verification.thesis.register import register
+from verification.thesis.register import chapter_of, register
 
 TITLES = {
     0: "Introduction",
@@ -35,7 +35,10 @@ SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 
 def run(context: Context) -> None:
     """Decide every claim, those about studies from the tables of the other chapters."""
-    context.keep("claims", decided(register(), context.tables, context.folder, context.executor))
+    claims = register()
+    table = decide_all(claims, context.tables, context.folder, context.executor)
+    table.insert(1, "chapter", [chapter_of(claim) for claim in claims])
+    context.keep("claims", table)
 
 
 def sections(context: Context) -> Sequence[Section]:

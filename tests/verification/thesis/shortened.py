@@ -14,7 +14,7 @@ from tests.verification.thesis.shortened_tissue import shorten_daha, shorten_tis
 from tissue.study.figures import style
 from verification.claim import Claim
 from verification.page import sheet
-from verification.thesis import chapters, decide, register
+from verification.thesis import chapters, register
 from verification.thesis.chapter1 import prox_regularity
 from verification.thesis.chapter2 import (
     convergence,
@@ -78,7 +78,7 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     shorten_emt(patch, FEWEST)
     shorten_meanfield(patch)
     patch.setattr(style, "DPI", 50)
-    for module in (register, decide, chapters.claims):
+    for module in (register, chapters.claims):
         patch.setattr(module, "register", few_claims)
 
 
