@@ -34,11 +34,11 @@ def unsolved() -> Evidence:
 
 
 ONE = Correction("one", Effect.NUMBER, "all that follows")
-CLAIMS = (
+CLAIMS = [
     Claim("c1.right", "Unity.", right, source="(1.1)", quote="1 = 1"),
     Claim("c1.wrong", "Duality.", wrong, source="(1.2)", quote="1 = 2", recorded=Kind.CORRECTED, correction=ONE),
     Claim("c2.table", "The order.", from_table, source="(2.1)", needs=("orders",), cost=Cost.MINUTES),
-)
+]
 
 
 @pytest.fixture
