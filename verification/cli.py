@@ -52,6 +52,7 @@ def claims(
     from verification.page.report import Context
     from verification.study import workers
     from verification.thesis import selection
+    from verification.thesis.errata import errata
     from verification.thesis.register import register
 
     try:
@@ -63,6 +64,7 @@ def claims(
         tables = selection.tables_for(chosen, context)
         table = decide_all(chosen, tables, context.folder, executor)
     _list_claims(table)
+    print(f"{len(errata())} errata of notation stand beside them, in thesis/errata.csv")
     raise typer.Exit(0 if differing(table).empty else 1)
 
 

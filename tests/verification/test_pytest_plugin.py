@@ -40,6 +40,14 @@ def pytester(pytester: pytest.Pytester, monkeypatch: pytest.MonkeyPatch) -> pyte
     return pytester
 
 
+@pytest.fixture(scope="module")
+def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with a table; written before pytester is set up, which forgets the modules imported after."""
+    folder = tmp_path_factory.mktemp("tables")
+    pd.DataFrame({"order": [1.0]}).to_parquet(folder / "orders.parquet")
+    return folder
+
+
 def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
     return pytester.runpytest_subprocess("-p", "verification.pytest_plugin", "-W", "error", "-rs", *options)
 
@@ -70,10 +78,9 @@ def test_another_verdict_fails_with_the_evidence(pytester: pytest.Pytester) -> N
     assert "Traceback" not in result.stdout.str()
 
 
-def test_tables_are_read_from_the_folder(pytester: pytest.Pytester) -> None:
+def test_tables_are_read_from_the_folder(pytester: pytest.Pytester, tables: Path) -> None:
     pytester.makepyfile(my_claims=CLAIMS.format(wanted=0.5))
-    pd.DataFrame({"order": [1.0]}).to_parquet(pytester.path / "orders.parquet")
-    run(pytester, "--claim-tables", str(pytester.path)).assert_outcomes(passed=5)
+    run(pytester, "--claim-tables", str(tables)).assert_outcomes(passed=5)
 
 
 def test_one_claim_is_chosen_by_its_id_and_a_file_by_its_name(pytester: pytest.Pytester) -> None:

@@ -124,4 +124,4 @@ def _consistency(context: Context) -> Section:
     )
 
 
-CHAPTER = Chapter("The geometry of the feasible set", run, sections, tables=("prox_", "consistency"))
+CHAPTER = Chapter("The geometry of the feasible set", run, sections, place=4, tables=("prox_", "consistency"))

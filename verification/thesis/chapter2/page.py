@@ -215,5 +215,6 @@ CHAPTER = Chapter(
     "Numerical experiments with first-order PBD",
     run,
     sections,
+    place=1,
     tables=("positions", "catch_up", "references", "convergence", "orders", "penalty_", "infeasibility", "large_steps"),
 )

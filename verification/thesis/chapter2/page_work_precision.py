@@ -142,4 +142,4 @@ def _file(context: Context) -> str:
     return f"work_precision{'_full' if context.full else ''}"
 
 
-CHAPTER = Chapter("Speed against accuracy", run, sections, tables=("work_",))
+CHAPTER = Chapter("Speed against accuracy", run, sections, place=2, tables=("work_",))

@@ -138,7 +138,6 @@ CHANGES: dict[str, Wrong] = {
     "c1.outside": Wrong("chapter1.s3_cones", "indicator", replaced(np.zeros_like)),
     "c1.monotone": Wrong("chapter1.s3_cones", "box_normals", with_result(turned), TRUE),
     "c1.convex-unique": Wrong("chapter1.s3_cones", "held", replaced(outside)),
-    "c1.sweeping-dot": Wrong("chapter1.s3_cones", "swept", with_result(turned)),
     "c1.sweeping": Wrong("chapter1.s3_cones", "swept", with_result(lambda path: (path[0], 1.1 * path[1]))),
     "c1.not-convex": Wrong("chapter1.s4_1_prox", "half_way", replaced(lambda first, second: first)),
     "c1.convex-projection": Wrong("chapter1.s4_1_prox", "filled_triangle", with_result(lambda p: p + np.sign(p))),
@@ -175,7 +174,6 @@ CHANGES: dict[str, Wrong] = {
     "c1.compact": Wrong("chapter1.s4_6_1_tools", "wave", times(20.0)),
     "c1.gronwall-discrete": Wrong("chapter1.s4_6_1_tools", "sequences", times(1.2)),
     "c1.gronwall-range": Wrong("chapter1.s4_6_1_tools", "discrete_bound", times(200.0), TRUE),
-    "c1.step-range": Wrong("chapter1.s4_6_2_proofs", "covered", with_given(lambda first, last, t: (0, 9, t)), TRUE),
     "c1.projection-step": Wrong("chapter1.s4_6_2_proofs", "outside", replaced(lambda y: y)),
     "c1.step-bounds": Wrong("chapter1.s4_6_2_proofs", "M_F", replaced(0.1)),
     "c1.constant": Wrong("chapter1.s4_6_2_proofs", "first_constant", times(100.0), TRUE),
@@ -184,7 +182,6 @@ CHANGES: dict[str, Wrong] = {
     "c1.dense": Wrong("chapter1.s4_6_2_limit", "settled", times(0.9)),
     "c1.step-inclusion": Wrong("chapter1.s4_6_2_limit", "steps_of_discs", with_result(lambda x: x[::-1])),
     "c1.lower": Wrong("chapter1.s4_6_2_limit", "limits", with_result(np.flipud)),
-    "c1.velocity-dots": Wrong("chapter1.s4_6_2_limit", "catch_up", times(1.1)),
     "c1.uniqueness-sign": Wrong(
         "chapter1.s4_6_3_uniqueness", "beside_the_top", with_result(lambda s: (s[0], -s[1], s[2])), TRUE
     ),

@@ -158,7 +158,6 @@ CHANGES: Mapping[str, Wrong] = {
     "c3.descent": Wrong("chapter3.s2_3_2_stopping", "C", replaced(1.0)),
     "c3.stopping": Wrong("chapter3.s2_3_2_stopping", "EPS", replaced(1e-7)),
     "c3.time-transform": Wrong("chapter3.s3_1_first_order", "scaling", times(2.0)),
-    "c3.dot": Wrong("chapter3.s3_1_first_order", "slope", replaced(lambda z: -z / 7.5), TRUE),
     "c3.time-scale": Wrong("chapter3.s3_1_first_order", "daha_step", replaced(lambda: 1 - 2e-4), TRUE),
     "c3.prediction": Wrong("chapter3.s3_1_first_order", "USUAL", replaced(5000)),
     "c3.speedup": Wrong("chapter3.s3_pbd", "PBD_SECONDS", replaced(0.8)),
@@ -186,7 +185,6 @@ CHANGES: Mapping[str, Wrong] = {
         "appendix.s1_uzawa", "saddle", lambda f: lambda *seed: (*f(*seed)[:3], np.zeros(2)), TRUE
     ),
     "c3.uzawa-symmetric": Wrong("appendix.s1_uzawa", "system", replaced(lambda _: np.eye(7))),
-    "c3.uzawa-schur": Wrong("appendix.s1_uzawa", "solution", replaced(lambda: (np.ones(5), np.ones(2)))),
     "c3.uzawa-dual": Wrong("appendix.s1_uzawa", "dual", lambda f: lambda lam: f(-lam)),
     "c3.uzawa-step": Wrong("appendix.s1_uzawa", "STEPS", replaced(3)),
     "c3.uzawa-nonlinear": Wrong("appendix.s1_uzawa", "constraint", times(-1.0)),

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 from verification.claim import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most
 
 Floats = NDArray[np.float64]
 SEED = 33
@@ -112,30 +112,6 @@ def _indefinite() -> Evidence:
         f"{count} of {PROGRAMS} random systems are not symmetric positive definite: with a symmetric A they are "
         f"symmetric, but have {', '.join(map(str, sorted(negative)))} negative eigenvalues, as many as constraints",
         printed=(at_least("share of systems that are not symmetric positive definite", count / PROGRAMS, 0.5),),
-        seed=SEED,
-    )
-
-
-@claim(
-    "c3.uzawa-schur",
-    "x eliminated from the second row of (A.1).",
-    source="(A.3)",
-    quote="Bλ = BA⁻¹f - BA⁻¹Bᵀλ = g",
-    recorded=Kind.CORRECTED,
-    correction=Correction("Bx = BA⁻¹f - BA⁻¹Bᵀλ = g", Effect.NOTATION, "nothing: the right sides are used"),
-)
-def _schur() -> Evidence:
-    a, b, f, g = saddle()
-    x, lam = solution()
-    left = b @ np.linalg.solve(a, f - b.T @ lam)
-    short = f"Bx = BA⁻¹f - BA⁻¹Bᵀλ to {np.abs(b @ x - left).max():.0e}, = g to {np.abs(left - g).max():.0e}"
-    return Evidence(
-        f"B is {b.shape[0]} × {b.shape[1]} and λ has {len(lam)} entries, so Bλ does not exist; {short}",
-        printed=(equal("columns of B less entries of λ", b.shape[1] - len(lam), 0.0),),
-        corrected=(
-            at_most("|Bx - (BA⁻¹f - BA⁻¹Bᵀλ)|", float(np.abs(b @ x - left).max()), TOL),
-            at_most("|BA⁻¹f - BA⁻¹Bᵀλ - g|", float(np.abs(left - g).max()), TOL),
-        ),
         seed=SEED,
     )
 

@@ -159,35 +159,6 @@ def hausdorff(first: tuple[float, float], second: tuple[float, float]) -> float:
     return float(max(distance.min(axis=1).max(), distance.min(axis=0).max()))
 
 
-def from_cone(value: Floats, x: Floats, t: Floats) -> Floats:
-    """How far values are from -∂I_{C(t)}(x): 0 inside of C(t), [0, ∞) at its left end and (-∞, 0] at its right end."""
-    left, right = sweep(t)
-    pushed = np.where(np.abs(x - left) < ROUNDING, np.maximum(value, 0.0), 0.0)
-    pulled = np.where(np.abs(x - right) < ROUNDING, np.minimum(value, 0.0), 0.0)
-    return np.abs(value - pushed - pulled)
-
-
-@claim(
-    "c1.sweeping-dot",
-    "The sweeping process as a gradient flow.",
-    source="Example 1.17",
-    quote="one could consider this system as a non-smooth gradient flow problem such that x(t) ∈ -∂I_{C(t)}",
-    recorded=Kind.CORRECTED,
-    correction=Correction("ẋ(t) ∈ -∂I_{C(t)}(x(t))", Effect.NOTATION, "nothing else: (1.16) has the derivative"),
-    chosen="C(t) = [sin t, sin t + 1/2]",
-)
-def _sweeping_dot() -> Evidence:
-    times, x = swept(0.01, 3.0)
-    speed = np.diff(x) / np.diff(times)
-    plain, dotted = (float(from_cone(value, x[1:], times[1:]).max()) for value in (x[1:], speed))
-    return Evidence(
-        f"C(t) = [sin t, sin t + 1/2]: on the solution of (1.16) x(t) is up to {plain:.2f} away from -∂I_C(t)(x(t)), "
-        f"ẋ(t) by {dotted:.0e}. Without the dot nothing is differential: inside of C(t) the inclusion says x = 0.",
-        printed=(at_most("distance of x from -∂I", plain, 0.0, 1e-9),),
-        corrected=(at_most("distance of ẋ from -∂I", dotted, 0.0, 1e-9),),
-    )
-
-
 @claim(
     "c1.sweeping",
     "A swept point is not faster than the set that sweeps it.",

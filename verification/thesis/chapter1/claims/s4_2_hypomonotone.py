@@ -16,7 +16,6 @@ from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_value
 from verification.thesis.chapter1.sets import Floats, contact_gradients, support_of_cone
 
 SAMPLES, SEED = 300, 12
-ROUNDING = 1e-12
 ETA = 0.7
 
 

@@ -9,9 +9,7 @@ import dincl
 from verification.claim import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter1.claims.s4_4_semicontinuity import SEED, limits
-from verification.thesis.chapter1.claims.s4_4_supports import DIRECTIONS
-from verification.thesis.chapter1.claims.s4_5_existence import HALF, slide
-from verification.thesis.chapter1.sets import Floats, catch_up, falling
+from verification.thesis.chapter1.sets import Floats
 
 # The four discs of Figure 4 of chapter 2: step, times to which it goes, and how exact its projections are.
 DT, END, TOL = 0.02, 1.0, 1e-12
@@ -108,32 +106,4 @@ def _lower() -> Evidence:
         printed=(at_most("σ(x) - σ(x_n)", below, 0.0, 1e-6),),
         corrected=(at_most("σ(x_n) - σ(x)", above, 0.0, 1e-6),),
         seed=SEED,
-    )
-
-
-@claim(
-    "c1.velocity-dots",
-    "The limit is bounded by the discrete inclusions.",
-    source="(1.69)",
-    quote="w·z(t) ≤ … ≤ lim sup w·(x⁽ⁿ⁾(t) - F⁽ⁿ⁾(t))",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "lim sup w·(ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t)), and z⁽ⁿ⁾ is a convex combination of ẋ⁽ⁿ⁾ - F⁽ⁿ⁾",
-        Effect.NOTATION,
-        "(1.70), where the left side of (1.67) must stand",
-    ),
-    chosen="a disc that slides over a fixed one, whose solution is known",
-)
-def _velocity_dots() -> Evidence:
-    """At t = 1.5 the disc of the known solution slides; steps of 1/2000."""
-    t = np.array([1.5])
-    z = ((slide(t + HALF) - slide(t - HALF)) / (2 * HALF) - falling(slide(t)))[0]
-    path = catch_up(slide(np.zeros(1)), falling, 1 / 2000, 3001)[:, 0]
-    plain, dotted = path[3000] - falling(path[3000]), (path[3001] - path[3000]) * 2000 - falling(path[3000])
-    printed, right = (float((DIRECTIONS @ (z - value)).max()) for value in (plain, dotted))
-    return Evidence(
-        f"A point that slides over a disc: over all unit w, w·z(t) is up to {printed:.2f} larger than "
-        f"w·(x⁽ⁿ⁾ - F⁽ⁿ⁾)(t), and {right:.0e} larger than w·(ẋ⁽ⁿ⁾ - F⁽ⁿ⁾)(t) with h = 1/2000. The dots are lost.",
-        printed=(at_most("w·z - w·(x⁽ⁿ⁾ - F⁽ⁿ⁾)", printed, 0.0, 5e-3),),
-        corrected=(at_most("w·z - w·(ẋ⁽ⁿ⁾ - F⁽ⁿ⁾)", right, 0.0, 5e-3),),
     )

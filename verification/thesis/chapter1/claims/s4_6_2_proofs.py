@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from verification.claim import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, equal
+from verification.evidence import Evidence, Kind, at_most
 from verification.thesis.chapter1.sets import Floats, catch_up, outside
 
 ROUNDING = 1e-12
@@ -25,31 +25,6 @@ STARTS = np.array([[1.2, 0.1], [0.05, 1.3], [-0.1, 1.01], [40.0, 30.0]])
 def pushing(x: Floats) -> Floats:
     """A force with ‖F(x)‖ <= M_F (1 + ‖x‖)."""
     return np.asarray(x @ MATRIX.T + SHIFT)
-
-
-def covered(first: int, last: int, t: Floats) -> np.ndarray:
-    """Whether times are in one of the [t_k, t_{k+1}), first <= k <= last, of 10 steps."""
-    k = np.floor(t / (T / 10))
-    return (first <= k) & (k <= last)
-
-
-@claim(
-    "c1.step-range",
-    "The steps on which the piecewise constant force is given make up the time interval.",
-    source="(1.49)",
-    quote="F⁽ⁿ⁾ : [0, T] → ℝ^d, F⁽ⁿ⁾(t) = F(x_k) for t ∈ [t_k, t_{k+1}), 1 ≤ k ≤ n.",
-    recorded=Kind.CORRECTED,
-    correction=Correction("0 ≤ k ≤ n - 1", Effect.NOTATION, "(1.66) in the first step"),
-)
-def _step_range() -> Evidence:
-    t = (np.arange(1000) + 0.5) / 1000 * T
-    printed, right = (float(covered(*ends, t).mean()) for ends in ((1, 10), (0, 9)))
-    return Evidence(
-        f"n = 10: with 1 ≤ k ≤ n the steps cover {printed:.0%} of [0, T], all but the first one, where the scheme "
-        f"starts from x₀; with 0 ≤ k ≤ n - 1 they cover {right:.0%}.",
-        printed=(equal("part of [0, T] that is covered", printed, 1.0, ROUNDING),),
-        corrected=(equal("part of [0, T], 0 ≤ k ≤ n - 1", right, 1.0, ROUNDING),),
-    )
 
 
 def reach(y: Floats) -> Floats:

@@ -117,4 +117,4 @@ def _pacman(context: Context) -> Section:
     return Section("The Pacman set", [text, Picture(picture, "Two catch-up runs, started 10⁻¹² apart at the tip.")])
 
 
-CHAPTER = Chapter("Where methods fail", run, sections, tables=("stability_",))
+CHAPTER = Chapter("Where methods fail", run, sections, place=3, tables=("stability_",))

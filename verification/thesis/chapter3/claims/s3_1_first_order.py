@@ -21,8 +21,6 @@ DT, ALPHA, USUAL = 0.1, 1e-4, 7500
 TOL, DIGITS = 1e-7, 5e-5
 # Section 3.4 [h], and how well n* is known.
 TOLD, ABOUT = 0.14, 0.1
-# Of velocities by differences of 201 states.
-DIFFERENCES = 0.02
 
 
 def slope(z: Floats) -> Floats:
@@ -67,29 +65,6 @@ def _scaled() -> Evidence:
         f"three springs: (3.28) over τ from 0 to 7500 and (3.30) over t from 0 to Δt pass through the same states to "
         f"{apart:.0e} while they move by {moved:.2f}",
         printed=(at_most("largest distance of z(τ) and z̃(δτ)", apart, TOL),),
-    )
-
-
-@claim(
-    "c3.dot",
-    "The overdamped equation that replaces the minimisation.",
-    source="(3.31)",
-    quote="μz = -∇W(z) where the damping coefficient is μ = δ/α",
-    recorded=Kind.CORRECTED,
-    correction=Correction("μż = -∇W(z)", Effect.NOTATION, "nothing: the first-order model of section 3.2 has the dot"),
-)
-def _dotless() -> Evidence:
-    """Both readings of (3.31) on the solution of (3.30), relative to grad W."""
-    path, mu = followed(ALPHA / scaling(), DT), scaling() / ALPHA
-    gradient = np.array([slope(z) for z in path.z])
-    velocity = np.gradient(path.z, path.t, axis=0, edge_order=2)
-    scale = float(np.abs(gradient).max())
-    printed, right = (float(np.abs(mu * of + gradient).max()) / scale for of in (path.z, velocity))
-    return Evidence(
-        f"on a solution of (3.30) μz + ∇W is up to {printed:.2f} of the largest ∇W, μż + ∇W {right:.0e} (central "
-        "differences)",
-        printed=(at_most("|μz + ∇W| over |∇W|", printed, DIFFERENCES),),
-        corrected=(at_most("|μż + ∇W| over |∇W|", right, DIFFERENCES),),
     )
 
 

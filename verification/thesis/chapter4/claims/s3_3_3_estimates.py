@@ -6,8 +6,6 @@ from __future__ import annotations
 import numpy as np
 
 from tissue.cells import Floats
-from tissue.scenario import Scenario, drawn
-from tissue.timing import timing
 from verification.claim import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.frequencies import CATEGORIES, RATIOS
@@ -47,36 +45,6 @@ def _count() -> Evidence:
         f"have a chance of {printed:.2f} together, n^D of them {right:.2f}.",
         printed=(equal("total chance of n^D + 1 sets", printed, 1.0, ROUNDING),),
         corrected=(equal("total chance of n^D sets", right, 1.0, ROUNDING),),
-    )
-
-
-@claim(
-    "c4.categories-space",
-    "The space that the categories of the times of one cell divide.",
-    source="section 3.3.3",
-    quote="D_1, …, D_{n^D} ⊆ (ℝ⁴ ∪ {∞})^{4N^EMT}",
-    recorded=Kind.CORRECTED,
-    correction=Correction("D_k ⊆ (ℝ ∪ {∞})⁴, as T_i in section 2.3.1", Effect.NOTATION, "(4.9) to (4.12)"),
-)
-def _space() -> Evidence:
-    each = timing("6 h to 24 h, 70 %")
-    cells, _inm = drawn(Scenario(RUNS, 0.5, (each, each, each, each)), np.random.default_rng(SEED))
-    times = np.stack((cells.at_a, cells.at_b, cells.at_s, cells.at_p), axis=1)
-    never = np.isinf(times).sum(axis=1)
-    mixed = float(((never > 0) & (never < times.shape[1])).mean())
-    numbers = 4 * 4 * GROUP
-    return Evidence(
-        f"T_i is {times.shape[1]} times; a point of (ℝ⁴ ∪ {{∞}})^{{4 N^EMT}} is up to {numbers} for {GROUP} cells. And "
-        f"{100 * mixed:.0f} % of the cells have some events and lack others, which ℝ⁴ ∪ {{∞}} has no points for.",
-        printed=(
-            equal("coordinates of T_i", times.shape[1], numbers),
-            at_most("cells with some events but not all", mixed, 0.0),
-        ),
-        corrected=(
-            equal("coordinates of T_i", times.shape[1], 4),
-            at_most("cells with times outside of ℝ ∪ {∞}", float(np.isnan(times).mean()), 0.0),
-        ),
-        seed=SEED,
     )
 
 

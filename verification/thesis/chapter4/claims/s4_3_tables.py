@@ -35,11 +35,6 @@ TABLE_4 = (
 )
 # The ninth row, the partner of the tenth.
 NINTH = (NEVER, 6, NEVER)
-# The names of these rows, and those that their times give.
-NAMES = ("ABP", "BAP", "BP☒", "☒P", "A☒B", "☒A", "A☒", "☒A", "☒", "☒B", "∅")
-RENAMED = ("ABP", "BAP", "BP☒", "B☒P", "A☒B", "B☒A", "A☒", "☒A", "B☒", "☒B", "∅")
-# The first and the last time of Table 4, and the delay of the symbol ☒, by the caption of Figure 15 [h].
-FIRST, LAST, DELAY = 6, 18, 12
 # Rows 4 to 10 of Table 4 have a delay: between two events, or before or after one that is early or late.
 DELAYED = ((3, 1, 2), (4, 0, 1), (5, 1, 0))
 EARLY_LATE = ((6, 7, 0), (8, 9, 1))
@@ -96,51 +91,6 @@ def _table4() -> Evidence:
         corrected=(
             at_most("rows with the times of another", still, 0),
             equal("rows that the study of Figure 15 has", len(ran & set(right)), len(right)),
-        ),
-    )
-
-
-def name_of(row: tuple[float, ...]) -> str:
-    """The events in their order, with ☒ for 12 h between two, before the first or after the last."""
-    timed = sorted((t, event) for t, event in zip(row, "ABP", strict=True) if t < NEVER)
-    if not timed:
-        return "∅"
-    name, before = "", FIRST
-    for t, event in timed:
-        name += "☒" * (t - before == DELAY) + event
-        before = t
-    return name + "☒" * (LAST - before == DELAY)
-
-
-@claim(
-    "c4.table-4-names",
-    "The names of the programs of Table 4 tell their times, with ☒ for 12 h before or after an event.",
-    source="Table 4, Figure 15",
-    quote="☒P: T^P = 18 h, T^A = ∞, T^B = 6 h … ☒A: T^P = ∞, T^A = 18 h, T^B = 6 h",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "B☒P, B☒A, and B☒ for the ninth row, in 4.4.1, too",
-        Effect.NOTATION,
-        "which bars of Figure 15 are of which times: as printed ☒A is two programs",
-    ),
-    chosen="the times of the ninth row as corrected in c4.table-4",
-)
-def _names() -> Evidence:
-    rows = (*TABLE_4[:8], NINTH, *TABLE_4[9:])
-    by_times = [name_of(row) for row in rows]
-    wrong = {names: [n for n, right in zip(names, by_times, strict=True) if n != right] for names in (NAMES, RENAMED)}
-    twice, still = (sum(n - 1 for n in Counter(names).values()) for names in (NAMES, RENAMED))
-    return Evidence(
-        f"{len(wrong[NAMES])} names, {', '.join(wrong[NAMES])}, are not what the times of their rows give by the rule "
-        f"of the others, {', '.join(right for name, right in zip(NAMES, by_times, strict=True) if name != right)}; "
-        f"{twice} name stands at two rows.",
-        printed=(
-            at_most("names that are not those of the times", len(wrong[NAMES]), 0),
-            at_most("names that occur again", twice, 0),
-        ),
-        corrected=(
-            at_most("names that are not those of the times", len(wrong[RENAMED]), 0),
-            at_most("names that occur again", still, 0),
         ),
     )
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from verification.claim import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import (
     Floats,
     System,
@@ -30,30 +30,6 @@ WRONG = 1e-2
 def odd(r: Floats) -> Floats:
     """A potential that fulfils all that is printed after (5.4)."""
     return np.asarray((r**3).sum(axis=-1))
-
-
-@claim(
-    "c5.layout",
-    "Which index of the derivative of the constraints counts rows, which columns.",
-    source="section 2, Notation",
-    quote="∂_y g(X, y) ∈ ℝ^ny × ℝ^nx",
-    recorded=Kind.CORRECTED,
-    correction=Correction("∂_y g(X, y) ∈ ℝ^(nx×ny)", Effect.NOTATION, "nothing: all formulas use the right shape"),
-)
-def _layout() -> Evidence:
-    """Whether -(dg/dX)^{-1} dg/dy and (dg/dy)^T lambda are products of matrices that fit."""
-    at = general_instant()
-    gX, gy = (part[0] for part in jacobians(at.system, at.X, at.y))
-
-    def misfit(rows: int) -> int:
-        return abs(gX.shape[1] - rows) + abs(rows - at.multipliers.shape[1])
-
-    return Evidence(
-        f"With nx = {gX.shape[0]}, ny = {at.y.size} neither (∂_X g)⁻¹∂_y g nor (∂_y g)ᵀλ exists for a ∂_y g of shape "
-        f"{gy.T.shape}; they ask for ℝ^(nx×ny), here {gy.shape}, as Φ has it.",
-        printed=(equal("rows of ∂_y g ∈ ℝ^(ny×nx) too many or too few", misfit(gy.shape[1]), 0.0),),
-        corrected=(equal("rows of ∂_y g ∈ ℝ^(nx×ny) too many or too few", misfit(gy.shape[0]), 0.0),),
-    )
 
 
 @claim(

@@ -39,24 +39,6 @@ def _linear_newton() -> Evidence:
     )
 
 
-@claim(
-    "c5.linear-velocity",
-    "With the linearised constraint each particle moves as the macroscopic component does.",
-    source="(5.29)",
-    quote="X̃_i = ẏ",
-    recorded=Kind.CORRECTED,
-    correction=Correction("dX̃_i/dt = ẏ", Effect.NOTATION, "the motion of Example 5.3; (5.31) is right"),
-)
-def _linear_velocity() -> Evidence:
-    at = shifted()
-    printed, right = (float(np.abs(side - at.v).max()) for side in (at.X, at.U))
-    return Evidence(
-        f"X̃_i differs from ẏ by {printed:.2f}, its derivative by {right:.0e}.",
-        printed=(at_most("|X̃_i − ẏ|", printed, 0.0, TOL),),
-        corrected=(at_most("|dX̃_i/dt − ẏ|", right, 0.0, TOL),),
-    )
-
-
 def bell() -> tuple[Floats, Floats]:
     """A density of the particles that is not symmetric, by values on a grid that sum to 1."""
     x = np.linspace(-7.0, 8.0, 4001)

@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.claim import claim
+from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter5 import bounded
 from verification.thesis.chapter5.bounded import State, force, mass
 from verification.thesis.chapter5.instant import Floats, System, instant
-from verification.thesis.chapter5.measure import shift_rate, tested
 from verification.thesis.chapter5.wavy import T, soft, wavy_flow, wavy_motion
 
 # What rounding leaves of sums, what steps of a Runge-Kutta method leave, and central differences of a bisection.
@@ -141,25 +140,4 @@ def _consistency() -> Evidence:
             at_most("particles against their empirical measure", same, 0.0, RUN_TOL),
             at_most("X_i(t) against the flow", flowed, 0.0, RUN_TOL),
         ),
-    )
-
-
-@claim(
-    "c5.weak-bracket",
-    "The weak form of the transport equation.",
-    source="proof of Lemma 5.10",
-    quote="d/dt ⟨ξ, f⟩ = … = −⟨ξ, div(Φẏ) f⟩",
-    recorded=Kind.CORRECTED,
-    correction=Correction("−⟨ξ, div(Φẏ f)⟩", Effect.NOTATION, "nothing: the line above it has f under the divergence"),
-)
-def _bracket() -> Evidence:
-    """Particles that are all shifted, Phi = 1, y' = 0.6: the divergence of Phi y' is 0, that of Phi y' f is not."""
-    v = 0.6
-    by_flow, printed = tested(lambda x: 0 * x + v, lambda x, f: 0 * f, 1)
-    right = tested(lambda x: 0 * x + v, lambda x, f: shift_rate(x, f, v), 1)[1]
-    return Evidence(
-        f"Φ = 1: d/dt ⟨ξ, f⟩ = {by_flow:.3f}, but −⟨ξ, div(Φẏ)f⟩ = {printed:g}. f belongs into the bracket, as in the "
-        f"line above: −⟨ξ, div(Φẏ f)⟩ = {right:.3f}.",
-        printed=(at_most("|d/dt ⟨ξ, f⟩ + ⟨ξ, div(Φẏ)f⟩|", abs(by_flow - printed), 0.0, TOL),),
-        corrected=(at_most("|d/dt ⟨ξ, f⟩ + ⟨ξ, div(Φẏ f)⟩|", abs(by_flow - right), 0.0, TOL),),
     )

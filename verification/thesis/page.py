@@ -10,6 +10,7 @@ from verification.claim import Effect
 from verification.decide import decide_all, differing
 from verification.evidence import Kind
 from verification.page.report import Chapter, Context, Grid, Search, Section, Statements, Text
+from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
 
 TITLES = {
@@ -29,6 +30,8 @@ CORRECTIONS = {
     "effect": "Changes",
     "depends": "What depends on it",
 }
+ERRATA = {"id": "Remark", "source": "Source", "printed": "As printed", "corrected": "To be read"}
+ERRATA |= {"depends": "What depends on it"}
 # The most serious first; what only concerns notation changes no result.
 SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 
@@ -39,12 +42,14 @@ def run(context: Context) -> None:
     table = decide_all(claims, context.tables, context.folder, context.executor)
     table.insert(1, "chapter", [chapter_of(claim) for claim in claims])
     context.keep("claims", table)
+    context.keep("claims_errata", errata())
 
 
 def sections(context: Context) -> Sequence[Section]:
     """Counts, the corrections that change results, and all statements in the order of the thesis, to be searched."""
     table = context.tables["claims"]
-    found = [_counts(table), _corrections(table), Section("All statements, to be searched", [Search()])]
+    found = [_counts(table), _corrections(table), _errata(context.tables["claims_errata"])]
+    found.append(Section("All statements, to be searched", [Search()]))
     for number, title in TITLES.items():
         rows = table[table["chapter"] == number]
         if not rows.empty:
@@ -90,10 +95,20 @@ def _corrections(table: pd.DataFrame) -> Section:
     )
 
 
+def _errata(table: pd.DataFrame) -> Section:
+    text = (
+        f"{len(table)} slips of notation, a dot, an index, a bracket, a label or a type, change no result, and no "
+        "measurement decides them."
+    )
+    shown = table[list(ERRATA)].rename(columns=ERRATA)
+    return Section("Errata of notation", [Text(text), Grid(shown, "Errata of notation.", "claims_errata")])
+
+
 def corrections(table: pd.DataFrame) -> pd.DataFrame:
     """The statements that do not hold as printed and whose correction changes a result, the most serious first."""
     wrong = table[table["verdict"].isin([Kind.CORRECTED.value, Kind.FAILS.value]) & table["effect"].isin(SERIOUS)]
     return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")
 
 
-CHAPTER = Chapter("What holds", run, sections)
+# It reads the tables of all other chapters.
+CHAPTER = Chapter("What holds", run, sections, place=8)
