@@ -175,5 +175,15 @@ CHAPTER = Chapter(
     run,
     sections,
     place=1,
-    tables=("positions", "catch_up", "references", "convergence", "orders", "penalty_", "infeasibility", "large_steps"),
+    tables=(
+        "positions",
+        "exactness",
+        "catch_up",
+        "references",
+        "convergence",
+        "orders",
+        "penalty_",
+        "infeasibility",
+        "large_steps",
+    ),
 )
