@@ -2,25 +2,49 @@
 
 Each works on a ``dincl.Problem`` of your own, on methods of your own, and on any function that gives positions; see
 ``order_study``, ``work_precision``, ``stability_map``, ``reference``, ``Method``, ``claim``, and for models of
-meanfield ``particle_methods``, ``density_methods``, ``w1_rates``. Results have ``.table``,
-``.plot()``, ``.save(folder)``, and show themselves in a notebook. What one source says, and how its statements come
-out, is in ``verification.thesis``.
+meanfield ``particle_methods``, ``density_methods``, ``w1_rates``. Results have ``.table``, ``.plot()``,
+``.save(folder)``, and show themselves in a notebook. What one source says, and how its statements come out, is in
+``verification.thesis``.
 """
 
-from verification.budget import Budget, CpuSeconds, DriftEvaluations
-from verification.claim import Claim, Correction, Cost, Effect
-from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
-from verification.meanfield_methods import DensityProblem, ParticleProblem, density_methods, particle_methods
-from verification.method import Method
-from verification.order import Order, estimate
-from verification.order_study import OrderStudy, order_study
-from verification.outcome import Outcome
-from verification.page.results import save
-from verification.rates import W1Rates, w1_rates
-from verification.reference import Known, Reference, reference
-from verification.result import Result
-from verification.stability import StabilityMap, stability_map
-from verification.work_precision import WorkPrecision, work_precision
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from verification.budget import Budget, CpuSeconds, DriftEvaluations
+    from verification.claims import Claim, Correction, Cost, Effect, claim
+    from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
+    from verification.meanfield_methods import DensityProblem, ParticleProblem, density_methods, particle_methods
+    from verification.method import Method
+    from verification.order import Order, estimate
+    from verification.orders import OrderStudy, order_study
+    from verification.outcome import Outcome
+    from verification.page.results import save
+    from verification.rates import W1Rates, w1_rates
+    from verification.references import Known, Reference, reference
+    from verification.result import Result
+    from verification.speed_accuracy import WorkPrecision, work_precision
+    from verification.stability import StabilityMap, stability_map
+
+# Where the names are: a module is loaded when one of its names is first used, so that the plugin of pytest, which comes
+# through this file into every project, costs nothing.
+_PLACES = {
+    "budget": ("Budget", "CpuSeconds", "DriftEvaluations"),
+    "claims": ("Claim", "Correction", "Cost", "Effect", "claim"),
+    "evidence": ("Comparison", "Evidence", "Kind", "at_least", "at_most", "equal"),
+    "meanfield_methods": ("DensityProblem", "ParticleProblem", "density_methods", "particle_methods"),
+    "method": ("Method",),
+    "order": ("Order", "estimate"),
+    "orders": ("OrderStudy", "order_study"),
+    "outcome": ("Outcome",),
+    "page.results": ("save",),
+    "rates": ("W1Rates", "w1_rates"),
+    "references": ("Known", "Reference", "reference"),
+    "result": ("Result",),
+    "speed_accuracy": ("WorkPrecision", "work_precision"),
+    "stability": ("StabilityMap", "stability_map"),
+}
+_MODULE_OF = {name: module for module, names in _PLACES.items() for name in names}
 
 __all__ = [
     "Budget",
@@ -47,6 +71,7 @@ __all__ = [
     "WorkPrecision",
     "at_least",
     "at_most",
+    "claim",
     "density_methods",
     "equal",
     "estimate",
@@ -58,3 +83,15 @@ __all__ = [
     "w1_rates",
     "work_precision",
 ]
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULE_OF:
+        raise AttributeError(f"module 'verification' has no attribute {name!r}")
+    found = getattr(import_module(f"verification.{_MODULE_OF[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

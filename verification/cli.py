@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from verification.claim import Cost
+from verification.claims import Cost
 from verification.evidence import Kind
 
 app = typer.Typer(
@@ -48,26 +48,29 @@ def claims(
 
     Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
     """
+    from verification.decide import decide_all, differing
     from verification.page.report import Context
     from verification.study import workers
-    from verification.thesis import decide, selection
+    from verification.thesis import selection
+    from verification.thesis.errata import errata
     from verification.thesis.register import register
 
     try:
-        chosen = selection.selected(register(), chapter or (), name or (), cost)
+        chosen = selection.select_claims(register(), chapter or (), name or (), cost)
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     with workers() as executor:
         context = Context(out, full, executor)
         tables = selection.tables_for(chosen, context)
-        table = decide.decided(chosen, tables, context.folder, executor)
+        table = decide_all(chosen, tables, context.folder, executor)
     _list_claims(table)
-    raise typer.Exit(0 if decide.differing(table).empty else 1)
+    print(f"{len(errata())} errata of notation stand beside them, in thesis/errata.csv")
+    raise typer.Exit(0 if differing(table).empty else 1)
 
 
 def _list_claims(table: pd.DataFrame) -> None:
     """Each claim with its verdict and what was measured; at last those with another verdict than the recorded one."""
-    from verification.thesis.decide import differing
+    from verification.decide import differing
 
     shown = Table(show_lines=True)
     shown.add_column("claim", min_width=20)

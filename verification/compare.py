@@ -11,10 +11,10 @@ from dincl import InvalidProblem, Problem
 from dincl.checks import describe
 from verification.budget import CpuSeconds
 from verification.order import MIN_STEPS
-from verification.order_study import order_study
+from verification.orders import order_study
 from verification.page.results import save
-from verification.reference import reference
-from verification.work_precision import work_precision
+from verification.references import reference
+from verification.speed_accuracy import work_precision
 
 NEEDED = ("problem", "methods", "settings", "t")
 BUDGET = CpuSeconds(2.0)

@@ -16,7 +16,7 @@ import dincl
 from dincl.checks import describe
 from verification.budget import Budget, CpuSeconds, OutOfBudgetError, counted
 from verification.method import Method
-from verification.reference import Known
+from verification.references import Known
 
 Floats = NDArray[np.float64]
 # Counters of dincl.Work that become columns.

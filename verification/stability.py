@@ -16,7 +16,7 @@ from dincl.checks import describe, number
 from verification.measure import distance
 from verification.method import Method
 from verification.outcome import Outcome, judge
-from verification.reference import known_at
+from verification.references import known_at
 from verification.result import Result
 
 if TYPE_CHECKING:

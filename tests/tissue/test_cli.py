@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+import tissue.cli.app.progress
 from PIL import Image
 from rich.console import Console
 from typer.testing import CliRunner
 
 import tissue
-import tissue.cli.progress
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.cli.app import app

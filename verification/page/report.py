@@ -74,7 +74,7 @@ class Search:
 
 @dataclass(frozen=True)
 class Statements:
-    """Claims, one below the other; the rows of ``verification.thesis.decide.decided``."""
+    """Claims, one below the other; the rows of ``verification.decide.decide_all``, with their chapter."""
 
     table: pd.DataFrame
     kind: str = field(default="statements", init=False)
@@ -129,14 +129,15 @@ class Context:
 class Chapter:
     """``run`` completes the studies and fills ``context.tables``; ``sections`` writes about them, and only reads.
 
-    ``tables`` says how the names of its tables begin, so that one can be had without the other chapters. ``prepare`` is
-    done by one worker while the others begin with the chapters before: two that come to the same kernels at the same
-    time would both compile them.
+    The pages stand in the order of ``place``. ``tables`` says how the names of its tables begin, so that one can be had
+    without the other chapters. ``prepare`` is done by one worker while the others begin with the chapters before: two
+    that come to the same kernels at the same time would both compile them.
     """
 
     title: str
     run: Callable[[Context], None]
     sections: Callable[[Context], Sequence[Section]]
+    place: int
     prepare: Callable[[], None] | None = None
     tables: tuple[str, ...] = ()
 

@@ -1,23 +1,23 @@
-"""The chapters of the report, one file each, in their order."""
+"""The chapters of the report, found by themselves: each module named ``page`` or ``page_...`` states a CHAPTER."""
 
+from __future__ import annotations
+
+import pkgutil
+from collections.abc import Iterator
+from importlib import import_module
+
+import verification.thesis
 from verification.page.report import Chapter
-from verification.thesis import statements as claims
-from verification.thesis.chapter1 import page as geometry
-from verification.thesis.chapter2 import page as numerics
-from verification.thesis.chapter2 import page_work_precision as work_precision
-from verification.thesis.chapter2.stability import page as stability
-from verification.thesis.chapter3 import page as tissue
-from verification.thesis.chapter4 import page as emt
-from verification.thesis.chapter5 import page as meanfield
 
-# The claims read the tables of all other chapters, so they come last.
-CHAPTERS: tuple[Chapter, ...] = (
-    numerics.CHAPTER,
-    work_precision.CHAPTER,
-    stability.CHAPTER,
-    geometry.CHAPTER,
-    tissue.CHAPTER,
-    emt.CHAPTER,
-    meanfield.CHAPTER,
-    claims.CHAPTER,
+
+def pages() -> Iterator[str]:
+    """The modules that write a page."""
+    for module in pkgutil.walk_packages(verification.thesis.__path__, "verification.thesis."):
+        name = module.name.rpartition(".")[2]
+        if name == "page" or name.startswith("page_"):
+            yield module.name
+
+
+CHAPTERS: tuple[Chapter, ...] = tuple(
+    sorted((import_module(name).CHAPTER for name in pages()), key=lambda chapter: chapter.place)
 )

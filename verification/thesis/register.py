@@ -4,24 +4,30 @@ from __future__ import annotations
 
 import pkgutil
 import re
-from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
 
 import verification.thesis
-from verification.claim import Claim
+from verification.claims import Claim, stated_in
+from verification.decide import refuse_one_id_for_two
 
 
 @cache
 def register() -> tuple[Claim, ...]:
-    """All claims in the order of the thesis; ValueError if two have one id."""
-    found = [(_place(name), claim) for name in modules() for claim in import_module(name).CLAIMS]
-    claims = tuple(claim for _, claim in sorted(found, key=lambda pair: (pair[1].chapter, pair[0])))
-    twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
-    if twice:
-        raise ValueError(f"claim ids {', '.join(twice)} are given twice: each must be unique")
+    """All claims in the order of the thesis, in a file as they are defined; InvalidProblem if two have one id."""
+    found = [(_place(name), claim) for name in modules() for claim in stated_in(import_module(name))]
+    claims = tuple(claim for _, claim in sorted(found, key=lambda pair: (chapter_of(pair[1]), pair[0])))
+    refuse_one_id_for_two(claims)
     return claims
+
+
+def chapter_of(claim: Claim) -> int:
+    """The chapter that a claim belongs to, by its id.
+
+    c1 to c5; c0 is the introduction, c6 the conclusions. Appendix 1 goes with chapter 3, appendix 2 with chapter 5.
+    """
+    return int(claim.id[1])
 
 
 def modules() -> Iterator[str]:

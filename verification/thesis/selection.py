@@ -3,41 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from difflib import get_close_matches
-from fnmatch import fnmatchcase
 
-from verification.claim import Claim, Cost, Tables
+from dincl.errors import InvalidProblem
+from verification.claims import Claim, Cost, Tables
 from verification.page.report import Context
+from verification.selection import select
 from verification.thesis.chapter4 import kept
+from verification.thesis.register import chapter_of
 
 
-def selected(
+def select_claims(
     claims: Iterable[Claim], chapters: Sequence[int] = (), names: Sequence[str] = (), cost: Cost | None = None
 ) -> tuple[Claim, ...]:
     """Those of the chapters, whose id fits one of the patterns, and that cost no more; empty: all.
 
     Raises
     ------
-    ValueError
+    InvalidProblem
         If a chapter or a pattern fits no claim.
     """
     claims = tuple(claims)
-    for name in names:
-        if not any(fnmatchcase(claim.id, name) for claim in claims):
-            near = get_close_matches(name, [claim.id for claim in claims], n=5, cutoff=0.0)
-            raise ValueError(f"no claim is named {name}; the nearest are {', '.join(near)}")
-    known = sorted({claim.chapter for claim in claims})
+    known = sorted({chapter_of(claim) for claim in claims})
     for chapter in chapters:
         if chapter not in known:
-            raise ValueError(f"chapter {chapter} has no claims: those that have are {', '.join(map(str, known))}")
-    order = list(Cost)
-    return tuple(
-        claim
-        for claim in claims
-        if (not chapters or claim.chapter in chapters)
-        and (not names or any(fnmatchcase(claim.id, name) for name in names))
-        and (cost is None or order.index(claim.cost) <= order.index(cost))
-    )
+            raise InvalidProblem(f"chapter {chapter} has no claims: those that have are {', '.join(map(str, known))}")
+    return tuple(claim for claim in select(claims, names, cost) if not chapters or chapter_of(claim) in chapters)
 
 
 def tables_for(claims: Iterable[Claim], context: Context) -> Tables:

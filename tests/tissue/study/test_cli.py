@@ -4,9 +4,9 @@ import re
 from pathlib import Path
 
 import pytest
+import tissue.cli.app.progress
 from typer.testing import CliRunner
 
-import tissue.cli.progress
 from tests.tissue.study.stand_in import outcomes, study_file
 from tissue.cli.app import app
 from tissue.study.read import Results

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from verification.claim import Claim
+from verification.claims import Claim
 from verification.evidence import Evidence, Kind
 
 Change = Callable[[Any], Any]

@@ -9,19 +9,19 @@ import pytest
 from typer.testing import CliRunner
 
 from tests.verification.thesis.shortened import Here, Nowhere
-from verification import cli, study
-from verification.claim import Claim, Correction, Cost, Effect, Tables
+from verification import cli, decide, study
+from verification.claims import Claim, Correction, Cost, Effect, Tables
 from verification.evidence import Evidence, Kind, equal
 from verification.page.report import Context
-from verification.thesis import decide, register, selection
+from verification.thesis import register, selection
 from verification.thesis.chapters import CHAPTERS
 
 
-def right(_: Tables) -> Evidence:
+def right() -> Evidence:
     return Evidence("one is one", (equal("one", 1, 1),), seed=3)
 
 
-def wrong(_: Tables) -> Evidence:
+def wrong() -> Evidence:
     return Evidence("one is not two", (equal("one", 1, 2),), (equal("one", 1, 1),))
 
 
@@ -29,22 +29,21 @@ def from_table(tables: Tables) -> Evidence:
     return Evidence("from a table", (equal("value", tables["orders"]["order"].iloc[0], 1),), runs_needed=40)
 
 
-def unsolved(_: Tables) -> Evidence:
+def unsolved() -> Evidence:
     raise RuntimeError("no projection after 100 iterations")
 
 
 ONE = Correction("one", Effect.NUMBER, "all that follows")
-CLAIMS = (
-    Claim("c1.right", "(1.1)", "1 = 1", right, statement="Unity."),
-    Claim("c1.wrong", "(1.2)", "1 = 2", wrong, statement="Duality.", recorded=Kind.CORRECTED, correction=ONE),
-    Claim("c2.table", "(2.1)", "order 1", from_table, ("orders",), statement="The order.", cost=Cost.MINUTES),
-)
+CLAIMS = [
+    Claim("c1.right", "Unity.", right, source="(1.1)", quote="1 = 1"),
+    Claim("c1.wrong", "Duality.", wrong, source="(1.2)", quote="1 = 2", recorded=Kind.CORRECTED, correction=ONE),
+    Claim("c2.table", "The order.", from_table, source="(2.1)", needs=("orders",), cost=Cost.MINUTES),
+]
 
 
 @pytest.fixture
 def few(monkeypatch: pytest.MonkeyPatch) -> None:
-    for module in (register, decide):
-        monkeypatch.setattr(module, "register", lambda: CLAIMS)
+    monkeypatch.setattr(register, "register", lambda: CLAIMS)
     monkeypatch.setattr(study, "workers", Here)
 
 
@@ -60,22 +59,22 @@ def few(monkeypatch: pytest.MonkeyPatch) -> None:
     ],
 )
 def test_selection(chapters: tuple[int, ...], names: tuple[str, ...], cost: Cost | None, ids: list[str]) -> None:
-    assert [claim.id for claim in selection.selected(CLAIMS, chapters, names, cost)] == ids
+    assert [claim.id for claim in selection.select_claims(CLAIMS, chapters, names, cost)] == ids
 
 
 def test_a_name_or_chapter_without_claims_is_refused() -> None:
     with pytest.raises(ValueError, match=r"no claim is named c1\.rihgt; the nearest are c1\.right"):
-        selection.selected(CLAIMS, names=("c1.rihgt",))
+        selection.select_claims(CLAIMS, names=("c1.rihgt",))
     with pytest.raises(ValueError, match="chapter 7 has no claims: those that have are 1, 2"):
-        selection.selected(CLAIMS, chapters=(7,))
+        selection.select_claims(CLAIMS, chapters=(7,))
 
 
 @pytest.mark.usefixtures("few")
 def test_rows_say_what_was_found_and_are_not_computed_twice(tmp_path: Path) -> None:
     tables = {"orders": pd.DataFrame({"order": [1.0]})}
     with Here() as here:
-        table = decide.decided(CLAIMS, tables, tmp_path, here)
-    again = decide.decided(CLAIMS, {"orders": pd.DataFrame({"order": [2.0]})}, tmp_path, Nowhere())
+        table = decide.decide_all(CLAIMS, tables, tmp_path, here)
+    again = decide.decide_all(CLAIMS, {"orders": pd.DataFrame({"order": [2.0]})}, tmp_path, Nowhere())
     assert table["id"].tolist() == ["c1.right", "c1.wrong", "c2.table"]
     assert table["verdict"].tolist() == ["holds", "holds after the correction", "holds"]
     assert table["printed"].tolist() == ["one 1, wanted 1", "one 1, wanted 2", "value 1, wanted 1"]
@@ -87,17 +86,17 @@ def test_rows_say_what_was_found_and_are_not_computed_twice(tmp_path: Path) -> N
 
 
 def test_a_solver_that_fails_decides_nothing() -> None:
-    row = decide.evidence_row(Claim("c1.unsolved", "(1.3)", "x", unsolved, statement="Nothing."), {})
+    row = decide.evidence_row(Claim("c1.unsolved", "Nothing.", unsolved), {})
     assert row["verdict"] == Kind.OPEN.value
     assert "RuntimeError: no projection after 100 iterations" in row["measured"]
 
 
 def test_a_defect_of_a_check_is_not_taken_for_a_verdict() -> None:
-    def broken(_: Tables) -> Evidence:
+    def broken() -> Evidence:
         raise KeyError("radius")
 
     with pytest.raises(KeyError, match="radius"):
-        decide.evidence_row(Claim("c1.broken", "(1.4)", "x", broken, statement="Nothing."), {})
+        decide.evidence_row(Claim("c1.broken", "Nothing.", broken), {})
 
 
 @pytest.mark.usefixtures("few")

@@ -12,9 +12,9 @@ import pandas as pd
 from verification.cheapest import AT_THE_LIMIT, NOT_REACHED, NOT_TRIED, TIE, accuracy
 from verification.order import MIN_STEPS, estimate, order_text
 from verification.page.report import number
+from verification.speed_accuracy import TARGETS, WorkPrecision
 from verification.thesis.chapter2.methods import CHARTED, PBD
 from verification.thesis.chapter2.work_precision import Form, chart
-from verification.work_precision import TARGETS, WorkPrecision
 
 SETTINGS = {method.label: method.setting for method in CHARTED}
 UNDECIDED = (TIE, AT_THE_LIMIT)

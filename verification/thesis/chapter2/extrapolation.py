@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.reference import Known
+from verification.references import Known
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter2.convergence import STEP

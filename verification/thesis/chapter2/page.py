@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import pandas as pd
 
-from verification.page.report import Chapter, Context, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Chapter, Context, Grid, Picture, Section, Text
 from verification.thesis.chapter2 import convergence, exactness, extrapolation, infeasibility, large_steps, reference
 from verification.thesis.chapter2 import figures as plots
 from verification.thesis.chapter2.methods import CATCH_UP, METHODS, PBD
@@ -15,10 +17,7 @@ from verification.thesis.chapter2.runs import scene
 SCENES = tuple(scene(name) for name in convergence.SCENES)
 # Of each scene [time]; all of them are among the kept times of the reference.
 SHOWN = {"four_disks": (0.0, 0.5, 1.0, 1.5, 2.0), "ten_disks_corner": (0.0, 1.0, 1.5, 2.0, 3.0)}
-STARTS = {
-    "four_disks": "X' = -X outside of contact: four discs of radius 1/2 are drawn to one point (Figure 4).",
-    "ten_disks_corner": "X' = (0, -1) outside of contact: ten discs of radius 1/2 fall into a corner (Figure 5).",
-}
+PROSE = Path(__file__).parent / "prose"
 # Columns of the tables on the page, with their headings.
 REFERENCE = {
     "scene": "Scene",
@@ -100,67 +99,43 @@ def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
 
 
 def _scenes(context: Context) -> Section:
+    said = fill(PROSE / "scenes.html")
     pictures = []
     for one in SCENES:
         own = reference.reference(context.tables["positions"], one.name)
         path = context.draw(f"motion_{one.name}", plots.motion, one, SHOWN[one.name], own.at(SHOWN[one.name])[0])
-        pictures.append(Picture(path, STARTS[one.name]))
-    intro = Text(
-        "The thesis does not give its starting positions; these are generic ones, without symmetry, so that discs "
-        "really slide along each other. Positions are those of the reference."
-    )
-    return Section("Two scenes in time", [intro, *pictures])
+        pictures.append(Picture(path, said[one.name]))
+    return Section("Two scenes in time", [Text(said["intro"]), *pictures])
 
 
 def _reference(context: Context) -> Section:
-    table = context.tables["references"]
-    runs = context.tables["catch_up"]
+    table, runs = context.tables["references"], context.tables["catch_up"]
     steps = sorted(runs[runs["method"] == CATCH_UP.name]["dt"].unique(), reverse=True)
-    text = Text(
-        "The event-driven solution: between contacts made and lost the motion is smooth and integrated with order 8, "
-        "and events are found on its dense output. It is computed twice, with tolerances that differ by a factor of "
-        f"100 and no step in common, to tol = {number(reference.TOL)}; stated is twice the largest distance of the two "
-        "runs at this time and halfway to its neighbours."
-    )
-    checks = Text(
-        "Independent of it: Moreau's catch-up scheme with the projection by Ipopt (tolerance 10⁻¹¹) at dt = "
-        f"{', '.join(f'{dt:.3g}' for dt in steps)}. Where successive differences halve (ratio near 2) the three runs "
-        "are extrapolated, elsewhere the finest one is taken; stated is twice the last difference, the largest of "
-        "those at this time and at the kept times beside it (a quarter apart). The same scheme with another "
-        "projection (Daqp), and linearised catch-up, extrapolated, check that one in turn."
-    )
-    return Section(
-        "The reference", [text, checks, Grid(_named(table, REFERENCE), "Reference solutions.", "references")]
-    )
+    said = fill(PROSE / "reference.html", tol=reference.TOL, steps=[f"{dt:.3g}" for dt in steps])
+    grid = Grid(_named(table, REFERENCE), said["table"], "references")
+    return Section("The reference", [Text(said["events"]), Text(said["checks"]), grid])
 
 
 def _convergence(context: Context, name: str) -> Section:
     table, orders = context.tables["convergence"], context.tables["orders"]
     mine = orders[orders["scene"] == name]
-    pbd = mine[mine["method"] == PBD.name]
-    orders_of = ", ".join(f"{row.order} at t = {row.t:g}" for row in pbd.itertuples())
-    overlaps = ", ".join(f"{row.infeasibility_order} at t = {row.t:g}" for row in pbd.itertuples())
-    error = context.draw(f"error_{name}", plots.against_step, table, name, "error")
-    infeasible = context.draw(f"infeasibility_{name}", plots.against_step, table, name, "infeasibility")
+    pbd = list(mine[mine["method"] == PBD.name].itertuples())
+    said = fill(
+        PROSE / "convergence.html",
+        orders=[f"{row.order} at t = {row.t:g}" for row in pbd],
+        overlaps=[f"{row.infeasibility_order} at t = {row.t:g}" for row in pbd],
+    )
+    words = {"t": "t", "method": "Method", "verdict": "In words"}
     return Section(
         f"Convergence: {scene(name).title.lower()}",
         [
-            Text(f"Order of PBD, with its 95 % interval: {orders_of}. Order of its infeasibility: {overlaps}."),
-            Picture(
-                error,
-                "Error against the step. Crosses on the upper edge: runs that failed. Markers on the lower edge: "
-                "errors below 10⁻⁸.",
+            Text(said["orders"]),
+            *(
+                Picture(context.draw(f"{kind}_{name}", plots.against_step, table, name, kind), said[kind])
+                for kind in ("error", "infeasibility")
             ),
-            Picture(
-                infeasible,
-                "Largest overlap at that time against the step; markers on the lower edge: none above 10⁻⁶. Catch-up "
-                "has none but rounding. A penalty that is too strong for its step has none either once it has "
-                "thrown the discs apart (see its error), and the force as printed chatters in and out of contact.",
-            ),
-            Grid(_named(mine, ORDERS), "Orders, with 95 % intervals, and the finest run of each method.", "orders"),
-            Grid(
-                _named(mine, {"t": "t", "method": "Method", "verdict": "In words"}), "In words", "orders", folded=True
-            ),
+            Grid(_named(mine, ORDERS), said["table"], "orders"),
+            Grid(_named(mine, words), said["words"], "orders", folded=True),
         ],
     )
 
@@ -168,13 +143,11 @@ def _convergence(context: Context, name: str) -> Section:
 def _penalty(context: Context) -> Section:
     best = context.tables["penalty_best"]
     kinds = best.assign(kind=best["exponent"].map({1: "as printed", 2: "springs"}))
-    text = Text(
-        f"The strength is scanned over {len(infeasibility.SPRINGS)} values at each step; the best is the one with the "
-        "smallest largest overlap in time, among runs whose error is at most "
-        f"{number(infeasibility.COMPARABLE)} times that of PBD (discs that were thrown apart do not overlap). The "
-        "force as printed has constant size; springs grow with the overlap (section 1.1.3 prints the one and "
-        "describes the other). Width is the factor between the strengths that stay within "
-        f"{number(infeasibility.WIDTH)} times the best overlap."
+    said = fill(
+        PROSE / "penalty.html",
+        count=len(infeasibility.SPRINGS),
+        comparable=infeasibility.COMPARABLE,
+        width=infeasibility.WIDTH,
     )
     curves = context.tables["infeasibility"]
     drawn = curves[curves["dt"].isin(infeasibility.SHORT)]
@@ -183,37 +156,34 @@ def _penalty(context: Context) -> Section:
     return Section(
         "Infeasibility: PBD against the penalty method with its best strength",
         [
-            text,
-            Picture(
-                in_time,
-                "Largest overlap after every step (Figure 6): PBD solid, the penalty method with its best strength "
-                "dashed.",
-            ),
-            Picture(
-                scan, "How the penalty method depends on its strength; the levels of PBD, which has none, beside it."
-            ),
-            Grid(_named(kinds, BEST), "Best strengths.", "penalty_best"),
+            Text(said["strengths"]),
+            Picture(in_time, said["in_time"]),
+            Picture(scan, said["scan"]),
+            Grid(_named(kinds, BEST), said["table"], "penalty_best"),
         ],
     )
 
 
 def _large(context: Context) -> Section:
     figure = context.draw("large_steps", plots.large_steps, context.tables["large_steps"], large_steps.FAR, SCENES)
-    text = Text(
-        f"Runs to t = {large_steps.END:g}. At dt = 1 explicit Euler predicts all four discs into the one point that "
-        "draws them, so their centres coincide and no pair of them has a direction: all methods shown here, which "
-        "look at that prediction, stop there with that status. Linearised catch-up looks at the discs before the step "
-        "and goes on."
-    )
-    return Section(
-        "Large steps",
-        [text, Picture(figure, "How far out a disc gets, over that of the start. Crosses: runs that stopped.")],
-    )
+    said = fill(PROSE / "large_steps.html", end=large_steps.END)
+    return Section("Large steps", [Text(said["runs"]), Picture(figure, said["picture"])])
 
 
 CHAPTER = Chapter(
     "Numerical experiments with first-order PBD",
     run,
     sections,
-    tables=("positions", "catch_up", "references", "convergence", "orders", "penalty_", "infeasibility", "large_steps"),
+    place=1,
+    tables=(
+        "positions",
+        "exactness",
+        "catch_up",
+        "references",
+        "convergence",
+        "orders",
+        "penalty_",
+        "infeasibility",
+        "large_steps",
+    ),
 )

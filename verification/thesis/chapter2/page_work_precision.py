@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import pandas as pd
 
 from verification.budget import GRACE
 from verification.cheapest import LEAST_SPREAD, RESOLVED
 from verification.measure import BRIEF, REPEATS
+from verification.page.prose import fill
 from verification.page.report import Chapter, Context, Grid, Picture, Section, Text, number
+from verification.speed_accuracy import TARGETS
 from verification.thesis.chapter2 import cheapest, figures_work_precision, work_precision, work_references
 from verification.thesis.chapter2.methods import METHODS
 from verification.thesis.chapter2.work_references import SCENES
-from verification.work_precision import TARGETS
 
 WINNERS = {
     "scene": "Scene",
@@ -45,42 +47,7 @@ RUNS = {
     "overlap": "Overlap",
     "detail": "Detail",
 }
-ERROR = (
-    "The error is the largest distance of a particle from where it should be, at any time looked at, every "
-    f"{number(work_references.EVERY)} or where the reference has its times. It is the largest in time that counts "
-    "here: where everything comes to rest in the end (the stack, the corner), a method may lose its way and still end "
-    "exactly right."
-)
-TIME = (
-    "Time is CPU time, after a run for warming up; the shortest of "
-    f"{REPEATS} runs where one takes less than {number(BRIEF)} s. Two methods run at once, on a core each. Two times "
-    f"differ if their ratio is more than the measured spread, and at least {LEAST_SPREAD:g}; otherwise the table says "
-    "tie. A run is disturbed if it had to wait for the processor. The counted work is the number of evaluations of "
-    "the drift: every method "
-    "here counts it alike, a step of any kind being one or a few of them. What a method does between two of them "
-    "differs, and is in the table of the runs: pairs looked at by sweeps, iterations of solvers."
-)
-YARDSTICKS = (
-    "Two programs of others stand beside the methods. LSODA (scipy) solves the penalty form with springs as a stiff "
-    "ordinary differential equation; the strength is tied to its tolerance, so that a loaded contact overlaps by about "
-    "the tolerance; it is given the stiff part of the Jacobian, and a longest step, as it would step over whole discs "
-    "otherwise. Chipmunk (pymunk) is an engine for rigid bodies: made to forget its velocities in every step, without "
-    "friction, elasticity and slop, and with a bias that takes back a whole overlap, it is a first-order method for "
-    "discs in the plane. It refuses three dimensions."
-)
-SECOND_ORDER = (
-    "Two forms of catch-up use the middle of a step. Midpoint catch-up takes normals and drift there and meets the set "
-    "at the end: order 2 also where contacts are made and lost, as long as contacts do not decide over contacts within "
-    "a step. The θ = 1/2 form meets the set in the middle, so a disc overshoots at an impact and swings about contact: "
-    "it is of order 2 only while no contact changes, far ahead of θ = 1 where a slide has ended, and of order 1 in the "
-    "largest error."
-)
-REFERENCES = (
-    "References: exact solutions of the sliding disc and the stack; the event-driven scheme with tol = "
-    f"{number(work_references.TOL)} for the four and ten discs and the balls (its own line is therefore measured "
-    "against itself, with a tighter tolerance); a fine solution, kept as a table, for the pile. An error below "
-    f"{RESOLVED:g} times the stated error of the reference counts as that."
-)
+PROSE = Path(__file__).parent / "prose"
 
 
 def run(context: Context) -> None:
@@ -113,36 +80,34 @@ def _form(context: Context) -> work_precision.Form:
 
 
 def _summary(context: Context) -> Section:
-    form, winners = _form(context), context.tables["work_winners"]
-    limits = Text(
-        f"From the coarsest setting on, finer ones are run until one takes more than {form.budget}; a run that takes "
-        f"{number(GRACE)} times as long is stopped and is a row of its own. An error that rests on a run of more than "
-        f"{number(form.budget.certain())} s is at the limit: on another day it could be missed. Between two runs the "
-        "time to an error is interpolated in logarithms; nothing is extrapolated."
+    winners = context.tables["work_winners"]
+    said = fill(
+        PROSE / "work_precision.html",
+        every=work_references.EVERY,
+        tol=work_references.TOL,
+        repeats=REPEATS,
+        brief=BRIEF,
+        least_spread=LEAST_SPREAD,
+        resolved=RESOLVED,
+        budget=_form(context).budget,
+        grace=GRACE,
     )
-    grid = Grid(_named(winners, WINNERS), "The cheapest method for each scene and error.", "work_winners")
-    texts = [Text(text) for text in (ERROR, TIME, SECOND_ORDER, YARDSTICKS, REFERENCES)]
-    return Section("Who is cheapest", [Text(cheapest.summary(winners)), grid, *texts, limits])
+    grid = Grid(_named(winners, WINNERS), said["table"], "work_winners")
+    texts = [Text(said[name]) for name in ("error", "time", "second_order", "yardsticks", "references", "limits")]
+    return Section("Who is cheapest", [Text(cheapest.summary(winners)), grid, *texts])
 
 
 def _scene(context: Context, name: str) -> Section:
     table, times, winners = (context.tables[one] for one in ("work_precision", "work_times", "work_winners"))
     path = context.draw(f"work_precision_{name}", figures_work_precision.draw_chart, table, name, _form(context))
+    said = fill(PROSE / "work_scene.html")
     return Section(
         f"Speed against accuracy: {SCENES[name]().title.lower()}",
         [
             Text(cheapest.sentence(winners[winners["scene"] == name])),
-            Picture(
-                path,
-                "Largest error in time against CPU time and against counted work; coarse settings left. Crosses on the "
-                "upper edge: runs that failed or were stopped. The grey edge is below what the reference resolves.",
-            ),
-            Grid(
-                _named(times[times["scene"] == name], TIMES),
-                "CPU seconds to reach an error (—: not reached), and the order of the largest error in time.",
-                "work_times",
-            ),
-            Grid(_named(table[table["scene"] == name], RUNS), "All runs.", _file(context), folded=True),
+            Picture(path, said["chart"]),
+            Grid(_named(times[times["scene"] == name], TIMES), said["times"], "work_times"),
+            Grid(_named(table[table["scene"] == name], RUNS), said["runs"], _file(context), folded=True),
         ],
     )
 
@@ -151,4 +116,4 @@ def _file(context: Context) -> str:
     return f"work_precision{'_full' if context.full else ''}"
 
 
-CHAPTER = Chapter("Speed against accuracy", run, sections, tables=("work_",))
+CHAPTER = Chapter("Speed against accuracy", run, sections, place=2, tables=("work_",))

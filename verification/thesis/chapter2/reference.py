@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import dincl
-from verification.reference import Known
+from verification.references import Known
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter2.runs import about, position_rows, scene, timed

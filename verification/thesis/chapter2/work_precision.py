@@ -10,12 +10,12 @@ from importlib.util import find_spec
 import pandas as pd
 
 from verification.budget import Budget, CpuSeconds
-from verification.reference import Known
+from verification.references import Known
+from verification.speed_accuracy import WorkPrecision, rows_of, settings_of
 from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
 from verification.thesis.chapter2.methods import CHARTED, METHODS
 from verification.thesis.chapter2.work_references import SCENES
-from verification.work_precision import WorkPrecision, rows_of, settings_of
 
 ERRORS = ("largest", "final", "overlap")
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
-from verification.reference import Known
+from verification.references import Known
 from verification.study import Key, Study
 from verification.table import Row, digest, fingerprint
 

@@ -44,4 +44,4 @@ def sections(context: Context) -> Sequence[Section]:
     return [part.section(context) for part in PARTS]
 
 
-CHAPTER = Chapter("Tissue", run, sections, compile_kernels, tables=("tissue_",))
+CHAPTER = Chapter("Tissue", run, sections, place=5, prepare=compile_kernels, tables=("tissue_",))

@@ -10,7 +10,7 @@ from scipy.special import ndtri
 
 from tissue.study.comparisons import CLAIM_LEVEL, POWER, Difference, runs_needed
 from tissue.study.ratios import Ratio, as_ratio, quantile
-from verification.claim import Tables
+from verification.claims import Tables
 from verification.evidence import Comparison, Interval
 from verification.thesis.chapter4.studies import PRESETS
 

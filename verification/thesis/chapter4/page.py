@@ -26,4 +26,4 @@ def sections(context: Context) -> Sequence[Section]:
     return page.sections(context)
 
 
-CHAPTER = Chapter("EMT", run, sections, tables=("emt_",))
+CHAPTER = Chapter("EMT", run, sections, place=6, tables=("emt_",))

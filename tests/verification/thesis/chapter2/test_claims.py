@@ -7,6 +7,7 @@ import pytest
 
 import dincl
 from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
+from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.chapter2.claims import (
     s1_1_3_repulsion,
@@ -36,7 +37,7 @@ PARTS = (
     s4_3_penalty,
     s1_conclusions,
 )
-CLAIMS = {claim.id: claim for part in PARTS for claim in part.CLAIMS}
+CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
 Tables = dict[str, pd.DataFrame]
 
 
@@ -186,7 +187,7 @@ RIGHT: dict[str, Tables] = {
 def test_every_claim_is_tried() -> None:
     assert CHANGES.keys() == CLAIMS.keys()
     assert {name[:3] for name in CLAIMS} == {"c2.", "c6."}
-    assert len(CLAIMS) == sum(len(part.CLAIMS) for part in PARTS)
+    assert len(CLAIMS) == sum(len(stated_in(part)) for part in PARTS)
     assert RIGHT.keys() == {name for name, claim in CLAIMS.items() if claim.needs}
 
 

@@ -12,7 +12,7 @@ from verification.budget import CpuSeconds
 from verification.measure import REPEATS
 from verification.page import sheet
 from verification.page.report import Context
-from verification.reference import Known
+from verification.references import Known
 from verification.thesis.chapter2 import cheapest, work_precision, work_references
 from verification.thesis.chapter2 import page_work_precision as chapter
 from verification.thesis.chapter2.methods import (

@@ -9,6 +9,7 @@ import pytest
 
 import dincl
 from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
+from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.appendix.claims import s1_uzawa
 from verification.thesis.chapter3.claims import (
@@ -34,7 +35,7 @@ PARTS = (
     s4_growth,
     s1_uzawa,
 )
-CLAIMS = {claim.id: claim for part in PARTS for claim in part.CLAIMS}
+CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
 FALSE, TRUE = Kind.FAILS, Kind.HOLDS
 
 
@@ -157,7 +158,6 @@ CHANGES: Mapping[str, Wrong] = {
     "c3.descent": Wrong("chapter3.s2_3_2_stopping", "C", replaced(1.0)),
     "c3.stopping": Wrong("chapter3.s2_3_2_stopping", "EPS", replaced(1e-7)),
     "c3.time-transform": Wrong("chapter3.s3_1_first_order", "scaling", times(2.0)),
-    "c3.dot": Wrong("chapter3.s3_1_first_order", "slope", replaced(lambda z: -z / 7.5), TRUE),
     "c3.time-scale": Wrong("chapter3.s3_1_first_order", "daha_step", replaced(lambda: 1 - 2e-4), TRUE),
     "c3.prediction": Wrong("chapter3.s3_1_first_order", "USUAL", replaced(5000)),
     "c3.speedup": Wrong("chapter3.s3_pbd", "PBD_SECONDS", replaced(0.8)),
@@ -185,7 +185,6 @@ CHANGES: Mapping[str, Wrong] = {
         "appendix.s1_uzawa", "saddle", lambda f: lambda *seed: (*f(*seed)[:3], np.zeros(2)), TRUE
     ),
     "c3.uzawa-symmetric": Wrong("appendix.s1_uzawa", "system", replaced(lambda _: np.eye(7))),
-    "c3.uzawa-schur": Wrong("appendix.s1_uzawa", "solution", replaced(lambda: (np.ones(5), np.ones(2)))),
     "c3.uzawa-dual": Wrong("appendix.s1_uzawa", "dual", lambda f: lambda lam: f(-lam)),
     "c3.uzawa-step": Wrong("appendix.s1_uzawa", "STEPS", replaced(3)),
     "c3.uzawa-nonlinear": Wrong("appendix.s1_uzawa", "constraint", times(-1.0)),
@@ -194,7 +193,7 @@ CHANGES: Mapping[str, Wrong] = {
 
 def test_every_claim_is_tried() -> None:
     assert CHANGES.keys() == CLAIMS.keys()
-    assert len(CLAIMS) == sum(len(part.CLAIMS) for part in PARTS)
+    assert len(CLAIMS) == sum(len(stated_in(part)) for part in PARTS)
 
 
 @pytest.mark.parametrize("name", CHANGES)

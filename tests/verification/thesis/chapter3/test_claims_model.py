@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
+from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.chapter3.claims import (
     s1_3_model,
@@ -28,7 +29,7 @@ PARTS = (
     s2_2_9_tables,
     s3_tissue,
 )
-CLAIMS = {claim.id: claim for part in PARTS for claim in part.CLAIMS}
+CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
 MODEL, CYCLE, ENERGIES, QSS, PARAMETERS, TABLES, TISSUE = (
     "chapter3." + part.__name__.rpartition(".")[2] for part in PARTS
 )

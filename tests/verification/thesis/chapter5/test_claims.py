@@ -8,6 +8,7 @@ import pytest
 
 from meanfield import State
 from tests.verification.thesis.claim_changes import Change, Wrong, decided, replaced, times
+from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.appendix.claims import s2_derivation
 from verification.thesis.chapter5.claims import (
@@ -58,7 +59,7 @@ MODULES = (
     s3_5_moments,
     s2_derivation,
 )
-CLAIMS = {claim.id: claim for module in MODULES for claim in module.CLAIMS}
+CLAIMS = {claim.id: claim for module in MODULES for claim in stated_in(module)}
 
 
 def disturbed(**by: float) -> Change:
@@ -80,10 +81,6 @@ def without_interaction(f: Callable[[], Instant]) -> Callable[[], Instant]:
 
 def at_the_origin(f: Callable[[], Instant]) -> Callable[[], Instant]:
     return lambda: f()._replace(X=0 * f().X)
-
-
-def transposed(f: Callable[..., Any]) -> Callable[..., Any]:
-    return lambda *given: (f(*given)[0], f(*given)[1].transpose(0, 2, 1))
 
 
 def swapped(f: Callable[..., Any]) -> Callable[..., Any]:
@@ -152,7 +149,6 @@ CHANGES: dict[str, Wrong] = {
     "c5.abstract-estimate": Wrong(INTRODUCTION, ("Y", "YDOT"), replaced(np.zeros(2)), TRUE),
     "c5.generalises": Wrong(INTRODUCTION, "force1", lambda f: lambda *given: np.tanh(f(*given))),
     "c5.changing-mass": Wrong(INTRODUCTION, "wavy_system", straight),
-    "c5.layout": Wrong(MODEL, "jacobians", transposed, TRUE),
     "c5.non-interacting": Wrong(MODEL, "general_instant", without_interaction, TRUE),
     "c5.pair-force": Wrong(MODEL, "pulls", times(2.0)),
     "c5.even-potential": Wrong(MODEL, "odd", replaced(lambda r: (r**2).sum(axis=-1)), TRUE),
@@ -189,7 +185,6 @@ CHANGES: dict[str, Wrong] = {
     "c5.linear-mass": Wrong(LINEAR, "effective_mass", times(1.1)),
     "c5.linear-force": Wrong(LINEAR, "force1", times(-1.0)),
     "c5.linear-newton": Wrong(LINEAR_MOTION, "shifted", disturbed(a=0.1)),
-    "c5.linear-velocity": Wrong(LINEAR_MOTION, "shifted", disturbed(U=0.1)),
     "c5.linear-limit": Wrong(LINEAR_MOTION, "instant", disturbed(a=0.1)),
     "c5.linear-transport": Wrong(LINEAR_MOTION, "shift_rate", times(-1.0)),
     "c5.linear-map": Wrong(LINEAR_MOTION, "phi", times(-1.0)),
@@ -223,7 +218,6 @@ CHANGES: dict[str, Wrong] = {
     "c5.transport": Wrong(LIMIT, "soft", times(1.1)),
     "c5.empirical": Wrong(LIMIT, "mass", times(1.1)),
     "c5.consistency": Wrong(LIMIT, "wavy_flow", times(1.01)),
-    "c5.weak-bracket": Wrong(LIMIT, "shift_rate", times(-1.0)),
     "c5.independent": Wrong(PARTICLES, "ends", lambda f: lambda count, rng: f(2, rng)),
     "c5.no-pairs": Wrong(PARTICLES, "velocity", lambda f: lambda X: f(X) + X.mean()),
     "c5.moved-measure": Wrong(PARTICLES, "transported", lambda f: lambda x, y: f(x, y) / soft(x)),
@@ -261,7 +255,7 @@ CHANGES: dict[str, Wrong] = {
 
 def test_every_claim_of_the_chapter_is_tried() -> None:
     assert CHANGES.keys() == CLAIMS.keys()
-    assert len(CLAIMS) == sum(len(module.CLAIMS) for module in MODULES)
+    assert len(CLAIMS) == sum(len(stated_in(module)) for module in MODULES)
 
 
 @pytest.mark.parametrize("name", CLAIMS)

@@ -263,7 +263,6 @@ def test_the_starts_are_regular():
 
 
 def test_words():
-    assert words.listed([]) == "none"
     table = pd.DataFrame({"model": ["straight"], "method": ["dae"], "N": [3]})
     assert words.named(table, {"model": "Model", "method": "M"}).iloc[0].tolist() == ["StraightFibre", "DAE (IDAS)"]
     assert words.form("a", True) == "a_full"

@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import minimize
 
-from verification.claim import Claim, Correction, Effect, Tables
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.claims import Correction, Effect, claim
+from verification.evidence import Evidence, Kind, at_least, at_most
 
 Floats = NDArray[np.float64]
 SEED = 33
@@ -43,7 +43,15 @@ def solution() -> tuple[Floats, Floats]:
     return both[:5], both[5:]
 
 
-def _first_order(_: Tables) -> Evidence:
+@claim(
+    "c3.uzawa-energy",
+    "The quadratic program whose first-order conditions are the linear system (A.1).",
+    source="appendix 1.1, (A.1)",
+    quote="minimise xᵀAx - fᵀx subject to Bx = g … The corresponding first order conditions yield the linear problem",
+    recorded=Kind.CORRECTED,
+    correction=Correction("minimise ½xᵀAx - fᵀx", Effect.MODEL, "ℒ, which needs the same factor ½, and (A.1)"),
+)
+def _first_order() -> Evidence:
     """Slope of the energy along the feasible directions at the solution of (A.1)."""
     a, b, f, _g = saddle()
     x, _ = solution()
@@ -58,7 +66,16 @@ def _first_order(_: Tables) -> Evidence:
     )
 
 
-def _lagrangian(_: Tables) -> Evidence:
+@claim(
+    "c3.uzawa-lagrangian",
+    "The Lagrangian whose saddle points solve the program.",
+    source="appendix 1.1",
+    quote="ℒ(x, λ) := xᵀAx + Bᵀλ - fᵀx … We note that sup_λ ℒ(x, λ) = ∞ if Bx ≠ g",
+    recorded=Kind.CORRECTED,
+    correction=Correction("ℒ(x, λ) := ½xᵀAx - fᵀx + λᵀ(Bx - g)", Effect.MODEL, "(A.1), the steps of Uzawa's method"),
+    chosen="the factor ½, so that this is another matter than the energy",
+)
+def _lagrangian() -> Evidence:
     """The saddle of ½xᵀAx - fᵀx + λᵀBx, the only number that the printed sum can stand for, and of that with g."""
     a, b, f, g = saddle()
     misses = []
@@ -80,7 +97,14 @@ def definite(matrix: Floats) -> bool:
     return bool(np.array_equal(matrix, matrix.T) and np.linalg.eigvalsh(matrix)[0] > 0)
 
 
-def _indefinite(_: Tables) -> Evidence:
+@claim(
+    "c3.uzawa-symmetric",
+    "The matrix of (A.1) is in general not symmetric positive definite.",
+    source="appendix 1.1",
+    quote="this linear system is often not symmetric and positive definite",
+    chosen="read as: not both at once",
+)
+def _indefinite() -> Evidence:
     matrices = [system(seed) for seed in range(PROGRAMS)]
     count = sum(not definite(matrix) for matrix in matrices)
     negative = {int((np.linalg.eigvalsh(matrix) < 0).sum()) for matrix in matrices}
@@ -92,29 +116,19 @@ def _indefinite(_: Tables) -> Evidence:
     )
 
 
-def _schur(_: Tables) -> Evidence:
-    a, b, f, g = saddle()
-    x, lam = solution()
-    left = b @ np.linalg.solve(a, f - b.T @ lam)
-    short = f"Bx = BA⁻¹f - BA⁻¹Bᵀλ to {np.abs(b @ x - left).max():.0e}, = g to {np.abs(left - g).max():.0e}"
-    return Evidence(
-        f"B is {b.shape[0]} × {b.shape[1]} and λ has {len(lam)} entries, so Bλ does not exist; {short}",
-        printed=(equal("columns of B less entries of λ", b.shape[1] - len(lam), 0.0),),
-        corrected=(
-            at_most("|Bx - (BA⁻¹f - BA⁻¹Bᵀλ)|", float(np.abs(b @ x - left).max()), TOL),
-            at_most("|BA⁻¹f - BA⁻¹Bᵀλ - g|", float(np.abs(left - g).max()), TOL),
-        ),
-        seed=SEED,
-    )
-
-
 def dual(lam: Floats) -> float:
     """F(λ) = λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)."""
     a, b, f, g = saddle()
     return float(lam @ b @ np.linalg.solve(a, b.T @ lam) - 2 * lam @ (b @ np.linalg.solve(a, f) - g))
 
 
-def _dual(_: Tables) -> Evidence:
+@claim(
+    "c3.uzawa-dual",
+    "The multiplier of (A.1) minimises this quadratic function.",
+    source="appendix 1.1",
+    quote="min_λ F(λ) with F(λ) := λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)",
+)
+def _dual() -> Evidence:
     _, lam = solution()
     found = minimize(dual, np.zeros(2), tol=1e-12, method="Nelder-Mead").x
     off = float(np.abs(found - lam).max())
@@ -125,7 +139,20 @@ def _dual(_: Tables) -> Evidence:
     )
 
 
-def _ascent(_: Tables) -> Evidence:
+@claim(
+    "c3.uzawa-step",
+    "The step for the multiplier in Uzawa's method, in two forms.",
+    source="appendix 1.1",
+    quote="λ_{k+1} = λ_k + α(BA⁻¹Bᵀλ_k - BA⁻¹f - g) = λ_k + α(Bx_{k+1} - g)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the first form is λ_k + α(BA⁻¹f - BA⁻¹Bᵀλ_k - g): descent of F, ascent of ℒ",
+        Effect.MODEL,
+        "the method, if it is run by the first form: it diverges",
+    ),
+    chosen="“The gradient of F is given by” is followed by nothing: 2(BA⁻¹Bᵀλ - BA⁻¹f + g)",
+)
+def _ascent() -> Evidence:
     """Both printed lines, and the limit of the step."""
     a, b, f, g = saddle()
     schur, target = b @ np.linalg.solve(a, b.T), b @ np.linalg.solve(a, f)
@@ -159,7 +186,14 @@ def constraint(x: Floats) -> float:
     return float(x @ x - 1)
 
 
-def _nonlinear(_: Tables) -> Evidence:
+@claim(
+    "c3.uzawa-nonlinear",
+    "The nonlinear variant of Uzawa's method for equality constraints.",
+    source="appendix 1.2",
+    quote="x_{k+1} = x_k - γ(∇W(x_k) + (∇g(x_k))ᵀλ_k), λ_{k+1} = λ_k + αg(x_{k+1})",
+    chosen="one constraint, the unit circle; both step sizes 0.1",
+)
+def _nonlinear() -> Evidence:
     """The nearest point of the circle to (2, 1), W = |x - (2, 1)|^2/2: (2, 1)/√5, λ = (√5 - 1)/2."""
     x, lam, far = np.array([1.0, -1.0]), 0.0, np.array([2.0, 1.0])
     for _ in range(STEPS):
@@ -173,74 +207,3 @@ def _nonlinear(_: Tables) -> Evidence:
         "solution and its multiplier",
         printed=(at_most("distance from the solution and its multiplier", off, TOL),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.uzawa-energy",
-        "appendix 1.1, (A.1)",
-        "minimise xᵀAx - fᵀx subject to Bx = g … The corresponding first order conditions yield the linear problem",
-        _first_order,
-        statement="The quadratic program whose first-order conditions are the linear system (A.1).",
-        recorded=Kind.CORRECTED,
-        correction=Correction("minimise ½xᵀAx - fᵀx", Effect.MODEL, "ℒ, which needs the same factor ½, and (A.1)"),
-    ),
-    Claim(
-        "c3.uzawa-lagrangian",
-        "appendix 1.1",
-        "ℒ(x, λ) := xᵀAx + Bᵀλ - fᵀx … We note that sup_λ ℒ(x, λ) = ∞ if Bx ≠ g",
-        _lagrangian,
-        statement="The Lagrangian whose saddle points solve the program.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "ℒ(x, λ) := ½xᵀAx - fᵀx + λᵀ(Bx - g)", Effect.MODEL, "(A.1), the steps of Uzawa's method"
-        ),
-        chosen="the factor ½, so that this is another matter than the energy",
-    ),
-    Claim(
-        "c3.uzawa-symmetric",
-        "appendix 1.1",
-        "this linear system is often not symmetric and positive definite",
-        _indefinite,
-        statement="The matrix of (A.1) is in general not symmetric positive definite.",
-        chosen="read as: not both at once",
-    ),
-    Claim(
-        "c3.uzawa-schur",
-        "(A.3)",
-        "Bλ = BA⁻¹f - BA⁻¹Bᵀλ = g",
-        _schur,
-        statement="x eliminated from the second row of (A.1).",
-        recorded=Kind.CORRECTED,
-        correction=Correction("Bx = BA⁻¹f - BA⁻¹Bᵀλ = g", Effect.NOTATION, "nothing: the right sides are used"),
-    ),
-    Claim(
-        "c3.uzawa-dual",
-        "appendix 1.1",
-        "min_λ F(λ) with F(λ) := λᵀBA⁻¹Bᵀλ - 2λᵀ(BA⁻¹f - g)",
-        _dual,
-        statement="The multiplier of (A.1) minimises this quadratic function.",
-    ),
-    Claim(
-        "c3.uzawa-step",
-        "appendix 1.1",
-        "λ_{k+1} = λ_k + α(BA⁻¹Bᵀλ_k - BA⁻¹f - g) = λ_k + α(Bx_{k+1} - g)",
-        _ascent,
-        statement="The step for the multiplier in Uzawa's method, in two forms.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the first form is λ_k + α(BA⁻¹f - BA⁻¹Bᵀλ_k - g): descent of F, ascent of ℒ",
-            Effect.MODEL,
-            "the method, if it is run by the first form: it diverges",
-        ),
-        chosen="“The gradient of F is given by” is followed by nothing: 2(BA⁻¹Bᵀλ - BA⁻¹f + g)",
-    ),
-    Claim(
-        "c3.uzawa-nonlinear",
-        "appendix 1.2",
-        "x_{k+1} = x_k - γ(∇W(x_k) + (∇g(x_k))ᵀλ_k), λ_{k+1} = λ_k + αg(x_{k+1})",
-        _nonlinear,
-        statement="The nonlinear variant of Uzawa's method for equality constraints.",
-        chosen="one constraint, the unit circle; both step sizes 0.1",
-    ),
-)

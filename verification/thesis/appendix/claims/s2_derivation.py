@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import (
     Floats,
@@ -40,7 +40,19 @@ def multipliers(at: Instant, a: Floats, curved: Floats) -> Floats:
     return np.asarray(np.linalg.solve(gX.transpose(0, 2, 1), right[..., None])[..., 0])
 
 
-def _order(_: Tables) -> Evidence:
+@claim(
+    "c5.derivation-order",
+    "The force on a particle by the others.",
+    source="appendix 2, (A.4a)",
+    quote="mẌ_i = F₁(X_i) + 1/N Σ_k K(X_i, X_k) − (∂_X g(X_i, y))ᵀλ_i",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
+        Effect.MODEL,
+        "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), is false",
+    ),
+)
+def _order() -> Evidence:
     """Energy and ÿ if the force on X_i is the mean of K(X_i, X_k) over k, or of K(X_k, X_i)."""
     at = general_instant()
     moved, curved = phi(at.system, at.X, at.y), omega(at.system, at.X, at.y, at.v, at.v)
@@ -69,7 +81,13 @@ def _order(_: Tables) -> Evidence:
     )
 
 
-def _constraint(_: Tables) -> Evidence:
+@claim(
+    "c5.derivation-constraint",
+    "The constraints hold if and only if the particles have the velocities Φ_i[ẏ].",
+    source="appendix 2, (A.6), (A.7)",
+    quote="(A.4c) ⇔ dg(X_i, y)/dt = 0 ⇔ Ẋ_i = −(∂_X g)⁻¹∂_y g[ẏ] ⇔ (A.5b)",
+)
+def _constraint() -> Evidence:
     """What g changes by along X' = Phi[y'] while y moves by y'/2, and with velocities that are a tenth too small."""
     at = general_instant()
     level = at.system.g(at.X, at.y)
@@ -93,7 +111,13 @@ def _constraint(_: Tables) -> Evidence:
     )
 
 
-def _rate(_: Tables) -> Evidence:
+@claim(
+    "c5.derivation-rate",
+    "The acceleration of a particle by that of the macroscopic component.",
+    source="appendix 2, (A.8) to (A.10)",
+    quote="Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
+)
+def _rate() -> Evidence:
     at = general_instant()
     right = phi(at.system, at.X, at.y) @ at.a + omega(at.system, at.X, at.y, at.v, at.v)
     off = float(np.abs(at.A - right).max())
@@ -103,7 +127,14 @@ def _rate(_: Tables) -> Evidence:
     )
 
 
-def _multipliers(_: Tables) -> Evidence:
+@claim(
+    "c5.derivation-multipliers",
+    "The multipliers as functions of positions, velocities and ÿ.",
+    source="appendix 2, (A.11), (A.12)",
+    quote="λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
+    chosen=RIGHT_ORDER,
+)
+def _multipliers() -> Evidence:
     at = general_instant()
     off = float(np.abs(multipliers(at, at.a, omega(at.system, at.X, at.y, at.v, at.v)) - at.multipliers).max())
     return Evidence(
@@ -112,7 +143,14 @@ def _multipliers(_: Tables) -> Evidence:
     )
 
 
-def _insert(_: Tables) -> Evidence:
+@claim(
+    "c5.derivation-insert",
+    "The equation for ÿ once the multipliers are inserted.",
+    source="appendix 2, (A.13)",
+    quote="ÿ = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_j, X_k) − m(Φ_j[ÿ] + Ω_j[ẏ, ẏ]))",
+    chosen=RIGHT_ORDER,
+)
+def _insert() -> Evidence:
     at = general_instant()
     inertia = at.system.m * (phi(at.system, at.X, at.y) @ at.a + omega(at.system, at.X, at.y, at.v, at.v))
     each = force1(at.system, at.X) + pulls(at.system, at.X).mean(axis=0) - inertia
@@ -124,7 +162,20 @@ def _insert(_: Tables) -> Evidence:
     )
 
 
-def _back(_: Tables) -> Evidence:
+@claim(
+    "c5.derivation-back",
+    "The multipliers that turn a solution of the reduced equations into one of the constrained ones.",
+    source="appendix 2, (A.14)",
+    quote="λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ÿ])",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ]), as in (A.12)",
+        Effect.MODEL,
+        "Proposition 5.1, which defines λ_i by (A.14); it holds with (A.12)",
+    ),
+    chosen=RIGHT_ORDER,
+)
+def _back() -> Evidence:
     at = general_instant()
     printed, right = (
         float(np.abs(multipliers(at, at.a, omega(at.system, at.X, at.y, at.v, w)) - at.multipliers).max())
@@ -137,7 +188,16 @@ def _back(_: Tables) -> Evidence:
     )
 
 
-def _equivalent(_: Tables) -> Evidence:
+@claim(
+    "c5.equivalence",
+    "Reduced and constrained equations have the same solutions.",
+    source="Proposition 5.1",
+    quote=(
+        "with solutions of the ODE model we can recover the Lagrangian multipliers to construct a solution of the DAE"
+    ),
+    chosen="multipliers by (A.12), see the correction of (A.14)",
+)
+def _equivalent() -> Evidence:
     """A solution of (A.5) and the multipliers of (A.12), inserted into (A.4a), (A.4b)."""
     at = general_instant()
     a = np.linalg.solve(effective_mass(at.system, at.X, at.y), effective_force(at.system, at.X, at.y, at.v))
@@ -156,73 +216,3 @@ def _equivalent(_: Tables) -> Evidence:
             at_most("ÿ of (A.5a) against the constrained system", apart, 0.0, TOL),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.derivation-order",
-        "appendix 2, (A.4a)",
-        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_i, X_k) − (∂_X g(X_i, y))ᵀλ_i",
-        _order,
-        statement="The force on a particle by the others.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g(X_i, y))ᵀλ_i, as in (5.6a)",
-            Effect.MODEL,
-            "(A.11) to (A.14), which have the same order; with it “which is equivalent to (A.5a)”, after (A.13), is "
-            "false",
-        ),
-    ),
-    Claim(
-        "c5.derivation-constraint",
-        "appendix 2, (A.6), (A.7)",
-        "(A.4c) ⇔ dg(X_i, y)/dt = 0 ⇔ Ẋ_i = −(∂_X g)⁻¹∂_y g[ẏ] ⇔ (A.5b)",
-        _constraint,
-        statement="The constraints hold if and only if the particles have the velocities Φ_i[ẏ].",
-    ),
-    Claim(
-        "c5.derivation-rate",
-        "appendix 2, (A.8) to (A.10)",
-        "Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]",
-        _rate,
-        statement="The acceleration of a particle by that of the macroscopic component.",
-    ),
-    Claim(
-        "c5.derivation-multipliers",
-        "appendix 2, (A.11), (A.12)",
-        "λ_i = (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ])",
-        _multipliers,
-        statement="The multipliers as functions of positions, velocities and ÿ.",
-        chosen=RIGHT_ORDER,
-    ),
-    Claim(
-        "c5.derivation-insert",
-        "appendix 2, (A.13)",
-        "ÿ = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_j, X_k) − m(Φ_j[ÿ] + Ω_j[ẏ, ẏ]))",
-        _insert,
-        statement="The equation for ÿ once the multipliers are inserted.",
-        chosen=RIGHT_ORDER,
-    ),
-    Claim(
-        "c5.derivation-back",
-        "appendix 2, (A.14)",
-        "λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_i, X_k) − mΦ_i[ÿ] − mΩ_i[ẏ, ÿ])",
-        _back,
-        statement="The multipliers that turn a solution of the reduced equations into one of the constrained ones.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "λ_i := (∂_X g)⁻ᵀ(F₁(X_i) + 1/N Σ_k K(X_k, X_i) − mΦ_i[ÿ] − mΩ_i[ẏ, ẏ]), as in (A.12)",
-            Effect.MODEL,
-            "Proposition 5.1, which defines λ_i by (A.14); it holds with (A.12)",
-        ),
-        chosen=RIGHT_ORDER,
-    ),
-    Claim(
-        "c5.equivalence",
-        "Proposition 5.1",
-        "with solutions of the ODE model we can recover the Lagrangian multipliers to construct a solution of the DAE",
-        _equivalent,
-        statement="Reduced and constrained equations have the same solutions.",
-        chosen="multipliers by (A.12), see the correction of (A.14)",
-    ),
-)

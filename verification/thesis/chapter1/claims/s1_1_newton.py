@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import SLOPES, Floats, subgradients, unlike
 from verification.thesis.chapter5.wavy import runge_kutta
@@ -25,12 +25,57 @@ MASS, DAMPING = 0.3, 1.7
 FORCE, FIRST = np.array([1.0, -0.4]), np.array([-2.0, 0.5])
 
 
+def bounce(stiffness: float) -> tuple[float, float, float]:
+    """Duration, impulse and largest force of the contact of a unit mass at unit speed with a spring."""
+    h = 1e-3 / math.sqrt(stiffness)
+    x, v, t, impulse, largest = 0.0, -1.0, 0.0, 0.0, 0.0
+    while x <= 0:
+        v -= h / 2 * stiffness * x
+        x += h * v
+        v -= h / 2 * stiffness * x
+        t, impulse, largest = t + h, impulse - h * stiffness * x, max(largest, -stiffness * x)
+    return t, impulse, largest
+
+
+@claim(
+    "c1.impact",
+    "When a rubber ball meets infinitely stiff ground, its velocity jumps and the force is a measure.",
+    source="introduction, Figure 1",
+    quote="The velocity will change discontinuously, … the forces at contact are only generalised functions",
+    chosen="Newton's equation without damping or weight, and a ground that is a spring whose stiffness grows",
+)
+def _impact() -> Evidence:
+    soft, stiff = bounce(1.0), bounce(1e4)
+    return Evidence(
+        f"Ground that is 10⁴ times stiffer shortens the contact from {soft[0]:.3g} to {stiff[0]:.3g} and raises the "
+        f"largest force from {soft[2]:.3g} to {stiff[2]:.3g}, while the impulse 2mv stays {stiff[1]:.4f}: in the limit "
+        "the velocity jumps and the force is a point measure.",
+        printed=(
+            equal("impulse over 2mv, stiff ground", stiff[1] / 2, 1.0, SMALL),
+            at_most("time of contact, stiff over soft", stiff[0] / soft[0], 0.02),
+            at_least("largest force, stiff over soft", stiff[2] / soft[2], 50.0),
+        ),
+    )
+
+
 def ball_energy(x: Floats) -> Floats:
     """W of the rubber ball."""
     return np.where(x >= 0, WEIGHT * x, np.inf)
 
 
-def _ball_at_rest(_: Tables) -> Evidence:
+@claim(
+    "c1.ball-at-rest",
+    "The subderivative of the energy of a ball above the ground.",
+    source="introduction",
+    quote="∂W(x) = {mg} if x ≥ 0, (-∞, 0] if x = 0, ∅ if x < 0",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "∂W(x) = {mg} if x > 0, (-∞, mg] if x = 0, ∅ if x < 0",
+        Effect.MODEL,
+        "the first differential inclusion of the chapter, μẋ ∈ -∂W(x), for a ball that other forces act on",
+    ),
+)
+def _ball_at_rest() -> Evidence:
     """All slopes that support W at 0, at 1 and below the ground."""
     here, above, below = (subgradients(ball_energy, x) for x in (0.0, 1.0, -0.5))
     elsewhere = unlike(above, np.array([WEIGHT])) + below.size
@@ -46,32 +91,6 @@ def _ball_at_rest(_: Tables) -> Evidence:
     )
 
 
-def bounce(stiffness: float) -> tuple[float, float, float]:
-    """Duration, impulse and largest force of the contact of a unit mass at unit speed with a spring."""
-    h = 1e-3 / math.sqrt(stiffness)
-    x, v, t, impulse, largest = 0.0, -1.0, 0.0, 0.0, 0.0
-    while x <= 0:
-        v -= h / 2 * stiffness * x
-        x += h * v
-        v -= h / 2 * stiffness * x
-        t, impulse, largest = t + h, impulse - h * stiffness * x, max(largest, -stiffness * x)
-    return t, impulse, largest
-
-
-def _impact(_: Tables) -> Evidence:
-    soft, stiff = bounce(1.0), bounce(1e4)
-    return Evidence(
-        f"Ground that is 10⁴ times stiffer shortens the contact from {soft[0]:.3g} to {stiff[0]:.3g} and raises the "
-        f"largest force from {soft[2]:.3g} to {stiff[2]:.3g}, while the impulse 2mv stays {stiff[1]:.4f}: in the limit "
-        "the velocity jumps and the force is a point measure.",
-        printed=(
-            equal("impulse over 2mv, stiff ground", stiff[1] / 2, 1.0, SMALL),
-            at_most("time of contact, stiff over soft", stiff[0] / soft[0], 0.02),
-            at_least("largest force, stiff over soft", stiff[2] / soft[2], 50.0),
-        ),
-    )
-
-
 def velocity(t: Floats) -> Floats:
     """v(t) as printed after (1.1), for times of shape (K, 1)."""
     return np.asarray((FIRST - FORCE / DAMPING) * np.exp(-DAMPING / MASS * t) + FORCE / DAMPING)
@@ -82,7 +101,13 @@ def simulated_velocity(t: float) -> Floats:
     return runge_kutta(lambda v: (FORCE - DAMPING * v) / MASS, FIRST, t, 2000)
 
 
-def _velocity(_: Tables) -> Evidence:
+@claim(
+    "c1.velocity",
+    "The velocity of a damped particle under a constant force.",
+    source="after (1.1)",
+    quote="v(t) = (vⁱⁿⁱᵗ - F/μ) e^(-μt/m) + F/μ",
+)
+def _velocity() -> Evidence:
     times = np.linspace(0.0, 1.0, 2001)[:, None]
     off = float(np.abs(simulated_velocity(1.0) - velocity(times)).max())
     return Evidence(
@@ -92,7 +117,13 @@ def _velocity(_: Tables) -> Evidence:
     )
 
 
-def _time_scale(_: Tables) -> Evidence:
+@claim(
+    "c1.time-scale",
+    "The velocity comes near to F/μ in times of the size of m/μ.",
+    source="after (1.1)",
+    quote="The relevant time scale for the convergence is τ = m/μ.",
+)
+def _time_scale() -> Evidence:
     """When a velocity has come to 1/e of its first distance from F/mu."""
     distance = np.linalg.norm(simulated_velocity(1.0) - FORCE / DAMPING, axis=1)
     found = float(np.interp(1.0, np.log(distance[0] / distance), np.linspace(0.0, 1.0, distance.size)))
@@ -111,7 +142,14 @@ def spring_error(ratio: float) -> float:
     return float(np.abs(second - np.exp(-t)).max())
 
 
-def _overdamped(_: Tables) -> Evidence:
+@claim(
+    "c1.overdamped",
+    "Without its inertia a particle moves nearly as before if m/μ is short.",
+    source="section 1.1",
+    quote="where m/μ ≪ T, then we obtain good approximations by solving the overdamped Newton equation",
+    chosen="one particle on a spring that starts at rest; “good” is an error of the order of m/(μT)",
+)
+def _overdamped() -> Evidence:
     errors = [spring_error(ratio) for ratio in (1e-2, 1e-3, 1e-4)]
     order = math.log10(errors[0] / errors[2]) / 2
     return Evidence(
@@ -121,7 +159,28 @@ def _overdamped(_: Tables) -> Evidence:
     )
 
 
-def _drag(_: Tables) -> Evidence:
+@claim(
+    "c1.viscosity",
+    "The viscosity of cytoplasm beside that of water.",
+    source="Example 1.1",
+    quote="η = 10⁻¹ kg m⁻¹ s⁻¹ which is 100 times larger than that of water",
+    chosen="water at 20 °C",
+)
+def _viscosity() -> Evidence:
+    return Evidence(
+        f"Water has {WATER:.4g} Pa s at 20 °C; 0.1 Pa s is {VISCOSITY / WATER:.1f} times that.",
+        printed=(equal("η over the viscosity of water", VISCOSITY / WATER, 100.0, 1.0),),
+    )
+
+
+@claim(
+    "c1.drag",
+    "The drag of a cell by the law of Stokes.",
+    source="Example 1.1",
+    quote="μ ≈ 6πRη = 9.42 × 10⁻³ g s⁻¹",
+    chosen="F^drag = 6πRηv is the size of the drag; in (1.1) it has a minus sign",
+)
+def _drag() -> Evidence:
     drag = 6 * math.pi * RADIUS * VISCOSITY * 1e3
     return Evidence(
         f"6πRη with R = 5 μm and η = 0.1 kg m⁻¹ s⁻¹ is {drag:.3e} g/s.",
@@ -129,14 +188,19 @@ def _drag(_: Tables) -> Evidence:
     )
 
 
-def _viscosity(_: Tables) -> Evidence:
-    return Evidence(
-        f"Water has {WATER:.4g} Pa s at 20 °C; 0.1 Pa s is {VISCOSITY / WATER:.1f} times that.",
-        printed=(equal("η over the viscosity of water", VISCOSITY / WATER, 100.0, 1.0),),
-    )
-
-
-def _density(_: Tables) -> Evidence:
+@claim(
+    "c1.density",
+    "The density and mass of a cell and the time in which its velocity adapts.",
+    source="Example 1.1",
+    quote="m ≈ 1.05 g L⁻¹ · 4/3 π R³ = 0.55 × 10⁻¹² g, m/μ = 5.833 × 10⁻¹¹ s",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the density is 1.05 g mL⁻¹, so m = 0.55 × 10⁻⁹ g and m/μ = 5.83 × 10⁻⁸ s",
+        Effect.NUMBER,
+        "the time scale of section 1.1; the conclusion (overdamped) stands",
+    ),
+)
+def _density() -> Evidence:
     volume, drag = 4 / 3 * math.pi * RADIUS**3, 6 * math.pi * RADIUS * VISCOSITY  # [m³], [kg/s]
     printed, right = (1.05e-3 / unit for unit in (LITRE, MILLILITRE))  # [kg/m³]
     return Evidence(
@@ -152,7 +216,14 @@ def _density(_: Tables) -> Evidence:
     )
 
 
-def _regime(_: Tables) -> Evidence:
+@claim(
+    "c1.regime",
+    "Cells have no inertia to speak of, and the Reynolds number of their motion is small.",
+    source="Example 1.1",
+    quote="the motion of cells is in the overdamped regime … we deal with a very small Reynolds number.",
+    chosen="a cell that moves by 0.1 mm/h, and the density of water",
+)
+def _regime() -> Evidence:
     inertia = 1.05 * WATER_DENSITY * 4 / 3 * math.pi * RADIUS**3 / (6 * math.pi * RADIUS * VISCOSITY)
     reynolds = WATER_DENSITY * CELL_SPEED * RADIUS / VISCOSITY
     return Evidence(
@@ -160,87 +231,3 @@ def _regime(_: Tables) -> Evidence:
         f"{reynolds:.0e}.",
         printed=(at_most("m/μ over a minute", inertia / A_MINUTE, 1e-3), at_most("Reynolds number", reynolds, 1e-3)),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.impact",
-        "introduction, Figure 1",
-        "The velocity will change discontinuously, … the forces at contact are only generalised functions",
-        _impact,
-        statement="When a rubber ball meets infinitely stiff ground, its velocity jumps and the force is a measure.",
-        chosen="Newton's equation without damping or weight, and a ground that is a spring whose stiffness grows",
-    ),
-    Claim(
-        "c1.ball-at-rest",
-        "introduction",
-        "∂W(x) = {mg} if x ≥ 0, (-∞, 0] if x = 0, ∅ if x < 0",
-        _ball_at_rest,
-        statement="The subderivative of the energy of a ball above the ground.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "∂W(x) = {mg} if x > 0, (-∞, mg] if x = 0, ∅ if x < 0",
-            Effect.MODEL,
-            "the first differential inclusion of the chapter, μẋ ∈ -∂W(x), for a ball that other forces act on",
-        ),
-    ),
-    Claim(
-        "c1.velocity",
-        "after (1.1)",
-        "v(t) = (vⁱⁿⁱᵗ - F/μ) e^(-μt/m) + F/μ",
-        _velocity,
-        statement="The velocity of a damped particle under a constant force.",
-    ),
-    Claim(
-        "c1.time-scale",
-        "after (1.1)",
-        "The relevant time scale for the convergence is τ = m/μ.",
-        _time_scale,
-        statement="The velocity comes near to F/μ in times of the size of m/μ.",
-    ),
-    Claim(
-        "c1.overdamped",
-        "section 1.1",
-        "where m/μ ≪ T, then we obtain good approximations by solving the overdamped Newton equation",
-        _overdamped,
-        statement="Without its inertia a particle moves nearly as before if m/μ is short.",
-        chosen="one particle on a spring that starts at rest; “good” is an error of the order of m/(μT)",
-    ),
-    Claim(
-        "c1.viscosity",
-        "Example 1.1",
-        "η = 10⁻¹ kg m⁻¹ s⁻¹ which is 100 times larger than that of water",
-        _viscosity,
-        statement="The viscosity of cytoplasm beside that of water.",
-        chosen="water at 20 °C",
-    ),
-    Claim(
-        "c1.drag",
-        "Example 1.1",
-        "μ ≈ 6πRη = 9.42 × 10⁻³ g s⁻¹",
-        _drag,
-        statement="The drag of a cell by the law of Stokes.",
-        chosen="F^drag = 6πRηv is the size of the drag; in (1.1) it has a minus sign",
-    ),
-    Claim(
-        "c1.density",
-        "Example 1.1",
-        "m ≈ 1.05 g L⁻¹ · 4/3 π R³ = 0.55 × 10⁻¹² g, m/μ = 5.833 × 10⁻¹¹ s",
-        _density,
-        statement="The density and mass of a cell and the time in which its velocity adapts.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the density is 1.05 g mL⁻¹, so m = 0.55 × 10⁻⁹ g and m/μ = 5.83 × 10⁻⁸ s",
-            Effect.NUMBER,
-            "the time scale of section 1.1; the conclusion (overdamped) stands",
-        ),
-    ),
-    Claim(
-        "c1.regime",
-        "Example 1.1",
-        "the motion of cells is in the overdamped regime … we deal with a very small Reynolds number.",
-        _regime,
-        statement="Cells have no inertia to speak of, and the Reynolds number of their motion is small.",
-        chosen="a cell that moves by 0.1 mm/h, and the density of water",
-    ),
-)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.optimize import minimize
 
 import dincl
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter1.sets import PLACES, SLOPES, Floats, contact_gradients, subgradients, unlike
 
@@ -28,7 +28,13 @@ def pairs_of(count: int) -> int:
     return problem.rows_within(0.0, row, 1e3).values(row).size
 
 
-def _pairs(_: Tables) -> Evidence:
+@claim(
+    "c1.pairs",
+    "N discs have as many constraints as pairs.",
+    source="before (1.3)",
+    quote="Let us define g₁, …, g_M for M = (N over 2)",
+)
+def _pairs() -> Evidence:
     counts = {n: pairs_of(n) for n in (2, 3, 4, 7)}
     wrong = sum(found != math.comb(n, 2) for n, found in counts.items())
     return Evidence(
@@ -51,7 +57,13 @@ def nearest_admissible(force: Floats) -> Floats:
     return np.asarray(found.x)
 
 
-def _multipliers(_: Tables) -> Evidence:
+@claim(
+    "c1.multipliers",
+    "Discs in contact are pushed apart along the gradients of their distances, with multipliers ≥ 0.",
+    source="(1.4), (1.5)",
+    quote="Ẋ_i = F_i(X) + Σ λ_k ∇_{X_i} g_k(X), g_k ≥ 0, λ_k ≥ 0 and λ_k g_k = 0",
+)
+def _multipliers() -> Evidence:
     """lambda from v = F + sum lambda grad g, without asking for its sign."""
     gradients = contact_gradients(TRIANGLE, SIDES)
     least, left, product = math.inf, 0.0, 0.0
@@ -81,7 +93,14 @@ def depth(force: float) -> float:
     return max(-x, 0.0)
 
 
-def _penalty(_: Tables) -> Evidence:
+@claim(
+    "c1.penalty-force",
+    "The energy n dist(x, S) holds a point back unless the force is too large.",
+    source="(1.7), (1.8)",
+    quote="but if F is large enough, it could push x into the unfeasible region.",
+    chosen="S = [0, ∞) and a constant force; “large enough” is |F| > n",
+)
+def _penalty() -> Evidence:
     weak, strong = depth(0.9 * STRENGTH), depth(1.5 * STRENGTH)
     return Evidence(
         f"S = [0, ∞): pushed with 0.9 n the point stays within a step of S ({weak:.1e}), pushed with 1.5 n it is "
@@ -95,7 +114,13 @@ def indicator(x: Floats) -> Floats:
     return np.where((x >= 0) & (x <= 1), 0.0, np.inf)
 
 
-def _indicator(_: Tables) -> Evidence:
+@claim(
+    "c1.indicator",
+    "The penalty energies tend to the indicator function.",
+    source="section 1.3",
+    quote="W(x) := lim sup W_n(x) = I_S(x) = ∞ if x ∉ S, 0 if x ∈ S",
+)
+def _indicator() -> Evidence:
     """n dist(x, [0, 1]) for a large n, the distance as a minimum over points of S."""
     s = PLACES[(PLACES >= 0) & (PLACES <= 1)]
     energy = 1e12 * np.abs(PLACES[:, None] - s).min(axis=1)
@@ -108,7 +133,13 @@ def _indicator(_: Tables) -> Evidence:
     )
 
 
-def _subdifferential(_: Tables) -> Evidence:
+@claim(
+    "c1.subdifferential",
+    "The subdifferential of the indicator function of [0, 1].",
+    source="after (1.9)",
+    quote="∂W(x) = {0} if x ∈ (0, 1), ∅ if x < 0 or x > 1, (-∞, 0] if x = 0, [0, ∞) if x = 1",
+)
+def _subdifferential() -> Evidence:
     printed = {0.5: SLOPES[SLOPES == 0], -0.5: SLOPES[:0], 1.5: SLOPES[:0]}
     printed |= {0.0: SLOPES[SLOPES <= 0], 1.0: SLOPES[SLOPES >= 0]}
     wrong = sum(unlike(subgradients(indicator, x), slopes) for x, slopes in printed.items())
@@ -117,43 +148,3 @@ def _subdifferential(_: Tables) -> Evidence:
         "measured and the printed set only.",
         printed=(equal("slopes in one of the sets only", wrong, 0),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.pairs",
-        "before (1.3)",
-        "Let us define g₁, …, g_M for M = (N over 2)",
-        _pairs,
-        statement="N discs have as many constraints as pairs.",
-    ),
-    Claim(
-        "c1.multipliers",
-        "(1.4), (1.5)",
-        "Ẋ_i = F_i(X) + Σ λ_k ∇_{X_i} g_k(X), g_k ≥ 0, λ_k ≥ 0 and λ_k g_k = 0",
-        _multipliers,
-        statement="Discs in contact are pushed apart along the gradients of their distances, with multipliers ≥ 0.",
-    ),
-    Claim(
-        "c1.penalty-force",
-        "(1.7), (1.8)",
-        "but if F is large enough, it could push x into the unfeasible region.",
-        _penalty,
-        statement="The energy n dist(x, S) holds a point back unless the force is too large.",
-        chosen="S = [0, ∞) and a constant force; “large enough” is |F| > n",
-    ),
-    Claim(
-        "c1.indicator",
-        "section 1.3",
-        "W(x) := lim sup W_n(x) = I_S(x) = ∞ if x ∉ S, 0 if x ∈ S",
-        _indicator,
-        statement="The penalty energies tend to the indicator function.",
-    ),
-    Claim(
-        "c1.subdifferential",
-        "after (1.9)",
-        "∂W(x) = {0} if x ∈ (0, 1), ∅ if x < 0 or x > 1, (-∞, 0] if x = 0, [0, ∞) if x = 1",
-        _subdifferential,
-        statement="The subdifferential of the indicator function of [0, 1].",
-    ),
-)

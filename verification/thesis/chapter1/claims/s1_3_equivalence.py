@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import nnls
 
 import dincl
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats, contact_gradients
 
@@ -47,7 +47,14 @@ def proximal(v: Floats, x: Floats) -> bool:
     return bool(np.abs(inside(x + v / 2) - x).max() <= ROUNDING)
 
 
-def _outward(_: Tables) -> Evidence:
+@claim(
+    "c1.outward-normals",
+    "The subdifferential of the indicator function of a set is its normal cone.",
+    source="before Model 1.3",
+    quote="∂W(x) is the set of all outward pointing normal vectors of S, e.g. ∂W(x) = ∂I_S(x) = N(S, x)",
+    chosen="convex sets, as in Figure 4; the derivation is called informal, and at two discs (1.9) misses normals",
+)
+def _outward() -> Evidence:
     """Random unit vectors and the outward ones at points of the disc, and at two discs in contact."""
     rng = np.random.default_rng(SEED)
     places = [inside(y) for y in rng.normal(size=(SAMPLES, 2))]
@@ -122,7 +129,14 @@ def with_multipliers(x: Floats) -> tuple[Floats, int, float, float]:
     return x, parts, float(least), float(product)
 
 
-def _equivalent(_: Tables) -> Evidence:
+@claim(
+    "c1.equivalent",
+    "The inclusion with the normal cone and the equations with multipliers have the same solutions.",
+    source="section 1.3",
+    quote="we will see that this model is equivalent to (1.4) and (1.5).",
+    chosen="the four discs of Figure 4 of chapter 2",
+)
+def _equivalent() -> Evidence:
     scene = dincl.scenes.four_disks()
     final, parts, least, product = with_multipliers(scene.x0)
     schemes = (dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=TIGHT)) for dt in STEPS)
@@ -138,23 +152,3 @@ def _equivalent(_: Tables) -> Evidence:
             at_most("largest |λ g|", product, 0.0, 1e-6),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.outward-normals",
-        "before Model 1.3",
-        "∂W(x) is the set of all outward pointing normal vectors of S, e.g. ∂W(x) = ∂I_S(x) = N(S, x)",
-        _outward,
-        statement="The subdifferential of the indicator function of a set is its normal cone.",
-        chosen="convex sets, as in Figure 4; the derivation is called informal, and at two discs (1.9) misses normals",
-    ),
-    Claim(
-        "c1.equivalent",
-        "section 1.3",
-        "we will see that this model is equivalent to (1.4) and (1.5).",
-        _equivalent,
-        statement="The inclusion with the normal cone and the equations with multipliers have the same solutions.",
-        chosen="the four discs of Figure 4 of chapter 2",
-    ),
-)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.linalg import expm
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 
@@ -26,7 +26,13 @@ def growth(rate: float, t: float) -> float:
     return float(np.exp(rate * t))
 
 
-def _one_sided(_: Tables) -> Evidence:
+@claim(
+    "c1.one-sided",
+    "Solutions of a one-sided Lipschitz inclusion stay within exp(Lt) times their first distance.",
+    source="Theorem 1.13",
+    quote="‖x(t) - y(t)‖ ≤ exp(Lt) ‖x(0) - y(0)‖",
+)
+def _one_sided() -> Evidence:
     """Linear systems, for which the best L is the largest eigenvalue of the symmetric part, and a set-valued one."""
     rng, worst, sharp, constants = np.random.default_rng(SEED), 0.0, 0.0, []
     for shift in rng.uniform(-4.0, 1.0, 40):
@@ -65,7 +71,13 @@ def steepest(sign: float) -> float:
     return float(largest)
 
 
-def _remark(_: Tables) -> Evidence:
+@claim(
+    "c1.step-continuity",
+    "The right-hand side of the step inclusion is upper semicontinuous and one-sided Lipschitz at 0.",
+    source="Remark 1.14",
+    quote="(v - w)(x - y) = (v + 1)(0 - y) ≤ 0 ≤ 2(x - y)²",
+)
+def _remark() -> Evidence:
     low, high = step_values(0.0)
     away = sum(not low <= end <= high for y in LINE for end in step_values(y))
     slope = steepest(1.0)
@@ -76,7 +88,21 @@ def _remark(_: Tables) -> Evidence:
     )
 
 
-def _monotone_maps(_: Tables) -> Evidence:
+@claim(
+    "c1.monotone-maps",
+    "The set-valued sign function is one-sided Lipschitz with L = 0.",
+    source="Remark 1.15",
+    quote=(
+        "we actually showed a stronger property for the sign function, namely that it is a monotone map … with L = 0."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence",
+        Effect.PROOF,
+        "the remark itself; Theorem 1.13 is applied to -sign",
+    ),
+)
+def _monotone_maps() -> Evidence:
     plain, turned = steepest(-1.0), steepest(1.0)
     return Evidence(
         f"The largest (v - w)(x - y)/(x - y)² of sign is {plain:.0e}, at places that are that near to 0, and of -sign "
@@ -95,7 +121,14 @@ def touching(angle: float) -> tuple[Floats, Floats]:
     return np.array([-arrow, arrow]) / 2, np.array([arrow, -arrow]) / np.sqrt(2)
 
 
-def _neither(_: Tables) -> Evidence:
+@claim(
+    "c1.neither",
+    "The right-hand side of the model of discs fulfils neither assumption of the classical theorems.",
+    source="after Remark 1.15",
+    quote="the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous.",
+    chosen="F = 0 and two discs",
+)
+def _neither() -> Evidence:
     """-N(S, .) of two discs at two angles, with a normal of length s at the first and none at the second."""
     (x, n), (y, m) = touching(0.0), touching(0.3)
     slopes, gaps = [], []
@@ -113,42 +146,3 @@ def _neither(_: Tables) -> Evidence:
             at_least("distance from the other cone, s = 10⁶", gaps[2], 1e5),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.one-sided",
-        "Theorem 1.13",
-        "‖x(t) - y(t)‖ ≤ exp(Lt) ‖x(0) - y(0)‖",
-        _one_sided,
-        statement="Solutions of a one-sided Lipschitz inclusion stay within exp(Lt) times their first distance.",
-    ),
-    Claim(
-        "c1.step-continuity",
-        "Remark 1.14",
-        "(v - w)(x - y) = (v + 1)(0 - y) ≤ 0 ≤ 2(x - y)²",
-        _remark,
-        statement="The right-hand side of the step inclusion is upper semicontinuous and one-sided Lipschitz at 0.",
-    ),
-    Claim(
-        "c1.monotone-maps",
-        "Remark 1.15",
-        "we actually showed a stronger property for the sign function, namely that it is a monotone map … with L = 0.",
-        _monotone_maps,
-        statement="The set-valued sign function is one-sided Lipschitz with L = 0.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "-sign is one-sided Lipschitz with L = 0; sign is not for any L, as the remark says in its next sentence",
-            Effect.PROOF,
-            "the remark itself; Theorem 1.13 is applied to -sign",
-        ),
-    ),
-    Claim(
-        "c1.neither",
-        "after Remark 1.15",
-        "the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous.",
-        _neither,
-        statement="The right-hand side of the model of discs fulfils neither assumption of the classical theorems.",
-        chosen="F = 0 and two discs",
-    ),
-)

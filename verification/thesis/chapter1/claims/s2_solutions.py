@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_most, equal
 
 ROUNDING = 1e-12
@@ -18,54 +18,6 @@ C, STEP = 0.75, 2.0**-10
 LEVELS, EDGE = 20, 1e-7
 # Cells of [0, 1]; Cantor's function is constant on all but a part of length (2/3)^8 < SHORT of them.
 CELLS, SHORT = 3**8, 0.04
-
-
-def step_solution(c: float, t: float) -> float:
-    """x(t) of Example 1.9 as printed."""
-    return max(c - t, 0.0)
-
-
-def _step(_: Tables) -> Evidence:
-    problem = dincl.scenes.step_inclusion()
-    dt, times = 1e-3, [0.25, 0.5, 1.0]
-    path = dincl.solve(problem, dincl.PBD(dt=dt), t=times)
-    start = float(problem.x0[0, 0])
-    worst = max(abs(float(x[0, 0]) - step_solution(start, t)) for t, x in zip(times, path.x, strict=True))
-    return Evidence(
-        f"Catch-up from c = {start:.6f} with dt = {dt:g} differs from max(c - t, 0) by {worst:.1e} at most.",
-        printed=(at_most("largest difference", worst, 0.0, ROUNDING),),
-    )
-
-
-def speed(t: float, h: float) -> float:
-    """(x(t + h) - x(t))/h for a numerical solution of (1.13) from c."""
-    problem = dincl.Problem([[C]], lambda _t, x: 0 * x - 1.0, [dincl.HalfSpace(normal=(1,))])
-    first, last = sorted((t, t + h))
-    path = dincl.solve(problem, dincl.PBD(dt=STEP), t=[first, last])
-    return float((path.x[1, 0, 0] - path.x[0, 0, 0]) / (last - first))
-
-
-def _no_classical(_: Tables) -> Evidence:
-    arriving, wanted = speed(C, -STEP), 0.0 - float(np.sign(0.0))
-    return Evidence(
-        f"From c = {C} the solution comes to 0 with the velocity {arriving:g}, where -sign(0) = {wanted:g} is wanted: "
-        "a derivative does not jump, so there is no solution in C¹, nor one that is differentiable everywhere.",
-        printed=(equal("velocity on arrival less the one wanted", arriving - wanted, -1.0, ROUNDING),),
-    )
-
-
-def _kink(_: Tables) -> Evidence:
-    before, after = speed(C, -STEP), speed(C, STEP)
-    times = (0.25, C - STEP, C + STEP, 1.0)
-    off = max(abs(speed(t, h) + float(t < C)) for t in times for h in (-STEP, STEP))
-    return Evidence(
-        f"Quotients of a numerical solution from c = {C}: {before:g} before t = c and {after:g} after it; at other "
-        f"times they differ from -1 for t < c and 0 for t > c by {off:.0e}.",
-        printed=(
-            equal("jump of the derivative at c", after - before, 1.0, ROUNDING),
-            at_most("error elsewhere", off, 0, ROUNDING),
-        ),
-    )
 
 
 def cantor(x: float) -> float:
@@ -102,7 +54,14 @@ def lost_rise(f: Callable[[float], float]) -> float:
     return float(f(1.0) - f(0.0) - np.mean(slopes))
 
 
-def _absolutely_continuous(_: Tables) -> Evidence:
+@claim(
+    "c1.absolutely-continuous",
+    "Absolutely continuous functions are the integrals of integrable ones.",
+    source="Definition 1.6, Lemma 1.7",
+    quote="f is absolutely continuous if and only if there exists a Lebesgue integrable function g … f(x) = f(a) + ∫ g",
+    chosen="four functions on [0, 1]; g can only be the derivative",
+)
+def _absolutely_continuous() -> Evidence:
     rises, lost = ({name: part(f) for name, f in FUNCTIONS.items()} for part in (largest_rise, lost_rise))
     unlike = sum((rises[name] < 0.5) != (abs(lost[name]) < 0.5) for name in FUNCTIONS)
     return Evidence(
@@ -116,7 +75,88 @@ def _absolutely_continuous(_: Tables) -> Evidence:
     )
 
 
-def _almost_everywhere(_: Tables) -> Evidence:
+def speed(t: float, h: float) -> float:
+    """(x(t + h) - x(t))/h for a numerical solution of (1.13) from c."""
+    problem = dincl.Problem([[C]], lambda _t, x: 0 * x - 1.0, [dincl.HalfSpace(normal=(1,))])
+    first, last = sorted((t, t + h))
+    path = dincl.solve(problem, dincl.PBD(dt=STEP), t=[first, last])
+    return float((path.x[1, 0, 0] - path.x[0, 0, 0]) / (last - first))
+
+
+@claim(
+    "c1.no-classical",
+    "The equation with the sign function has no differentiable solution.",
+    source="Example 1.9",
+    quote="ẋ = -sign(x) with the convention sign(0) = 0. This equation has no classical solutions.",
+    chosen="a start at c ≠ 0 and T ≥ |c|: x = 0 for all times is a classical solution, and so is c - t until t = c",
+)
+def _no_classical() -> Evidence:
+    arriving, wanted = speed(C, -STEP), 0.0 - float(np.sign(0.0))
+    return Evidence(
+        f"From c = {C} the solution comes to 0 with the velocity {arriving:g}, where -sign(0) = {wanted:g} is wanted: "
+        "a derivative does not jump, so there is no solution in C¹, nor one that is differentiable everywhere.",
+        printed=(equal("velocity on arrival less the one wanted", arriving - wanted, -1.0, ROUNDING),),
+    )
+
+
+def step_solution(c: float, t: float) -> float:
+    """x(t) of Example 1.9 as printed."""
+    return max(c - t, 0.0)
+
+
+@claim(
+    "c1.step",
+    "The solution of the step inclusion.",
+    source="Example 1.9",
+    quote="It turns out that the unique solution is x(t) = max(c - t, 0).",
+)
+def _step() -> Evidence:
+    problem = dincl.scenes.step_inclusion()
+    dt, times = 1e-3, [0.25, 0.5, 1.0]
+    path = dincl.solve(problem, dincl.PBD(dt=dt), t=times)
+    start = float(problem.x0[0, 0])
+    worst = max(abs(float(x[0, 0]) - step_solution(start, t)) for t, x in zip(times, path.x, strict=True))
+    return Evidence(
+        f"Catch-up from c = {start:.6f} with dt = {dt:g} differs from max(c - t, 0) by {worst:.1e} at most.",
+        printed=(at_most("largest difference", worst, 0.0, ROUNDING),),
+    )
+
+
+@claim(
+    "c1.kink",
+    "The derivative of the solution of the step inclusion, and where there is none.",
+    source="Example 1.9",
+    quote="the derivative does not exist at t = c … for t ≠ c is equal to -1_{t < c}(t)",
+)
+def _kink() -> Evidence:
+    before, after = speed(C, -STEP), speed(C, STEP)
+    times = (0.25, C - STEP, C + STEP, 1.0)
+    off = max(abs(speed(t, h) + float(t < C)) for t in times for h in (-STEP, STEP))
+    return Evidence(
+        f"Quotients of a numerical solution from c = {C}: {before:g} before t = c and {after:g} after it; at other "
+        f"times they differ from -1 for t < c and 0 for t > c by {off:.0e}.",
+        printed=(
+            equal("jump of the derivative at c", after - before, 1.0, ROUNDING),
+            at_most("error elsewhere", off, 0, ROUNDING),
+        ),
+    )
+
+
+@claim(
+    "c1.almost-everywhere",
+    "A function with a derivative almost everywhere is absolutely continuous.",
+    source="Example 1.9",
+    quote=(
+        "The existence of an almost everywhere defined derivative proves that x is absolutely continuous by Lemma 1.7."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "x is absolutely continuous by Lemma 1.7, as it is the integral of its derivative",
+        Effect.PROOF,
+        "nothing else: max(c - t, 0) is absolutely continuous",
+    ),
+)
+def _almost_everywhere() -> Evidence:
     lost, ours = lost_rise(cantor), lost_rise(lambda t: step_solution(C, t))
     return Evidence(
         f"Cantor's function has the derivative 0 almost everywhere, but rises by {lost:.3f}: it is not absolutely "
@@ -125,50 +165,3 @@ def _almost_everywhere(_: Tables) -> Evidence:
         printed=(equal("rise less integral of the derivative, Cantor's function", lost, 0.0, 0.05),),
         corrected=(equal("rise less integral of the derivative, Example 1.9", ours, 0.0, 1e-3),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.absolutely-continuous",
-        "Definition 1.6, Lemma 1.7",
-        "f is absolutely continuous if and only if there exists a Lebesgue integrable function g … f(x) = f(a) + ∫ g",
-        _absolutely_continuous,
-        statement="Absolutely continuous functions are the integrals of integrable ones.",
-        chosen="four functions on [0, 1]; g can only be the derivative",
-    ),
-    Claim(
-        "c1.no-classical",
-        "Example 1.9",
-        "ẋ = -sign(x) with the convention sign(0) = 0. This equation has no classical solutions.",
-        _no_classical,
-        statement="The equation with the sign function has no differentiable solution.",
-        chosen="a start at c ≠ 0 and T ≥ |c|: x = 0 for all times is a classical solution, and so is c - t until t = c",
-    ),
-    Claim(
-        "c1.step",
-        "Example 1.9",
-        "It turns out that the unique solution is x(t) = max(c - t, 0).",
-        _step,
-        statement="The solution of the step inclusion.",
-    ),
-    Claim(
-        "c1.kink",
-        "Example 1.9",
-        "the derivative does not exist at t = c … for t ≠ c is equal to -1_{t < c}(t)",
-        _kink,
-        statement="The derivative of the solution of the step inclusion, and where there is none.",
-    ),
-    Claim(
-        "c1.almost-everywhere",
-        "Example 1.9",
-        "The existence of an almost everywhere defined derivative proves that x is absolutely continuous by Lemma 1.7.",
-        _almost_everywhere,
-        statement="A function with a derivative almost everywhere is absolutely continuous.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "x is absolutely continuous by Lemma 1.7, as it is the integral of its derivative",
-            Effect.PROOF,
-            "nothing else: max(c - t, 0) is absolutely continuous",
-        ),
-    ),
-)

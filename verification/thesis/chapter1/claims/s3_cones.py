@@ -8,7 +8,7 @@ from itertools import pairwise, product
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.claims.s1_2_constraints import indicator
 from verification.thesis.chapter1.sets import PLACES, SLOPES, Floats, subgradients
@@ -37,7 +37,13 @@ def in_convex_cone(v: Floats, x: Floats) -> np.ndarray:
     return np.asarray(((v[:, None] * (CORNERS - x[:, None])).sum(axis=2) <= ROUNDING).all(axis=1))
 
 
-def _convex_cone(_: Tables) -> Evidence:
+@claim(
+    "c1.convex-cone",
+    "Normal cones are convex cones, and at inner points they contain 0 alone.",
+    source="after Definition 1.16",
+    quote="for v, w ∈ N_C(x) we also have αv + w ∈ N_C(x) for all α > 0 … N_C(x) = {0}",
+)
+def _convex_cone() -> Evidence:
     rng = np.random.default_rng(SEED)
     x, v = box_normals(rng)
     w = np.where(v == 0, 0.0, np.sign(v)) * rng.uniform(0.0, 2.0, v.shape)
@@ -52,7 +58,19 @@ def _convex_cone(_: Tables) -> Evidence:
     )
 
 
-def _outside(_: Tables) -> Evidence:
+@claim(
+    "c1.outside",
+    "Outside of a convex set its normal cone is empty.",
+    source="after Definition 1.16",
+    quote="If x ∉ C then N_C(x) = ∅.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
+        Effect.NOTATION,
+        "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
+    ),
+)
+def _outside() -> Evidence:
     """C = [0, 1], x = 3/2: Definition 1.16 as printed, and with x in C, which is (1.9) for the indicator function."""
     y = PLACES[np.isfinite(indicator(PLACES))]
     inside = SLOPES[(SLOPES[:, None] * (y - 1.5) <= 0).all(axis=1)]
@@ -65,7 +83,19 @@ def _outside(_: Tables) -> Evidence:
     )
 
 
-def _monotone(_: Tables) -> Evidence:
+@claim(
+    "c1.monotone",
+    "The sign of the product of differences of normals and of points of a convex set.",
+    source="after (1.15)",
+    quote="(v - w)·(x - y) ≤ 0 for all v ∈ N_C(x), w ∈ N_C(y)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(v - w)·(x - y) ≥ 0",
+        Effect.PROOF,
+        "the uniqueness of solutions of (1.15), which stands: the right-hand side has -N_C",
+    ),
+)
+def _monotone() -> Evidence:
     """Normal cones of the unit box at random points of its faces, edges and corners."""
     rng = np.random.default_rng(SEED)
     x, v = box_normals(rng)
@@ -86,7 +116,14 @@ def held(y: Floats) -> Floats:
     return np.asarray(y / np.maximum(np.linalg.norm(y, axis=-1, keepdims=True), 1.0))
 
 
-def _convex_unique(_: Tables) -> Evidence:
+@claim(
+    "c1.convex-unique",
+    "Solutions that only the normals of a convex set move do not come apart.",
+    source="after (1.15)",
+    quote="in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
+    chosen="a disc that moves, as in (1.16): in one that stands still nothing moves without F",
+)
+def _convex_unique() -> Evidence:
     """Catch-up of a disc whose centre runs along a circle of radius 2, from points of the disc at first."""
     h, rng = 0.01, np.random.default_rng(SEED)
     x = [held(rng.normal(size=(40, 2)))]
@@ -122,27 +159,14 @@ def hausdorff(first: tuple[float, float], second: tuple[float, float]) -> float:
     return float(max(distance.min(axis=1).max(), distance.min(axis=0).max()))
 
 
-def from_cone(value: Floats, x: Floats, t: Floats) -> Floats:
-    """How far values are from -∂I_{C(t)}(x): 0 inside of C(t), [0, ∞) at its left end and (-∞, 0] at its right end."""
-    left, right = sweep(t)
-    pushed = np.where(np.abs(x - left) < ROUNDING, np.maximum(value, 0.0), 0.0)
-    pulled = np.where(np.abs(x - right) < ROUNDING, np.minimum(value, 0.0), 0.0)
-    return np.abs(value - pushed - pulled)
-
-
-def _sweeping_dot(_: Tables) -> Evidence:
-    times, x = swept(0.01, 3.0)
-    speed = np.diff(x) / np.diff(times)
-    plain, dotted = (float(from_cone(value, x[1:], times[1:]).max()) for value in (x[1:], speed))
-    return Evidence(
-        f"C(t) = [sin t, sin t + 1/2]: on the solution of (1.16) x(t) is up to {plain:.2f} away from -∂I_C(t)(x(t)), "
-        f"ẋ(t) by {dotted:.0e}. Without the dot nothing is differential: inside of C(t) the inclusion says x = 0.",
-        printed=(at_most("distance of x from -∂I", plain, 0.0, 1e-9),),
-        corrected=(at_most("distance of ẋ from -∂I", dotted, 0.0, 1e-9),),
-    )
-
-
-def _sweeping(_: Tables) -> Evidence:
+@claim(
+    "c1.sweeping",
+    "A swept point is not faster than the set that sweeps it.",
+    source="Theorem 1.18",
+    quote="For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
+    chosen="C(t) = [sin t, sin t + 1/2]; the solution is unique for a given x(0) ∈ C(0)",
+)
+def _sweeping() -> Evidence:
     times, x = swept(0.005, 10.0)
     ends = [(float(left), float(right)) for left, right in zip(*sweep(times[::20]), strict=True)]
     moved = max(hausdorff(a, b) for a, b in pairwise(ends)) / 0.1
@@ -152,66 +176,3 @@ def _sweeping(_: Tables) -> Evidence:
         f"L = 1; the largest speed of the point is {speed:.6f}.",
         printed=(at_most("largest speed", speed, 1.0, ROUNDING), equal("L by (1.18)", moved, 1.0, 0.01)),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.convex-cone",
-        "after Definition 1.16",
-        "for v, w ∈ N_C(x) we also have αv + w ∈ N_C(x) for all α > 0 … N_C(x) = {0}",
-        _convex_cone,
-        statement="Normal cones are convex cones, and at inner points they contain 0 alone.",
-    ),
-    Claim(
-        "c1.outside",
-        "after Definition 1.16",
-        "If x ∉ C then N_C(x) = ∅.",
-        _outside,
-        statement="Outside of a convex set its normal cone is empty.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
-            Effect.NOTATION,
-            "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
-        ),
-    ),
-    Claim(
-        "c1.monotone",
-        "after (1.15)",
-        "(v - w)·(x - y) ≤ 0 for all v ∈ N_C(x), w ∈ N_C(y)",
-        _monotone,
-        statement="The sign of the product of differences of normals and of points of a convex set.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(v - w)·(x - y) ≥ 0",
-            Effect.PROOF,
-            "the uniqueness of solutions of (1.15), which stands: the right-hand side has -N_C",
-        ),
-    ),
-    Claim(
-        "c1.convex-unique",
-        "after (1.15)",
-        "in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
-        _convex_unique,
-        statement="Solutions that only the normals of a convex set move do not come apart.",
-        chosen="a disc that moves, as in (1.16): in one that stands still nothing moves without F",
-    ),
-    Claim(
-        "c1.sweeping-dot",
-        "Example 1.17",
-        "one could consider this system as a non-smooth gradient flow problem such that x(t) ∈ -∂I_{C(t)}",
-        _sweeping_dot,
-        statement="The sweeping process as a gradient flow.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("ẋ(t) ∈ -∂I_{C(t)}(x(t))", Effect.NOTATION, "nothing else: (1.16) has the derivative"),
-        chosen="C(t) = [sin t, sin t + 1/2]",
-    ),
-    Claim(
-        "c1.sweeping",
-        "Theorem 1.18",
-        "For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
-        _sweeping,
-        statement="A swept point is not faster than the set that sweeps it.",
-        chosen="C(t) = [sin t, sin t + 1/2]; the solution is unique for a given x(0) ∈ C(0)",
-    ),
-)

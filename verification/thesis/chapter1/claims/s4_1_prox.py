@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from dincl.geometry import proved_constant
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.claims.s3_cones import SAMPLES, SEED, box_points, in_convex_cone
 from verification.thesis.chapter1.sets import Floats, apart, outside
@@ -33,7 +33,13 @@ def half_way(first: Floats, second: Floats) -> Floats:
     return (first + second) / 2
 
 
-def _not_convex(_: Tables) -> Evidence:
+@claim(
+    "c1.not-convex",
+    "Discs that do not overlap may overlap half-way between two arrangements.",
+    source="section 4",
+    quote="the set of non-overlapping disks … is not convex.",
+)
+def _not_convex() -> Evidence:
     first = np.array([[-RADIUS, 0.0], [RADIUS, 0.0]])
     middle = half_way(first, first[::-1])
     gaps = [float(np.linalg.norm(x[0] - x[1]) - 2 * RADIUS) for x in (first, first[::-1], middle)]
@@ -50,7 +56,14 @@ def filled_triangle() -> Floats:
     return np.vstack([weights @ np.array([[-1.0, 0.0], [1.0, 0.0], [0.2, -1.0]]), [[0.0, 0.0]]])
 
 
-def _convex_projection(_: Tables) -> Evidence:
+@claim(
+    "c1.convex-projection",
+    "Convex sets have one nearest point.",
+    source="after Definition 1.20",
+    quote="the projection onto convex, closed, non-empty sets C is unique, i.e. P_C is single valued.",
+    chosen="a triangle",
+)
+def _convex_projection() -> Evidence:
     """By the parallelogram law points whose squared distance is within s of the least are within 2 sqrt(s)."""
     points = filled_triangle()
     squares = ((points - [0.0, 0.5]) ** 2).sum(axis=1)
@@ -74,7 +87,14 @@ def lips(count: int) -> tuple[Floats, Floats]:
     return along * [math.cos(MOUTH), math.sin(MOUTH)], along * [math.cos(MOUTH), -math.sin(MOUTH)]
 
 
-def _pacman(_: Tables) -> Evidence:
+@claim(
+    "c1.pacman",
+    "A disc with a mouth has points with two nearest points, as near to it as one likes.",
+    source="Figure 7",
+    quote="The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique.",
+    chosen="a mouth that opens by 1.2",
+)
+def _pacman() -> Evidence:
     """Points (s, 0) on the middle line of the mouth, s -> 0."""
     nearest, apart_by = [], []
     for s in (0.1, 0.01, 0.001):
@@ -98,7 +118,19 @@ def printed_constant(n: int, d: int) -> float:
     return RADIUS / (6 * n) * (math.sin(2 * math.pi / n) / 3) ** d
 
 
-def _prox_constant(_: Tables) -> Evidence:
+@claim(
+    "c1.prox-constant",
+    "The constant of prox-regularity of N discs.",
+    source="Proposition 1.22",
+    quote="S is η-prox-regular with η = R/(6N) (1/3 sin(2π/N))^d for N ∈ ℕ",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the formula is for N ≥ 3; η = R √(2/(2N - 3)) holds for all N ≥ 2",
+        Effect.NUMBER,
+        "Theorem 1.31 and Corollary 1.33 for two discs, which need some η > 0",
+    ),
+)
+def _prox_constant() -> Evidence:
     """Two discs: the projection is unique unless the centres coincide, at distance sqrt(2) R from S."""
     tried = [(printed_constant(n, d), proved_constant(n, RADIUS)) for n in range(3, 200) for d in (1, 2, 3)]
     largest = max(p / q for p, q in tried)
@@ -116,7 +148,14 @@ def _prox_constant(_: Tables) -> Evidence:
     )
 
 
-def _same_cones(_: Tables) -> Evidence:
+@claim(
+    "c1.same-cones",
+    "For convex sets proximal normals are the normals of convex analysis.",
+    source="after Definition 1.23",
+    quote="N_C(x) = N(C, x) for all x ∈ ℝ^d",
+    chosen="x ∈ C, or N_C(x) = ∅ outside of C, as is said after Definition 1.16",
+)
+def _same_cones() -> Evidence:
     rng = np.random.default_rng(SEED)
     x = box_points(rng)
     signs = rng.choice([-1.0, 0.0, 1.0], x.shape) * rng.uniform(0.0, 1.0, x.shape)
@@ -133,7 +172,14 @@ def _same_cones(_: Tables) -> Evidence:
     )
 
 
-def _not_a_convex_normal(_: Tables) -> Evidence:
+@claim(
+    "c1.nonconvex-normal",
+    "A proximal normal of a set that is not convex may point towards other points of the set.",
+    source="Figure 8",
+    quote="n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
+    chosen="the outside of the unit disc",
+)
+def _not_a_convex_normal() -> Evidence:
     x, n, y = np.array([0.0, 1.0]), np.array([0.0, -1.0]), np.array([0.0, -1.5])
     back = float(np.abs(outside(x + 0.5 * n) - x).max())
     angle = float(n @ (y - x))
@@ -144,7 +190,13 @@ def _not_a_convex_normal(_: Tables) -> Evidence:
     )
 
 
-def _projection_normal(_: Tables) -> Evidence:
+@claim(
+    "c1.projection-normal",
+    "What a projection takes away is a proximal normal.",
+    source="(1.23)",
+    quote="x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
+)
+def _projection_normal() -> Evidence:
     rng = np.random.default_rng(SEED)
     y = rng.normal(size=(SAMPLES, 2, 2)) * 0.4
     x = apart(y)
@@ -157,66 +209,3 @@ def _projection_normal(_: Tables) -> Evidence:
         printed=(at_most("|P_S(x + α(y - x)) - x|", missed, ROUNDING), at_least("points that overlap", pushed, 100)),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.not-convex",
-        "section 4",
-        "the set of non-overlapping disks … is not convex.",
-        _not_convex,
-        statement="Discs that do not overlap may overlap half-way between two arrangements.",
-    ),
-    Claim(
-        "c1.convex-projection",
-        "after Definition 1.20",
-        "the projection onto convex, closed, non-empty sets C is unique, i.e. P_C is single valued.",
-        _convex_projection,
-        statement="Convex sets have one nearest point.",
-        chosen="a triangle",
-    ),
-    Claim(
-        "c1.pacman",
-        "Figure 7",
-        "The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique.",
-        _pacman,
-        statement="A disc with a mouth has points with two nearest points, as near to it as one likes.",
-        chosen="a mouth that opens by 1.2",
-    ),
-    Claim(
-        "c1.prox-constant",
-        "Proposition 1.22",
-        "S is η-prox-regular with η = R/(6N) (1/3 sin(2π/N))^d for N ∈ ℕ",
-        _prox_constant,
-        statement="The constant of prox-regularity of N discs.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the formula is for N ≥ 3; η = R √(2/(2N - 3)) holds for all N ≥ 2",
-            Effect.NUMBER,
-            "Theorem 1.31 and Corollary 1.33 for two discs, which need some η > 0",
-        ),
-    ),
-    Claim(
-        "c1.same-cones",
-        "after Definition 1.23",
-        "N_C(x) = N(C, x) for all x ∈ ℝ^d",
-        _same_cones,
-        statement="For convex sets proximal normals are the normals of convex analysis.",
-        chosen="x ∈ C, or N_C(x) = ∅ outside of C, as is said after Definition 1.16",
-    ),
-    Claim(
-        "c1.nonconvex-normal",
-        "Figure 8",
-        "n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
-        _not_a_convex_normal,
-        statement="A proximal normal of a set that is not convex may point towards other points of the set.",
-        chosen="the outside of the unit disc",
-    ),
-    Claim(
-        "c1.projection-normal",
-        "(1.23)",
-        "x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
-        _projection_normal,
-        statement="What a projection takes away is a proximal normal.",
-    ),
-)

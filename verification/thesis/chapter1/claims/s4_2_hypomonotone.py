@@ -9,14 +9,13 @@ import numpy as np
 
 import dincl
 from dincl.cone import distance_to_cone
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES, TRIANGLE
 from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values, touching
 from verification.thesis.chapter1.sets import Floats, contact_gradients, support_of_cone
 
 SAMPLES, SEED = 300, 12
-ROUNDING = 1e-12
 ETA = 0.7
 
 
@@ -37,7 +36,13 @@ def moved(n: Floats) -> float:
     return float(np.abs(projected(TRIANGLE + n) - TRIANGLE).max())
 
 
-def _cones(_: Tables) -> Evidence:
+@claim(
+    "c1.cones",
+    "The proximal normals of the set of discs are what multipliers give.",
+    source="Theorem 1.25",
+    quote="N(S, x) = N^g(x) for all x ∈ ℝ^2N",
+)
+def _cones() -> Evidence:
     """At a triangle of touching discs every x - P_S(x + n) is a combination of gradients; outside both are empty."""
     gradients = discs().rows_within(0.0, TRIANGLE, 1e-6).jacobian(TRIANGLE)
     rng = np.random.default_rng(SEED)
@@ -68,7 +73,13 @@ def beside_the_sum(y: Floats) -> float:
     return math.sqrt(max(1 - along**2 / float(n @ n), 0.0)) if np.abs(n).max() > 1e-6 else 0.0
 
 
-def _sum_of_all(_: Tables) -> Evidence:
+@claim(
+    "c1.sum-of-all",
+    "The proximal normals of the set of discs are the sums of those of its pairs.",
+    source="Theorem 1.25",
+    quote="N(S, x) = Σ_j N(S_j, x) for all x ∈ ℝ^2N",
+)
+def _sum_of_all() -> Evidence:
     rng = np.random.default_rng(SEED)
     lengths = rng.uniform(0.0, 1e-4, (30, 3))
     back = max(
@@ -96,7 +107,20 @@ def spread(sign: float) -> float:
     return max(ends) - min(ends)
 
 
-def _one_sided_word(_: Tables) -> Evidence:
+@claim(
+    "c1.one-sided-word",
+    "What Theorem 1.13 asks for.",
+    source="section 4.3",
+    quote="We saw in Theorem 1.13 that solutions of ẋ ∈ F(x) are unique, if F is one-sided semicontinuous.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "if F is one-sided Lipschitz continuous; so in the sentence after it",
+        Effect.PROOF,
+        "nothing else: Theorem 1.13 has the right word",
+    ),
+    chosen="semicontinuous is read as in Definition 1.10",
+)
+def _one_sided_word() -> Evidence:
     low, high = step_values(0.0)
     beyond = sum(not low <= -end <= high for y in LINE for end in step_values(y))
     return Evidence(
@@ -139,7 +163,13 @@ def disc_sides(eta: float) -> tuple[Floats, Floats]:
     return np.array(left), np.array(right)
 
 
-def _hypomonotone(_: Tables) -> Evidence:
+@claim(
+    "c1.hypomonotone",
+    "Normals of prox-regular sets are monotone up to a quadratic term.",
+    source="(1.28)",
+    quote="-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
+)
+def _hypomonotone() -> Evidence:
     left, right = hypomonotone_sides(3.0)
     ours, bound = disc_sides(math.sqrt(0.5))
     return Evidence(
@@ -154,7 +184,13 @@ def _hypomonotone(_: Tables) -> Evidence:
     )
 
 
-def _one_over_eta(_: Tables) -> Evidence:
+@claim(
+    "c1.one-over-eta",
+    "The one-sided Lipschitz constant of normals of length up to 1.",
+    source="section 4.3",
+    quote="x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
+)
+def _one_over_eta() -> Evidence:
     short = float(hypomonotone_sides(1.0)[0].max())
     rng = np.random.default_rng(SEED)
     x, y = on_the_ball(rng)
@@ -168,49 +204,3 @@ def _one_over_eta(_: Tables) -> Evidence:
         ),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.cones",
-        "Theorem 1.25",
-        "N(S, x) = N^g(x) for all x ∈ ℝ^2N",
-        _cones,
-        statement="The proximal normals of the set of discs are what multipliers give.",
-    ),
-    Claim(
-        "c1.sum-of-all",
-        "Theorem 1.25",
-        "N(S, x) = Σ_j N(S_j, x) for all x ∈ ℝ^2N",
-        _sum_of_all,
-        statement="The proximal normals of the set of discs are the sums of those of its pairs.",
-    ),
-    Claim(
-        "c1.one-sided-word",
-        "section 4.3",
-        "We saw in Theorem 1.13 that solutions of ẋ ∈ F(x) are unique, if F is one-sided semicontinuous.",
-        _one_sided_word,
-        statement="What Theorem 1.13 asks for.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "if F is one-sided Lipschitz continuous; so in the sentence after it",
-            Effect.PROOF,
-            "nothing else: Theorem 1.13 has the right word",
-        ),
-        chosen="semicontinuous is read as in Definition 1.10",
-    ),
-    Claim(
-        "c1.hypomonotone",
-        "(1.28)",
-        "-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
-        _hypomonotone,
-        statement="Normals of prox-regular sets are monotone up to a quadratic term.",
-    ),
-    Claim(
-        "c1.one-over-eta",
-        "section 4.3",
-        "x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
-        _one_over_eta,
-        statement="The one-sided Lipschitz constant of normals of length up to 1.",
-    ),
-)

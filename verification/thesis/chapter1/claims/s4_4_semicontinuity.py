@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES, TRIANGLE
 from verification.thesis.chapter1.claims.s4_4_supports import DIRECTIONS
@@ -37,7 +37,13 @@ def limits(step: float) -> Floats:
     return np.array([[normals_support(x, w) for w in directions] for x in places])
 
 
-def _scalarly_upper(_: Tables) -> Evidence:
+@claim(
+    "c1.scalarly-upper",
+    "The short normals of the set of discs are scalarly upper semicontinuous.",
+    source="Proposition 1.28",
+    quote="lim sup σ(-N(S, x_n) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+)
+def _scalarly_upper() -> Evidence:
     values = limits(1e-7)
     above, below = float((values[:3] - values[3]).max()), float((values[3] - values[:3]).max())
     return Evidence(
@@ -55,7 +61,14 @@ def distance_quotient(v: Floats, r: float) -> float:
     return float(((away - steps @ v) / r**2).min())
 
 
-def _distance(_: Tables) -> Evidence:
+@claim(
+    "c1.distance",
+    "The short normals are the proximal subgradients of the distance.",
+    source="Remark 1.29",
+    quote="N(S, x) ∩ B₁(0) = ∂dist(x, S)",
+    chosen="the outside of the unit disc, x on its boundary, and the closed ball",
+)
+def _distance() -> Evidence:
     """A proximal subgradient has quotients that are bounded below as r -> 0."""
     normal = np.array([0.0, -1.0])
     inside = [distance_quotient(length * normal, 1e-5) for length in (0.0, 0.3, 1.0)]
@@ -76,7 +89,14 @@ def pair_generators(x: Floats) -> Floats:
     return contact_gradients(x, SIDES) / math.sqrt(2)
 
 
-def _sum_limit(_: Tables) -> Evidence:
+@claim(
+    "c1.sum-limit",
+    "Sums of normals at points that tend to x are, in the limit, normals at x.",
+    source="Corollary 1.30, (1.35)",
+    quote="lim sup σ(-Σ_j N(S_j, p_j) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+    chosen="the ball cuts the sum of the cones, not each of them",
+)
+def _sum_limit() -> Evidence:
     """Points p_j of the boundaries of the S_j near x, each with its own normal; (sum of the cones) ∩ B_1."""
     rng = np.random.default_rng(SEED)
     directions, excess = rng.normal(size=(20, 6)), -math.inf
@@ -92,7 +112,19 @@ def _sum_limit(_: Tables) -> Evidence:
     )
 
 
-def _sum_of_cones(_: Tables) -> Evidence:
+@claim(
+    "c1.sum-of-cones",
+    "The proof of the corollary adds support functions of cones that are cut by a ball.",
+    source="proof of Corollary 1.30",
+    quote="lim sup σ(-Σ N(S_j, p_j) ∩ B₁, w) = lim sup Σ σ(-N(S_j, p_j) ∩ B₁, w) ≤ … = σ(-Σ N(S_j, x) ∩ B₁, w)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones",
+        Effect.PROOF,
+        "Lemma 2.8, which needs only some radius",
+    ),
+)
+def _sum_of_cones() -> Evidence:
     """Two touching pairs of discs far apart, with normals orthogonal in R^8; p_j = x, w along -(n_1 + n_2)."""
     far = np.array([[0.0, 0.0], [1.0, 0.0], [9.0, 0.0], [10.0, 0.0]])
     rows = contact_gradients(far, [(0, 1), (2, 3)]) / math.sqrt(2)
@@ -108,43 +140,3 @@ def _sum_of_cones(_: Tables) -> Evidence:
         corrected=(at_most("Σ σ(-N_j ∩ B₁, w) - σ(-N ∩ B_M, w)", bound, 0.0, 1e-6),),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.scalarly-upper",
-        "Proposition 1.28",
-        "lim sup σ(-N(S, x_n) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
-        _scalarly_upper,
-        statement="The short normals of the set of discs are scalarly upper semicontinuous.",
-    ),
-    Claim(
-        "c1.distance",
-        "Remark 1.29",
-        "N(S, x) ∩ B₁(0) = ∂dist(x, S)",
-        _distance,
-        statement="The short normals are the proximal subgradients of the distance.",
-        chosen="the outside of the unit disc, x on its boundary, and the closed ball",
-    ),
-    Claim(
-        "c1.sum-limit",
-        "Corollary 1.30, (1.35)",
-        "lim sup σ(-Σ_j N(S_j, p_j) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
-        _sum_limit,
-        statement="Sums of normals at points that tend to x are, in the limit, normals at x.",
-        chosen="the ball cuts the sum of the cones, not each of them",
-    ),
-    Claim(
-        "c1.sum-of-cones",
-        "proof of Corollary 1.30",
-        "lim sup σ(-Σ N(S_j, p_j) ∩ B₁, w) = lim sup Σ σ(-N(S_j, p_j) ∩ B₁, w) ≤ … = σ(-Σ N(S_j, x) ∩ B₁, w)",
-        _sum_of_cones,
-        statement="The proof of the corollary adds support functions of cones that are cut by a ball.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones",
-            Effect.PROOF,
-            "Lemma 2.8, which needs only some radius",
-        ),
-    ),
-)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 
@@ -34,7 +34,13 @@ def in_ellipse(a: Floats) -> np.ndarray:
     return np.asarray(np.linalg.norm(np.linalg.solve(SHAPE, (a - CENTRE).T), axis=0) <= 1)
 
 
-def _half_spaces(_: Tables) -> Evidence:
+@claim(
+    "c1.half-spaces",
+    "The support function tells which half-spaces contain a set.",
+    source="after (1.29)",
+    quote="A ⊆ {v | v·w ≤ α} ⟺ σ(A, w) ≤ α",
+)
+def _half_spaces() -> Evidence:
     rng = np.random.default_rng(SEED)
     w, level = rng.normal(size=(SAMPLES, 2)), rng.uniform(0.0, 3.0, SAMPLES)
     edge = DIRECTIONS @ SHAPE.T + CENTRE
@@ -48,7 +54,19 @@ def _half_spaces(_: Tables) -> Evidence:
     )
 
 
-def _support(_: Tables) -> Evidence:
+@claim(
+    "c1.support",
+    "Inclusion of sets is the order of their support functions.",
+    source="(1.30)",
+    quote="A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "“⇐” holds if B is closed and convex",
+        Effect.PROOF,
+        "(1.73), where B is closed and convex",
+    ),
+)
+def _support() -> Evidence:
     """A = {1/2} and B = {0, 1} on an axis; then B an ellipse and A a point, in it or not."""
     ends, middle = np.array([[0.0, 0.0], [1.0, 0.0]]), np.array([[0.5, 0.0]])
     ordered = bool((support(middle, DIRECTIONS) <= support(ends, DIRECTIONS) + ROUNDING).all())
@@ -65,7 +83,13 @@ def _support(_: Tables) -> Evidence:
     )
 
 
-def _additive(_: Tables) -> Evidence:
+@claim(
+    "c1.additive",
+    "Support functions of sums of sets.",
+    source="(1.31)",
+    quote="σ(A + B, v) = σ(A, v) + σ(B, v)",
+)
+def _additive() -> Evidence:
     a, b = np.random.default_rng(SEED).normal(size=(2, 7, 2))
     whole = (a[:, None] + b).reshape(-1, 2)
     off = float(np.abs(support(whole, DIRECTIONS) - support(a, DIRECTIONS) - support(b, DIRECTIONS)).max())
@@ -84,6 +108,8 @@ FUNCTIONS: tuple[Callable[[Floats], Floats], ...] = (
     lambda x: np.where(x >= 0, 1.0, 0.0),
     lambda x: np.where(x > 0, 1.0, 0.0),
 )
+
+
 # Wider than what continuous functions change between the places of NEAR, narrower than the jumps.
 EPSILON = 0.1
 
@@ -104,7 +130,19 @@ def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
     return bool((f(NEAR)[:, None] + depths < f(np.zeros(1))[0] + EPSILON).all())
 
 
-def _single_valued(_: Tables) -> Evidence:
+@claim(
+    "c1.single-valued",
+    "Definition 1.10 for a single-valued function is its upper semicontinuity.",
+    source="after Definition 1.27",
+    quote="f is upper semicontinuous at x₀ if it satisfies Definition 1.10, which simplifies to lim sup f(x) ≤ f(x₀)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "for {f(x)} Definition 1.10 is continuity; upper semicontinuity is Definition 1.10 for (-∞, f(x)]",
+        Effect.PROOF,
+        "nothing else: (1.33) is stated explicitly",
+    ),
+)
+def _single_valued() -> Evidence:
     plain = sum(by_singletons(f) != by_limsup(f) for f in FUNCTIONS)
     lines = sum(by_half_lines(f) != by_limsup(f) for f in FUNCTIONS)
     return Evidence(
@@ -113,47 +151,3 @@ def _single_valued(_: Tables) -> Evidence:
         printed=(equal("disagreements with {f(x)}", plain, 0),),
         corrected=(equal("disagreements with (-∞, f(x)]", lines, 0),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.half-spaces",
-        "after (1.29)",
-        "A ⊆ {v | v·w ≤ α} ⟺ σ(A, w) ≤ α",
-        _half_spaces,
-        statement="The support function tells which half-spaces contain a set.",
-    ),
-    Claim(
-        "c1.support",
-        "(1.30)",
-        "A ⊆ B ⟺ σ(A, v) ≤ σ(B, v) for all v",
-        _support,
-        statement="Inclusion of sets is the order of their support functions.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "“⇐” holds if B is closed and convex",
-            Effect.PROOF,
-            "(1.73), where B is closed and convex",
-        ),
-    ),
-    Claim(
-        "c1.additive",
-        "(1.31)",
-        "σ(A + B, v) = σ(A, v) + σ(B, v)",
-        _additive,
-        statement="Support functions of sums of sets.",
-    ),
-    Claim(
-        "c1.single-valued",
-        "after Definition 1.27",
-        "f is upper semicontinuous at x₀ if it satisfies Definition 1.10, which simplifies to lim sup f(x) ≤ f(x₀)",
-        _single_valued,
-        statement="Definition 1.10 for a single-valued function is its upper semicontinuity.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "for {f(x)} Definition 1.10 is continuity; upper semicontinuity is Definition 1.10 for (-∞, f(x)]",
-            Effect.PROOF,
-            "nothing else: (1.33) is stated explicitly",
-        ),
-    ),
-)

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.cells import GROWN, HARD, TOL, away, in_mitosis, resting
 from verification.thesis.chapter1.sets import Floats, apart, catch_up, falling, outside
@@ -26,7 +26,13 @@ def affine(x: Floats) -> Floats:
     return np.asarray(x @ MATRIX.T + np.sin(x) + SHIFT)
 
 
-def _linear_growth(_: Tables) -> Evidence:
+@claim(
+    "c1.linear-growth",
+    "A Lipschitz continuous force grows at most linearly.",
+    source="section 4.5, (A1), (A2)",
+    quote="We note that Lipschitz continuity implies that the function grows at most linearly.",
+)
+def _linear_growth() -> Evidence:
     x = np.random.default_rng(SEED).normal(size=(SAMPLES, 2)) * np.logspace(-2, 4, SAMPLES)[:, None]
     constant = max(float(np.linalg.norm(MATRIX, 2)) + 1, float(np.linalg.norm(affine(np.zeros(2)))))
     worst = float((np.linalg.norm(affine(x), axis=1) / (constant * (1 + np.linalg.norm(x, axis=1)))).max())
@@ -38,7 +44,13 @@ def _linear_growth(_: Tables) -> Evidence:
     )
 
 
-def _catch_up_normal(_: Tables) -> Evidence:
+@claim(
+    "c1.catch-up-normal",
+    "A step of the catch-up scheme fulfils a discrete inclusion.",
+    source="after (1.39)",
+    quote="x_k - x_{k+1} + hF(x_k) ∈ N(S, x_{k+1})",
+)
+def _catch_up_normal() -> Evidence:
     """x_k - x_{k+1} + h F(x_k) is tried as a proximal normal at x_{k+1}, and so is its negative."""
     h, start = 0.02, np.array([[0.3, 1.2]])
     path = catch_up(start, falling, h, 60)[:, 0]
@@ -62,7 +74,14 @@ def slide(t: Floats) -> Floats:
     return np.zeros((len(t), 2)) if exact is None else exact(t)[:, 0]
 
 
-def _existence(_: Tables) -> Evidence:
+@claim(
+    "c1.existence",
+    "There is a solution, to which the catch-up scheme converges.",
+    source="Theorem 1.31",
+    quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
+    chosen="a disc that slides over a fixed one, whose solution is known",
+)
+def _existence() -> Evidence:
     """dist(x' - F, -N(S, x)) of the exact solution, and the error of catch-up at t = 2."""
     times = np.array([0.3, 0.8, 1.3, 2.0, 2.8])
     x, velocity = slide(times), (slide(times + HALF) - slide(times - HALF)) / (2 * HALF)
@@ -82,7 +101,14 @@ def _existence(_: Tables) -> Evidence:
     )
 
 
-def _dependence(_: Tables) -> Evidence:
+@claim(
+    "c1.dependence",
+    "The distance of two solutions stays within a factor.",
+    source="Lemma 1.32, (1.41)",
+    quote="there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
+    chosen="points that slide over a fixed disc",
+)
+def _dependence() -> Evidence:
     """Starts near the top of the disc, from where paths part fastest: L_F = 0, |v| <= 1, eta = 1."""
     angles = 0.01 + np.array([0.0, 1e-2, 1e-4, 1e-6])
     path = catch_up(np.stack([np.sin(angles), np.cos(angles)], axis=1), falling, 1e-3, 1000)
@@ -94,7 +120,20 @@ def _dependence(_: Tables) -> Evidence:
     )
 
 
-def _start(_: Tables) -> Evidence:
+@claim(
+    "c1.start",
+    "The model of discs has a solution from every start.",
+    source="Corollary 1.33",
+    quote="Then for all xⁱⁿⁱᵗ ∈ ℝ^2N and any T > 0, the system has a unique solution.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "for all xⁱⁿⁱᵗ ∈ S, as in Theorem 1.31",
+        Effect.CONCLUSION,
+        "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as it "
+        "does (section 5)",
+    ),
+)
+def _start() -> Evidence:
     """A solution is in S at almost all times, so at the start, too, as it is continuous."""
     off = {name: float(np.abs(apart(x) - x).max()) for name, x in (("in", APART), ("out", OVERLAPPING))}
     y = apart(np.random.default_rng(SEED).normal(size=(SAMPLES, 2, 2)))
@@ -111,7 +150,20 @@ def _start(_: Tables) -> Evidence:
     )
 
 
-def _time_independent(_: Tables) -> Evidence:
+@claim(
+    "c1.time-independent",
+    "The feasible sets of the models that the theorem is for do not depend on time.",
+    source="section 4.6",
+    quote="since we only need the result for time-independent sets, the following proof is simpler.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps at them",
+        Effect.PROOF,
+        "the use of Theorem 1.31 in chapters 3 and 4, one interval between events after another",
+    ),
+    chosen="a nucleus that two others touch when its mitosis begins",
+)
+def _time_independent() -> Evidence:
     """A state of S(t-) when a nucleus among its neighbours begins mitosis."""
     between, jump = away(resting()), away(in_mitosis())
     return Evidence(
@@ -124,66 +176,3 @@ def _time_independent(_: Tables) -> Evidence:
             at_least("jump of S, over the jump of the radius", jump / (GROWN - HARD), 0.5),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.linear-growth",
-        "section 4.5, (A1), (A2)",
-        "We note that Lipschitz continuity implies that the function grows at most linearly.",
-        _linear_growth,
-        statement="A Lipschitz continuous force grows at most linearly.",
-    ),
-    Claim(
-        "c1.catch-up-normal",
-        "after (1.39)",
-        "x_k - x_{k+1} + hF(x_k) ∈ N(S, x_{k+1})",
-        _catch_up_normal,
-        statement="A step of the catch-up scheme fulfils a discrete inclusion.",
-    ),
-    Claim(
-        "c1.existence",
-        "Theorem 1.31",
-        "the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
-        _existence,
-        statement="There is a solution, to which the catch-up scheme converges.",
-        chosen="a disc that slides over a fixed one, whose solution is known",
-    ),
-    Claim(
-        "c1.dependence",
-        "Lemma 1.32, (1.41)",
-        "there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
-        _dependence,
-        statement="The distance of two solutions stays within a factor.",
-        chosen="points that slide over a fixed disc",
-    ),
-    Claim(
-        "c1.start",
-        "Corollary 1.33",
-        "Then for all xⁱⁿⁱᵗ ∈ ℝ^2N and any T > 0, the system has a unique solution.",
-        _start,
-        statement="The model of discs has a solution from every start.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "for all xⁱⁿⁱᵗ ∈ S, as in Theorem 1.31",
-            Effect.CONCLUSION,
-            "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as it "
-            "does (section 5)",
-        ),
-    ),
-    Claim(
-        "c1.time-independent",
-        "section 4.6",
-        "since we only need the result for time-independent sets, the following proof is simpler.",
-        _time_independent,
-        statement="The feasible sets of the models that the theorem is for do not depend on time.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps at "
-            "them",
-            Effect.PROOF,
-            "the use of Theorem 1.31 in chapters 3 and 4, one interval between events after another",
-        ),
-        chosen="a nucleus that two others touch when its mitosis begins",
-    ),
-)

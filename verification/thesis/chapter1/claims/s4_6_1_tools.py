@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter1.sets import Floats
 
@@ -35,7 +35,20 @@ def hlawka(norm: Callable[[Floats], Floats], x: Floats, y: Floats, z: Floats) ->
     return np.asarray(pairs - norm(x) - norm(y) - norm(z) - norm(x + y + z))
 
 
-def _isometry(_: Tables) -> Evidence:
+@claim(
+    "c1.isometry",
+    "Bounded functions are mapped into the integrable ones with the norm kept.",
+    source="section 4.6.1",
+    quote="there exists an isometry L^∞([0, T], ℝ^d) → L¹([0, T], ℝ^d).",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "there is a continuous embedding, ‖x‖₁ ≤ T ‖x‖_∞",
+        Effect.PROOF,
+        "(1.58), which uses the embedding",
+    ),
+    chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
+)
+def _isometry() -> Evidence:
     """Hlawka's inequality is about norms of sums, so an isometric linear map would carry it over from L^1."""
     x, y, z = np.array([[1.0, 1.0, -1.0], [1.0, -1.0, 1.0], [-1.0, 1.0, 1.0]])
     sup = float(hlawka(sup_norm, x, y, z))
@@ -55,7 +68,14 @@ def wave(n: Floats | int) -> Floats:
     return np.sin(2 * np.pi * np.multiply.outer(n, GRID))
 
 
-def _mazur(_: Tables) -> Evidence:
+@claim(
+    "c1.mazur",
+    "Convex combinations of a weakly convergent sequence converge strongly.",
+    source="Lemma 1.34",
+    quote="z⁽ⁿ⁾ = Σ_{ℓ ≥ n} λ_ℓ y⁽ℓ⁾ … such that z⁽ⁿ⁾ → x in X.",
+    chosen="y⁽ℓ⁾ is not defined; it is read as x⁽ℓ⁾",
+)
+def _mazur() -> Evidence:
     test = (GRID < 1 / 3) / np.sqrt(GRID)
     alone, pairing = float(np.abs(wave(200)).mean()), abs(float((wave(200) * test).mean()))
     mixed = float(np.abs(wave(np.arange(200.0, 400.0)).mean(axis=0)).mean())
@@ -70,7 +90,14 @@ def _mazur(_: Tables) -> Evidence:
     )
 
 
-def _compact(_: Tables) -> Evidence:
+@claim(
+    "c1.compact",
+    "Paths with bounded speeds have a uniform limit, and their velocities a weak* one.",
+    source="Lemma 1.35",
+    quote="x⁽ⁿ_k⁾ → x in L^∞ and ẋ⁽ⁿ_k⁾ ⇀* ẋ in L^∞",
+    chosen="one sequence whose velocities do not converge in norm",
+)
+def _compact() -> Evidence:
     n, test = 1000, (GRID < 1 / 3) / np.sqrt(GRID)
     x, rate = wave(n) / (2 * np.pi * n), np.cos(2 * np.pi * n * GRID)
     size, pairing = float(np.abs(x).max()), abs(float((rate * test).mean()))
@@ -100,7 +127,19 @@ def discrete_bound(first: float) -> float:
     return first * grown + A / B * (grown - 1)
 
 
-def _gronwall_discrete(_: Tables) -> Evidence:
+@claim(
+    "c1.gronwall-discrete",
+    "A discrete Gronwall inequality.",
+    source="Theorem 1.36",
+    quote="a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
+        Effect.CONCLUSION,
+        "(1.52) and the constants C₁, C₂, C₃; the proof of existence stands with the factor",
+    ),
+)
+def _gronwall_discrete() -> Evidence:
     start = 10.0
     sizes = np.linalg.norm(sequences(start), axis=2)
     printed, right = float(sizes.max()) / discrete_bound(1.0), float(sizes.max()) / discrete_bound(start)
@@ -118,7 +157,20 @@ def _gronwall_discrete(_: Tables) -> Evidence:
     )
 
 
-def _gronwall_range(_: Tables) -> Evidence:
+@claim(
+    "c1.gronwall-range",
+    "For which k the inequality is assumed, and for which it follows.",
+    source="Theorem 1.36, (1.43)",
+    quote="‖a_{k+1} - a_k‖ ≤ … for all 1 ≤ k ≤ n, then … for all integers 0 ≤ k ≤ n.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(1.43) for 0 ≤ k ≤ n - 1, for a sequence a₀, …, a_n",
+        Effect.PROOF,
+        "(1.52), where the scheme begins with x₀",
+    ),
+    chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
+)
+def _gronwall_range() -> Evidence:
     """a_0 = 100 and a_k = 1 from k = 1 on: (1.43) for 1 <= k <= n says nothing of a_0."""
     sizes = np.linalg.norm(sequences(1.0), axis=2)
     steps = np.abs(np.diff(np.array([100.0] + [1.0] * (N + 1))))
@@ -133,64 +185,3 @@ def _gronwall_range(_: Tables) -> Evidence:
         corrected=(at_most("largest ‖a_k‖ over the bound, 0 ≤ k ≤ n - 1", right, 1.0, ROUNDING),),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.isometry",
-        "section 4.6.1",
-        "there exists an isometry L^∞([0, T], ℝ^d) → L¹([0, T], ℝ^d).",
-        _isometry,
-        statement="Bounded functions are mapped into the integrable ones with the norm kept.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "there is a continuous embedding, ‖x‖₁ ≤ T ‖x‖_∞",
-            Effect.PROOF,
-            "(1.58), which uses the embedding",
-        ),
-        chosen="linear maps; no other isometry exists either, as L^∞ is not separable",
-    ),
-    Claim(
-        "c1.mazur",
-        "Lemma 1.34",
-        "z⁽ⁿ⁾ = Σ_{ℓ ≥ n} λ_ℓ y⁽ℓ⁾ … such that z⁽ⁿ⁾ → x in X.",
-        _mazur,
-        statement="Convex combinations of a weakly convergent sequence converge strongly.",
-        chosen="y⁽ℓ⁾ is not defined; it is read as x⁽ℓ⁾",
-    ),
-    Claim(
-        "c1.compact",
-        "Lemma 1.35",
-        "x⁽ⁿ_k⁾ → x in L^∞ and ẋ⁽ⁿ_k⁾ ⇀* ẋ in L^∞",
-        _compact,
-        statement="Paths with bounded speeds have a uniform limit, and their velocities a weak* one.",
-        chosen="one sequence whose velocities do not converge in norm",
-    ),
-    Claim(
-        "c1.gronwall-discrete",
-        "Theorem 1.36",
-        "a_k ≤ (1 + BT/n)^n + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) + A (exp(BT) - 1)/B",
-        _gronwall_discrete,
-        statement="A discrete Gronwall inequality.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "‖a_k‖ ≤ (1 + BT/n)^n ‖a₀‖ + 1/B ((1 + BT/n)^n - 1) A ≤ exp(BT) ‖a₀‖ + A (exp(BT) - 1)/B",
-            Effect.CONCLUSION,
-            "(1.52) and the constants C₁, C₂, C₃; the proof of existence stands with the factor",
-        ),
-    ),
-    Claim(
-        "c1.gronwall-range",
-        "Theorem 1.36, (1.43)",
-        "‖a_{k+1} - a_k‖ ≤ … for all 1 ≤ k ≤ n, then … for all integers 0 ≤ k ≤ n.",
-        _gronwall_range,
-        statement="For which k the inequality is assumed, and for which it follows.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(1.43) for 0 ≤ k ≤ n - 1, for a sequence a₀, …, a_n",
-            Effect.PROOF,
-            "(1.52), where the scheme begins with x₀",
-        ),
-        chosen="the bound begins with ‖a₁‖, the first element that (1.43) speaks of",
-    ),
-)

@@ -6,12 +6,10 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter1.claims.s4_4_semicontinuity import SEED, limits
-from verification.thesis.chapter1.claims.s4_4_supports import DIRECTIONS
-from verification.thesis.chapter1.claims.s4_5_existence import HALF, slide
-from verification.thesis.chapter1.sets import Floats, catch_up, falling
+from verification.thesis.chapter1.sets import Floats
 
 # The four discs of Figure 4 of chapter 2: step, times to which it goes, and how exact its projections are.
 DT, END, TOL = 0.02, 1.0, 1e-12
@@ -30,7 +28,19 @@ def settled(first: int, last: int) -> float:
     return float(np.all([t >= 2.0**-k for k in range(first, last + 1)], axis=0).mean())
 
 
-def _dense(_: Tables) -> Evidence:
+@claim(
+    "c1.dense",
+    "On which times the velocities converge, and for which the inclusion follows.",
+    source="step 4, (1.62), and (1.74)",
+    quote="we obtain for a dense set 𝒯 ⊆ [0, T] the pointwise convergence … for a.e. t ∈ [0, T].",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "𝒯 has full measure: convergence in L¹ gives a subsequence that converges almost everywhere",
+        Effect.PROOF,
+        "(1.68) to (1.74), which hold for t ∈ 𝒯",
+    ),
+)
+def _dense() -> Evidence:
     """Intervals around a dense set; and z^(n) = 1 on intervals of length 2^-k that run through [0, 1] for each k."""
     gap, length = length_around(10, 0.01)
     part = settled(12, 14)
@@ -50,7 +60,14 @@ def steps_of_discs() -> Floats:
     return dincl.solve(scene, dincl.CatchUp(dt=DT, projection=dincl.Daqp(tol=TOL)), t=times).x
 
 
-def _step_inclusion(_: Tables) -> Evidence:
+@claim(
+    "c1.step-inclusion",
+    "Between two steps the interpolated solution fulfils an inclusion at the later state.",
+    source="(1.66)",
+    quote="ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t) ∈ -N(S, x_{k+1}) for t ∈ (t_k, t_{k+1})",
+    chosen="the four discs of Figure 4 of chapter 2",
+)
+def _step_inclusion() -> Evidence:
     """At x_{k+1}, and at x_k for comparison."""
     scene, x = dincl.scenes.four_disks(), steps_of_discs()
     pulls = np.diff(x, axis=0) / DT + x[:-1]
@@ -72,7 +89,15 @@ def _step_inclusion(_: Tables) -> Evidence:
     )
 
 
-def _lower(_: Tables) -> Evidence:
+@claim(
+    "c1.lower",
+    "Which semicontinuity the last step of the proof uses.",
+    source="step 6",
+    quote="We now use scalarly lower semicontinuity of x ↦ -N(S, x) ∩ B_{C₃}(0)",
+    recorded=Kind.CORRECTED,
+    correction=Correction("upper semicontinuity", Effect.PROOF, "(1.71), which is Proposition 1.28"),
+)
+def _lower() -> Evidence:
     values = limits(1e-7)
     above, below = float((values[:3] - values[3]).max()), float((values[3] - values[:3]).max())
     return Evidence(
@@ -82,66 +107,3 @@ def _lower(_: Tables) -> Evidence:
         corrected=(at_most("σ(x_n) - σ(x)", above, 0.0, 1e-6),),
         seed=SEED,
     )
-
-
-def _velocity_dots(_: Tables) -> Evidence:
-    """At t = 1.5 the disc of the known solution slides; steps of 1/2000."""
-    t = np.array([1.5])
-    z = ((slide(t + HALF) - slide(t - HALF)) / (2 * HALF) - falling(slide(t)))[0]
-    path = catch_up(slide(np.zeros(1)), falling, 1 / 2000, 3001)[:, 0]
-    plain, dotted = path[3000] - falling(path[3000]), (path[3001] - path[3000]) * 2000 - falling(path[3000])
-    printed, right = (float((DIRECTIONS @ (z - value)).max()) for value in (plain, dotted))
-    return Evidence(
-        f"A point that slides over a disc: over all unit w, w·z(t) is up to {printed:.2f} larger than "
-        f"w·(x⁽ⁿ⁾ - F⁽ⁿ⁾)(t), and {right:.0e} larger than w·(ẋ⁽ⁿ⁾ - F⁽ⁿ⁾)(t) with h = 1/2000. The dots are lost.",
-        printed=(at_most("w·z - w·(x⁽ⁿ⁾ - F⁽ⁿ⁾)", printed, 0.0, 5e-3),),
-        corrected=(at_most("w·z - w·(ẋ⁽ⁿ⁾ - F⁽ⁿ⁾)", right, 0.0, 5e-3),),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c1.dense",
-        "step 4, (1.62), and (1.74)",
-        "we obtain for a dense set 𝒯 ⊆ [0, T] the pointwise convergence … for a.e. t ∈ [0, T].",
-        _dense,
-        statement="On which times the velocities converge, and for which the inclusion follows.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "𝒯 has full measure: convergence in L¹ gives a subsequence that converges almost everywhere",
-            Effect.PROOF,
-            "(1.68) to (1.74), which hold for t ∈ 𝒯",
-        ),
-    ),
-    Claim(
-        "c1.step-inclusion",
-        "(1.66)",
-        "ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t) ∈ -N(S, x_{k+1}) for t ∈ (t_k, t_{k+1})",
-        _step_inclusion,
-        statement="Between two steps the interpolated solution fulfils an inclusion at the later state.",
-        chosen="the four discs of Figure 4 of chapter 2",
-    ),
-    Claim(
-        "c1.lower",
-        "step 6",
-        "We now use scalarly lower semicontinuity of x ↦ -N(S, x) ∩ B_{C₃}(0)",
-        _lower,
-        statement="Which semicontinuity the last step of the proof uses.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("upper semicontinuity", Effect.PROOF, "(1.71), which is Proposition 1.28"),
-    ),
-    Claim(
-        "c1.velocity-dots",
-        "(1.69)",
-        "w·z(t) ≤ … ≤ lim sup w·(x⁽ⁿ⁾(t) - F⁽ⁿ⁾(t))",
-        _velocity_dots,
-        statement="The limit is bounded by the discrete inclusions.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "lim sup w·(ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t)), and z⁽ⁿ⁾ is a convex combination of ẋ⁽ⁿ⁾ - F⁽ⁿ⁾",
-            Effect.NOTATION,
-            "(1.70), where the left side of (1.67) must stand",
-        ),
-        chosen="a disc that slides over a fixed one, whose solution is known",
-    ),
-)

@@ -7,8 +7,8 @@ import math
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
-from verification.evidence import Evidence, Kind, at_most, equal
+from verification.claims import Correction, Effect, claim
+from verification.evidence import Evidence, Kind, at_most
 from verification.thesis.chapter1.sets import Floats, catch_up, outside
 
 ROUNDING = 1e-12
@@ -27,29 +27,21 @@ def pushing(x: Floats) -> Floats:
     return np.asarray(x @ MATRIX.T + SHIFT)
 
 
-def covered(first: int, last: int, t: Floats) -> np.ndarray:
-    """Whether times are in one of the [t_k, t_{k+1}), first <= k <= last, of 10 steps."""
-    k = np.floor(t / (T / 10))
-    return (first <= k) & (k <= last)
-
-
-def _step_range(_: Tables) -> Evidence:
-    t = (np.arange(1000) + 0.5) / 1000 * T
-    printed, right = (float(covered(*ends, t).mean()) for ends in ((1, 10), (0, 9)))
-    return Evidence(
-        f"n = 10: with 1 ≤ k ≤ n the steps cover {printed:.0%} of [0, T], all but the first one, where the scheme "
-        f"starts from x₀; with 0 ≤ k ≤ n - 1 they cover {right:.0%}.",
-        printed=(equal("part of [0, T] that is covered", printed, 1.0, ROUNDING),),
-        corrected=(equal("part of [0, T], 0 ≤ k ≤ n - 1", right, 1.0, ROUNDING),),
-    )
-
-
 def reach(y: Floats) -> Floats:
     """dist(y, S) for the outside of the unit disc."""
     return np.asarray(np.maximum(1 - np.linalg.norm(y, axis=-1), 0.0))
 
 
-def _projection_step(_: Tables) -> Evidence:
+@claim(
+    "c1.projection-step",
+    "The distance of a step of catch-up from the free step.",
+    source="before (1.50)",
+    quote="With x_{k+1} ∈ P_S(x_k), we get ‖x_{k+1} - (x_k + hF(x_k))‖ = dist(x_k + hF(x_k), S)",
+    recorded=Kind.CORRECTED,
+    correction=Correction("x_{k+1} ∈ P_S(x_k + hF(x_k))", Effect.NOTATION, "nothing else: (1.46) is right"),
+    chosen="the outside of the unit disc and a linear force",
+)
+def _projection_step() -> Evidence:
     """The first line of (1.50) at points of S, with the next point as printed and as in (1.46)."""
     x = catch_up(STARTS, pushing, H, STEPS)[:-1]
     target = x + H * pushing(x)
@@ -64,7 +56,14 @@ def _projection_step(_: Tables) -> Evidence:
     )
 
 
-def _step_bounds(_: Tables) -> Evidence:
+@claim(
+    "c1.step-bounds",
+    "How far a step of catch-up goes.",
+    source="(1.50), (1.51)",
+    quote="… ≤ hM_F(1 + ‖x_k‖), ‖x_{k+1} - x_k‖ ≤ 2hM_F(‖x_k‖ + 1)",
+    chosen="the outside of the unit disc and a linear force",
+)
+def _step_bounds() -> Evidence:
     path = catch_up(STARTS, pushing, H, STEPS)
     bound = H * M_F * (1 + np.linalg.norm(path[:-1], axis=-1))
     off = float((reach(path[:-1] + H * pushing(path[:-1])) / bound).max())
@@ -82,7 +81,20 @@ def first_constant(start: Floats, growth: float = M_F) -> Floats:
     return start * grown + grown - 1
 
 
-def _constant(_: Tables) -> Evidence:
+@claim(
+    "c1.constant",
+    "What the bound of the discrete solutions depends on.",
+    source="(1.52)",
+    quote="‖x_k‖ ≤ C₁ < ∞ for a constant C₁ which only depends on T and M_F.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "C₁ = exp(2M_F T)(‖xⁱⁿⁱᵗ‖ + 1) - 1 depends on ‖xⁱⁿⁱᵗ‖ as well",
+        Effect.PROOF,
+        "C₂ and C₃; the solution of one start exists all the same",
+    ),
+    chosen="the outside of the unit disc and a linear force",
+)
+def _constant() -> Evidence:
     sizes = np.linalg.norm(catch_up(STARTS, pushing, H, STEPS), axis=-1)
     printed = float(sizes.max() / first_constant(np.ones(1))[0])
     right = float((sizes / first_constant(sizes[0])).max())
@@ -95,7 +107,14 @@ def _constant(_: Tables) -> Evidence:
     )
 
 
-def _speeds(_: Tables) -> Evidence:
+@claim(
+    "c1.speeds",
+    "Bounds of the interpolated solutions, their speeds and the constraint forces.",
+    source="(1.53), (1.54), before (1.67)",
+    quote="2M_F(1 + C₁) =: C₂, ‖x⁽ⁿ⁾‖_∞ ≤ C₁, ‖ẋ⁽ⁿ⁾‖_∞ ≤ C₂, C₃ := C₂ + M_F(1 + C₁)",
+    chosen="C₁ with the start in it; the outside of the unit disc and a linear force",
+)
+def _speeds() -> Evidence:
     path = catch_up(STARTS, pushing, H, STEPS)
     first = first_constant(np.linalg.norm(path[0], axis=-1))
     second = 2 * M_F * (1 + first)
@@ -136,7 +155,14 @@ def spread(y: Floats) -> float:
     return float(np.linalg.norm(near - near[0], axis=1).max()) if np.linalg.norm(y[1] - y[0]) < 1 else 0.0
 
 
-def _unique(_: Tables) -> Evidence:
+@claim(
+    "c1.unique-projections",
+    "With short steps the catch-up scheme has one place to go to.",
+    source="(1.55)",
+    quote="dist(x_k + hF(x_k), S) ≤ … < η … the projections in (1.39) are unique for sufficiently large n.",
+    chosen="two discs of radius R, for which η = √2 R",
+)
+def _unique() -> Evidence:
     """Steps hF nearly as long as (1.55) allows; and n for F = -x, M_F = 1, from a start with |x| = 1/sqrt(2)."""
     below, at = (max(spread(y) for y in touching_pushed(part * ETA)) for part in (SURE, 1.0))
     start = np.array([math.sqrt(0.5)])
@@ -148,64 +174,3 @@ def _unique(_: Tables) -> Evidence:
         printed=(at_most("difference of directions to nearest points", below, 0.2),),
         seed=PUSHES,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.step-range",
-        "(1.49)",
-        "F⁽ⁿ⁾ : [0, T] → ℝ^d, F⁽ⁿ⁾(t) = F(x_k) for t ∈ [t_k, t_{k+1}), 1 ≤ k ≤ n.",
-        _step_range,
-        statement="The steps on which the piecewise constant force is given make up the time interval.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("0 ≤ k ≤ n - 1", Effect.NOTATION, "(1.66) in the first step"),
-    ),
-    Claim(
-        "c1.projection-step",
-        "before (1.50)",
-        "With x_{k+1} ∈ P_S(x_k), we get ‖x_{k+1} - (x_k + hF(x_k))‖ = dist(x_k + hF(x_k), S)",
-        _projection_step,
-        statement="The distance of a step of catch-up from the free step.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("x_{k+1} ∈ P_S(x_k + hF(x_k))", Effect.NOTATION, "nothing else: (1.46) is right"),
-        chosen="the outside of the unit disc and a linear force",
-    ),
-    Claim(
-        "c1.step-bounds",
-        "(1.50), (1.51)",
-        "… ≤ hM_F(1 + ‖x_k‖), ‖x_{k+1} - x_k‖ ≤ 2hM_F(‖x_k‖ + 1)",
-        _step_bounds,
-        statement="How far a step of catch-up goes.",
-        chosen="the outside of the unit disc and a linear force",
-    ),
-    Claim(
-        "c1.constant",
-        "(1.52)",
-        "‖x_k‖ ≤ C₁ < ∞ for a constant C₁ which only depends on T and M_F.",
-        _constant,
-        statement="What the bound of the discrete solutions depends on.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "C₁ = exp(2M_F T)(‖xⁱⁿⁱᵗ‖ + 1) - 1 depends on ‖xⁱⁿⁱᵗ‖ as well",
-            Effect.PROOF,
-            "C₂ and C₃; the solution of one start exists all the same",
-        ),
-        chosen="the outside of the unit disc and a linear force",
-    ),
-    Claim(
-        "c1.speeds",
-        "(1.53), (1.54), before (1.67)",
-        "2M_F(1 + C₁) =: C₂, ‖x⁽ⁿ⁾‖_∞ ≤ C₁, ‖ẋ⁽ⁿ⁾‖_∞ ≤ C₂, C₃ := C₂ + M_F(1 + C₁)",
-        _speeds,
-        statement="Bounds of the interpolated solutions, their speeds and the constraint forces.",
-        chosen="C₁ with the start in it; the outside of the unit disc and a linear force",
-    ),
-    Claim(
-        "c1.unique-projections",
-        "(1.55)",
-        "dist(x_k + hF(x_k), S) ≤ … < η … the projections in (1.39) are unique for sufficiently large n.",
-        _unique,
-        statement="With short steps the catch-up scheme has one place to go to.",
-        chosen="two discs of radius R, for which η = √2 R",
-    ),
-)

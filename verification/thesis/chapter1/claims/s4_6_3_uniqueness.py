@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_most
 from verification.thesis.chapter1.sets import Floats, catch_up, falling
 
@@ -18,7 +18,16 @@ def beside_the_top() -> tuple[Floats, Floats, Floats]:
     return path, np.diff(path, axis=0) / h - falling(path[:-1]), np.array(h)
 
 
-def _uniqueness_sign(_: Tables) -> Evidence:
+@claim(
+    "c1.uniqueness-sign",
+    "The growth of the distance of two solutions, with v, w ∈ -N.",
+    source="proof of Lemma 1.32",
+    quote="½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) + … ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖² + …",
+    recorded=Kind.CORRECTED,
+    correction=Correction("(v - w)·(x - y)", Effect.PROOF, "(1.77), which stands but for its exponential"),
+    chosen="two points that slide over a fixed disc",
+)
+def _uniqueness_sign() -> Evidence:
     """Rates over the squared distance, so that all times count alike."""
     path, pulls, h = beside_the_top()
     gap, pull = path[:, 0] - path[:, 1], pulls[:, 0] - pulls[:, 1]
@@ -38,7 +47,20 @@ def _uniqueness_sign(_: Tables) -> Evidence:
     )
 
 
-def _gronwall(_: Tables) -> Evidence:
+@claim(
+    "c1.gronwall",
+    "The bound of the distance of two solutions.",
+    source="(1.77)",
+    quote="‖x(t) - y(t)‖ ≤ ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ ∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ exp(∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds)",
+        Effect.PROOF,
+        "the constant a of Lemma 1.32",
+    ),
+    chosen="two points that slide over a fixed disc",
+)
+def _gronwall() -> Evidence:
     """L_F = 0 and eta = 1; the integral by the rule that goes with the steps."""
     path, pulls, h = beside_the_top()
     gaps = np.linalg.norm(path[:, 0] - path[:, 1], axis=1)
@@ -52,31 +74,3 @@ def _gronwall(_: Tables) -> Evidence:
         printed=(at_most("distance over the printed bound", printed, 1.0),),
         corrected=(at_most("distance over the bound with exp", right, 1.0, 0.01),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.uniqueness-sign",
-        "proof of Lemma 1.32",
-        "½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) + … ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖² + …",
-        _uniqueness_sign,
-        statement="The growth of the distance of two solutions, with v, w ∈ -N.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("(v - w)·(x - y)", Effect.PROOF, "(1.77), which stands but for its exponential"),
-        chosen="two points that slide over a fixed disc",
-    ),
-    Claim(
-        "c1.gronwall",
-        "(1.77)",
-        "‖x(t) - y(t)‖ ≤ ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ ∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds",
-        _gronwall,
-        statement="The bound of the distance of two solutions.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ exp(∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds)",
-            Effect.PROOF,
-            "the constant a of Lemma 1.32",
-        ),
-        chosen="two points that slide over a fixed disc",
-    ),
-)

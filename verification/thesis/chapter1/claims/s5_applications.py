@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_most
 from verification.thesis.chapter1.cells import TOL, State, divided, in_mitosis, nearest, overlap, problem
 
@@ -29,7 +29,23 @@ def refined(start: State) -> tuple[float, float]:
     return max(overlapping for _, overlapping in paths), second / first
 
 
-def _applications(_: Tables) -> Evidence:
+@claim(
+    "c1.applications",
+    "The existence and uniqueness of solutions is shown for the tissues of later chapters, too.",
+    source="section 5, and introduction, Part I",
+    quote="the presented theorems also cover our applications in Chapters 3 and 4.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "they cover the motion from one cell event to the next, if it starts in S; after a division, and when "
+        "mitosis begins, the state is not in S, and has to be projected or set anew, e.g. with daughters "
+        "2R^hard apart",
+        Effect.CONCLUSION,
+        "“which fulfil the assumptions needed for well-posedness” in the introduction; section 3.2 of chapter 3, "
+        "which takes Theorem 1.31 for its model",
+    ),
+    chosen="nuclei in a row that touch, pulled to the middle, without noise",
+)
+def _applications() -> Evidence:
     events = (divided(), in_mitosis())
     found = [overlap(event) for event in events]
     starts = [nearest(event) for event in events]
@@ -50,24 +66,3 @@ def _applications(_: Tables) -> Evidence:
             at_most("change of the end over that before", moves, 0.6),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c1.applications",
-        "section 5, and introduction, Part I",
-        "the presented theorems also cover our applications in Chapters 3 and 4.",
-        _applications,
-        statement="The existence and uniqueness of solutions is shown for the tissues of later chapters, too.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "they cover the motion from one cell event to the next, if it starts in S; after a division, and when "
-            "mitosis begins, the state is not in S, and has to be projected or set anew, e.g. with daughters "
-            "2R^hard apart",
-            Effect.CONCLUSION,
-            "“which fulfil the assumptions needed for well-posedness” in the introduction; section 3.2 of chapter 3, "
-            "which takes Theorem 1.31 for its model",
-        ),
-        chosen="nuclei in a row that touch, pulled to the middle, without noise",
-    ),
-)

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_most, equal
 from verification.thesis.chapter2.claims.s1_1_reference_methods import END, HALVED, error
 
@@ -54,7 +54,21 @@ def steepest(push: Callable[[float], float]) -> float:
     return max(abs(push(x + h) - push(x)) / h for x in h * np.arange(-2000.5, 2000.0))
 
 
-def _printed_penalty(_: Tables) -> Evidence:
+@claim(
+    "c2.printed-penalty",
+    "With a force ∇g at overlap the inclusion is smoothed to an ordinary differential equation.",
+    source="section 1.1.3",
+    quote="smoothening approach … F_ℓ(x) := ∇g_ℓ(x) if g_ℓ(x) < 0 … one might apply any numerical scheme for ODEs",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "with F_ℓ = −g_ℓ ∇g_ℓ where g_ℓ < 0 it is an ODE whose right-hand side is Lipschitz continuous while no "
+        "centres coincide; as printed (2.2) is a differential inclusion again",
+        Effect.MODEL,
+        "“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g",
+    ),
+    chosen="one constraint, g(x) = x",
+)
+def _printed_penalty() -> Evidence:
     """The jump of the force where contact begins, and whether an implicit step has a solution."""
     h = 1e-9
     jumps = [push(-h) - push(0.0) for push in (printed_push, spring)]
@@ -74,7 +88,14 @@ def _printed_penalty(_: Tables) -> Evidence:
     )
 
 
-def _limit(_: Tables) -> Evidence:
+@claim(
+    "c2.penalty-limit",
+    "The stronger the repulsion, the nearer is the penalty method to the inclusion.",
+    source="(2.2)",
+    quote="For ε → ∞ the dynamics converge to the non-smooth behaviour.",
+    chosen="the force grows with the overlap",
+)
+def _limit() -> Evidence:
     weak, strong = (error(repulsive(FINE, strength)) for strength in STRENGTHS)
     return Evidence(
         f"Two discs in contact, t = {END:g}: springs of strength {STRENGTHS[0]:g} and {STRENGTHS[1]:g} miss the exact "
@@ -102,7 +123,14 @@ def longest_step(strength: float) -> float:
     return low
 
 
-def _stiffness(_: Tables) -> Evidence:
+@claim(
+    "c2.stiffness",
+    "The longest stable step of an explicit method falls as the penalty parameter grows.",
+    source="section 1.1.3",
+    quote="the stiffness typically also increases dramatically for large penalty parameters which forces small …",
+    chosen="the force grows with the overlap",
+)
+def _stiffness() -> Evidence:
     limits = [longest_step(strength) for strength in STIFF]
     return Evidence(
         f"A point held by two walls with springs: explicit Euler stays bounded up to dt = {limits[0]:.3f} at strength "
@@ -112,38 +140,3 @@ def _stiffness(_: Tables) -> Evidence:
             for strength, limit in zip(STIFF, limits, strict=True)
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.printed-penalty",
-        "section 1.1.3",
-        "smoothening approach … F_ℓ(x) := ∇g_ℓ(x) if g_ℓ(x) < 0 … one might apply any numerical scheme for ODEs",
-        _printed_penalty,
-        statement="With a force ∇g at overlap the inclusion is smoothed to an ordinary differential equation.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "with F_ℓ = −g_ℓ ∇g_ℓ where g_ℓ < 0 it is an ODE whose right-hand side is Lipschitz continuous while no "
-            "centres coincide; as printed (2.2) is a differential inclusion again",
-            Effect.MODEL,
-            "“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g",
-        ),
-        chosen="one constraint, g(x) = x",
-    ),
-    Claim(
-        "c2.penalty-limit",
-        "(2.2)",
-        "For ε → ∞ the dynamics converge to the non-smooth behaviour.",
-        _limit,
-        statement="The stronger the repulsion, the nearer is the penalty method to the inclusion.",
-        chosen="the force grows with the overlap",
-    ),
-    Claim(
-        "c2.stiffness",
-        "section 1.1.3",
-        "the stiffness typically also increases dramatically for large penalty parameters which forces small …",
-        _stiffness,
-        statement="The longest stable step of an explicit method falls as the penalty parameter grows.",
-        chosen="the force grows with the overlap",
-    ),
-)

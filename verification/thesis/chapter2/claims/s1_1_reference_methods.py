@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter2.discs import RADIUS, Floats
 
@@ -57,7 +57,17 @@ def event_driven() -> dincl.Scheme:
     return dincl.EventDriven(tol=EVENT_TOL)
 
 
-def _event_driven(_: Tables) -> Evidence:
+@claim(
+    "c2.event-driven",
+    "Following every contact gives nearly exact solutions, at a cost that grows with the contacts.",
+    source="section 1",
+    quote=(
+        "The most rigorous methods are typically event-driven methods, however, these methods are … less performant "
+        "for large systems."
+    ),
+    chosen="two discs with a known solution; small piles of discs",
+)
+def _event_driven() -> Evidence:
     """Its error beside that of time steps, and its events in crowds of two sizes."""
     own, steps = error(event_driven()), error(catch_up(STEPS[1]))
     few, many = (len(dincl.solve(dincl.scenes.pile(n), event_driven(), t=CROWDED).events) for n in CROWDS)
@@ -84,7 +94,14 @@ def damped_error(dt: float) -> float:
     return float(np.linalg.norm(final - SCENE.exact(END), axis=-1).max())
 
 
-def _damping(_: Tables) -> Evidence:
+@claim(
+    "c2.damping",
+    "A damping other than 1 changes the time scale of a solution, and nothing else.",
+    source="(2.1)",
+    quote="the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
+    chosen="a force that does not depend on time",
+)
+def _damping() -> Evidence:
     coarse, fine = (damped_error(dt) for dt in STEPS)
     return Evidence(
         f"Two discs in contact with μ = {DAMPING:g}, at t = {DAMPING * END:g}: the distance from the exact solution "
@@ -96,7 +113,13 @@ def _damping(_: Tables) -> Evidence:
     )
 
 
-def _catch_up(_: Tables) -> Evidence:
+@claim(
+    "c2.catch-up",
+    "Moreau's catch-up scheme converges to the solution of the differential inclusion.",
+    source="section 1.1.1",
+    quote="x_{k+1} = P_S(x_k + Δt F(x_k)) … a proof of the convergence for this numerical method",
+)
+def _catch_up() -> Evidence:
     coarse, fine = (error(catch_up(dt)) for dt in STEPS)
     return Evidence(
         f"Two discs in contact, t = {END:g}: the error is {coarse:.2e} at dt = {STEPS[0]:g} and {fine:.2e} at half of "
@@ -105,7 +128,13 @@ def _catch_up(_: Tables) -> Evidence:
     )
 
 
-def _inner(_: Tables) -> Evidence:
+@claim(
+    "c2.inner",
+    "Where the linearised constraints hold, the discs do not overlap: the polytope lies inside of S.",
+    source="section 1.1.2",
+    quote="S̃(x) := {y | g_ℓ(x) + ∇g_ℓ(x)·(y − x) ≥ 0}, the inner convex approximation",
+)
+def _inner() -> Evidence:
     """Random points x of S and y of the linearised set at x: is y in S?"""
     rng = np.random.default_rng(SEED)
     x, move = rng.normal(size=(2, SAMPLES, 2, 2))
@@ -119,7 +148,13 @@ def _inner(_: Tables) -> Evidence:
     )
 
 
-def _linearised(_: Tables) -> Evidence:
+@claim(
+    "c2.linearised",
+    "The catch-up scheme converges as well if it projects onto the polytope at the last state.",
+    source="section 1.1.2",
+    quote="one can replace S with S̃(x) in the catch-up scheme without loss of convergence",
+)
+def _linearised() -> Evidence:
     coarse, fine = (error(linearised(dt)) for dt in STEPS)
     moreau = error(catch_up(STEPS[1]))
     return Evidence(
@@ -130,45 +165,3 @@ def _linearised(_: Tables) -> Evidence:
             at_most("error over that of the catch-up scheme", fine / moreau, 1.0, HALVED),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.event-driven",
-        "section 1",
-        "The most rigorous methods are typically event-driven methods, however, these methods are … less performant "
-        "for large systems.",
-        _event_driven,
-        statement="Following every contact gives nearly exact solutions, at a cost that grows with the contacts.",
-        chosen="two discs with a known solution; small piles of discs",
-    ),
-    Claim(
-        "c2.damping",
-        "(2.1)",
-        "the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
-        _damping,
-        statement="A damping other than 1 changes the time scale of a solution, and nothing else.",
-        chosen="a force that does not depend on time",
-    ),
-    Claim(
-        "c2.catch-up",
-        "section 1.1.1",
-        "x_{k+1} = P_S(x_k + Δt F(x_k)) … a proof of the convergence for this numerical method",
-        _catch_up,
-        statement="Moreau's catch-up scheme converges to the solution of the differential inclusion.",
-    ),
-    Claim(
-        "c2.inner",
-        "section 1.1.2",
-        "S̃(x) := {y | g_ℓ(x) + ∇g_ℓ(x)·(y − x) ≥ 0}, the inner convex approximation",
-        _inner,
-        statement="Where the linearised constraints hold, the discs do not overlap: the polytope lies inside of S.",
-    ),
-    Claim(
-        "c2.linearised",
-        "section 1.1.2",
-        "one can replace S with S̃(x) in the catch-up scheme without loss of convergence",
-        _linearised,
-        statement="The catch-up scheme converges as well if it projects onto the polytope at the last state.",
-    ),
-)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter2.discs import Floats
 
@@ -17,6 +17,27 @@ STEP = 1e-4
 DIFFERENCES = 1e-8
 # A ball that meets an elastic wall at t = 1 with speed 1.
 IMPACT_STEPS = (0.1, 0.01, 0.001)
+
+
+def bounced(dt: float) -> float:
+    """Where Method 2.2 has a ball at t = 2 that meets a wall at t = 1."""
+    problem = dincl.Problem([[1.0]], lambda _t, x: 0 * x, [dincl.HalfSpace(normal=(1,))])
+    return float(dincl.solve(problem, dincl.SecondOrderPBD(dt=dt, v0=[[-1.0]]), t=2.0).final[0, 0])
+
+
+@claim(
+    "c2.elastic",
+    "However small the step, the second-order method misses elastic collisions.",
+    source="introduction",
+    quote="it does not converge to exact solutions of the underlying second-order contact problems",
+)
+def _elastic() -> Evidence:
+    places = [bounced(dt) for dt in IMPACT_STEPS]
+    return Evidence(
+        "A ball at 1 with velocity −1 and an elastic wall at 0: it should be back at 1 at t = 2. Method 2.2 leaves it "
+        f"at {', '.join(f'{place:.3f}' for place in places)} for dt = {', '.join(f'{dt:g}' for dt in IMPACT_STEPS)}.",
+        (at_least("error, smallest over the steps", min(abs(1.0 - place) for place in places), 0.5),),
+    )
 
 
 def predicted(x: Floats, v: Floats, force: Floats, dt: float) -> tuple[Floats, Floats]:
@@ -34,7 +55,19 @@ def fallen(mass: float, *, divided: bool) -> float:
     return float(x[0])
 
 
-def _mass(_: Tables) -> Evidence:
+@claim(
+    "c2.mass",
+    "The velocity of a body of mass m is updated by Δt F.",
+    source="(2.3)",
+    quote="m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
+        Effect.MODEL,
+        "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
+    ),
+)
+def _mass() -> Evidence:
     exact = PULL * TIME**2 / (2 * MASS)
     printed, right = fallen(MASS, divided=False), fallen(MASS, divided=True)
     return Evidence(
@@ -50,7 +83,14 @@ def curl_free(x: Floats) -> Floats:
     return np.array([np.sin(x[0]) - 2 * x[0] * x[1], -(x[0] ** 2) - 4 * x[1] ** 3])
 
 
-def _symplectic(_: Tables) -> Evidence:
+@claim(
+    "c2.symplectic",
+    "The prediction of velocities and then positions is a symplectic map.",
+    source="section 2.2",
+    quote="The first part (2.3) and (2.4) is the symplectic Euler method",
+    chosen="forces that depend on the positions only and have a potential",
+)
+def _symplectic() -> Evidence:
     """DᵀJD = J for the derivative D of one step in (x, v), by central differences."""
     h, dt, state = 1e-5, 0.1, np.array([0.3, -0.4, 0.7, 0.2])
 
@@ -64,50 +104,3 @@ def _symplectic(_: Tables) -> Evidence:
         f"One step of size {dt:g} in a potential of two variables keeps the symplectic form to {off:.0e}.",
         (at_most("change of the symplectic form", off, DIFFERENCES),),
     )
-
-
-def bounced(dt: float) -> float:
-    """Where Method 2.2 has a ball at t = 2 that meets a wall at t = 1."""
-    problem = dincl.Problem([[1.0]], lambda _t, x: 0 * x, [dincl.HalfSpace(normal=(1,))])
-    return float(dincl.solve(problem, dincl.SecondOrderPBD(dt=dt, v0=[[-1.0]]), t=2.0).final[0, 0])
-
-
-def _elastic(_: Tables) -> Evidence:
-    places = [bounced(dt) for dt in IMPACT_STEPS]
-    return Evidence(
-        "A ball at 1 with velocity −1 and an elastic wall at 0: it should be back at 1 at t = 2. Method 2.2 leaves it "
-        f"at {', '.join(f'{place:.3f}' for place in places)} for dt = {', '.join(f'{dt:g}' for dt in IMPACT_STEPS)}.",
-        (at_least("error, smallest over the steps", min(abs(1.0 - place) for place in places), 0.5),),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c2.elastic",
-        "introduction",
-        "it does not converge to exact solutions of the underlying second-order contact problems",
-        _elastic,
-        statement="However small the step, the second-order method misses elastic collisions.",
-    ),
-    Claim(
-        "c2.mass",
-        "(2.3)",
-        "m ẍ = F(x) … ṽ_{k+1} := v_k + Δt F(x_k, v_k)",
-        _mass,
-        statement="The velocity of a body of mass m is updated by Δt F.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
-            Effect.MODEL,
-            "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
-        ),
-    ),
-    Claim(
-        "c2.symplectic",
-        "section 2.2",
-        "The first part (2.3) and (2.4) is the symplectic Euler method",
-        _symplectic,
-        statement="The prediction of velocities and then positions is a symplectic map.",
-        chosen="forces that depend on the positions only and have a potential",
-    ),
-)

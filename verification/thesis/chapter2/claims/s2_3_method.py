@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Cost, Tables
+from verification.claims import Cost, Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted, row
 from verification.thesis.chapter2.methods import PBD
@@ -25,12 +25,35 @@ EDGE = 0.5
 ROUNDS = 400
 
 
+@claim(
+    "c2.infeasible",
+    "One sweep of projections need not reach the intersection of the sets.",
+    source="section 2.3",
+    quote="it can happen that even the corrected state is not feasible, i.e. x_{k+1} ∉ S",
+)
+def _infeasible() -> Evidence:
+    problem = dincl.Problem(row(3), lambda _t, _x: INWARDS, [dincl.NonOverlap(RADIUS)])
+    left = dincl.solve(problem, dincl.PBD(dt=DT, sweeps=SWEEPS), t=DT).violation()[-1]
+    predicted = problem.violation(0.0, row(3) + DT * INWARDS)
+    return Evidence(
+        f"Three discs in a row, the outer ones pressed inwards: they overlap by {predicted:.3f} after the prediction "
+        f"and still by {left:.3f} after the projections.",
+        (at_least("overlap after the prediction", predicted, 0.01), at_least("overlap after the step", left, 0.01)),
+    )
+
+
 def moved(x: Floats, force: Floats, dt: float) -> Floats:
     """The prediction (2.8)."""
     return x + dt * force
 
 
-def _prediction(_: Tables) -> Evidence:
+@claim(
+    "c2.prediction",
+    "The prediction adds at most the length of its step to the distance from the feasible set.",
+    source="section 2.3",
+    quote="dist(x̃_{k+1}, S) ≤ dist(x_k, S) + Δt ‖F(x_k)‖",
+)
+def _prediction() -> Evidence:
     """dist(x, S) for two discs is overlap / sqrt(2)."""
     rng = np.random.default_rng(SEED)
     slack = math.inf
@@ -50,24 +73,20 @@ def _prediction(_: Tables) -> Evidence:
     )
 
 
-def _infeasible(_: Tables) -> Evidence:
-    problem = dincl.Problem(row(3), lambda _t, _x: INWARDS, [dincl.NonOverlap(RADIUS)])
-    left = dincl.solve(problem, dincl.PBD(dt=DT, sweeps=SWEEPS), t=DT).violation()[-1]
-    predicted = problem.violation(0.0, row(3) + DT * INWARDS)
-    return Evidence(
-        f"Three discs in a row, the outer ones pressed inwards: they overlap by {predicted:.3f} after the prediction "
-        f"and still by {left:.3f} after the projections.",
-        (at_least("overlap after the prediction", predicted, 0.01), at_least("overlap after the step", left, 0.01)),
-    )
-
-
 def largest_overlap(dt: float) -> float:
     """Of the four discs of Figure 4, over all steps to t = 2."""
     times = np.arange(1, round(2.0 / dt) + 1) * dt
     return float(dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=dt), t=times).violation().max())
 
 
-def _smaller(_: Tables) -> Evidence:
+@claim(
+    "c2.smaller",
+    "The largest overlap of a run of PBD goes to zero with the step.",
+    source="Figure 2",
+    quote="by choosing sufficiently small time steps the infeasibility will also decrease",
+    chosen="the four discs of Figure 4, the start is not given",
+)
+def _smaller() -> Evidence:
     coarse, fine = (largest_overlap(dt) for dt in STEPS)
     order = math.log2(coarse / fine)
     return Evidence(
@@ -77,6 +96,15 @@ def _smaller(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c2.large-steps",
+    "At steps at which the penalty method throws the discs apart, PBD does not.",
+    source="Figure 2",
+    quote="Crucially, the use of large time steps does not make the simulations unstable.",
+    needs=("large_steps",),
+    chosen="steps at which explicit Euler without constraints is stable; the starts",
+    cost=Cost.MINUTES,
+)
 def _large(tables: Tables) -> Evidence:
     """Runs that threw a disc out; those that stopped, for centres came to coincide, are told."""
     rows = tables["large_steps"]
@@ -107,7 +135,14 @@ def disc(x: Floats) -> Floats:
     return x / max(1.0, float(np.linalg.norm(x)))
 
 
-def _alternating(_: Tables) -> Evidence:
+@claim(
+    "c2.alternating",
+    "Alternating projections converge to a common point, in examples also for sets that are not convex.",
+    source="Remark 2.4",
+    quote="alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
+    chosen="a disc and a half plane; two contacts of three discs",
+)
+def _alternating() -> Evidence:
     """A convex pair of sets, and the two contacts of three discs in a row, whose sets are not convex."""
     x, three = np.array([2.0, -1.5]), np.array([[0.0, 0.0], [0.7, 0.1], [1.4, -0.1]])
     for _round in range(ROUNDS):
@@ -129,7 +164,13 @@ def projector(span: Floats) -> Floats:
     return np.asarray(basis @ basis.T)
 
 
-def _subspaces(_: Tables) -> Evidence:
+@claim(
+    "c2.subspaces",
+    "For subspaces the iteration converges, and then to the projection onto the intersection.",
+    source="Remark 2.4",
+    quote="If A, B are closed subspaces … Von Neumann's alternating projections",
+)
+def _subspaces() -> Evidence:
     """Two subspaces of R^6 of dimension 3 with a common line."""
     common, first, second = np.split(np.random.default_rng(SEED).normal(size=(6, 5)), (1, 3), axis=1)
     a, b = (projector(np.hstack((common, own))) for own in (first, second))
@@ -140,54 +181,3 @@ def _subspaces(_: Tables) -> Evidence:
         (at_most("difference from the projection onto A ∩ B", far, 1e-8),),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.infeasible",
-        "section 2.3",
-        "it can happen that even the corrected state is not feasible, i.e. x_{k+1} ∉ S",
-        _infeasible,
-        statement="One sweep of projections need not reach the intersection of the sets.",
-    ),
-    Claim(
-        "c2.prediction",
-        "section 2.3",
-        "dist(x̃_{k+1}, S) ≤ dist(x_k, S) + Δt ‖F(x_k)‖",
-        _prediction,
-        statement="The prediction adds at most the length of its step to the distance from the feasible set.",
-    ),
-    Claim(
-        "c2.smaller",
-        "Figure 2",
-        "by choosing sufficiently small time steps the infeasibility will also decrease",
-        _smaller,
-        statement="The largest overlap of a run of PBD goes to zero with the step.",
-        chosen="the four discs of Figure 4, the start is not given",
-    ),
-    Claim(
-        "c2.large-steps",
-        "Figure 2",
-        "Crucially, the use of large time steps does not make the simulations unstable.",
-        _large,
-        ("large_steps",),
-        statement="At steps at which the penalty method throws the discs apart, PBD does not.",
-        chosen="steps at which explicit Euler without constraints is stable; the starts",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c2.alternating",
-        "Remark 2.4",
-        "alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
-        _alternating,
-        statement="Alternating projections converge to a common point, in examples also for sets that are not convex.",
-        chosen="a disc and a half plane; two contacts of three discs",
-    ),
-    Claim(
-        "c2.subspaces",
-        "Remark 2.4",
-        "If A, B are closed subspaces … Von Neumann's alternating projections",
-        _subspaces,
-        statement="For subspaces the iteration converges, and then to the projection onto the intersection.",
-    ),
-)

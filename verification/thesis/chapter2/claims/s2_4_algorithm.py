@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted
 
@@ -21,7 +21,13 @@ DT, END = 1 / 64, 1.0
 COUNTS, ORDER_BAND = (400, 1600), 0.1
 
 
-def _example(_: Tables) -> Evidence:
+@claim(
+    "c2.example",
+    "Two discs that are moved apart, each by half of their overlap, are at the nearest feasible point.",
+    source="Example 2.5",
+    quote="Each disk is shifted by half of the overlap, which is exactly the projection.",
+)
+def _example() -> Evidence:
     """The formula against random feasible points, and against one step of PBD from far apart."""
     rng = np.random.default_rng(SEED)
     found = parted(OVERLAPPING)
@@ -44,7 +50,14 @@ def slope(x: Floats) -> Floats:
     return np.array([(there - back) / (2 * h) for there, back in gap]).reshape(2, 2)
 
 
-def _gauss_newton(_: Tables) -> Evidence:
+@claim(
+    "c2.gauss-newton",
+    "For discs one Gauss-Newton step is the projection itself.",
+    source="section 2.2, footnote 2",
+    quote="instead, one uses a single step of a local Gauss-Newton iteration to compute the projections P_{S_j}",
+    chosen="the constraint functions of Model 1.2",
+)
+def _gauss_newton() -> Evidence:
     """x - g ∇g/|∇g|² for random overlapping pairs."""
     rng = np.random.default_rng(SEED)
     off = 0.0
@@ -86,7 +99,19 @@ def dimension(_delta: float) -> float:
     return 8.0
 
 
-def _algorithm(_: Tables) -> Evidence:
+@claim(
+    "c2.algorithm",
+    "The algorithm is the first-order PBD method for discs.",
+    source="Algorithm 1",
+    quote="δ_ij ← ‖X_i − X_j‖ − 2R; if δ_ij < 0: X_i ← X_i − d/2 X_ij, X_j ← X_j + d/2 X_ij",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "X_i ← X_i + δ_ij/2 X_ij, X_j ← X_j − δ_ij/2 X_ij (δ_ij is negative here, and d is not defined)",
+        Effect.MODEL,
+        "every simulation that takes the algorithm as printed: discs that overlap are drawn together",
+    ),
+)
+def _algorithm() -> Evidence:
     method = dincl.solve(dincl.scenes.four_disks(), dincl.PBD(dt=DT), t=END).final
     as_delta, as_dimension, right = (
         float(np.abs(algorithm(d) - method).max()) for d in (delta_itself, dimension, lambda delta: -delta)
@@ -126,7 +151,17 @@ def crowd(count: int) -> Floats:
     return np.asarray(2 * RADIUS * (0.98 * lattice + moves))
 
 
-def _linear(_: Tables) -> Evidence:
+@claim(
+    "c2.linear-runtime",
+    "With linked cells the number of pairs that are looked at grows as the number of discs.",
+    source="Remark 2.6",
+    quote=(
+        "efficient collision detection allows an implementation of Algorithm 1 with linear runtime O(N) instead of "
+        "O(N²)"
+    ),
+    chosen="a square of discs that slightly overlap",
+)
+def _linear() -> Evidence:
     found = [looked_at(crowd(count)) for count in COUNTS]
     order = math.log(found[1][0] / found[0][0]) / math.log(COUNTS[1] / COUNTS[0])
     x = crowd(COUNTS[0])
@@ -143,44 +178,3 @@ def _linear(_: Tables) -> Evidence:
         ),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.example",
-        "Example 2.5",
-        "Each disk is shifted by half of the overlap, which is exactly the projection.",
-        _example,
-        statement="Two discs that are moved apart, each by half of their overlap, are at the nearest feasible point.",
-    ),
-    Claim(
-        "c2.gauss-newton",
-        "section 2.2, footnote 2",
-        "instead, one uses a single step of a local Gauss-Newton iteration to compute the projections P_{S_j}",
-        _gauss_newton,
-        statement="For discs one Gauss-Newton step is the projection itself.",
-        chosen="the constraint functions of Model 1.2",
-    ),
-    Claim(
-        "c2.algorithm",
-        "Algorithm 1",
-        "δ_ij ← ‖X_i − X_j‖ − 2R; if δ_ij < 0: X_i ← X_i − d/2 X_ij, X_j ← X_j + d/2 X_ij",
-        _algorithm,
-        statement="The algorithm is the first-order PBD method for discs.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "X_i ← X_i + δ_ij/2 X_ij, X_j ← X_j − δ_ij/2 X_ij (δ_ij is negative here, and d is not defined)",
-            Effect.MODEL,
-            "every simulation that takes the algorithm as printed: discs that overlap are drawn together",
-        ),
-    ),
-    Claim(
-        "c2.linear-runtime",
-        "Remark 2.6",
-        "efficient collision detection allows an implementation of Algorithm 1 with linear runtime O(N) instead of "
-        "O(N²)",
-        _linear,
-        statement="With linked cells the number of pairs that are looked at grows as the number of discs.",
-        chosen="a square of discs that slightly overlap",
-    ),
-)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, points_of_step, row
 
@@ -52,7 +52,25 @@ def beside_normals() -> list[float]:
     return [max(cone.distance(-shares(turning(dt, rng), force, dt)) for force in forces) for dt in FINER]
 
 
-def _limits(_: Tables) -> Evidence:
+@claim(
+    "c2.limits",
+    "Limits of a method that is consistent are solutions.",
+    source="sections 3 and 5",
+    quote=(
+        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method would be a "
+        "solution."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x, with "
+        "Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt",
+        Effect.PROOF,
+        "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in section 5; "
+        "that overlaps stay small is left open in the conclusions of the thesis",
+    ),
+    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; “≤” in Definition 2.7; a row of discs",
+)
+def _limits() -> Evidence:
     """S = R for the counterexample: -N = {0}; and PBD for a row of discs."""
     local = max(abs((flow(x, DT / 10) - x) / (DT / 10) - 1) for x in (0.0, 0.5, 0.99, 1.0, 1.5))
     ends = [stopped(dt) for dt in STEPS]
@@ -77,7 +95,13 @@ def _limits(_: Tables) -> Evidence:
     )
 
 
-def _not_sufficient(_: Tables) -> Evidence:
+@claim(
+    "c2.not-sufficient",
+    "A method can be consistent at every point and yet not converge.",
+    source="(2.10)",
+    quote="We note, that this property alone does not imply convergence of the numerical method.",
+)
+def _not_sufficient() -> Evidence:
     """(2.10) at fixed points, and where the flow is at t = 2."""
     local = max(abs((flow(x, DT / 10) - x) / (DT / 10) - 1) for x in (0.0, 0.5, 0.99, 1.0, 1.5))
     x = stopped(DT)
@@ -89,7 +113,19 @@ def _not_sufficient(_: Tables) -> Evidence:
     )
 
 
-def _definition(_: Tables) -> Evidence:
+@claim(
+    "c2.definition",
+    "Consistent is a method whose support functions tend to those of the normal cone.",
+    source="Definition 2.7",
+    quote="lim sup σ((Φ(x) − x)/Δt − F(x), w) → σ(−N(S, x) ∩ B_R(0), w)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "lim sup σ(…, w) ≤ σ(−N(S, x) ∩ B_R(0), w), as in Definition 1.27",
+        Effect.MODEL,
+        "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
+    ),
+)
+def _definition() -> Evidence:
     """S = [0, inf), x = 0, F = +1, w = 1: the flow leaves the wall, but -N = [0, inf) has sigma = R."""
     problem = dincl.Problem([[0.0]], lambda _t, _x: np.array([[1.0]]), [dincl.HalfSpace(normal=(1,))])
     left = W * (float(dincl.solve(problem, dincl.PBD(dt=DT), t=DT).final[0, 0]) / DT - 1.0)
@@ -107,7 +143,14 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
     return (points_of_step(x, force, dt)[-1] - x) / dt - force
 
 
-def _lemma(_: Tables) -> Evidence:
+@claim(
+    "c2.lemma",
+    "A step of PBD without its drift tends to the normals of S, and stays bounded.",
+    source="Lemma 2.8",
+    quote="For F bounded, i.e., ‖F‖_∞ < ∞, the PBD method is consistent in the sense of Definition 2.7.",
+    chosen="“≤” in Definition 2.7; a row of discs, where a step crosses several contacts",
+)
+def _lemma() -> Evidence:
     """How far it is from -N(S, x), for a row of discs and random forces, as the step goes to 0."""
     x = row(DISCS)
     problem = dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
@@ -127,52 +170,3 @@ def _lemma(_: Tables) -> Evidence:
         ),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.limits",
-        "sections 3 and 5",
-        "the PBD method is a numerically consistent method. This … shows that each limit of the PBD method would be a "
-        "solution.",
-        _limits,
-        statement="Limits of a method that is consistent are solutions.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "consistency as in Definition 2.7, at a fixed x, does not show it; the bound is needed along x_n → x, with "
-            "Δt → 0, as in (1.71), which PBD has while its overlaps are of the size of Δt",
-            Effect.PROOF,
-            "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in section 5; "
-            "that overlaps stay small is left open in the conclusions of the thesis",
-        ),
-        chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; “≤” in Definition 2.7; a row of discs",
-    ),
-    Claim(
-        "c2.not-sufficient",
-        "(2.10)",
-        "We note, that this property alone does not imply convergence of the numerical method.",
-        _not_sufficient,
-        statement="A method can be consistent at every point and yet not converge.",
-    ),
-    Claim(
-        "c2.definition",
-        "Definition 2.7",
-        "lim sup σ((Φ(x) − x)/Δt − F(x), w) → σ(−N(S, x) ∩ B_R(0), w)",
-        _definition,
-        statement="Consistent is a method whose support functions tend to those of the normal cone.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "lim sup σ(…, w) ≤ σ(−N(S, x) ∩ B_R(0), w), as in Definition 1.27",
-            Effect.MODEL,
-            "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
-        ),
-    ),
-    Claim(
-        "c2.lemma",
-        "Lemma 2.8",
-        "For F bounded, i.e., ‖F‖_∞ < ∞, the PBD method is consistent in the sense of Definition 2.7.",
-        _lemma,
-        statement="A step of PBD without its drift tends to the normals of S, and stays bounded.",
-        chosen="“≤” in Definition 2.7; a row of discs, where a step crosses several contacts",
-    ),
-)

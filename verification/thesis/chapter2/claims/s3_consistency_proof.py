@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted, points_of_step, row
 
@@ -32,7 +32,19 @@ def not_normal(normal: Floats, p: Floats) -> float:
     return float(np.linalg.norm(parted(p + 0.01 * normal) - p))
 
 
-def _equivalent(_: Tables) -> Evidence:
+@claim(
+    "c2.equivalent",
+    "That p_j is the projection of p_{j−1}, and that their difference is normal at p_j, is the same.",
+    source="proof of Lemma 2.8",
+    quote="(2.11) is equivalent to p_{j−1} − p_j ∈ N(S_j, p_j)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(2.11) implies p_{j−1} − p_j ∈ N(S_j, p_j), as in (1.23); the converse is false",
+        Effect.PROOF,
+        "nothing else: only this direction is used",
+    ),
+)
+def _equivalent() -> Evidence:
     """p - q normal at q: for q the projection of p, and for a q that is not."""
     rng = np.random.default_rng(SEED)
     pairs = [np.array([[0.0, 0.0], [r * math.cos(s), r * math.sin(s)]]) for r, s in rng.uniform(0.9, 1.0, (SAMPLES, 2))]
@@ -57,7 +69,19 @@ def rate(x: Floats, force: Floats, last: Floats) -> Floats:
     return (last - x) / DT - force
 
 
-def _scale(_: Tables) -> Evidence:
+@claim(
+    "c2.scale",
+    "The rate of a step without its drift, by its first and last point.",
+    source="(2.12)",
+    quote="(Φ(x) − x)/Δt − F(x) = p_M − p_0",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
+        Effect.PROOF,
+        "the inclusion after it stands, for cones do not change with a factor",
+    ),
+)
+def _scale() -> Evidence:
     x = row(5)
     force = np.random.default_rng(SEED).uniform(-1.0, 1.0, x.shape)
     points = points_of_step(x, force, DT)
@@ -72,7 +96,13 @@ def _scale(_: Tables) -> Evidence:
     )
 
 
-def _steps(_: Tables) -> Evidence:
+@claim(
+    "c2.steps",
+    "Every projection at most doubles the distance from the start of the step.",
+    source="(2.13)",
+    quote="‖p_j − x‖ ≤ 2^j Δt ‖F(x)‖",
+)
+def _steps() -> Evidence:
     """‖p_j - x‖ over its bound, for short and long steps."""
     rng = np.random.default_rng(SEED)
     x, worst = row(5), 0.0
@@ -101,7 +131,20 @@ def kicked(count: int) -> tuple[Floats, Floats]:
     return x, predicted
 
 
-def _induction(_: Tables) -> Evidence:
+@claim(
+    "c2.induction",
+    "The rate of a step without its drift is bounded by the force, with a constant that has the index j.",
+    source="after (2.13)",
+    quote="‖(Φ(x) − x)/Δt − F(x)‖ ≤ (2^j + 1) ‖F‖_∞",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "≤ (2^M + 1) ‖F‖_∞ and R = (2^M + 1) ‖F‖_∞ + 1: the bound is (2.13) at j = M",
+        Effect.PROOF,
+        "the constant R of the proof, which needs only to exist",
+    ),
+    chosen="j = 1 for the free index",
+)
+def _induction() -> Evidence:
     x, predicted = kicked(KICKS)
     moved = predicted - x
     gap = min(float(np.linalg.norm(x[i] - x[j])) for i in range(len(x)) for j in range(i)) - 2 * RADIUS
@@ -115,7 +158,19 @@ def _induction(_: Tables) -> Evidence:
     )
 
 
-def _last(_: Tables) -> Evidence:
+@claim(
+    "c2.last-line",
+    "In the limit of small steps the cones at the p_j have the support function of the cone at x.",
+    source="proof of Lemma 2.8, last line",
+    quote="lim sup σ(−Σ N(S_j, p_j) ∩ B_R(0), w) = σ(−N(S, x) ∩ B_R(0), w)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
+        Effect.PROOF,
+        "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
+    ),
+)
+def _last() -> Evidence:
     """Both sides for two touching discs, w pointing apart: p_1 has no contact left."""
     x, limit = row(2), 3 * float(np.linalg.norm(APART)) + 1
     problem = dincl.Problem(x, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
@@ -127,67 +182,3 @@ def _last(_: Tables) -> Evidence:
         printed=(equal("lim sup", left, right, 1e-6),),
         corrected=(at_most("lim sup", left, right, 1e-6),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.equivalent",
-        "proof of Lemma 2.8",
-        "(2.11) is equivalent to p_{j−1} − p_j ∈ N(S_j, p_j)",
-        _equivalent,
-        statement="That p_j is the projection of p_{j−1}, and that their difference is normal at p_j, is the same.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(2.11) implies p_{j−1} − p_j ∈ N(S_j, p_j), as in (1.23); the converse is false",
-            Effect.PROOF,
-            "nothing else: only this direction is used",
-        ),
-    ),
-    Claim(
-        "c2.scale",
-        "(2.12)",
-        "(Φ(x) − x)/Δt − F(x) = p_M − p_0",
-        _scale,
-        statement="The rate of a step without its drift, by its first and last point.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
-            Effect.PROOF,
-            "the inclusion after it stands, for cones do not change with a factor",
-        ),
-    ),
-    Claim(
-        "c2.steps",
-        "(2.13)",
-        "‖p_j − x‖ ≤ 2^j Δt ‖F(x)‖",
-        _steps,
-        statement="Every projection at most doubles the distance from the start of the step.",
-    ),
-    Claim(
-        "c2.induction",
-        "after (2.13)",
-        "‖(Φ(x) − x)/Δt − F(x)‖ ≤ (2^j + 1) ‖F‖_∞",
-        _induction,
-        statement="The rate of a step without its drift is bounded by the force, with a constant that has the index j.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "≤ (2^M + 1) ‖F‖_∞ and R = (2^M + 1) ‖F‖_∞ + 1: the bound is (2.13) at j = M",
-            Effect.PROOF,
-            "the constant R of the proof, which needs only to exist",
-        ),
-        chosen="j = 1 for the free index",
-    ),
-    Claim(
-        "c2.last-line",
-        "proof of Lemma 2.8, last line",
-        "lim sup σ(−Σ N(S_j, p_j) ∩ B_R(0), w) = σ(−N(S, x) ∩ B_R(0), w)",
-        _last,
-        statement="In the limit of small steps the cones at the p_j have the support function of the cone at x.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "lim sup … ≤ σ(−N(S, x) ∩ B_R(0), w), which is what Corollary 1.30 gives",
-            Effect.PROOF,
-            "Lemma 2.8 needs only this; “converges” in the caption of Figure 3 is to be read in the same way",
-        ),
-    ),
-)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Correction, Cost, Effect, Tables
+from verification.claims import Correction, Cost, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter2.discs import RADIUS, Floats
 from verification.thesis.chapter2.methods import CATCH_UP, CHECK_TOL, LINEARISED_CLARABEL, REFERENCE_TOL
@@ -24,7 +24,14 @@ def stacked(heights: Floats, t: float) -> Floats:
     return np.maximum(heights - t, RADIUS * (2 * np.arange(len(heights)) + 1))
 
 
-def _stack(_: Tables) -> Evidence:
+@claim(
+    "c2.stack",
+    "The heights of discs that fall onto each other can be written down.",
+    source="section 4.1",
+    quote="one can compute explicitly simple situations such as a stack of disks",
+    chosen="discs above each other that fall with speed 1",
+)
+def _stack() -> Evidence:
     start = np.column_stack((np.zeros(len(HEIGHTS)), HEIGHTS))
     floor = dincl.HalfSpace(normal=(0, 1), radius=RADIUS)
     problem = dincl.Problem(start, lambda _t, x: np.tile([0.0, -1.0], (len(x), 1)), [dincl.NonOverlap(RADIUS), floor])
@@ -50,7 +57,20 @@ def step_error(dt: float) -> float:
     return float(np.abs(ends[0] - ends[1]).max())
 
 
-def _tolerance(_: Tables) -> Evidence:
+@claim(
+    "c2.tolerance",
+    "How the tolerance of the projections compares with the errors of the time steps.",
+    source="section 4.1",
+    quote="We set tol to 10⁻¹¹ which was much larger than the errors introduced by the time-stepping.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "… which was much smaller than the errors introduced by the time-stepping",
+        Effect.NUMBER,
+        "the accuracy of the reference solutions: as printed, the tolerance would spoil them",
+    ),
+    chosen="the start; at most a million steps, for theirs are not given",
+)
+def _tolerance() -> Evidence:
     error = step_error(FOUR_DT)
     best = error / (FOUR_DT * MOST_STEPS)
     ratio = best / REFERENCE_TOL
@@ -62,6 +82,18 @@ def _tolerance(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c2.coincides",
+    "Both convergent methods give the same reference solutions, within their errors.",
+    source="section 4.1",
+    quote=(
+        "The computed solutions from [inner convex approximation] coincided with the solutions computed with "
+        "Moreau's catch-up scheme."
+    ),
+    needs=("references", "convergence"),
+    chosen="the starts; the limits of small steps are compared",
+    cost=Cost.MINUTES,
+)
 def _coincides(tables: Tables) -> Evidence:
     rows, runs = tables["references"], tables["convergence"]
     allowed = rows["catch_up_error"] + rows["linearised_error"] + REFERENCE_TOL
@@ -77,40 +109,3 @@ def _coincides(tables: Tables) -> Evidence:
         f"errors of four discs at t = 1 are {finest.iloc[0]:.1e} and {finest.iloc[1]:.1e}.",
         (at_most("largest distance over the stated errors", float(share.max()), 1.0),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.stack",
-        "section 4.1",
-        "one can compute explicitly simple situations such as a stack of disks",
-        _stack,
-        statement="The heights of discs that fall onto each other can be written down.",
-        chosen="discs above each other that fall with speed 1",
-    ),
-    Claim(
-        "c2.tolerance",
-        "section 4.1",
-        "We set tol to 10⁻¹¹ which was much larger than the errors introduced by the time-stepping.",
-        _tolerance,
-        statement="How the tolerance of the projections compares with the errors of the time steps.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "… which was much smaller than the errors introduced by the time-stepping",
-            Effect.NUMBER,
-            "the accuracy of the reference solutions: as printed, the tolerance would spoil them",
-        ),
-        chosen="the start; at most a million steps, for theirs are not given",
-    ),
-    Claim(
-        "c2.coincides",
-        "section 4.1",
-        "The computed solutions from [inner convex approximation] coincided with the solutions computed with "
-        "Moreau's catch-up scheme.",
-        _coincides,
-        ("references", "convergence"),
-        statement="Both convergent methods give the same reference solutions, within their errors.",
-        chosen="the starts; the limits of small steps are compared",
-        cost=Cost.MINUTES,
-    ),
-)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from verification.claim import Claim, Cost, Tables
+from verification.claims import Cost, Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter2.discs import RADIUS, Floats
 from verification.thesis.chapter2.methods import PBD
@@ -25,42 +25,6 @@ EXACT = (("two_disks", 2.0), ("two_disks", 4.0), ("sliding_disc", 3.0), ("stack"
 EXACT_STEPS = (0.0025, 0.00125)
 
 
-def _order(scene: str, tables: Tables) -> Evidence:
-    rows = tables["orders"]
-    mine = rows[(rows["scene"] == scene) & (rows["method"] == PBD.name)]
-    return Evidence(
-        "Order of PBD, with its 95 % interval: "
-        + "; ".join(f"t = {row.t:g}: {row.order}" for row in mine.itertuples()),
-        tuple(
-            equal(f"order at t = {row.t:g}", (row.low + row.high) / 2, 1.0, ORDER_BAND, (row.low, row.high))
-            for row in mine.itertuples()
-        ),
-    )
-
-
-def _four(tables: Tables) -> Evidence:
-    return _order("four_disks", tables)
-
-
-def _ten(tables: Tables) -> Evidence:
-    return _order("ten_disks_corner", tables)
-
-
-def _pbd_errors(tables: Tables, scene: str) -> pd.DataFrame:
-    rows = tables["convergence"]
-    return rows[(rows["scene"] == scene) & (rows["method"] == PBD.name)].pivot(index="dt", columns="t", values="error")
-
-
-def _decreases(tables: Tables) -> Evidence:
-    errors = _pbd_errors(tables, "four_disks")
-    ratio = errors[2.0] / errors[1.0]
-    return Evidence(
-        f"The error of PBD at t = 2 is {ratio.min():.2f} to {ratio.max():.2f} of that at t = 1, over {len(ratio)} step "
-        "sizes.",
-        (at_most("largest ratio of the errors", float(ratio.max()), 1.0),),
-    )
-
-
 def exact_error(name: str, t: float, dt: float) -> float:
     """Of PBD in a scene whose solution is known."""
     scene = getattr(dincl.scenes, name)()
@@ -68,7 +32,16 @@ def exact_error(name: str, t: float, dt: float) -> float:
     return float(np.linalg.norm(final - scene.exact(t), axis=-1).max())
 
 
-def _exact(_: Tables) -> Evidence:
+@claim(
+    "c2.order-exact",
+    "The error of PBD falls as the step.",
+    source="section 4",
+    quote=(
+        "the PBD method always converges to the reference solution and we estimate that the order of convergence is 1"
+    ),
+    chosen="scenes whose exact solutions are known",
+)
+def _exact() -> Evidence:
     orders = {}
     for name, t in EXACT:
         coarse, fine = (exact_error(name, t, dt) for dt in EXACT_STEPS)
@@ -92,7 +65,14 @@ def settled(start: Floats) -> tuple[float, float]:
     return float((end**2).sum()) / 2, float(np.abs(end - before).max()) / FOUR_DT
 
 
-def _equilibrium(_: Tables) -> Evidence:
+@claim(
+    "c2.equilibrium",
+    "The four discs come to rest in a state of least energy.",
+    source="section 4.2",
+    quote="Here, disks are sliding alongside each other until they are in a global equilibrium.",
+    chosen="the starts; the end t = 12",
+)
+def _equilibrium() -> Evidence:
     """Energy |x|²/2 and speed at the end, against many other starts."""
     energy, speed = settled(dincl.scenes.four_disks().x0)
     corners = np.array([[1, 1], [1, -1], [-1, 1], [-1, -1]])
@@ -110,6 +90,78 @@ def _equilibrium(_: Tables) -> Evidence:
     )
 
 
+def _order(scene: str, tables: Tables) -> Evidence:
+    rows = tables["orders"]
+    mine = rows[(rows["scene"] == scene) & (rows["method"] == PBD.name)]
+    return Evidence(
+        "Order of PBD, with its 95 % interval: "
+        + "; ".join(f"t = {row.t:g}: {row.order}" for row in mine.itertuples()),
+        tuple(
+            equal(f"order at t = {row.t:g}", (row.low + row.high) / 2, 1.0, ORDER_BAND, (row.low, row.high))
+            for row in mine.itertuples()
+        ),
+    )
+
+
+@claim(
+    "c2.order-four",
+    "Four discs that are drawn to one point: the error of PBD falls as the step.",
+    source="Figure 4",
+    quote="The PBD method converges to the reference solution with order 1.",
+    needs=("orders",),
+    chosen="the start",
+    cost=Cost.MINUTES,
+)
+def _four(tables: Tables) -> Evidence:
+    return _order("four_disks", tables)
+
+
+def _pbd_errors(tables: Tables, scene: str) -> pd.DataFrame:
+    rows = tables["convergence"]
+    return rows[(rows["scene"] == scene) & (rows["method"] == PBD.name)].pivot(index="dt", columns="t", values="error")
+
+
+@claim(
+    "c2.decreases",
+    "Four discs: the error of PBD is smaller at t = 2 than at t = 1.",
+    source="section 4.2",
+    quote="The global error decreases at the end of the simulation, e.g. at t = 2, compared to … t = 1.",
+    needs=("convergence",),
+    chosen="the start",
+    cost=Cost.MINUTES,
+)
+def _decreases(tables: Tables) -> Evidence:
+    errors = _pbd_errors(tables, "four_disks")
+    ratio = errors[2.0] / errors[1.0]
+    return Evidence(
+        f"The error of PBD at t = 2 is {ratio.min():.2f} to {ratio.max():.2f} of that at t = 1, over {len(ratio)} step "
+        "sizes.",
+        (at_most("largest ratio of the errors", float(ratio.max()), 1.0),),
+    )
+
+
+@claim(
+    "c2.order-ten",
+    "Ten discs that fall into a corner: the error of PBD falls as the step.",
+    source="Figure 5",
+    quote="Also here, the PBD converges to the reference solution with order 1.",
+    needs=("orders",),
+    chosen="the start and the corner",
+    cost=Cost.MINUTES,
+)
+def _ten(tables: Tables) -> Evidence:
+    return _order("ten_disks_corner", tables)
+
+
+@claim(
+    "c2.at-rest",
+    "Of the ten discs most move at t = 1 and most rest at t = 3.",
+    source="section 4.2",
+    quote="At time t = 1 most disks are falling … at t = 3 most disks will be in a stationary position.",
+    needs=("positions",),
+    chosen="the start and the corner",
+    cost=Cost.MINUTES,
+)
 def _at_rest(tables: Tables) -> Evidence:
     rows = tables["positions"]
     rows = rows[rows["scene"] == "ten_disks_corner"].set_index(["t", "particle"])[["x", "y"]]
@@ -120,63 +172,3 @@ def _at_rest(tables: Tables) -> Evidence:
         f"Discs at rest, of ten: {text}.",
         (at_most("at rest at t = 1", resting[1.0], 4), at_least("at rest at t = 3", resting[3.0], 6)),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.order-exact",
-        "section 4",
-        "the PBD method always converges to the reference solution and we estimate that the order of convergence is 1",
-        _exact,
-        statement="The error of PBD falls as the step.",
-        chosen="scenes whose exact solutions are known",
-    ),
-    Claim(
-        "c2.equilibrium",
-        "section 4.2",
-        "Here, disks are sliding alongside each other until they are in a global equilibrium.",
-        _equilibrium,
-        statement="The four discs come to rest in a state of least energy.",
-        chosen="the starts; the end t = 12",
-    ),
-    Claim(
-        "c2.order-four",
-        "Figure 4",
-        "The PBD method converges to the reference solution with order 1.",
-        _four,
-        ("orders",),
-        statement="Four discs that are drawn to one point: the error of PBD falls as the step.",
-        chosen="the start",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c2.decreases",
-        "section 4.2",
-        "The global error decreases at the end of the simulation, e.g. at t = 2, compared to … t = 1.",
-        _decreases,
-        ("convergence",),
-        statement="Four discs: the error of PBD is smaller at t = 2 than at t = 1.",
-        chosen="the start",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c2.order-ten",
-        "Figure 5",
-        "Also here, the PBD converges to the reference solution with order 1.",
-        _ten,
-        ("orders",),
-        statement="Ten discs that fall into a corner: the error of PBD falls as the step.",
-        chosen="the start and the corner",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c2.at-rest",
-        "section 4.2",
-        "At time t = 1 most disks are falling … at t = 3 most disks will be in a stationary position.",
-        _at_rest,
-        ("positions",),
-        statement="Of the ten discs most move at t = 1 and most rest at t = 3.",
-        chosen="the start and the corner",
-        cost=Cost.MINUTES,
-    ),
-)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from verification.claim import Claim, Cost, Tables
+from verification.claims import Cost, Tables, claim
 from verification.evidence import Evidence, at_least, at_most
 
 # "A small margin" is read as less than half a decade.
@@ -17,6 +17,15 @@ DIFFERENT = 1.5
 TOO_STRONGLY = 10.0
 
 
+@claim(
+    "c2.both-overlap",
+    "Neither of the two methods keeps discs from overlapping.",
+    source="section 4.3",
+    quote="Both the penalty method and the PBD method are prone to produce overlap between objects",
+    needs=("penalty_best",),
+    chosen="the starts and steps",
+    cost=Cost.MINUTES,
+)
 def _both(tables: Tables) -> Evidence:
     rows = tables["penalty_best"].dropna(subset="strength")
     pbd, penalty = rows["pbd_largest"], rows["largest"]
@@ -27,6 +36,18 @@ def _both(tables: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c2.strength",
+    "The penalty method needs a strength that is neither too small nor too large.",
+    source="section 4.3",
+    quote=(
+        "For too large penalty parameters, simulations become unstable, but for too small …, the constraints will "
+        "be violated too strongly."
+    ),
+    needs=("penalty_scan",),
+    chosen="the starts, the steps, and the force that grows with the overlap",
+    cost=Cost.MINUTES,
+)
 def _strength(tables: Tables) -> Evidence:
     rows = tables["penalty_scan"]
     springs = rows[rows["exponent"] == 2]
@@ -44,6 +65,15 @@ def _strength(tables: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c2.a-priori",
+    "Which strength is best depends on the scene and the step.",
+    source="section 4.3",
+    quote="In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation.",
+    needs=("penalty_best",),
+    chosen="the starts and steps, and the force that grows with the overlap",
+    cost=Cost.MINUTES,
+)
 def _a_priori(tables: Tables) -> Evidence:
     """How far the best strength of springs differs between scenes and steps."""
     rows = tables["penalty_best"].dropna(subset="strength")
@@ -55,6 +85,18 @@ def _a_priori(tables: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c2.margin",
+    "The largest overlap in a run of PBD is somewhat smaller than that of the best penalty method.",
+    source="Figure 6",
+    quote=(
+        "PBD is able to outperform the penalty method by a small margin, even for optimal choice of the penalty "
+        "parameter."
+    ),
+    needs=("penalty_best",),
+    chosen="the starts and steps; best is the strength with the least largest overlap; small is a factor up to 3.2",
+    cost=Cost.MINUTES,
+)
 def _margin(tables: Tables) -> Evidence:
     rows = tables["penalty_best"].dropna(subset="strength")
     largest, mean = rows["largest"] / rows["pbd_largest"], rows["mean"] / rows["pbd_mean"]
@@ -69,49 +111,3 @@ def _margin(tables: Tables) -> Evidence:
             at_most("largest ratio of the largest overlaps", float(largest.max()), SMALL_MARGIN),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c2.both-overlap",
-        "section 4.3",
-        "Both the penalty method and the PBD method are prone to produce overlap between objects",
-        _both,
-        ("penalty_best",),
-        statement="Neither of the two methods keeps discs from overlapping.",
-        chosen="the starts and steps",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c2.strength",
-        "section 4.3",
-        "For too large penalty parameters, simulations become unstable, but for too small …, the constraints will "
-        "be violated too strongly.",
-        _strength,
-        ("penalty_scan",),
-        statement="The penalty method needs a strength that is neither too small nor too large.",
-        chosen="the starts, the steps, and the force that grows with the overlap",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c2.a-priori",
-        "section 4.3",
-        "In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation.",
-        _a_priori,
-        ("penalty_best",),
-        statement="Which strength is best depends on the scene and the step.",
-        chosen="the starts and steps, and the force that grows with the overlap",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c2.margin",
-        "Figure 6",
-        "PBD is able to outperform the penalty method by a small margin, even for optimal choice of the penalty "
-        "parameter.",
-        _margin,
-        ("penalty_best",),
-        statement="The largest overlap in a run of PBD is somewhat smaller than that of the best penalty method.",
-        chosen="the starts and steps; best is the strength with the least largest overlap; small is a factor up to 3.2",
-        cost=Cost.MINUTES,
-    ),
-)

@@ -1,37 +1,25 @@
-"""All planes and all cases, in the order of the report."""
+"""All planes and all cases, found in the modules of this folder, file by file."""
 
 from __future__ import annotations
 
+import pkgutil
+from importlib import import_module
+
 from verification.study import Study
-from verification.thesis.chapter2.stability import (
-    box,
-    crowd,
-    decades,
-    drift,
-    jaws,
-    local,
-    pacman,
-    penalty,
-    radius,
-    rows,
-    saddle,
-)
+from verification.thesis.chapter2 import stability
 from verification.thesis.chapter2.stability.case import Case, study
 from verification.thesis.chapter2.stability.plane import COMMON, Plane
 
-FAMILIES = (penalty, radius, pacman, crowd, rows, jaws, local, drift, decades, saddle)
-PLANES: tuple[Plane, ...] = (
-    penalty.PLANE,
-    rows.PLANE,
-    crowd.NUMBERS,
-    crowd.SWEEPS,
-    radius.PLANE,
-    jaws.PLANE,
-    box.PLANE,
-    drift.PLANE,
-    saddle.PLANE,
+# This module and the page, which reads it, state none.
+FAMILIES = tuple(
+    import_module(f"{stability.__name__}.{module.name}")
+    for module in pkgutil.iter_modules(stability.__path__)
+    if module.name not in {"catalogue", "page"}
 )
-CASES: tuple[Case, ...] = tuple(case for family in FAMILIES for case in family.CASES)
+PLANES: tuple[Plane, ...] = tuple(
+    plane for family in FAMILIES for plane in vars(family).values() if isinstance(plane, Plane)
+)
+CASES: tuple[Case, ...] = tuple(case for family in FAMILIES for case in getattr(family, "CASES", ()))
 
 
 def cases() -> Study:

@@ -14,7 +14,7 @@ from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
 from tissue.study.ratios import Ratio
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import over_seeds
 
@@ -65,7 +65,17 @@ def speed(table: pd.DataFrame, part: tuple[float, float]) -> float:
     return float(((cycles["y_ab"].last() - cycles["y_ab"].first())[whole]).mean() / (part[1] - part[0]))
 
 
-def _movement(_: Tables) -> Evidence:
+@claim(
+    "c3.inm",
+    "Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the end of it.",
+    source="section 1.3",
+    quote=(
+        "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. Followed by a"
+        " fast basal to apical displacement during the active part of the G2 phase and mitosis"
+    ),
+    chosen="ages at the start uniform on the cycle; nuclei anywhere in the box",
+)
+def _movement() -> Evidence:
     speeds = [[speed(nuclei(seed), part) for seed in SEEDS] for part in (PASSIVE, RISE)]
     down, up = map(over_seeds, speeds)
     return Evidence(
@@ -82,24 +92,6 @@ def _movement(_: Tables) -> Evidence:
     )
 
 
-def turn(table: pd.DataFrame) -> float:
-    """Hours before division at which the mean of y_AB over all cells bends upwards most."""
-    mean = table[table["before"] > PASSIVE[0] / 2].groupby("before")["y_ab"].mean()
-    return -float(mean.index[1 + int(np.diff(mean, 2).argmax())])
-
-
-def _last_hour(_: Tables) -> Evidence:
-    turns = [turn(nuclei(seed)) for seed in SEEDS]
-    found = over_seeds(turns)
-    return Evidence(
-        f"{len(SEEDS)} runs of 16 h: the mean of y_AB over the nuclei bends upwards {found.mean:.2f} h before division "
-        f"[{found.low:.2f}, {found.high:.2f}]; T^G2 + T^mitosis = 1 h",
-        printed=(equal("turn before division [h]", found.mean, 1.0, GRAIN, (found.low, found.high)),),
-        seed=SEEDS[0],
-        runs_needed=runs_for(turns, GRAIN - abs(found.mean - 1.0)),
-    )
-
-
 def cycles_for(share: float) -> int:
     """How many cycles would show that such a share is above LEVEL."""
     enough = (n for n in range(1, MOST_RUNS) if Ratio(round(share * n), n).interval()[0] > LEVEL)
@@ -112,7 +104,14 @@ def divided_apically(**phases: str) -> tuple[int, int]:
     return int((last > 0.5).sum()), len(last)
 
 
-def _apical(_: Tables) -> Evidence:
+@claim(
+    "c3.apical-mitosis",
+    "With interkinetic nuclear movement practically every cell divides on the apical side.",
+    source="section 1.3",
+    quote="One consequence of INM is that effectively all cell division occurs on the apical side of the tissue",
+    chosen="the apical side is y_AB > 1/2; 95 % count as effectively all",
+)
+def _apical() -> Evidence:
     """Without the phases of section 2.2.3 there is no rise."""
     (apical, of), (without, of_those) = divided_apically(), divided_apically(g2="0 h", mitosis="0 h")
     share, other = Ratio(apical, of).interval(), Ratio(without, of_those).interval()
@@ -128,13 +127,45 @@ def _apical(_: Tables) -> Evidence:
     )
 
 
+def turn(table: pd.DataFrame) -> float:
+    """Hours before division at which the mean of y_AB over all cells bends upwards most."""
+    mean = table[table["before"] > PASSIVE[0] / 2].groupby("before")["y_ab"].mean()
+    return -float(mean.index[1 + int(np.diff(mean, 2).argmax())])
+
+
+@claim(
+    "c3.last-hour",
+    "Nuclei turn round one hour before division.",
+    source="Figure 7",
+    quote="Just one hour before cell division the cytoskeleton of the cell pushed the nucleus to the apical side",
+    chosen="as for c3.inm",
+)
+def _last_hour() -> Evidence:
+    turns = [turn(nuclei(seed)) for seed in SEEDS]
+    found = over_seeds(turns)
+    return Evidence(
+        f"{len(SEEDS)} runs of 16 h: the mean of y_AB over the nuclei bends upwards {found.mean:.2f} h before division "
+        f"[{found.low:.2f}, {found.high:.2f}]; T^G2 + T^mitosis = 1 h",
+        printed=(equal("turn before division [h]", found.mean, 1.0, GRAIN, (found.low, found.high)),),
+        seed=SEEDS[0],
+        runs_needed=runs_for(turns, GRAIN - abs(found.mean - 1.0)),
+    )
+
+
 def spread(name: str, changes: tuple[tuple[str, object], ...]) -> list[float]:
     """Standard deviation of y_AB over the nuclei after 24 h, for each seed."""
     parameters = preset(name).changed({"numerics.t_end": "24 h"} | dict(changes))
     return [float(ab_positions(simulate(parameters, seed).final).std()) for seed in SEEDS]
 
 
-def _pushing(_: Tables) -> Evidence:
+@claim(
+    "c3.pushing",
+    "Nuclei lie at different heights because they push each other.",
+    source="section 2.1",
+    quote="The mechanical pushing between nuclei leads to the pseudostratified nature of the tissue",
+    chosen="a standard deviation of y_AB above 0.1 counts as stratified",
+)
+def _pushing() -> Evidence:
     names = ("thesis", "published")
     values = [spread(name, changes) for changes in ((), NO_PUSHING) for name in names]
     found = [over_seeds(one) for one in values]
@@ -156,41 +187,3 @@ def _pushing(_: Tables) -> Evidence:
         seed=SEEDS[0],
         runs_needed=max(runs_for(one, abs(float(np.mean(one)) - STRATIFIED)) for one in values),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.inm",
-        "section 1.3",
-        "an apical to basal movement during the G1 phase, the S phase and a passive part of the G2 phase. Followed by a"
-        " fast basal to apical displacement during the active part of the G2 phase and mitosis",
-        _movement,
-        statement="Nuclei move slowly towards the basal side for most of the cycle and fast to the apical side at the"
-        " end of it.",
-        chosen="ages at the start uniform on the cycle; nuclei anywhere in the box",
-    ),
-    Claim(
-        "c3.apical-mitosis",
-        "section 1.3",
-        "One consequence of INM is that effectively all cell division occurs on the apical side of the tissue",
-        _apical,
-        statement="With interkinetic nuclear movement practically every cell divides on the apical side.",
-        chosen="the apical side is y_AB > 1/2; 95 % count as effectively all",
-    ),
-    Claim(
-        "c3.last-hour",
-        "Figure 7",
-        "Just one hour before cell division the cytoskeleton of the cell pushed the nucleus to the apical side",
-        _last_hour,
-        statement="Nuclei turn round one hour before division.",
-        chosen="as for c3.inm",
-    ),
-    Claim(
-        "c3.pushing",
-        "section 2.1",
-        "The mechanical pushing between nuclei leads to the pseudostratified nature of the tissue",
-        _pushing,
-        statement="Nuclei lie at different heights because they push each other.",
-        chosen="a standard deviation of y_AB above 0.1 counts as stratified",
-    ),
-)

@@ -18,7 +18,7 @@ from tissue.kernels.division import divide
 from tissue.kernels.store import contents, stored
 from tissue.model.cells import Cells
 from tissue.model.frame import Frame
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import grown, runs_for
 from verification.thesis.chapter3.intervals import over_seeds
@@ -58,7 +58,14 @@ def cycles(seed: int) -> Cycle:
     return Cycle(float(born.mean()), float(born.min()), float(born.max()), float(kept.mean()))
 
 
-def _phases(_: Tables) -> Evidence:
+@claim(
+    "c3.phases",
+    "Cycles last 10 to 21 hours, evenly distributed, and mitosis is the last 30 minutes of each.",
+    source="section 2.2.1, (3.1)",
+    quote="t_i^cycle ∼ U(T^min-age, T^max-age) … the mitosis phase starts at t_i^age = t_i^cycle − T^mitosis",
+    chosen="ages at the start, uniform on the cycle",
+)
+def _phases() -> Evidence:
     found = [cycles(seed) for seed in SEEDS]
     mean = over_seeds([one.duration for one in found])
     enlarged = over_seeds([one.enlarged for one in found])
@@ -102,7 +109,14 @@ def solved(eta: np.ndarray, wanted: np.ndarray, rate: float) -> np.ndarray:
     return found.y[:, -1]
 
 
-def _adaptation(_: Tables) -> Evidence:
+@claim(
+    "c3.adaptation",
+    "Rest lengths approach the desired ones exponentially at the rates k.",
+    source="(3.2), (3.3), (3.6)",
+    quote="dη^ax/dt = −k^ax (η^ax − η^ax*), dη^aa/dt = −k^aa η^aa, where k denotes the speed of adaptation",
+    chosen="desired lengths stand still within a step",
+)
+def _adaptation() -> Evidence:
     """A step of the simulation against the equations."""
     frame = _settled()
     young = frame.cells._replace(birth=np.full(len(frame.cells.x), frame.t))
@@ -126,7 +140,16 @@ def _adaptation(_: Tables) -> Evidence:
     )
 
 
-def _passive(_: Tables) -> Evidence:
+@claim(
+    "c3.passive-springs",
+    "At the desired rest lengths of G1 and S the cytoskeleton exerts no force.",
+    source="section 2.2.2",
+    quote=(
+        "During the G1 and the S phase, the cytoskeleton of the cell will adapt to the current extension: η^ax* := ‖X −"
+        " A‖ − R^soft"
+    ),
+)
+def _passive() -> Evidence:
     """The force of a spring of (3.9) at the desired rest length of G1 and S, for many extensions."""
     extensions = np.linspace(0.5, 12.0, 24)
     forces = [abs(slope(lambda d, rest=d - RADIUS: spring(d, rest, 2.0), d)) for d in extensions]
@@ -142,7 +165,16 @@ def active_rest_lengths(side: float) -> tuple[float, float]:
     return 0.0, side - 2 * RADIUS
 
 
-def _equilibrium(_: Tables) -> Evidence:
+@claim(
+    "c3.inm-equilibrium",
+    "With the desired lengths of G2 both springs are at rest where the nucleus touches the apical point.",
+    source="sections 2.1 and 2.2.3",
+    quote=(
+        "η^ax* := 0 μm, η^bx* := ‖A − B‖ − 2R^soft … such that the most apical position is the equilibrium for both"
+        " springs"
+    ),
+)
+def _equilibrium() -> Evidence:
     """W^ax + W^bx on the line from B to A; the other springs do not ask for another place on it."""
     found, force = [], []
     for side in (4.0, SIDE, 16.0):
@@ -165,13 +197,59 @@ def _equilibrium(_: Tables) -> Evidence:
     )
 
 
+def cells_after(share: float, seed: int) -> float:
+    """Cells after 48 h over those at the start, if such a share of divisions adds one."""
+    changes = {"tissue.two_daughters": share, "numerics.t_end": "48 h", "numerics.keep": "48 h"}
+    run = simulate(preset("thesis").changed(changes), seed)
+    return len(run.final.cells.x) / len(run.frames[0].cells.x)
+
+
+@claim(
+    "c3.slice",
+    "With cycles of 10 to 21 hours a slice of tissue grows too fast if each division adds a cell to it.",
+    source="section 2.2.5",
+    quote=(
+        "since we only model a 2D slice of a three-dimensional tissue, the growth of the tissue would be too fast if "
+        "cells divide at a realistic rate"
+    ),
+    chosen="too fast: more than 4 times the cells in 48 h, and not more than 2.5 times with p^div = 20 %",
+)
+def _slice() -> Evidence:
+    values = [[cells_after(share, seed) for seed in SEEDS[:3]] for share in (ADDED, 1.0)]
+    some, every = map(over_seeds, values)
+    gaps = MODERATE - some.mean, every.mean - TOO_FAST
+    return Evidence(
+        f"60 cells, 48 h: if every division adds a cell they become {60 * every.mean:.0f}, {every.mean:.1f} "
+        f"[{every.low:.1f}, {every.high:.1f}] times as many; if 20 % do {60 * some.mean:.0f}, {some.mean:.2f} "
+        f"[{some.low:.2f}, {some.high:.2f}] times. In vivo the tissue at most doubles its height in that time",
+        printed=(
+            at_least(
+                "cells if every division adds one, over those at the start", every.mean, TOO_FAST, interval=every[1:]
+            ),
+            at_most("cells if 20 % do, over those at the start", some.mean, MODERATE, interval=some[1:]),
+        ),
+        seed=SEEDS[0],
+        runs_needed=max(runs_for(one, gap) for one, gap in zip(values, gaps, strict=True)),
+    )
+
+
 def printed_edges(edges: set[tuple[int, int]], mother: int, new: int) -> set[tuple[int, int]]:
     """Section 2.2.5: add (i, N + 1), and connect the former right neighbour of i with N + 1."""
     right = {edge for edge in edges if edge[0] == mother}
     return (edges - right) | {(mother, new)} | {(new, k) for _, k in right}
 
 
-def _division(_: Tables) -> Evidence:
+@claim(
+    "c3.daughters",
+    "The new chain of cells is ordered from left to right, as the daughters are placed.",
+    source="section 2.2.5",
+    quote=(
+        "adding the edge (i, N + 1) and by connecting the former right apical neighbour of the i th cell with the new"
+        " N + 1 th cell"
+    ),
+    chosen="rest lengths of the new cell and of its junction: those of the mother, and R^soft/3",
+)
+def _division() -> Evidence:
     """Every cell of a chain divides once, in turn; by the text, and by the rule of the simulation."""
     frame, numbers = _settled(), preset("thesis").numbers()._replace(two_daughters=1.0)
     n = len(frame.cells.x)
@@ -197,83 +275,3 @@ def _division(_: Tables) -> Evidence:
         ),
         seed=0,
     )
-
-
-def cells_after(share: float, seed: int) -> float:
-    """Cells after 48 h over those at the start, if such a share of divisions adds one."""
-    changes = {"tissue.two_daughters": share, "numerics.t_end": "48 h", "numerics.keep": "48 h"}
-    run = simulate(preset("thesis").changed(changes), seed)
-    return len(run.final.cells.x) / len(run.frames[0].cells.x)
-
-
-def _slice(_: Tables) -> Evidence:
-    values = [[cells_after(share, seed) for seed in SEEDS[:3]] for share in (ADDED, 1.0)]
-    some, every = map(over_seeds, values)
-    gaps = MODERATE - some.mean, every.mean - TOO_FAST
-    return Evidence(
-        f"60 cells, 48 h: if every division adds a cell they become {60 * every.mean:.0f}, {every.mean:.1f} "
-        f"[{every.low:.1f}, {every.high:.1f}] times as many; if 20 % do {60 * some.mean:.0f}, {some.mean:.2f} "
-        f"[{some.low:.2f}, {some.high:.2f}] times. In vivo the tissue at most doubles its height in that time",
-        printed=(
-            at_least(
-                "cells if every division adds one, over those at the start", every.mean, TOO_FAST, interval=every[1:]
-            ),
-            at_most("cells if 20 % do, over those at the start", some.mean, MODERATE, interval=some[1:]),
-        ),
-        seed=SEEDS[0],
-        runs_needed=max(runs_for(one, gap) for one, gap in zip(values, gaps, strict=True)),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c3.phases",
-        "section 2.2.1, (3.1)",
-        "t_i^cycle ∼ U(T^min-age, T^max-age) … the mitosis phase starts at t_i^age = t_i^cycle − T^mitosis",
-        _phases,
-        statement="Cycles last 10 to 21 hours, evenly distributed, and mitosis is the last 30 minutes of each.",
-        chosen="ages at the start, uniform on the cycle",
-    ),
-    Claim(
-        "c3.adaptation",
-        "(3.2), (3.3), (3.6)",
-        "dη^ax/dt = −k^ax (η^ax − η^ax*), dη^aa/dt = −k^aa η^aa, where k denotes the speed of adaptation",
-        _adaptation,
-        statement="Rest lengths approach the desired ones exponentially at the rates k.",
-        chosen="desired lengths stand still within a step",
-    ),
-    Claim(
-        "c3.passive-springs",
-        "section 2.2.2",
-        "During the G1 and the S phase, the cytoskeleton of the cell will adapt to the current extension: η^ax* := ‖X −"
-        " A‖ − R^soft",
-        _passive,
-        statement="At the desired rest lengths of G1 and S the cytoskeleton exerts no force.",
-    ),
-    Claim(
-        "c3.inm-equilibrium",
-        "sections 2.1 and 2.2.3",
-        "η^ax* := 0 μm, η^bx* := ‖A − B‖ − 2R^soft … such that the most apical position is the equilibrium for both"
-        " springs",
-        _equilibrium,
-        statement="With the desired lengths of G2 both springs are at rest where the nucleus touches the apical point.",
-    ),
-    Claim(
-        "c3.slice",
-        "section 2.2.5",
-        "since we only model a 2D slice of a three-dimensional tissue, the growth of the tissue would be too fast if "
-        "cells divide at a realistic rate",
-        _slice,
-        statement="With cycles of 10 to 21 hours a slice of tissue grows too fast if each division adds a cell to it.",
-        chosen="too fast: more than 4 times the cells in 48 h, and not more than 2.5 times with p^div = 20 %",
-    ),
-    Claim(
-        "c3.daughters",
-        "section 2.2.5",
-        "adding the edge (i, N + 1) and by connecting the former right apical neighbour of the i th cell with the new"
-        " N + 1 th cell",
-        _division,
-        statement="The new chain of cells is ordered from left to right, as the daughters are placed.",
-        chosen="rest lengths of the new cell and of its junction: those of the mother, and R^soft/3",
-    ),
-)

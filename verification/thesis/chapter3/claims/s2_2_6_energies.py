@@ -14,7 +14,7 @@ from tissue.model.cells import COORDINATES, Cells
 from tissue.model.energy import forces
 from tissue.model.frame import Frame
 from tissue.model.observables import height
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds
 from verification.thesis.chapter3.terms import STEP, bending, junction, repulsion, slope, spring
@@ -29,6 +29,178 @@ SEEDS = tuple(range(3))
 HIGHEST = 1.5
 # Rounding in central differences of energies up to 1000.
 TOL = 1e-5
+
+
+def terms(unit: float, *, squared: bool) -> np.ndarray:
+    """(3.9), (3.11), (3.13) of one cell for R_soft = unit, with their denominators as printed or squared."""
+    d, eta = 3.0 * unit, 1.5 * unit
+    values = np.array([spring(d, eta, AX, unit), junction(d, eta, AA, unit), repulsion(d / 2, XX, unit)])
+    return values / [unit + eta, 2 * unit, 2 * unit] if squared else values
+
+
+def grown(changes: dict[str, object]) -> MeanInterval:
+    """Height after 48 h over that at the start, with the damping that is said to give the height of Figure 14."""
+    parameters = preset("thesis").changed({"numerics.mu": "0.2 h", "numerics.keep": "48 h"} | changes)
+    runs = [simulate(parameters, seed) for seed in SEEDS]
+    return over_seeds([height(run.final) / height(run.frames[0]) for run in runs])
+
+
+def push(d: float) -> float:
+    """The force of (3.13) with (2 R_soft)^2 between two nuclei at the distance d."""
+    return -slope(lambda d: repulsion(d, XX) / 2, d)
+
+
+@claim(
+    "c3.dimensions",
+    "The energies (3.9) to (3.13) are numbers without unit.",
+    source="section 2.2.6",
+    quote="We define the energy terms in their non-dimensional form as in [Fer+19]",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the denominators are squares: (R^soft + η)² in (3.9), (3.10), (2R^soft)² in (3.11), (3.13)",
+        Effect.MODEL,
+        "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) against the"
+        " other terms; the unit of μ (Table 5); Figures 14 and 16: with μ = 0.2 and 0.025 h and short substeps"
+        " the squares give 1.3 and 2.1 times the first height, the printed denominators 1.7 and 2.8 times",
+    ),
+    chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; lengths in R^soft",
+)
+def _dimensions() -> Evidence:
+    """One cell, in units of R_soft and in um: a number without unit is the same in both."""
+    a, x, b = (0.0, 8.0), (0.5, 3.0), (0.0, 0.0)
+    bent = [bending(*(tuple(unit * c for c in point) for point in (a, x, b)), AXB) for unit in (R_SOFT_UM, 1.0)]
+    printed, right = (terms(R_SOFT_UM, squared=squared) / terms(1.0, squared=squared) for squared in (False, True))
+    published = preset("published").numbers().repulsion
+    off = max(abs(push(d) - published * (2 - d)) for d in (0.7, 1.0, 1.5, 1.9))
+    as_printed, squares = grown({}), grown(SQUARED)
+    return Evidence(
+        f"from R_soft to μm (3.9), (3.11), (3.13) become {printed.max():.0f} times as large, (3.12) "
+        f"{bent[0] / bent[1]:.0f} times; with squared denominators all are numbers, and (3.13) has the force of the "
+        f"published runs. 48 h, μ = 0.2 h: the height becomes {squares.mean:.2f} times that at the start (Figure 14: "
+        f"< 1.5), as printed {as_printed.mean:.2f} times",
+        printed=(equal("largest W in μm over W in R_soft", printed.max(), bent[0] / bent[1], TOL),),
+        corrected=(
+            *(equal("W in μm over W in R_soft, squared", ratio, bent[0] / bent[1], TOL) for ratio in right),
+            at_most("force of (3.13) less that of the published runs", off, 0.0, TOL),
+            at_most("height after 48 h over that at the start", squares.mean, HIGHEST, interval=squares[1:]),
+        ),
+        seed=SEEDS[0],
+        runs_needed=len(SEEDS),
+    )
+
+
+@claim(
+    "c3.springs",
+    "The cytoskeleton springs are linear with the rest length R^soft + η, with the force of chapter 4.",
+    source="(3.9), (3.10)",
+    quote="W_i^ax = α^ax/(R^soft + η_i^ax) (‖X_i − A_i‖ − R^soft − η_i^ax)²",
+    chosen="the denominators as printed, in both chapters: see c3.dimensions",
+)
+def _spring() -> Evidence:
+    """The force of (3.9) against that of section 2.2.4 of chapter 4, on springs that are too long and too short."""
+    off, restoring = 0.0, 0
+    cases = [(d, rest) for d in (0.5, 2.0, 3.5, 6.0) for rest in (-0.4, 0.0, 1.5, 4.0)]
+    for d, rest in cases:
+        pull = slope(lambda d, rest=rest: spring(d, rest, BX), d)
+        off = max(off, abs(pull - 2 * BX / (1 + rest) * (d - 1 - rest)))
+        restoring += pull * (d - 1 - rest) > 0 or d == 1 + rest
+    return Evidence(
+        f"{len(cases)} springs: −dW/dd by a central difference is 2α (d − R^soft − η)/(R^soft + η), as in "
+        f"F^basal-cytos of chapter 4, within {off:.0e}; {restoring} pull if longer than R^soft + η and push if shorter",
+        printed=(
+            at_most("largest difference of the force [1/R_soft]", off, 0.0, TOL),
+            equal("springs that pull towards R^soft + η", restoring, len(cases)),
+        ),
+    )
+
+
+@claim(
+    "c3.straight-minimum",
+    "The bending energy is least where the nucleus lies between its two points on a straight line.",
+    source="(3.12)",
+    quote=(
+        "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the straight"
+        " line joining the apical and the basal points"
+    ),
+)
+def _straight() -> Evidence:
+    """Random places of a nucleus between A and B: W is least, and without force, on the segment from A to B."""
+    rng, a, b = np.random.default_rng(0), (0.0, 8.0), (0.0, 0.0)
+    side = np.column_stack((rng.normal(0.0, 1.0, 500), rng.uniform(-2.0, 10.0, 500)))
+    off_line = min(bending(a, (x, y), b, AXB) for x, y in side.tolist())
+    on_line = [bending(a, (0.0, y), b, AXB) for y in (0.5, 2.0, 4.0, 7.0)]
+    pull = max(abs(slope(lambda x, y=y: bending(a, (x, y), b, AXB), 0.0)) for y in (0.5, 2.0, 4.0, 7.0))
+    return Evidence(
+        f"on the segment from A to B (3.12) is {max(on_line):.0e} and pulls with {pull:.0e}; at 500 places beside it, "
+        f"it is at least {off_line:.1e}",
+        printed=(
+            at_most("largest W on the segment", max(on_line), 0.0, TOL),
+            at_most("largest force on the segment", pull, 0.0, TOL),
+            at_least("least W beside it", off_line, TOL),
+        ),
+        seed=0,
+    )
+
+
+def second_form(angle: float, first: float) -> float:
+    """cos(first) − cos(γ − π): the second form of (3.12) over α^axb; printed with first = π."""
+    return math.cos(first) - math.cos(angle - math.pi)
+
+
+@claim(
+    "c3.straightness",
+    "The bending energy in terms of the difference of the angle from π.",
+    source="(3.12)",
+    quote="α^axb (cos(γ) + 1) = α^axb (cos(π) − cos(γ − π))",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
+        Effect.PROOF,
+        "the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand",
+    ),
+)
+def _straightness() -> Evidence:
+    angles = np.linspace(0.1, np.pi, 30).tolist()
+    energy = [bending((math.sin(g), math.cos(g)), (0.0, 0.0), (0.0, 1.0), 1.0) for g in angles]
+    printed, right = (
+        max(abs(w - second_form(g, first)) for w, g in zip(energy, angles, strict=True)) for first in (math.pi, 0.0)
+    )
+    return Evidence(
+        f"30 angles: the two forms of W^axb differ by {printed:.3g} α^axb at most, the same at each angle, so forces do"
+        f" not change; with cos(0) − cos(γ − π) they differ by {right:.0e}",
+        printed=(at_most("largest difference of the forms over α^axb", printed, 0.0, TOL),),
+        corrected=(at_most("largest difference with cos(0)", right, 0.0, TOL),),
+    )
+
+
+@claim(
+    "c3.repulsion",
+    "The energy by which nuclei with overlapping soft discs push each other apart.",
+    source="(3.13)",
+    quote="the repulsive energy W_ij^xx = −α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)² if ‖X_i − X_j‖ ≤ 2R^soft",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "W_ij^xx = +α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)²",
+        Effect.MODEL,
+        "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until their"
+        " hard discs touch",
+    ),
+)
+def _repulsion() -> Evidence:
+    """The force between two nuclei, -dW/dd by a central difference: positive pushes them apart."""
+    distances = (0.7, 1.0, 1.5, 1.9)
+    right = [-slope(lambda d: repulsion(d, XX), d) for d in distances]
+    printed = [-slope(lambda d: -repulsion(d, XX), d) for d in distances]
+    far = abs(slope(lambda d: repulsion(d, XX), 2.5))
+    return Evidence(
+        f"two nuclei 0.7, 1, 1.5 and 1.9 R_soft apart: as printed the force is {max(printed):.2f} at most, they attract"
+        f" each other; without the minus it is {min(right):.2f} at least, and {far:g} beyond 2 R^soft",
+        printed=(at_least("least force apart, as printed [1/R_soft]", min(printed), 0.0),),
+        corrected=(
+            at_least("least force apart without the minus [1/R_soft]", min(right), 0.0),
+            at_most("force at 2.5 R_soft", far, 0.0, TOL),
+        ),
+    )
 
 
 def potential(frame: Frame, cells: Cells) -> float:
@@ -54,7 +226,17 @@ def moved(cells: Cells, name: str, i: int, by: float) -> Cells:
     return cells._replace(**{name: values})
 
 
-def _forces(_: Tables) -> Evidence:
+@claim(
+    "c3.forces",
+    "The energy of the tissue, each pair counted once, and its forces.",
+    source="(3.14) and section 2.2",
+    quote=(
+        "W := Σ_i (W_i^ax + W_i^bx + W_i^axb) + Σ_(i,j)∈A W_ij^aa + Σ_i Σ_j<i W_ij^xx; the forces of the system are"
+        " −∇_Z W"
+    ),
+    chosen="(3.13) without its minus; denominators as printed, lengths in R^soft",
+)
+def _forces() -> Evidence:
     """-grad W of a tissue of 12 cells after an hour, by differences of the sum as printed, against the simulation."""
     changes = {"tissue.cells": 12, "numerics.t_end": "1 h"}
     parameters = preset("thesis").changed(changes)
@@ -70,191 +252,3 @@ def _forces(_: Tables) -> Evidence:
         printed=(at_most("largest difference of a force [1/R_soft]", off, 0.0, TOL),),
         seed=0,
     )
-
-
-def _spring(_: Tables) -> Evidence:
-    """The force of (3.9) against that of section 2.2.4 of chapter 4, on springs that are too long and too short."""
-    off, restoring = 0.0, 0
-    cases = [(d, rest) for d in (0.5, 2.0, 3.5, 6.0) for rest in (-0.4, 0.0, 1.5, 4.0)]
-    for d, rest in cases:
-        pull = slope(lambda d, rest=rest: spring(d, rest, BX), d)
-        off = max(off, abs(pull - 2 * BX / (1 + rest) * (d - 1 - rest)))
-        restoring += pull * (d - 1 - rest) > 0 or d == 1 + rest
-    return Evidence(
-        f"{len(cases)} springs: −dW/dd by a central difference is 2α (d − R^soft − η)/(R^soft + η), as in "
-        f"F^basal-cytos of chapter 4, within {off:.0e}; {restoring} pull if longer than R^soft + η and push if shorter",
-        printed=(
-            at_most("largest difference of the force [1/R_soft]", off, 0.0, TOL),
-            equal("springs that pull towards R^soft + η", restoring, len(cases)),
-        ),
-    )
-
-
-def terms(unit: float, *, squared: bool) -> np.ndarray:
-    """(3.9), (3.11), (3.13) of one cell for R_soft = unit, with their denominators as printed or squared."""
-    d, eta = 3.0 * unit, 1.5 * unit
-    values = np.array([spring(d, eta, AX, unit), junction(d, eta, AA, unit), repulsion(d / 2, XX, unit)])
-    return values / [unit + eta, 2 * unit, 2 * unit] if squared else values
-
-
-def grown(changes: dict[str, object]) -> MeanInterval:
-    """Height after 48 h over that at the start, with the damping that is said to give the height of Figure 14."""
-    parameters = preset("thesis").changed({"numerics.mu": "0.2 h", "numerics.keep": "48 h"} | changes)
-    runs = [simulate(parameters, seed) for seed in SEEDS]
-    return over_seeds([height(run.final) / height(run.frames[0]) for run in runs])
-
-
-def push(d: float) -> float:
-    """The force of (3.13) with (2 R_soft)^2 between two nuclei at the distance d."""
-    return -slope(lambda d: repulsion(d, XX) / 2, d)
-
-
-def _dimensions(_: Tables) -> Evidence:
-    """One cell, in units of R_soft and in um: a number without unit is the same in both."""
-    a, x, b = (0.0, 8.0), (0.5, 3.0), (0.0, 0.0)
-    bent = [bending(*(tuple(unit * c for c in point) for point in (a, x, b)), AXB) for unit in (R_SOFT_UM, 1.0)]
-    printed, right = (terms(R_SOFT_UM, squared=squared) / terms(1.0, squared=squared) for squared in (False, True))
-    published = preset("published").numbers().repulsion
-    off = max(abs(push(d) - published * (2 - d)) for d in (0.7, 1.0, 1.5, 1.9))
-    as_printed, squares = grown({}), grown(SQUARED)
-    return Evidence(
-        f"from R_soft to μm (3.9), (3.11), (3.13) become {printed.max():.0f} times as large, (3.12) "
-        f"{bent[0] / bent[1]:.0f} times; with squared denominators all are numbers, and (3.13) has the force of the "
-        f"published runs. 48 h, μ = 0.2 h: the height becomes {squares.mean:.2f} times that at the start (Figure 14: "
-        f"< 1.5), as printed {as_printed.mean:.2f} times",
-        printed=(equal("largest W in μm over W in R_soft", printed.max(), bent[0] / bent[1], TOL),),
-        corrected=(
-            *(equal("W in μm over W in R_soft, squared", ratio, bent[0] / bent[1], TOL) for ratio in right),
-            at_most("force of (3.13) less that of the published runs", off, 0.0, TOL),
-            at_most("height after 48 h over that at the start", squares.mean, HIGHEST, interval=squares[1:]),
-        ),
-        seed=SEEDS[0],
-        runs_needed=len(SEEDS),
-    )
-
-
-def _straight(_: Tables) -> Evidence:
-    """Random places of a nucleus between A and B: W is least, and without force, on the segment from A to B."""
-    rng, a, b = np.random.default_rng(0), (0.0, 8.0), (0.0, 0.0)
-    side = np.column_stack((rng.normal(0.0, 1.0, 500), rng.uniform(-2.0, 10.0, 500)))
-    off_line = min(bending(a, (x, y), b, AXB) for x, y in side.tolist())
-    on_line = [bending(a, (0.0, y), b, AXB) for y in (0.5, 2.0, 4.0, 7.0)]
-    pull = max(abs(slope(lambda x, y=y: bending(a, (x, y), b, AXB), 0.0)) for y in (0.5, 2.0, 4.0, 7.0))
-    return Evidence(
-        f"on the segment from A to B (3.12) is {max(on_line):.0e} and pulls with {pull:.0e}; at 500 places beside it, "
-        f"it is at least {off_line:.1e}",
-        printed=(
-            at_most("largest W on the segment", max(on_line), 0.0, TOL),
-            at_most("largest force on the segment", pull, 0.0, TOL),
-            at_least("least W beside it", off_line, TOL),
-        ),
-        seed=0,
-    )
-
-
-def second_form(angle: float, first: float) -> float:
-    """cos(first) − cos(γ − π): the second form of (3.12) over α^axb; printed with first = π."""
-    return math.cos(first) - math.cos(angle - math.pi)
-
-
-def _straightness(_: Tables) -> Evidence:
-    angles = np.linspace(0.1, np.pi, 30).tolist()
-    energy = [bending((math.sin(g), math.cos(g)), (0.0, 0.0), (0.0, 1.0), 1.0) for g in angles]
-    printed, right = (
-        max(abs(w - second_form(g, first)) for w, g in zip(energy, angles, strict=True)) for first in (math.pi, 0.0)
-    )
-    return Evidence(
-        f"30 angles: the two forms of W^axb differ by {printed:.3g} α^axb at most, the same at each angle, so forces do"
-        f" not change; with cos(0) − cos(γ − π) they differ by {right:.0e}",
-        printed=(at_most("largest difference of the forms over α^axb", printed, 0.0, TOL),),
-        corrected=(at_most("largest difference with cos(0)", right, 0.0, TOL),),
-    )
-
-
-def _repulsion(_: Tables) -> Evidence:
-    """The force between two nuclei, -dW/dd by a central difference: positive pushes them apart."""
-    distances = (0.7, 1.0, 1.5, 1.9)
-    right = [-slope(lambda d: repulsion(d, XX), d) for d in distances]
-    printed = [-slope(lambda d: -repulsion(d, XX), d) for d in distances]
-    far = abs(slope(lambda d: repulsion(d, XX), 2.5))
-    return Evidence(
-        f"two nuclei 0.7, 1, 1.5 and 1.9 R_soft apart: as printed the force is {max(printed):.2f} at most, they attract"
-        f" each other; without the minus it is {min(right):.2f} at least, and {far:g} beyond 2 R^soft",
-        printed=(at_least("least force apart, as printed [1/R_soft]", min(printed), 0.0),),
-        corrected=(
-            at_least("least force apart without the minus [1/R_soft]", min(right), 0.0),
-            at_most("force at 2.5 R_soft", far, 0.0, TOL),
-        ),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c3.dimensions",
-        "section 2.2.6",
-        "We define the energy terms in their non-dimensional form as in [Fer+19]",
-        _dimensions,
-        statement="The energies (3.9) to (3.13) are numbers without unit.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the denominators are squares: (R^soft + η)² in (3.9), (3.10), (2R^soft)² in (3.11), (3.13)",
-            Effect.MODEL,
-            "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) against the"
-            " other terms; the unit of μ (Table 5); Figures 14 and 16: with μ = 0.2 and 0.025 h and short substeps"
-            " the squares give 1.3 and 2.1 times the first height, the printed denominators 1.7 and 2.8 times",
-        ),
-        chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; lengths in R^soft",
-    ),
-    Claim(
-        "c3.springs",
-        "(3.9), (3.10)",
-        "W_i^ax = α^ax/(R^soft + η_i^ax) (‖X_i − A_i‖ − R^soft − η_i^ax)²",
-        _spring,
-        statement="The cytoskeleton springs are linear with the rest length R^soft + η, with the force of chapter 4.",
-        chosen="the denominators as printed, in both chapters: see c3.dimensions",
-    ),
-    Claim(
-        "c3.straight-minimum",
-        "(3.12)",
-        "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the straight"
-        " line joining the apical and the basal points",
-        _straight,
-        statement="The bending energy is least where the nucleus lies between its two points on a straight line.",
-    ),
-    Claim(
-        "c3.straightness",
-        "(3.12)",
-        "α^axb (cos(γ) + 1) = α^axb (cos(π) − cos(γ − π))",
-        _straightness,
-        statement="The bending energy in terms of the difference of the angle from π.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
-            Effect.PROOF,
-            "the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand",
-        ),
-    ),
-    Claim(
-        "c3.repulsion",
-        "(3.13)",
-        "the repulsive energy W_ij^xx = −α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)² if ‖X_i − X_j‖ ≤ 2R^soft",
-        _repulsion,
-        statement="The energy by which nuclei with overlapping soft discs push each other apart.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "W_ij^xx = +α^xx/(2R^soft) (‖X_i − X_j‖ − 2R^soft)²",
-            Effect.MODEL,
-            "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until their"
-            " hard discs touch",
-        ),
-    ),
-    Claim(
-        "c3.forces",
-        "(3.14) and section 2.2",
-        "W := Σ_i (W_i^ax + W_i^bx + W_i^axb) + Σ_(i,j)∈A W_ij^aa + Σ_i Σ_j<i W_ij^xx; the forces of the system are"
-        " −∇_Z W",
-        _forces,
-        statement="The energy of the tissue, each pair counted once, and its forces.",
-        chosen="(3.13) without its minus; denominators as printed, lengths in R^soft",
-    ),
-)

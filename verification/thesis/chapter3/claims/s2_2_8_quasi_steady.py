@@ -15,7 +15,7 @@ from tissue.model.cells import COORDINATES, Cells
 from tissue.model.energy import energy
 from tissue.model.frame import Frame
 from tissue.quasi_steady.frozen import constraints, particles
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter3.terms import slope, spring
 
@@ -42,7 +42,24 @@ def apart(one: Cells, other: Cells) -> float:
     return max(float(np.abs(getattr(one, name) - getattr(other, name)).max()) for name in COORDINATES)
 
 
-def _state(_: Tables) -> Evidence:
+@claim(
+    "c3.state",
+    "The positions with the hard radii and desired rest lengths are the state, and the energy is a function of them.",
+    source="section 2.2 and Model 3.1",
+    quote=(
+        "W : R^6N × R^3N → R … Given the state of the system at time t_k as (Z^k, P^k), P_i = (R_i^hard, η_i^ax*,"
+        " η_i^bx*)"
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the present rest lengths η^ax, η^bx and η^aa belong to the state, and W is a function of them; it does not"
+        " depend on R^hard and η*",
+        Effect.NOTATION,
+        "Model 3.1 and Method 3.7, which update the rest lengths all the same: only who restarts a run from (Z, P)"
+        " gets another one",
+    ),
+)
+def _state() -> Evidence:
     """Equal Z^k and P^k: both are functions of positions and ages, which the two states share."""
     numbers = preset("thesis").numbers()
     frame = simulate(preset("thesis").changed({"numerics.t_end": "1 h"}), 0).final
@@ -65,7 +82,13 @@ def _state(_: Tables) -> Evidence:
     )
 
 
-def _not_unique(_: Tables) -> Evidence:
+@claim(
+    "c3.not-unique",
+    "Minima of the energy over the feasible states need not be unique.",
+    source="Remark 3.2",
+    quote="The local minimisation in the QSS model might not be unique in some circumstances",
+)
+def _not_unique() -> Evidence:
     """The whole tissue moved along the basal layer: as low, and as feasible."""
     parameters = preset("thesis").changed({"numerics.t_end": "1 h"})
     frame, numbers = simulate(parameters, 0).final, parameters.numbers()
@@ -127,7 +150,21 @@ def minima(power: int) -> float:
     return float(np.ptp(z[total <= total.min() + 1e-12]))
 
 
-def _regularised(_tables: Tables) -> Evidence:
+@claim(
+    "c3.regularised",
+    "A distance from the last state added to the energy makes the minimiser unique.",
+    source="Remark 3.2",
+    quote="One might add a regularising term Z^k+1 := argmin (W(Z, P^k) + c ‖Z − Z^k‖)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the term is c ‖Z − Z^k‖², with W(Z, P^k+1) as in Model 3.1; it is the implicit Euler step of μ dZ/dt = −∇W"
+        " with μ = 2c Δt",
+        Effect.NOTATION,
+        "who takes the norm without square gets a tissue that stops wherever ‖∇W‖ ≤ c; nothing else uses it",
+    ),
+    chosen="a regularised step should have one minimiser for each convex W and c > 0, and rest at minima of W only",
+)
+def _regularised() -> Evidence:
     (printed, force), (right, _) = at_rest(1), at_rest(2)
     return Evidence(
         f"one spring (3.9), {len(STARTS) * len(WEIGHTS)} starts and weights c: with c ‖Z − Z^k‖ the steps stay up to "
@@ -143,46 +180,3 @@ def _regularised(_tables: Tables) -> Evidence:
             at_most("extent with the square", minima(2), 0.0, 1e-3),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.state",
-        "section 2.2 and Model 3.1",
-        "W : R^6N × R^3N → R … Given the state of the system at time t_k as (Z^k, P^k), P_i = (R_i^hard, η_i^ax*,"
-        " η_i^bx*)",
-        _state,
-        statement="The positions with the hard radii and desired rest lengths are the state, and the energy is a"
-        " function of them.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the present rest lengths η^ax, η^bx and η^aa belong to the state, and W is a function of them; it does not"
-            " depend on R^hard and η*",
-            Effect.NOTATION,
-            "Model 3.1 and Method 3.7, which update the rest lengths all the same: only who restarts a run from (Z, P)"
-            " gets another one",
-        ),
-    ),
-    Claim(
-        "c3.not-unique",
-        "Remark 3.2",
-        "The local minimisation in the QSS model might not be unique in some circumstances",
-        _not_unique,
-        statement="Minima of the energy over the feasible states need not be unique.",
-    ),
-    Claim(
-        "c3.regularised",
-        "Remark 3.2",
-        "One might add a regularising term Z^k+1 := argmin (W(Z, P^k) + c ‖Z − Z^k‖)",
-        _regularised,
-        statement="A distance from the last state added to the energy makes the minimiser unique.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the term is c ‖Z − Z^k‖², with W(Z, P^k+1) as in Model 3.1; it is the implicit Euler step of μ dZ/dt = −∇W"
-            " with μ = 2c Δt",
-            Effect.NOTATION,
-            "who takes the norm without square gets a tissue that stops wherever ‖∇W‖ ≤ c; nothing else uses it",
-        ),
-        chosen="a regularised step should have one minimiser for each convex W and c > 0, and rest at minima of W only",
-    ),
-)

@@ -13,7 +13,7 @@ from tissue.first_order import simulate
 from tissue.model.cells import COORDINATES
 from tissue.model.observables import nuclear_layers
 from tissue.quasi_steady.judge import local_minimum
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.intervals import over_seeds
@@ -25,6 +25,38 @@ WALKERS = 20_000
 TOL = 1e-6
 # z of a 99.9 % interval.
 Z = 3.29
+
+
+def layers(distance: str) -> list[float]:
+    """Layers of nuclei after 8 h with such a distance of apical and basal points [R_soft]."""
+    places = ("tissue.basal_spacing", "tissue.max_basal_distance", "tissue.apical_spacing")
+    parameters = preset("thesis").changed({"numerics.t_end": "8 h"} | dict.fromkeys(places, distance))
+    return [nuclear_layers(simulate(parameters, seed).final) for seed in SEEDS]
+
+
+@claim(
+    "c3.layers",
+    "The number of layers of nuclei tells the distance of neighbouring apical and basal points.",
+    source="section 2.2.9",
+    quote=(
+        "by counting the number of layers that the cells form in vivo, one can estimate values for d^init-apical,"
+        " d^max-basal depending on the number of cells"
+    ),
+    chosen="one distance for both kinds of points; layers are soft discs on a vertical line, on average",
+)
+def _layers() -> Evidence:
+    counted = {distance: layers(f"{distance} R_soft") for distance in ("1/3", "1/2", "2/3", "1")}
+    found = {distance: over_seeds(values) for distance, values in counted.items()}
+    told = ", ".join(f"{there.mean:.1f} for {distance}" for distance, there in found.items())
+    drops = [(a.mean - b.mean, a.low - b.high, a.high - b.low) for a, b in pairwise(found.values())]
+    mean, low, high = (min(part) for part in zip(*drops, strict=True))
+    return Evidence(
+        f"60 cells, 8 h: layers of nuclei {told} R_soft between neighbouring points; each distance has its own number "
+        f"of layers, {mean:.1f} apart at least",
+        printed=(at_least("least drop of the layers with the distance", mean, 0.0, interval=(low, high)),),
+        seed=SEEDS[0],
+        runs_needed=max(runs_for(values, mean / 2) for values in counted.values()),
+    )
 
 
 def scaled(factors: tuple[float, ...]) -> np.ndarray:
@@ -45,7 +77,13 @@ def all_by(factor: float) -> tuple[float, ...]:
     return (factor,) * 5
 
 
-def _relative(_: Tables) -> Evidence:
+@claim(
+    "c3.relative",
+    "Only the ratios of the stiffnesses matter for the minima of the energy.",
+    source="section 2.2.9",
+    quote="The stiffness coefficients are relative to each other",
+)
+def _relative() -> Evidence:
     plain = scaled(all_by(1.0))
     alike = max(float(np.abs(scaled(all_by(factor)) - plain).max()) for factor in (0.2, 5.0))
     alone = float(np.abs(scaled((1.0, 1.0, 1.0, 1.0, 2.0)) - plain).max())
@@ -60,29 +98,13 @@ def _relative(_: Tables) -> Evidence:
     )
 
 
-def layers(distance: str) -> list[float]:
-    """Layers of nuclei after 8 h with such a distance of apical and basal points [R_soft]."""
-    places = ("tissue.basal_spacing", "tissue.max_basal_distance", "tissue.apical_spacing")
-    parameters = preset("thesis").changed({"numerics.t_end": "8 h"} | dict.fromkeys(places, distance))
-    return [nuclear_layers(simulate(parameters, seed).final) for seed in SEEDS]
-
-
-def _layers(_: Tables) -> Evidence:
-    counted = {distance: layers(f"{distance} R_soft") for distance in ("1/3", "1/2", "2/3", "1")}
-    found = {distance: over_seeds(values) for distance, values in counted.items()}
-    told = ", ".join(f"{there.mean:.1f} for {distance}" for distance, there in found.items())
-    drops = [(a.mean - b.mean, a.low - b.high, a.high - b.low) for a, b in pairwise(found.values())]
-    mean, low, high = (min(part) for part in zip(*drops, strict=True))
-    return Evidence(
-        f"60 cells, 8 h: layers of nuclei {told} R_soft between neighbouring points; each distance has its own number "
-        f"of layers, {mean:.1f} apart at least",
-        printed=(at_least("least drop of the layers with the distance", mean, 0.0, interval=(low, high)),),
-        seed=SEEDS[0],
-        runs_needed=max(runs_for(values, mean / 2) for values in counted.values()),
-    )
-
-
-def _diffusion(_: Tables) -> Evidence:
+@claim(
+    "c3.diffusion",
+    "Noise of variance 2DΔt in each coordinate makes free nuclei diffuse with the coefficient D.",
+    source="Table 1, (3.17)",
+    quote="D = 2.5 μm²/h diffusion coefficient; X_i^k+1 − X_i^k ∼ N_2(0, 2DΔt)",
+)
+def _diffusion() -> Evidence:
     """Free nuclei that make the steps (3.17) for an hour: mean square displacement = 4 D t."""
     rng, steps = np.random.default_rng(0), round(1 / DT)
     walk = rng.normal(0.0, math.sqrt(variance(DT)), (WALKERS, steps, 2)).sum(axis=1)
@@ -105,30 +127,3 @@ def _diffusion(_: Tables) -> Evidence:
 def variance(dt: float) -> float:
     """(3.17): of each coordinate in a step [μm²]."""
     return 2 * D * dt
-
-
-CLAIMS = (
-    Claim(
-        "c3.layers",
-        "section 2.2.9",
-        "by counting the number of layers that the cells form in vivo, one can estimate values for d^init-apical,"
-        " d^max-basal depending on the number of cells",
-        _layers,
-        statement="The number of layers of nuclei tells the distance of neighbouring apical and basal points.",
-        chosen="one distance for both kinds of points; layers are soft discs on a vertical line, on average",
-    ),
-    Claim(
-        "c3.relative",
-        "section 2.2.9",
-        "The stiffness coefficients are relative to each other",
-        _relative,
-        statement="Only the ratios of the stiffnesses matter for the minima of the energy.",
-    ),
-    Claim(
-        "c3.diffusion",
-        "Table 1, (3.17)",
-        "D = 2.5 μm²/h diffusion coefficient; X_i^k+1 − X_i^k ∼ N_2(0, 2DΔt)",
-        _diffusion,
-        statement="Noise of variance 2DΔt in each coordinate makes free nuclei diffuse with the coefficient D.",
-    ),
-)

@@ -11,7 +11,7 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.observables import widths
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, equal
 from verification.thesis.chapter3.claims.s1_3_model import grown
 
@@ -26,7 +26,19 @@ TOL = 1e-6
 Z = 3.29
 
 
-def _box(_: Tables) -> Evidence:
+@claim(
+    "c3.box",
+    "The height and the width of the tissue at the start.",
+    source="Table 1",
+    quote="h^init = 50 μm initial tissue height, w^init = 40 μm initial tissue width",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "h^init = 40 μm, w^init = 50 μm",
+        Effect.NUMBER,
+        "every run of chapters 3 and 4 begins in this box; heights are compared with the first one (Figure 16)",
+    ),
+)
+def _box() -> Evidence:
     start = preset("published").start_numbers()
     return Evidence(
         f"Figure 16 begins at a height of {FIRST_HEIGHT:g} in units of R^soft: h = 50 μm would be "
@@ -47,7 +59,20 @@ def basal_width(distance: str) -> float:
     return float(widths(simulate(preset("thesis").changed(changes), 0).final).basal)
 
 
-def _basal(_: Tables) -> Evidence:
+@claim(
+    "c3.basal",
+    "How far neighbouring basal points may be apart.",
+    source="Table 1",
+    quote="d^max-basal = 0 μm, maximal allowed distance between basal points",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "a positive distance, in published runs d^max-basal = R^soft/3 = 1.67 μm",
+        Effect.MODEL,
+        "(C2) in every run of chapters 3 and 4: with 0 the basal layer is a point",
+    ),
+    chosen="10⁻⁶ μm in place of 0",
+)
+def _basal() -> Evidence:
     """0 itself is refused, so a bound near it stands for it."""
     printed, right = basal_width("1e-6 um"), basal_width("1/3 R_soft")
     return Evidence(
@@ -72,7 +97,19 @@ def singles(two: float) -> tuple[int, int]:
     return ends, single
 
 
-def _offspring(_: Tables) -> Evidence:
+@claim(
+    "c3.offspring",
+    "How often a division brings a single cell.",
+    source="Table 1",
+    quote="p^div = 20 %, probability of division with single offspring",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "p^div = 20 % is the probability of a division with two offspring; one of 80 % brings a single one",
+        Effect.MODEL,
+        "the growth of the tissue in chapters 3 and 4; p^div-out = 100 % of chapter 4 is 1 − p^div",
+    ),
+)
+def _offspring() -> Evidence:
     """By the rule of sections 2.1 and 2.2.5, against what the table says of the same number."""
     ends, single = singles(0.2)
     share = single / ends
@@ -99,7 +136,19 @@ def enlarged_minutes(rule: Callable[[np.ndarray, float], np.ndarray], cycle: flo
     return float(rule(ages, cycle).sum()) / 60
 
 
-def _enlarged(_: Tables) -> Evidence:
+@claim(
+    "c3.enlarged",
+    "The phases in which a nucleus has the larger hard radius.",
+    source="Table 2, (3.4)",
+    quote="R^hard,G2 = 0.7 R^soft radius of non-overlap (during active G2, mitosis phase)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "0.7 R^soft during mitosis only, R^hard = 1.66 μm in G1, S and the whole of G2",
+        Effect.MODEL,
+        "the rise of nuclei in active G2, which the table makes twice as large while they move",
+    ),
+)
+def _enlarged() -> Evidence:
     by_text = enlarged_minutes(text_rule, 14.0)
     table = grown(SEED, "published")
     left = 60 * (table["cycle_h"] - table["age_h"])
@@ -120,60 +169,3 @@ def _enlarged(_: Tables) -> Evidence:
         ),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.box",
-        "Table 1",
-        "h^init = 50 μm initial tissue height, w^init = 40 μm initial tissue width",
-        _box,
-        statement="The height and the width of the tissue at the start.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "h^init = 40 μm, w^init = 50 μm",
-            Effect.NUMBER,
-            "every run of chapters 3 and 4 begins in this box; heights are compared with the first one (Figure 16)",
-        ),
-    ),
-    Claim(
-        "c3.basal",
-        "Table 1",
-        "d^max-basal = 0 μm, maximal allowed distance between basal points",
-        _basal,
-        statement="How far neighbouring basal points may be apart.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "a positive distance, in published runs d^max-basal = R^soft/3 = 1.67 μm",
-            Effect.MODEL,
-            "(C2) in every run of chapters 3 and 4: with 0 the basal layer is a point",
-        ),
-        chosen="10⁻⁶ μm in place of 0",
-    ),
-    Claim(
-        "c3.offspring",
-        "Table 1",
-        "p^div = 20 %, probability of division with single offspring",
-        _offspring,
-        statement="How often a division brings a single cell.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "p^div = 20 % is the probability of a division with two offspring; one of 80 % brings a single one",
-            Effect.MODEL,
-            "the growth of the tissue in chapters 3 and 4; p^div-out = 100 % of chapter 4 is 1 − p^div",
-        ),
-    ),
-    Claim(
-        "c3.enlarged",
-        "Table 2, (3.4)",
-        "R^hard,G2 = 0.7 R^soft radius of non-overlap (during active G2, mitosis phase)",
-        _enlarged,
-        statement="The phases in which a nucleus has the larger hard radius.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "0.7 R^soft during mitosis only, R^hard = 1.66 μm in G1, S and the whole of G2",
-            Effect.MODEL,
-            "the rise of nuclei in active G2, which the table makes twice as large while they move",
-        ),
-    ),
-)

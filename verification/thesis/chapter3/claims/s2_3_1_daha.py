@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 Floats = NDArray[np.float64]
@@ -28,29 +28,14 @@ GROWS = 1.4
 BISECTIONS = 40
 
 
-def solved(now: State, before: State, push: State, c: float, dtau: float) -> State:
-    """(3.25) solved for z_{n+1}; ``push`` is all that stands behind -alpha and -gamma there, with these factors."""
-    return (2 * now - (1 - dtau * c / 2) * before - dtau**2 * push) / (1 + dtau * c / 2)
-
-
-def _solved(_: Tables) -> Evidence:
-    """Random numbers in both sides of (3.25)."""
-    now, before, push = np.random.default_rng(SEED).normal(size=(3, 6))
-    left, scale = [], 0.0
-    for c, dtau in ((0.3, 1.0), (2.0, 1.0), (1.5, 0.25)):
-        after = solved(now, before, push, c, dtau)
-        second = (after - 2 * now + before) / dtau**2
-        left.append(np.abs(second + c / (2 * dtau) * (after - before) + push).max())
-        scale = max(scale, float(np.abs(second).max()))
-    return Evidence(
-        f"random states and forces, three pairs of c and Δτ: put into (3.25) the solution misses by {max(left):.0e}, "
-        f"where the terms are up to {scale:.0f}",
-        printed=(at_most("misfit of (3.25) over its terms", max(left) / scale, ROUNDING),),
-        seed=SEED,
-    )
-
-
-def _discretised(_: Tables) -> Evidence:
+@claim(
+    "c3.discretised",
+    "(3.25) is a difference formula for the damped second-order system (3.23).",
+    source="(3.25)",
+    quote="A discretisation of (3.22) and (3.23) yields the damped Arrow-Hurwicz algorithm (DAHA).",
+    chosen="the multiplier is a given function of time, so that its misprinted update does not matter",
+)
+def _discretised() -> Evidence:
     """A wall with a multiplier that is given, from a state that moves; (3.23) by a Runge-Kutta method."""
     c, alpha, gamma, end = 0.7, 1.3, 0.4, 2.0
 
@@ -77,7 +62,41 @@ def _discretised(_: Tables) -> Evidence:
     )
 
 
-def _one_step(_: Tables) -> Evidence:
+def solved(now: State, before: State, push: State, c: float, dtau: float) -> State:
+    """(3.25) solved for z_{n+1}; ``push`` is all that stands behind -alpha and -gamma there, with these factors."""
+    return (2 * now - (1 - dtau * c / 2) * before - dtau**2 * push) / (1 + dtau * c / 2)
+
+
+@claim(
+    "c3.solved",
+    "(3.25) solved for the next state.",
+    source="section 2.3",
+    quote="z_{n+1} = 1/(1 + ½Δτc) (2z_n - (1 - ½Δτc) z_{n-1} - Δτ²α(∇W - Σ λ_ℓ ∇g_ℓ) - Δτ²γ Σ g_ℓ λ_ℓ ∇g_ℓ)",
+)
+def _solved() -> Evidence:
+    """Random numbers in both sides of (3.25)."""
+    now, before, push = np.random.default_rng(SEED).normal(size=(3, 6))
+    left, scale = [], 0.0
+    for c, dtau in ((0.3, 1.0), (2.0, 1.0), (1.5, 0.25)):
+        after = solved(now, before, push, c, dtau)
+        second = (after - 2 * now + before) / dtau**2
+        left.append(np.abs(second + c / (2 * dtau) * (after - before) + push).max())
+        scale = max(scale, float(np.abs(second).max()))
+    return Evidence(
+        f"random states and forces, three pairs of c and Δτ: put into (3.25) the solution misses by {max(left):.0e}, "
+        f"where the terms are up to {scale:.0f}",
+        printed=(at_most("misfit of (3.25) over its terms", max(left) / scale, ROUNDING),),
+        seed=SEED,
+    )
+
+
+@claim(
+    "c3.one-step",
+    "At this damping the next state no longer depends on the one before the present.",
+    source="section 2.3",
+    quote="We observe that for c = 2/Δτ the method reduces to a one-step method.",
+)
+def _one_step() -> Evidence:
     now, before, push, shift = np.random.default_rng(SEED).normal(size=(4, 6))
 
     def felt(c: float, dtau: float) -> float:
@@ -129,7 +148,24 @@ def least_weight(c: float, dtau: float) -> float:
     return high
 
 
-def _choice(_: Tables) -> Evidence:
+@claim(
+    "c3.stable-choice",
+    "How the damping and the step of DAHA trade stability for iterations.",
+    source="section 2.3.1",
+    quote=(
+        "Increasing the damping coefficient c and the time-step size Δt can reduce the numerical instabilities, but it "
+        "also directly increases the number of required iterations."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "Δτ must be decreased: energies are stable for Δτ²αW'' ≤ 4, whatever c is; a larger c helps contacts only. "
+        "Both take more iterations",
+        Effect.MODEL,
+        "the choice of parameters: a larger Δτ is less stable and needs fewer iterations",
+    ),
+    chosen="the step is Δτ of (3.25), in which Δt does not occur",
+)
+def _choice() -> Evidence:
     """c doubled, dtau doubled, dtau halved, each beside c = 2, dtau = 1/2 (where c < 2/dtau)."""
     c, dtau = 2.0, 0.5
     bound, taken, weight = limit(c, dtau), iterations(c, dtau), least_weight(c, dtau)
@@ -166,7 +202,14 @@ def last_move(product: float, steps: int = 2000) -> float:
     return abs(now - before) / abs(before)
 
 
-def _endless(_: Tables) -> Evidence:
+@claim(
+    "c3.endless",
+    "An iteration beyond its stability limit need not meet (3.24).",
+    source="section 2.3.1",
+    quote="Such instabilities can lead to non-terminating conditions of the iteration",
+    chosen="a force that is bounded, as that of the straightness energy is at a given distance",
+)
+def _endless() -> Evidence:
     below, above = last_move(3.0), last_move(8.0)
     return Evidence(
         f"a bounded force around its rest, c = 2, Δτ = 1, limit Δτ²αW'' = 4: after 2000 iterations the relative move "
@@ -176,53 +219,3 @@ def _endless(_: Tables) -> Evidence:
             at_least("relative move beyond the limit", above, 1e3 * EPS),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.discretised",
-        "(3.25)",
-        "A discretisation of (3.22) and (3.23) yields the damped Arrow-Hurwicz algorithm (DAHA).",
-        _discretised,
-        statement="(3.25) is a difference formula for the damped second-order system (3.23).",
-        chosen="the multiplier is a given function of time, so that its misprinted update does not matter",
-    ),
-    Claim(
-        "c3.solved",
-        "section 2.3",
-        "z_{n+1} = 1/(1 + ½Δτc) (2z_n - (1 - ½Δτc) z_{n-1} - Δτ²α(∇W - Σ λ_ℓ ∇g_ℓ) - Δτ²γ Σ g_ℓ λ_ℓ ∇g_ℓ)",
-        _solved,
-        statement="(3.25) solved for the next state.",
-    ),
-    Claim(
-        "c3.one-step",
-        "section 2.3",
-        "We observe that for c = 2/Δτ the method reduces to a one-step method.",
-        _one_step,
-        statement="At this damping the next state no longer depends on the one before the present.",
-    ),
-    Claim(
-        "c3.stable-choice",
-        "section 2.3.1",
-        "Increasing the damping coefficient c and the time-step size Δt can reduce the numerical instabilities, but it "
-        "also directly increases the number of required iterations.",
-        _choice,
-        statement="How the damping and the step of DAHA trade stability for iterations.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "Δτ must be decreased: energies are stable for Δτ²αW'' ≤ 4, whatever c is; a larger c helps contacts only. "
-            "Both take more iterations",
-            Effect.MODEL,
-            "the choice of parameters: a larger Δτ is less stable and needs fewer iterations",
-        ),
-        chosen="the step is Δτ of (3.25), in which Δt does not occur",
-    ),
-    Claim(
-        "c3.endless",
-        "section 2.3.1",
-        "Such instabilities can lead to non-terminating conditions of the iteration",
-        _endless,
-        statement="An iteration beyond its stability limit need not meet (3.24).",
-        chosen="a force that is bounded, as that of the straightness energy is at a given distance",
-    ),
-)

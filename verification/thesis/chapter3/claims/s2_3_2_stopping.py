@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_most, equal
 
 Floats = NDArray[np.float64]
@@ -27,7 +27,19 @@ def pulled() -> dincl.Problem:
     return dincl.Problem([1.025 * REST], lambda _t, x: REST - x)
 
 
-def _update(_: Tables) -> Evidence:
+@claim(
+    "c3.update",
+    "What a step of DAHA becomes with Table 4.",
+    source="(3.26)",
+    quote="z_{n+1} = z_n - α∇W(z_n) + Σ (αλ_ℓ - γλ_ℓ g_ℓ(z_n)) ∇g_ℓ",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "α/2 and γ/2 for α and γ, also in (3.27) and (3.28); or Table 4 with α and γ doubled",
+        Effect.MODEL,
+        "Remark 3.6, (3.28) to (3.32): the damping coefficient of the first-order model",
+    ),
+)
+def _update() -> Evidence:
     problem = pulled()
     step = minimise(problem, DampedArrowHurwicz(ALPHA, BETA, GAMMA, C, 1.0, Stationary(TOL), 1), throw=False)
     ratio = float((step.x - problem.x0)[0, 0] / (ALPHA * problem.drift(0.0, problem.x0)[0, 0]))
@@ -69,7 +81,17 @@ def landed(weight: float) -> Floats:
     return np.array(path)
 
 
-def _overdamped(_: Tables) -> Evidence:
+@claim(
+    "c3.overdamped",
+    "With Table 4 the states run into their rest without swinging around it.",
+    source="section 2.3.1",
+    quote=(
+        "We see in particular, that the Damped Arrow-Hurwicz Algorithm approaches the equilibrium on an overdamped "
+        "trajectory."
+    ),
+    chosen="without active constraints: at a contact the multiplier swings",
+)
+def _overdamped() -> Evidence:
     crossed = max(turns(relaxed(stiff)) for stiff in SPRINGS)
     swung = turns(landed(1.0))
     return Evidence(
@@ -84,7 +106,17 @@ def bumpy() -> dincl.Problem:
     return dincl.Problem([[1.0, -0.5], [2.0, 0.3]], lambda _t, x: -40 * np.tanh(x) - 9 * (x - 1) ** 3)
 
 
-def _descent(_: Tables) -> Evidence:
+@claim(
+    "c3.descent",
+    "Without constraints and with c = 2/Δτ DAHA is plain gradient descent.",
+    source="Remark 3.6",
+    quote=(
+        "Let us consider the situation without constraints, e.g. M = 0, and with parameters as in Table 4. In this "
+        "case the DAHA method reduces to a gradient decent method with fixed step size."
+    ),
+    chosen="the step size is not asked for: it is α/2, see c3.update",
+)
+def _descent() -> Evidence:
     """50 steps of DAHA with dtau = 1, 2, 1/4 and c = 2/dtau; each must be the same multiple of its grad W."""
     problem, spread, steps = bumpy(), 0.0, []
     for dtau in (1.0, 2.0, 0.25):
@@ -103,7 +135,19 @@ def _descent(_: Tables) -> Evidence:
     )
 
 
-def _stopping(_: Tables) -> Evidence:
+@claim(
+    "c3.stopping",
+    "How much of the gradient is left where DAHA stops.",
+    source="Remark 3.6",
+    quote="‖∇W(z_{n*})‖ / ‖z_{n*}‖ ≤ ε/α = 10⁻⁶/10⁻⁴ = 0.01",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "≤ 2ε/α = 0.02, for the step is α/2: it follows from c3.update",
+        Effect.NUMBER,
+        "the accuracy that Remark 3.6 derives",
+    ),
+)
+def _stopping() -> Evidence:
     found = minimise(pulled(), DampedArrowHurwicz.published())
     gradient = float(np.linalg.norm(found.x - REST) / np.linalg.norm(found.x))
     bound = EPS / ALPHA
@@ -113,51 +157,3 @@ def _stopping(_: Tables) -> Evidence:
         printed=(at_most("‖∇W‖/‖z‖ where it stops", gradient, bound),),
         corrected=(at_most("‖∇W‖/‖z‖ where it stops", gradient, 2 * bound),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.update",
-        "(3.26)",
-        "z_{n+1} = z_n - α∇W(z_n) + Σ (αλ_ℓ - γλ_ℓ g_ℓ(z_n)) ∇g_ℓ",
-        _update,
-        statement="What a step of DAHA becomes with Table 4.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "α/2 and γ/2 for α and γ, also in (3.27) and (3.28); or Table 4 with α and γ doubled",
-            Effect.MODEL,
-            "Remark 3.6, (3.28) to (3.32): the damping coefficient of the first-order model",
-        ),
-    ),
-    Claim(
-        "c3.overdamped",
-        "section 2.3.1",
-        "We see in particular, that the Damped Arrow-Hurwicz Algorithm approaches the equilibrium on an overdamped "
-        "trajectory.",
-        _overdamped,
-        statement="With Table 4 the states run into their rest without swinging around it.",
-        chosen="without active constraints: at a contact the multiplier swings",
-    ),
-    Claim(
-        "c3.descent",
-        "Remark 3.6",
-        "Let us consider the situation without constraints, e.g. M = 0, and with parameters as in Table 4. In this "
-        "case the DAHA method reduces to a gradient decent method with fixed step size.",
-        _descent,
-        statement="Without constraints and with c = 2/Δτ DAHA is plain gradient descent.",
-        chosen="the step size is not asked for: it is α/2, see c3.update",
-    ),
-    Claim(
-        "c3.stopping",
-        "Remark 3.6",
-        "‖∇W(z_{n*})‖ / ‖z_{n*}‖ ≤ ε/α = 10⁻⁶/10⁻⁴ = 0.01",
-        _stopping,
-        statement="How much of the gradient is left where DAHA stops.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "≤ 2ε/α = 0.02, for the step is α/2: it follows from c3.update",
-            Effect.NUMBER,
-            "the accuracy that Remark 3.6 derives",
-        ),
-    ),
-)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.optimize import minimize
 
 import dincl
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 Floats = NDArray[np.float64]
@@ -24,47 +24,6 @@ HARD, MOST, CELLS = 1 / 3, 1 / 3, 5
 TOL = 1e-5
 # A sup over all multipliers is taken over those up to this; exact where it is beyond the multipliers of the minimum.
 LARGE = 1e3
-
-
-def next_to(n: int) -> list[tuple[int, int]]:
-    """The edges of a layer of n cells."""
-    return [(i, i + 1) for i in range(n - 1)]
-
-
-def _count(_: Tables) -> Evidence:
-    """(C1) for each pair, (C2) and (C4) for each edge, (C3) for each cell."""
-    sizes = range(1, 61)
-    counted = [len(list(combinations(range(n), 2))) + 2 * len(next_to(n)) + n for n in sizes]
-    told = [n * (n - 1) / 2 + 2 * (n - 1) + n for n in sizes]
-    off = float(np.abs(np.subtract(counted, told)).max())
-    return Evidence(
-        f"counted for 1 to 60 cells, the formula is off by {off:g} at most; the 60 cells of Table 1 have {counted[-1]}",
-        printed=(equal("largest difference of count and formula", off, 0.0),),
-    )
-
-
-def basal_pairs() -> Floats:
-    """x of two neighbouring basal points, shape (SAMPLES, 2), in either order."""
-    return np.random.default_rng(SEED).uniform(-1.0, 1.0, (SAMPLES, 2))
-
-
-def _squared(_: Tables) -> Evidence:
-    left, right = basal_pairs().T
-    answers = ((right - left) ** 2 >= 0, left**2 <= right**2, right - left >= 0)
-    wrong = [int((told != (left <= right)).sum()) for told in answers]
-    h = 1e-6
-    signed, plain = (abs(edge(h) - edge(-h)) / (2 * h) for edge in (lambda s: -(min(0.0, s) ** 2), lambda s: s))
-    return Evidence(
-        f"of {SAMPLES} random pairs (x(B_j) - x(B_i))² ≥ 0 judges {wrong[0]} wrongly, x(B_j)² ≥ x(B_i)² {wrong[1]}, "
-        f"(C4) itself {wrong[2]}; -min(0, x(B_j) - x(B_i))² ≥ 0 has the gradient {signed:.0e} where it is met, so that "
-        "no multiplier can push along it",
-        printed=(equal("pairs judged wrongly, better of two squares", min(wrong[:2]), 0.0),),
-        corrected=(
-            equal("pairs judged wrongly, (C4) as it is", wrong[2], 0.0),
-            at_least("gradient of (C4) where it is met", plain, 0.5),
-        ),
-        seed=SEED,
-    )
 
 
 def states() -> Floats:
@@ -98,7 +57,15 @@ def in_all(z: Floats) -> bool:
     return bool(all((one.near(0.0, z, 0.0).values(z) >= 0).all() for one in sets) and not z[chain, 1].any())
 
 
-def _set(_: Tables) -> Evidence:
+@claim(
+    "c3.feasible-set",
+    "S is the intersection of the sets of single constraints: the nuclei that meet (C1), times all "
+    "apical points, times a convex set of basal points. So S is prox-regular if the set of (C1) is.",
+    source="(3.16), sections 3.2 and 3.3",
+    quote="S = ⋂_{j=1}^M S_j, which is the key assumption for the application of PBD",
+    chosen="equal hard radii, as Proposition 1.22 has them",
+)
+def _set() -> Evidence:
     """Nuclei and basal points of different states are put together, and midpoints are taken."""
     z, split = states(), 2 * CELLS
     nuclei = [one[:CELLS] for one in z if apart(one[:CELLS])]
@@ -121,12 +88,78 @@ def _set(_: Tables) -> Evidence:
     )
 
 
+def next_to(n: int) -> list[tuple[int, int]]:
+    """The edges of a layer of n cells."""
+    return [(i, i + 1) for i in range(n - 1)]
+
+
+@claim(
+    "c3.constraint-count",
+    "How many scalar constraints a tissue of N cells has.",
+    source="section 2.3",
+    quote="in the setup of Section 2.2.7 we have M = N(N-1)/2 + 2(N-1) + N constraints",
+    chosen="the basal line counts as one constraint for each cell",
+)
+def _count() -> Evidence:
+    """(C1) for each pair, (C2) and (C4) for each edge, (C3) for each cell."""
+    sizes = range(1, 61)
+    counted = [len(list(combinations(range(n), 2))) + 2 * len(next_to(n)) + n for n in sizes]
+    told = [n * (n - 1) / 2 + 2 * (n - 1) + n for n in sizes]
+    off = float(np.abs(np.subtract(counted, told)).max())
+    return Evidence(
+        f"counted for 1 to 60 cells, the formula is off by {off:g} at most; the 60 cells of Table 1 have {counted[-1]}",
+        printed=(equal("largest difference of count and formula", off, 0.0),),
+    )
+
+
+def basal_pairs() -> Floats:
+    """x of two neighbouring basal points, shape (SAMPLES, 2), in either order."""
+    return np.random.default_rng(SEED).uniform(-1.0, 1.0, (SAMPLES, 2))
+
+
+@claim(
+    "c3.squared",
+    "All four kinds of constraints are taken squared.",
+    source="section 2.3",
+    quote="Since the convergence rates can depend on the representation, we define g_ℓ as the square of (C1) to (C4).",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "distances (C1), (C2) are squared; the order (C4) is taken as it stands, and (C3) is eliminated",
+        Effect.NOTATION,
+        "(3.19) and every method that uses these g_ℓ",
+    ),
+)
+def _squared() -> Evidence:
+    left, right = basal_pairs().T
+    answers = ((right - left) ** 2 >= 0, left**2 <= right**2, right - left >= 0)
+    wrong = [int((told != (left <= right)).sum()) for told in answers]
+    h = 1e-6
+    signed, plain = (abs(edge(h) - edge(-h)) / (2 * h) for edge in (lambda s: -(min(0.0, s) ** 2), lambda s: s))
+    return Evidence(
+        f"of {SAMPLES} random pairs (x(B_j) - x(B_i))² ≥ 0 judges {wrong[0]} wrongly, x(B_j)² ≥ x(B_i)² {wrong[1]}, "
+        f"(C4) itself {wrong[2]}; -min(0, x(B_j) - x(B_i))² ≥ 0 has the gradient {signed:.0e} where it is met, so that "
+        "no multiplier can push along it",
+        printed=(equal("pairs judged wrongly, better of two squares", min(wrong[:2]), 0.0),),
+        corrected=(
+            equal("pairs judged wrongly, (C4) as it is", wrong[2], 0.0),
+            at_least("gradient of (C4) where it is met", plain, 0.5),
+        ),
+        seed=SEED,
+    )
+
+
 def lagrangian(w: Floats, g: Floats, multipliers: Floats) -> Floats:
     """W + sum_l lambda_l min(0, g_l), for W (K,), g (K, 2), lambda (2,)."""
     return w + np.minimum(0.0, g) @ multipliers
 
 
-def _saddle(_: Tables) -> Evidence:
+@claim(
+    "c3.saddle",
+    "inf sup of ℒ = W + Σ λ_ℓ min(0, g_ℓ) over all λ gives the minima of W over S.",
+    source="(3.20)",
+    quote="Solutions of (3.20) will also be solutions of the original problem (3.18).",
+)
+def _saddle() -> Evidence:
     """W = |z - a|^2 / 2 outside of the unit disc and right of x = 0, all on a grid."""
     grid = np.stack(np.meshgrid(np.linspace(-2, 2, 201), np.linspace(-2, 2, 201)), axis=-1).reshape(-1, 2)
     w = ((grid - [0.3, 0.2]) ** 2).sum(axis=1) / 2
@@ -153,6 +186,8 @@ class Rest(NamedTuple):
 
 
 PAIRS = ((0, 1), (0, 2), (1, 2))
+
+
 FROM = np.array([0.9, 0.1, -0.7, 0.6, -0.2, -0.9])
 
 
@@ -174,7 +209,17 @@ def three_discs() -> Rest:
     return Rest(found, found, gaps(found), rows, multipliers)
 
 
-def _rest(_: Tables) -> Evidence:
+@claim(
+    "c3.rests",
+    "A constrained minimum, with its multipliers, is an equilibrium of both systems.",
+    source="(3.21) to (3.23)",
+    quote=(
+        "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … has also "
+        "all solutions of (3.18) as equilibria."
+    ),
+    chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
+)
+def _rest() -> Evidence:
     at = three_discs()
     first = float(np.abs(at.gradient + at.rows.T @ -at.multipliers).max())
     damping = at.rows.T @ (at.multipliers * at.g)
@@ -190,53 +235,3 @@ def _rest(_: Tables) -> Evidence:
             at_most("|z̈| of (3.23)", second, TOL),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.feasible-set",
-        "(3.16), sections 3.2 and 3.3",
-        "S = ⋂_{j=1}^M S_j, which is the key assumption for the application of PBD",
-        _set,
-        statement="S is the intersection of the sets of single constraints: the nuclei that meet (C1), times all "
-        "apical points, times a convex set of basal points. So S is prox-regular if the set of (C1) is.",
-        chosen="equal hard radii, as Proposition 1.22 has them",
-    ),
-    Claim(
-        "c3.constraint-count",
-        "section 2.3",
-        "in the setup of Section 2.2.7 we have M = N(N-1)/2 + 2(N-1) + N constraints",
-        _count,
-        statement="How many scalar constraints a tissue of N cells has.",
-        chosen="the basal line counts as one constraint for each cell",
-    ),
-    Claim(
-        "c3.squared",
-        "section 2.3",
-        "Since the convergence rates can depend on the representation, we define g_ℓ as the square of (C1) to (C4).",
-        _squared,
-        statement="All four kinds of constraints are taken squared.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "distances (C1), (C2) are squared; the order (C4) is taken as it stands, and (C3) is eliminated",
-            Effect.NOTATION,
-            "(3.19) and every method that uses these g_ℓ",
-        ),
-    ),
-    Claim(
-        "c3.saddle",
-        "(3.20)",
-        "Solutions of (3.20) will also be solutions of the original problem (3.18).",
-        _saddle,
-        statement="inf sup of ℒ = W + Σ λ_ℓ min(0, g_ℓ) over all λ gives the minima of W over S.",
-    ),
-    Claim(
-        "c3.rests",
-        "(3.21) to (3.23)",
-        "The dynamical system (3.21) and (3.22) has every solution of (3.18) as an equilibrium. … (3.23) … has also "
-        "all solutions of (3.18) as equilibria.",
-        _rest,
-        statement="A constrained minimum, with its multipliers, is an equilibrium of both systems.",
-        chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
-    ),
-)

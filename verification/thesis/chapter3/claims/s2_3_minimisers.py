@@ -9,7 +9,7 @@ import numpy as np
 
 import dincl
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Minimum, RelativeMove, Stationary, minimise
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 STEPS = 2000
@@ -53,7 +53,20 @@ def first_method(side: float, turn: float) -> tuple[float, float]:
     return on_a_wall(step)
 
 
-def _method(_: Tables) -> Evidence:
+@claim(
+    "c3.arrow-hurwicz",
+    "The two steps of the Arrow-Hurwicz method, which find a minimum of W over g ≥ 0.",
+    source="Method 3.3",
+    quote="z_{n+1} := z_n - α(∇W(z_n) + Σ λ_ℓ ∇g_ℓ(z_n)), λ_{ℓ,n+1} := min(0, λ_{ℓ,n} - β g_ℓ(z_{n+1}))",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)",
+        Effect.MODEL,
+        "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
+    ),
+    chosen="step sizes and one row, the wall x ≥ 0; the first step is from z_0 to z_1, though “n > 0” is printed",
+)
+def _method() -> Evidence:
     """Method 3.3 with the printed signs and with both consistent ones."""
     printed, (negative, below), (positive, above) = first_method(1, -1)[0], first_method(1, 1), first_method(-1, -1)
     return Evidence(
@@ -76,7 +89,20 @@ def growth_rate(side: float, turn: float) -> float:
     return float(np.linalg.eigvals([[-alpha * bend, -side * alpha], [turn * beta, 0.0]]).real.max())
 
 
-def _equilibria(_: Tables) -> Evidence:
+@claim(
+    "c3.equilibria",
+    "The system whose attractive equilibria are to be the minima.",
+    source="(3.21), (3.22)",
+    quote="attractive equilibria of the constructed dynamical system … ż = -α(∇W + Σ λ_ℓ ∇g_ℓ), λ̇_ℓ = -βg_ℓ",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ in (3.21) and λ̇_ℓ = +βg_ℓ in (3.22), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ, as in "
+        "(3.23), and λ̇_ℓ = -βg_ℓ",
+        Effect.MODEL,
+        "Method 3.3, which is the semi-implicit Euler method for this system, as in c3.arrow-hurwicz",
+    ),
+)
+def _equilibria() -> Evidence:
     printed, negative, positive = growth_rate(1, -1), growth_rate(1, 1), growth_rate(-1, -1)
     return Evidence(
         f"W = (x + 1)²/2 on x ≥ 0: as printed the minimum is an equilibrium at λ = -1 only, a saddle with growth rate "
@@ -90,7 +116,16 @@ def _equilibria(_: Tables) -> Evidence:
     )
 
 
-def _not_always(_: Tables) -> Evidence:
+@claim(
+    "c3.not-always",
+    "The undamped method can fail for discs where the damped one converges.",
+    source="section 2.3",
+    quote=(
+        "the direct application of the Arrow-Hurwicz algorithm does not always converge for … non-overlapping spheres"
+    ),
+    chosen="signs that the optimality conditions ask for; step sizes 0.1",
+)
+def _not_always() -> Evidence:
     """Two and four discs that are drawn to one point, distances squared."""
     stop, problems = Stationary(TOL), {"two discs": two_discs(), "four discs": dincl.scenes.four_disks()}
     plain = {
@@ -121,7 +156,20 @@ def two_discs() -> dincl.Problem:
     return dincl.Problem([[-0.6, 0.1], [0.7, 0.0]], lambda _t, x: -x, [dincl.NonOverlap(0.5)])
 
 
-def _damped_multiplier(_: Tables) -> Evidence:
+@claim(
+    "c3.daha-multiplier",
+    "How the damped method updates its multipliers.",
+    source="Method 3.4",
+    quote="λ_{ℓ,n+1} = min(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "λ_{ℓ,n+1} = max(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
+        Effect.MODEL,
+        "the method: with min, discs that overlap do not notice each other",
+    ),
+    chosen="n starts at 1 with z_1 = z_0, and λ_1 = 0: the text sets only λ_0",
+)
+def _damped_multiplier() -> Evidence:
     """The same wall by Method 3.4 with c dtau = 2."""
     alpha, beta, gamma = 0.2, 0.1, 0.2
 
@@ -145,7 +193,13 @@ def scaled(alpha: float, beta: float, gamma: float, c: float, dtau: float) -> tu
     return alpha / dtau**2, beta / dtau, gamma / dtau**2, c / dtau
 
 
-def _rescaled(_: Tables) -> Evidence:
+@claim(
+    "c3.rescaled",
+    "The step Δτ can be absorbed in the other parameters.",
+    source="Remark 3.5",
+    quote="For example, we can choose without loss of generality Δτ = 1.",
+)
+def _rescaled() -> Evidence:
     """A power of two, so that equal means equal to the last bit."""
     scene, dtau, stop = dincl.scenes.four_disks(), 4.0, 1e-5
     alpha, beta, gamma, c = 0.1, 0.1, 1.0, 1.5
@@ -163,7 +217,14 @@ def _rescaled(_: Tables) -> Evidence:
     )
 
 
-def _attractive(_: Tables) -> Evidence:
+@claim(
+    "c3.attractive",
+    "For two discs the damped system is attracted by the minimum.",
+    source="section 2.3",
+    quote="For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
+    chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
+)
+def _attractive() -> Evidence:
     """N = 2, distances squared, |r| = 1: curvature h = 0 and J J^T = 8 at contact, multiplier scale/4."""
 
     def growth(scale: float) -> float:
@@ -178,72 +239,3 @@ def _attractive(_: Tables) -> Evidence:
         f"{weak:+.1e} with 1/50 of it: it attracts just if c(αh + γλ*‖∇g‖²) > αβ‖∇g‖², here λ* > {bound:.4f}",
         printed=(at_most("growth rate at the contact of two discs", strong, -SLOWEST),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.arrow-hurwicz",
-        "Method 3.3",
-        "z_{n+1} := z_n - α(∇W(z_n) + Σ λ_ℓ ∇g_ℓ(z_n)), λ_{ℓ,n+1} := min(0, λ_{ℓ,n} - β g_ℓ(z_{n+1}))",
-        _method,
-        statement="The two steps of the Arrow-Hurwicz method, which find a minimum of W over g ≥ 0.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)",
-            Effect.MODEL,
-            "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
-        ),
-        chosen="step sizes and one row, the wall x ≥ 0; the first step is from z_0 to z_1, though “n > 0” is printed",
-    ),
-    Claim(
-        "c3.equilibria",
-        "(3.21), (3.22)",
-        "attractive equilibria of the constructed dynamical system … ż = -α(∇W + Σ λ_ℓ ∇g_ℓ), λ̇_ℓ = -βg_ℓ",
-        _equilibria,
-        statement="The system whose attractive equilibria are to be the minima.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ in (3.21) and λ̇_ℓ = +βg_ℓ in (3.22), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ, as in "
-            "(3.23), and λ̇_ℓ = -βg_ℓ",
-            Effect.MODEL,
-            "Method 3.3, which is the semi-implicit Euler method for this system, as in c3.arrow-hurwicz",
-        ),
-    ),
-    Claim(
-        "c3.not-always",
-        "section 2.3",
-        "the direct application of the Arrow-Hurwicz algorithm does not always converge for … non-overlapping spheres",
-        _not_always,
-        statement="The undamped method can fail for discs where the damped one converges.",
-        chosen="signs that the optimality conditions ask for; step sizes 0.1",
-    ),
-    Claim(
-        "c3.daha-multiplier",
-        "Method 3.4",
-        "λ_{ℓ,n+1} = min(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
-        _damped_multiplier,
-        statement="How the damped method updates its multipliers.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "λ_{ℓ,n+1} = max(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
-            Effect.MODEL,
-            "the method: with min, discs that overlap do not notice each other",
-        ),
-        chosen="n starts at 1 with z_1 = z_0, and λ_1 = 0: the text sets only λ_0",
-    ),
-    Claim(
-        "c3.rescaled",
-        "Remark 3.5",
-        "For example, we can choose without loss of generality Δτ = 1.",
-        _rescaled,
-        statement="The step Δτ can be absorbed in the other parameters.",
-    ),
-    Claim(
-        "c3.attractive",
-        "section 2.3",
-        "For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
-        _attractive,
-        statement="For two discs the damped system is attracted by the minimum.",
-        chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
-    ),
-)

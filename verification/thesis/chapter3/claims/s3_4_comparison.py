@@ -8,7 +8,7 @@ import math
 import pandas as pd
 from scipy.special import stdtrit
 
-from verification.claim import Claim, Cost, MissingRow, Tables
+from verification.claims import Cost, MissingRow, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.daha import (
     COMPARED,
@@ -31,36 +31,18 @@ STEPS = 100
 NOTCH = 1.57
 
 
-def row_of(table: pd.DataFrame, **where: object) -> pd.Series:
-    """The row with these values; MissingRow if there is none."""
-    for name, value in where.items():
-        table = table[table[name] == value]
-    if table.empty:
-        raise MissingRow(f"no row where {', '.join(f'{name} is {value}' for name, value in where.items())}")
-    return table.iloc[0]
-
-
-def needed(runs: float, half: float, gap: float) -> int:
-    """Runs with which an interval that has the half-width ``half`` with ``runs`` of them shrinks to ``gap``."""
-    return max(2, math.ceil(runs * (half / gap) ** 2)) if math.isfinite(half) else 2
-
-
-def _iterations(tables: Tables) -> Evidence:
-    row = row_of(tables["tissue_daha_iterations"], case=PRINTED, eps=OWN)
-    half = NOTCH * (row["high"] - row["low"]) / math.sqrt(row["terminated"])
-    interval = (row["median"] - half) / USUAL, (row["median"] + half) / USUAL
-    return Evidence(
-        f"thesis preset, Table 4: {row['terminated']} steps take {row['median']:.0f} iterations in the median, half of "
-        f"them {row['low']:.0f} to {row['high']:.0f}, {row['mean']:.0f} on average",
-        printed=(
-            equal("median of the iterations over 7500", row["median"] / USUAL, 1.0, CLOSE, interval),
-            at_most("lower quartile of the iterations", row["low"], USUAL),
-            at_least("upper quartile of the iterations", row["high"], USUAL),
-        ),
-        runs_needed=needed(row["terminated"], half / USUAL, CLOSE - abs(row["median"] / USUAL - 1)),
-    )
-
-
+@claim(
+    "c3.part-way",
+    "DAHA stops on its way from the start to the minimum.",
+    source="section 2.3.2",
+    quote=(
+        "we will show an error estimate for DAHA which will later explain why DAHA prefers solutions which are close "
+        "the starting point"
+    ),
+    needs=("tissue_judged_steps",),
+    chosen="stops on its way: at least a tenth of the way is left",
+    cost=Cost.MINUTES,
+)
 def _part_way(tables: Tables) -> Evidence:
     row = row_of(tables["tissue_judged_steps"], where="DAHA")
     interval = float(row["low"]), float(row["high"])
@@ -78,6 +60,18 @@ def runs_for(share: float, error: float) -> int:
     return math.ceil(share * (1 - share) * (1.96 / error) ** 2)
 
 
+@claim(
+    "c3.every-fourth",
+    "A quarter of the simulations by DAHA fail.",
+    source="sections 3 and 3.4",
+    quote=(
+        "In roughly every fourth situation, the DAHA solver has stability issues which lead to non-terminating states."
+    ),
+    needs=("tissue_daha_failures",),
+    recorded=Kind.OPEN,
+    chosen="runs of 10 h, at most 100,000 iterations in a step; whether desired rest lengths may be negative",
+    cost=Cost.MINUTES,
+)
 def _failures(tables: Tables) -> Evidence:
     """The share is that of one of the two readings of the model: it is not known more closely than they differ."""
     table = tables["tissue_daha_failures"]
@@ -93,6 +87,81 @@ def _failures(tables: Tables) -> Evidence:
     )
 
 
+def row_of(table: pd.DataFrame, **where: object) -> pd.Series:
+    """The row with these values; MissingRow if there is none."""
+    for name, value in where.items():
+        table = table[table[name] == value]
+    if table.empty:
+        raise MissingRow(f"no row where {', '.join(f'{name} is {value}' for name, value in where.items())}")
+    return table.iloc[0]
+
+
+def needed(runs: float, half: float, gap: float) -> int:
+    """Runs with which an interval that has the half-width ``half`` with ``runs`` of them shrinks to ``gap``."""
+    return max(2, math.ceil(runs * (half / gap) ** 2)) if math.isfinite(half) else 2
+
+
+@claim(
+    "c3.iterations",
+    "How many iterations DAHA needs in a step.",
+    source="section 3.1, Figure 11",
+    quote="For the default parameter ε = 10⁻⁶, the number of iterations in most cases close to n* ≈ 7500.",
+    needs=("tissue_daha_iterations",),
+    chosen="close: within a quarter",
+    cost=Cost.MINUTES,
+)
+def _iterations(tables: Tables) -> Evidence:
+    row = row_of(tables["tissue_daha_iterations"], case=PRINTED, eps=OWN)
+    half = NOTCH * (row["high"] - row["low"]) / math.sqrt(row["terminated"])
+    interval = (row["median"] - half) / USUAL, (row["median"] + half) / USUAL
+    return Evidence(
+        f"thesis preset, Table 4: {row['terminated']} steps take {row['median']:.0f} iterations in the median, half of "
+        f"them {row['low']:.0f} to {row['high']:.0f}, {row['mean']:.0f} on average",
+        printed=(
+            equal("median of the iterations over 7500", row["median"] / USUAL, 1.0, CLOSE, interval),
+            at_most("lower quartile of the iterations", row["low"], USUAL),
+            at_least("upper quartile of the iterations", row["high"], USUAL),
+        ),
+        runs_needed=needed(row["terminated"], half / USUAL, CLOSE - abs(row["median"] / USUAL - 1)),
+    )
+
+
+@claim(
+    "c3.optimal",
+    "The damping that is derived makes PBD nearly as close to DAHA as any.",
+    source="section 3.1",
+    quote=(
+        "[μ = 0.1333] Here, the choice of n* is the median obtained from Figure 11. We will later see that this "
+        "choice is almost optimal."
+    ),
+    needs=("tissue_daha_fits",),
+    chosen=(
+        "the step of DAHA is that of (3.26), from which 0.1333 is derived (c3.update); almost: within a factor "
+        "1.5; desired rest lengths ≥ 0, with which DAHA terminates"
+    ),
+    cost=Cost.MINUTES,
+)
+def _optimal(tables: Tables) -> Evidence:
+    fits = tables["tissue_daha_fits"]
+    own, doubled = (row_of(fits, case=case, t=max(TIMES), substeps=SUBSTEPS) for case in (TERMINATING, DOUBLED_CASE))
+    low, best, high = (float(doubled[name]) for name in ("mu_low", "mu", "mu_high"))
+    return Evidence(
+        f"nuclei at 10 h are nearest to those of DAHA with the step of (3.26), as printed, at μ = {best:.3f} "
+        f"[{low:.3f}, {high:.3f}] h; with that of (3.25) and Table 4, α/2, at {own['mu']:.3f} [{own['mu_low']:.3f}, "
+        f"{own['mu_high']:.3f}] h, {own['mu'] / best:.1f} times as much",
+        printed=(Comparison("best μ over 0.1333 h", best / THEORY, 1 / ALMOST, ALMOST, (low / THEORY, high / THEORY)),),
+        runs_needed=needed(doubled["runs"], (high - low) / 2, abs(ALMOST * THEORY - best)),
+    )
+
+
+@claim(
+    "c3.gradients",
+    "DAHA evaluates the gradient some 300 times as often as PBD.",
+    source="section 3.4",
+    quote="The faster simulation is simply a result of less evaluations of the energy gradient.",
+    needs=("tissue_daha",),
+    cost=Cost.MINUTES,
+)
 def _work(tables: Tables) -> Evidence:
     table = tables["tissue_daha"]
     runs = table[(table["kind"] == "run") & (table["case"] == TERMINATING) & (table["eps"] == OWN)]
@@ -110,19 +179,6 @@ def _work(tables: Tables) -> Evidence:
     )
 
 
-def _optimal(tables: Tables) -> Evidence:
-    fits = tables["tissue_daha_fits"]
-    own, doubled = (row_of(fits, case=case, t=max(TIMES), substeps=SUBSTEPS) for case in (TERMINATING, DOUBLED_CASE))
-    low, best, high = (float(doubled[name]) for name in ("mu_low", "mu", "mu_high"))
-    return Evidence(
-        f"nuclei at 10 h are nearest to those of DAHA with the step of (3.26), as printed, at μ = {best:.3f} "
-        f"[{low:.3f}, {high:.3f}] h; with that of (3.25) and Table 4, α/2, at {own['mu']:.3f} [{own['mu_low']:.3f}, "
-        f"{own['mu_high']:.3f}] h, {own['mu'] / best:.1f} times as much",
-        printed=(Comparison("best μ over 0.1333 h", best / THEORY, 1 / ALMOST, ALMOST, (low / THEORY, high / THEORY)),),
-        runs_needed=needed(doubled["runs"], (high - low) / 2, abs(ALMOST * THEORY - best)),
-    )
-
-
 def _beyond(row: pd.Series, value: float) -> float:
     """How far a value is from the mean of n runs, over the half-width in which 95 % of single runs lie."""
     runs = int(row["runs"])
@@ -131,6 +187,15 @@ def _beyond(row: pd.Series, value: float) -> float:
     return float(abs(value - row["relative"]) / (quantile * deviation * math.sqrt(1 + 1 / runs)))
 
 
+@claim(
+    "c3.six-per-cent",
+    "How far apart the nuclei of one simulation by both methods are.",
+    source="section 3.4",
+    quote="‖X^DAHA(10 h) - X^PBD(10 h)‖/‖X^DAHA(10 h)‖ ≈ 0.06 for μ = 0.14",
+    needs=("tissue_daha_distances",),
+    chosen="the step of DAHA is that of (3.26); one run is compared with the spread of single runs",
+    cost=Cost.MINUTES,
+)
 def _distance(tables: Tables) -> Evidence:
     table = tables["tissue_daha_distances"]
     at = {"kind": "pbd", "t": max(TIMES), "mu": COMPARED, "substeps": SUBSTEPS}
@@ -147,70 +212,3 @@ def _distance(tables: Tables) -> Evidence:
             doubled["runs"], (doubled["high"] - doubled["low"]) / 2, abs(doubled["relative"] - DISTANCE)
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.part-way",
-        "section 2.3.2",
-        "we will show an error estimate for DAHA which will later explain why DAHA prefers solutions which are close "
-        "the starting point",
-        _part_way,
-        needs=("tissue_judged_steps",),
-        statement="DAHA stops on its way from the start to the minimum.",
-        chosen="stops on its way: at least a tenth of the way is left",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.every-fourth",
-        "sections 3 and 3.4",
-        "In roughly every fourth situation, the DAHA solver has stability issues which lead to non-terminating states.",
-        _failures,
-        needs=("tissue_daha_failures",),
-        statement="A quarter of the simulations by DAHA fail.",
-        recorded=Kind.OPEN,
-        chosen="runs of 10 h, at most 100,000 iterations in a step; whether desired rest lengths may be negative",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.iterations",
-        "section 3.1, Figure 11",
-        "For the default parameter ε = 10⁻⁶, the number of iterations in most cases close to n* ≈ 7500.",
-        _iterations,
-        needs=("tissue_daha_iterations",),
-        statement="How many iterations DAHA needs in a step.",
-        chosen="close: within a quarter",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.optimal",
-        "section 3.1",
-        "[μ = 0.1333] Here, the choice of n* is the median obtained from Figure 11. We will later see that this "
-        "choice is almost optimal.",
-        _optimal,
-        needs=("tissue_daha_fits",),
-        statement="The damping that is derived makes PBD nearly as close to DAHA as any.",
-        chosen="the step of DAHA is that of (3.26), from which 0.1333 is derived (c3.update); almost: within a factor "
-        "1.5; desired rest lengths ≥ 0, with which DAHA terminates",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.gradients",
-        "section 3.4",
-        "The faster simulation is simply a result of less evaluations of the energy gradient.",
-        _work,
-        needs=("tissue_daha",),
-        statement="DAHA evaluates the gradient some 300 times as often as PBD.",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.six-per-cent",
-        "section 3.4",
-        "‖X^DAHA(10 h) - X^PBD(10 h)‖/‖X^DAHA(10 h)‖ ≈ 0.06 for μ = 0.14",
-        _distance,
-        needs=("tissue_daha_distances",),
-        statement="How far apart the nuclei of one simulation by both methods are.",
-        chosen="the step of DAHA is that of (3.26); one run is compared with the spread of single runs",
-        cost=Cost.MINUTES,
-    ),
-)

@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 
 from tissue.files.parameters import preset
 from tissue.model.cells import empty
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import apart
 from verification.thesis.chapter3.claims.s3_1_first_order import START, slope
@@ -28,7 +28,16 @@ DT, MU = 0.1, 0.15
 TOL = 1e-5
 
 
-def _speedup(_: Tables) -> Evidence:
+@claim(
+    "c3.speedup",
+    "The times that are given, their ratio, and the ratio of the work.",
+    source="sections 3 and 3.4",
+    quote=(
+        "27 s … 0.08 s, which is over 300× faster … 28 s … 300× speed-up … essentially the ratio between n* = 7500 and "
+        "n^sub-steps = 20"
+    ),
+)
+def _speedup() -> Evidence:
     least, most = (seconds / PBD_SECONDS for seconds in DAHA_SECONDS)
     work = USUAL / SUBSTEPS
     return Evidence(
@@ -53,7 +62,24 @@ def curvature(x: Floats, y: Floats) -> Floats:
     return norms
 
 
-def _well_posed(_: Tables) -> Evidence:
+@claim(
+    "c3.well-posed",
+    "By the theorems of chapter 1 the first-order model has one solution from each start, for all times.",
+    source="section 3.2",
+    quote=(
+        "Since the set S is uniformly prox-regular …, we obtain from Theorem 1.31 and Lemma 1.32 the well-posed of "
+        "this equation."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the theorems need a Lipschitz ∇W: they apply as long as no nucleus comes near an end of its cell, where "
+        "(3.12) has no bounded second derivative",
+        Effect.PROOF,
+        "well-posedness for all times; where nuclei meet an end, DAHA and PBD become unstable",
+    ),
+    chosen="one cell of 8 R_soft with the stiffnesses of Table 2",
+)
+def _well_posed() -> Evidence:
     """Nuclei nearer and nearer to the apical point, and random ones that keep away from both ends."""
     near = curvature(np.zeros(3), 8.0 - np.array([1e-2, 1e-3, 1e-4]))
     power = float(np.log10(near[2] / near[0]) / 2)
@@ -102,7 +128,17 @@ def nearest(z: Floats, kind: str, value: Callable[[Floats], Floats]) -> Floats:
     return np.reshape(found.x, (2, 2))
 
 
-def _projections(_: Tables) -> Evidence:
+@claim(
+    "c3.projections",
+    "The nearest point of each single constraint has a closed form.",
+    source="section 3.3",
+    quote=(
+        "All these constraints have in common, that it is very easy to explicitly compute the projection for each "
+        "individual constraint."
+    ),
+    chosen="the formulas, which the text leaves to the reader",
+)
+def _projections() -> Evidence:
     """Each formula beside a general solver, from random pairs that break the constraint."""
     rng, off = np.random.default_rng(SEED), dict.fromkeys(("C1", "C2", "C3", "C4"), 0.0)
     for z in rng.uniform(-0.3, 0.3, (10, 2, 2)):
@@ -138,7 +174,14 @@ def stepped(z: Floats, n: int) -> Floats:
     return z
 
 
-def _substeps(_: Tables) -> Evidence:
+@claim(
+    "c3.substeps",
+    "n substeps of Δt/n each, with Δt/μ as the weight of the gradient, cover one time step.",
+    source="(3.34)",
+    quote="Φ^PBD(Z) = (Φ^PBD_{Δt/n^sub-step})^{n^sub-step} (Z)",
+    chosen="coordinates that do not act on each other, so that the solution is known",
+)
+def _substeps() -> Evidence:
     """The flow with its wall: coordinates do not act on each other, so that one stops where it meets its wall."""
     exact = np.maximum(flow(), LOWEST)
     twenty, forty = (float(np.abs(stepped(START, n) - exact).max()) for n in (SUBSTEPS, 2 * SUBSTEPS))
@@ -150,48 +193,3 @@ def _substeps(_: Tables) -> Evidence:
             at_most("error of 20 substeps", twenty, 0.1),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.speedup",
-        "sections 3 and 3.4",
-        "27 s … 0.08 s, which is over 300× faster … 28 s … 300× speed-up … essentially the ratio between n* = 7500 and "
-        "n^sub-steps = 20",
-        _speedup,
-        statement="The times that are given, their ratio, and the ratio of the work.",
-    ),
-    Claim(
-        "c3.well-posed",
-        "section 3.2",
-        "Since the set S is uniformly prox-regular …, we obtain from Theorem 1.31 and Lemma 1.32 the well-posed of "
-        "this equation.",
-        _well_posed,
-        statement="By the theorems of chapter 1 the first-order model has one solution from each start, for all times.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the theorems need a Lipschitz ∇W: they apply as long as no nucleus comes near an end of its cell, where "
-            "(3.12) has no bounded second derivative",
-            Effect.PROOF,
-            "well-posedness for all times; where nuclei meet an end, DAHA and PBD become unstable",
-        ),
-        chosen="one cell of 8 R_soft with the stiffnesses of Table 2",
-    ),
-    Claim(
-        "c3.projections",
-        "section 3.3",
-        "All these constraints have in common, that it is very easy to explicitly compute the projection for each "
-        "individual constraint.",
-        _projections,
-        statement="The nearest point of each single constraint has a closed form.",
-        chosen="the formulas, which the text leaves to the reader",
-    ),
-    Claim(
-        "c3.substeps",
-        "(3.34)",
-        "Φ^PBD(Z) = (Φ^PBD_{Δt/n^sub-step})^{n^sub-step} (Z)",
-        _substeps,
-        statement="n substeps of Δt/n each, with Δt/μ as the weight of the gradient, cover one time step.",
-        chosen="coordinates that do not act on each other, so that the solution is known",
-    ),
-)

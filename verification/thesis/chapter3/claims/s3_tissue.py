@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from verification.claim import Claim, Correction, Cost, Effect, Tables
+from verification.claims import Correction, Cost, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 # Tables 1, 4 and 5, in units of R_soft and hours.
@@ -24,7 +24,19 @@ def noise_step(mu: float, factor: float, normal: np.ndarray) -> np.ndarray:
     return factor / mu * math.sqrt(2 * D * DT) * normal
 
 
-def _noise(_: Tables) -> Evidence:
+@claim(
+    "c3.noise",
+    "The stochastic inclusion whose noise the method adds as N_2(0, 2DΔt).",
+    source="(3.33)",
+    quote="μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + √(2D) dW_X",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + μ √(2D) dW_X",
+        Effect.MODEL,
+        "the first-order model; its method (3.35) and D of Table 1 belong to the corrected equation",
+    ),
+)
+def _noise() -> Evidence:
     """The variance of a coordinate after one step of (3.33) without forces, over that of (3.35)."""
     normal = np.random.default_rng(0).normal(size=SAMPLES)
     printed, right = (float(noise_step(MU, factor, normal).var()) / (2 * D * DT) for factor in (1.0, MU))
@@ -42,7 +54,20 @@ def decayed(dt: float, mu: float) -> float:
     return math.exp(-4 * dt / mu)
 
 
-def _mu(_: Tables) -> Evidence:
+@claim(
+    "c3.mu-unit",
+    "The unit of the damping coefficient.",
+    source="Table 5",
+    quote="μ = 0.15 h⁻¹, damping coefficient",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "μ = 0.15 h",
+        Effect.NUMBER,
+        "whoever changes the unit of time: in minutes μ is 9, not 0.0025; larger μ is slower",
+    ),
+    chosen="energies without unit, lengths in R^soft",
+)
+def _mu() -> Evidence:
     """A spring is described in hours, then in minutes: it must decay alike."""
     minutes = 60.0
     wanted = decayed(DT, MU)
@@ -73,6 +98,20 @@ def growth_steps(table: pd.DataFrame) -> pd.DataFrame:
     return steps.reset_index(drop=True)
 
 
+@claim(
+    "c3.larger-damping",
+    "The direction in which the damping has to change for a tissue that grows faster.",
+    source="section 4",
+    quote="This shows that larger damping coefficients would fit better to the in vivo experimental data",
+    needs=("tissue_ratios",),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "smaller damping coefficients would fit better",
+        Effect.CONCLUSION,
+        "the finding of section 4 and the choice of μ; Figures 15 and 16 say the same as the correction",
+    ),
+    cost=Cost.MINUTES,
+)
 def _damping(tables: Tables) -> Evidence:
     steps = growth_steps(tables["tissue_ratios"])
     if steps.empty:
@@ -87,49 +126,3 @@ def _damping(tables: Tables) -> Evidence:
         corrected=(at_most("largest change with a larger μ", up["step"], 0.0, interval=(up["low"], up["high"])),),
         runs_needed=max(2, needed),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c3.noise",
-        "(3.33)",
-        "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + √(2D) dW_X",
-        _noise,
-        statement="The stochastic inclusion whose noise the method adds as N_2(0, 2DΔt).",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + μ √(2D) dW_X",
-            Effect.MODEL,
-            "the first-order model; its method (3.35) and D of Table 1 belong to the corrected equation",
-        ),
-    ),
-    Claim(
-        "c3.mu-unit",
-        "Table 5",
-        "μ = 0.15 h⁻¹, damping coefficient",
-        _mu,
-        statement="The unit of the damping coefficient.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "μ = 0.15 h",
-            Effect.NUMBER,
-            "whoever changes the unit of time: in minutes μ is 9, not 0.0025; larger μ is slower",
-        ),
-        chosen="energies without unit, lengths in R^soft",
-    ),
-    Claim(
-        "c3.larger-damping",
-        "section 4",
-        "This shows that larger damping coefficients would fit better to the in vivo experimental data",
-        _damping,
-        needs=("tissue_ratios",),
-        statement="The direction in which the damping has to change for a tissue that grows faster.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "smaller damping coefficients would fit better",
-            Effect.CONCLUSION,
-            "the finding of section 4 and the choice of μ; Figures 15 and 16 say the same as the correction",
-        ),
-        cost=Cost.MINUTES,
-    ),
-)

@@ -10,7 +10,7 @@ import numpy as np
 from tissue.files.parameters import PRESETS, preset
 from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
-from verification.claim import Claim, Cost, Tables
+from verification.claims import Cost, Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.claims.s3_4_comparison import SHARE, SUBSTEPS, needed, row_of
@@ -26,6 +26,18 @@ APICAL = 0.6
 HALF, MATCHING, DOUBLING, NEAR_DOUBLING = 1.5, 0.2, 0.025, 0.005
 
 
+@claim(
+    "c3.only-condition",
+    "With substeps that are short enough PBD loses no run.",
+    source="section 3.4",
+    quote=(
+        "In all our experiments, the PBD method did never diverge. The only condition is that Δt and n^sub-steps have "
+        "reasonable values such that the explicit Euler method converges."
+    ),
+    needs=("tissue_ratios",),
+    chosen="short enough: the finest substeps of the study of growth",
+    cost=Cost.MINUTES,
+)
 def _condition(tables: Tables) -> Evidence:
     table = tables["tissue_ratios"]
     largest = table.groupby(["preset", "mu"])["substeps"].transform("max")
@@ -40,16 +52,31 @@ def _condition(tables: Tables) -> Evidence:
     )
 
 
-def _less_than_half(tables: Tables) -> Evidence:
-    table = tables["tissue_ratios"]
-    table = table[(table["mu"] == MATCHING) & (table["lost"] == 0)].sort_values("substeps", ascending=False)
-    published, thesis = (row_of(table, preset=name) for name in ("published", "thesis"))
-    interval = float(published["low"]), float(published["high"])
+@claim(
+    "c3.macroscopic",
+    "Tissues by both methods are as high and as wide.",
+    source="section 3.4",
+    quote="More importantly, the macroscopic quantities such as tissue height, shape and growth, remain intact",
+    needs=("tissue_daha_distances",),
+    chosen="the step of DAHA is that of (3.26); height and apical width at 10 h within 10 %",
+    cost=Cost.MINUTES,
+)
+def _macroscopic(tables: Tables) -> Evidence:
+    table = tables["tissue_daha_distances"]
+    row = row_of(table, kind="pbd", t=max(TIMES), mu=COMPARED, substeps=SUBSTEPS, case=DOUBLED_CASE)
+    names = "height", "width"
+    told = [
+        f"{name} {100 * row[name]:+.1f} % [{100 * row[f'{name}_low']:+.1f}, {100 * row[f'{name}_high']:+.1f}]"
+        for name in names
+    ]
+    half = (row["height_high"] - row["height_low"]) / 2
     return Evidence(
-        f"48 h, μ = 0.2 h: the height becomes {published['ratio']:.2f} [{interval[0]:.2f}, {interval[1]:.2f}] times "
-        f"that of the start with the rules of the published runs, {thesis['ratio']:.2f} with those of this chapter",
-        printed=(at_most("height after 48 h over that at the start", published["ratio"], HALF, interval=interval),),
-        runs_needed=needed(published["runs"], (interval[1] - interval[0]) / 2, HALF - published["ratio"]),
+        f"10 h, μ = 0.14 h, the step of DAHA as in (3.26): PBD has {told[0]}, apical {told[1]} off DAHA",
+        printed=tuple(
+            equal(f"{name} off", row[name], 0.0, SIMILAR, interval=(row[f"{name}_low"], row[f"{name}_high"]))
+            for name in names
+        ),
+        runs_needed=needed(row["runs"], half, SIMILAR - abs(row["height"])),
     )
 
 
@@ -60,7 +87,17 @@ def mean_position(rules: str, seed: int, **phases: str) -> float:
     return float(ab_positions(simulate(preset(rules).changed(changes), seed).final).mean())
 
 
-def _accumulation(_: Tables) -> Evidence:
+@claim(
+    "c3.accumulation",
+    "After two days more nuclei lie near the apical than near the basal side.",
+    source="Figure 14",
+    quote="We see the expected behaviour of tissue growth with accumulation of nuclei on the apical side",
+    chosen=(
+        "accumulation: the mean of y_AB is above 0.6, that of evenly spread nuclei is 0.5; PBD with μ = 0.2 h "
+        "stands for DAHA"
+    ),
+)
+def _accumulation() -> Evidence:
     values = [[mean_position(rules, seed) for seed in SEEDS] for rules in PRESETS]
     thesis, published = map(over_seeds, values)
     without = float(np.mean([mean_position("thesis", seed, g2="0 h", mitosis="0 h") for seed in SEEDS]))
@@ -77,6 +114,43 @@ def _accumulation(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c3.less-than-half",
+    "With the default parameters the tissue gains less than half of its height in two days.",
+    source="section 4, Figure 14",
+    quote=(
+        "Figure 14 shows a simulation with the QSS-PSE model where the height increase is less than 50 % of the "
+        "initial height."
+    ),
+    needs=("tissue_ratios",),
+    chosen=(
+        "the rules of the published runs, whose springs and repulsion have the squared denominators of "
+        "c3.dimensions; PBD with μ = 0.2 h, which is said to be similar, stands for DAHA"
+    ),
+    cost=Cost.MINUTES,
+)
+def _less_than_half(tables: Tables) -> Evidence:
+    table = tables["tissue_ratios"]
+    table = table[(table["mu"] == MATCHING) & (table["lost"] == 0)].sort_values("substeps", ascending=False)
+    published, thesis = (row_of(table, preset=name) for name in ("published", "thesis"))
+    interval = float(published["low"]), float(published["high"])
+    return Evidence(
+        f"48 h, μ = 0.2 h: the height becomes {published['ratio']:.2f} [{interval[0]:.2f}, {interval[1]:.2f}] times "
+        f"that of the start with the rules of the published runs, {thesis['ratio']:.2f} with those of this chapter",
+        printed=(at_most("height after 48 h over that at the start", published["ratio"], HALF, interval=interval),),
+        runs_needed=needed(published["runs"], (interval[1] - interval[0]) / 2, HALF - published["ratio"]),
+    )
+
+
+@claim(
+    "c3.similar",
+    "With this damping the first-order model grows as the quasi-steady one.",
+    source="Figure 15",
+    quote="Values around μ = 0.2 give similar results as the QSS-PSE model.",
+    needs=("tissue_daha_distances",),
+    chosen="similar: heights at 10 h within 10 %",
+    cost=Cost.MINUTES,
+)
 def _similar(tables: Tables) -> Evidence:
     table = tables["tissue_daha_distances"]
     at = {"kind": "pbd", "t": max(TIMES), "mu": MATCHING, "substeps": SUBSTEPS}
@@ -96,6 +170,17 @@ def _similar(tables: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c3.doubling",
+    "The damping at which the tissue doubles its height in two days.",
+    source="Figure 16",
+    quote="A realistic increase within 48 h would be a doubling …, similar to the choice μ = 0.025.",
+    needs=("tissue_doubling",),
+    chosen=(
+        "the rules of the published runs, whose springs and repulsion have the squared denominators of c3.dimensions"
+    ),
+    cost=Cost.MINUTES,
+)
 def _doubling(tables: Tables) -> Evidence:
     table = tables["tissue_doubling"]
     published, thesis = (row_of(table, preset=name, kind="fine") for name in ("published", "thesis"))
@@ -116,89 +201,3 @@ def _doubling(tables: Tables) -> Evidence:
         ),
         runs_needed=needed(published["runs"], (published["high"] - published["low"]) / 2, NEAR_DOUBLING),
     )
-
-
-def _macroscopic(tables: Tables) -> Evidence:
-    table = tables["tissue_daha_distances"]
-    row = row_of(table, kind="pbd", t=max(TIMES), mu=COMPARED, substeps=SUBSTEPS, case=DOUBLED_CASE)
-    names = "height", "width"
-    told = [
-        f"{name} {100 * row[name]:+.1f} % [{100 * row[f'{name}_low']:+.1f}, {100 * row[f'{name}_high']:+.1f}]"
-        for name in names
-    ]
-    half = (row["height_high"] - row["height_low"]) / 2
-    return Evidence(
-        f"10 h, μ = 0.14 h, the step of DAHA as in (3.26): PBD has {told[0]}, apical {told[1]} off DAHA",
-        printed=tuple(
-            equal(f"{name} off", row[name], 0.0, SIMILAR, interval=(row[f"{name}_low"], row[f"{name}_high"]))
-            for name in names
-        ),
-        runs_needed=needed(row["runs"], half, SIMILAR - abs(row["height"])),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c3.only-condition",
-        "section 3.4",
-        "In all our experiments, the PBD method did never diverge. The only condition is that Δt and n^sub-steps have "
-        "reasonable values such that the explicit Euler method converges.",
-        _condition,
-        needs=("tissue_ratios",),
-        statement="With substeps that are short enough PBD loses no run.",
-        chosen="short enough: the finest substeps of the study of growth",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.macroscopic",
-        "section 3.4",
-        "More importantly, the macroscopic quantities such as tissue height, shape and growth, remain intact",
-        _macroscopic,
-        needs=("tissue_daha_distances",),
-        statement="Tissues by both methods are as high and as wide.",
-        chosen="the step of DAHA is that of (3.26); height and apical width at 10 h within 10 %",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.accumulation",
-        "Figure 14",
-        "We see the expected behaviour of tissue growth with accumulation of nuclei on the apical side",
-        _accumulation,
-        statement="After two days more nuclei lie near the apical than near the basal side.",
-        chosen="accumulation: the mean of y_AB is above 0.6, that of evenly spread nuclei is 0.5; PBD with μ = 0.2 h "
-        "stands for DAHA",
-    ),
-    Claim(
-        "c3.less-than-half",
-        "section 4, Figure 14",
-        "Figure 14 shows a simulation with the QSS-PSE model where the height increase is less than 50 % of the "
-        "initial height.",
-        _less_than_half,
-        needs=("tissue_ratios",),
-        statement="With the default parameters the tissue gains less than half of its height in two days.",
-        chosen="the rules of the published runs, whose springs and repulsion have the squared denominators of "
-        "c3.dimensions; PBD with μ = 0.2 h, which is said to be similar, stands for DAHA",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.similar",
-        "Figure 15",
-        "Values around μ = 0.2 give similar results as the QSS-PSE model.",
-        _similar,
-        needs=("tissue_daha_distances",),
-        statement="With this damping the first-order model grows as the quasi-steady one.",
-        chosen="similar: heights at 10 h within 10 %",
-        cost=Cost.MINUTES,
-    ),
-    Claim(
-        "c3.doubling",
-        "Figure 16",
-        "A realistic increase within 48 h would be a doubling …, similar to the choice μ = 0.025.",
-        _doubling,
-        needs=("tissue_doubling",),
-        statement="The damping at which the tissue doubles its height in two days.",
-        chosen="the rules of the published runs, whose springs and repulsion have the squared denominators of "
-        "c3.dimensions",
-        cost=Cost.MINUTES,
-    ),
-)

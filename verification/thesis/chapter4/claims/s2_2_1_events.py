@@ -9,9 +9,8 @@ import numpy as np
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.frame import Frame
-from tissue.run import Run
-from verification.claim import Claim, Correction, Effect, Tables
+from tissue.run import Frame, Run
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 SEED = 4
@@ -35,7 +34,13 @@ def bridged(edges: Edges, i: int) -> Edges:
     return frozenset(edge for edge in edges if i not in edge) | frozenset((a, b) for a in left for b in right)
 
 
-def _bridge(_: Tables) -> Evidence:
+@claim(
+    "c4.bridged",
+    "When cells leave a layer their neighbours are joined, so that the rest is again one line of cells.",
+    source="sections 2.2.1, 2.2.2",
+    quote="we replace the edges (j₁, i) and (i, j₂) with the new edge (j₁, j₂)",
+)
+def _bridge() -> Evidence:
     """Four of six cells leave in every order."""
     start = frozenset((k, k + 1) for k in range(5))
     broken = tried = 0
@@ -63,7 +68,20 @@ def contracted(relaxes: bool) -> float:
     return d / (1.0 + ETA)
 
 
-def _rest_length(_: Tables) -> Evidence:
+@claim(
+    "c4.rest-length",
+    "After the loss of adhesion an equation of chapter 3 no longer holds for the rest length.",
+    source="sections 2.2.1, 2.2.2",
+    quote="the INM-specific cell event (3.2) [(3.3)] will not apply anymore for the i th cell",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the rules of sections 2.2.2 and 2.2.3 of chapter 3 that set η^{ax*} and η^{bx*} do not apply any more; "
+        "(3.2) and (3.3), by which η tends to η* = 0, do",
+        Effect.MODEL,
+        "events [A] and [B], the contraction in Figures 5 and 6, the pull-in effect of section 4.3.2",
+    ),
+)
+def _rest_length() -> Evidence:
     printed, right = contracted(relaxes=False), contracted(relaxes=True)
     return Evidence(
         f"{HOURS:g} h after [A] a freed spring that began at rest has {printed:.2f} of its length if (3.2) applies no "
@@ -78,7 +96,22 @@ def run_with(changes: dict[str, object]) -> Run:
     return simulate(preset("thesis").changed({"emt.cells": GROUP} | changes), SEED)
 
 
-def _free(_: Tables) -> Evidence:
+@claim(
+    "c4.free-basal",
+    "A state with a freed basal point off the x-axis is in the set S of (3.16).",
+    source="section 2.2.2",
+    quote=(
+        "We recall, that the constraints for basal points (C3) and (C4) do only hold for vertices of the basal network."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(C3) of chapter 3 is for all B_i; it must be restricted: B_i ∈ ℝ × {0} for the vertices i of ℬ",
+        Effect.NOTATION,
+        "(3.16), (3.33) and the freedom of B_i after [B]; chapter 3 is not concerned, for there all are vertices",
+    ),
+    chosen="the rest length of the spring relaxes at the rate of Table 2",
+)
+def _free() -> Evidence:
     frame = run_with({"emt.b": "6 h", "numerics.t_end": "12 h"}).final
     cells, layer = frame.cells, frame.layers.basal
     group = cells.emt >= 0
@@ -112,7 +145,13 @@ def bend(frames: tuple[Frame, ...]) -> float:
     return float(np.mean(angles))
 
 
-def _bent(_: Tables) -> Evidence:
+@claim(
+    "c4.bent",
+    "A cell whose bending spring has no stiffness is bent.",
+    source="section 2.2.3, Figure 7",
+    quote="the angle between the apical-nuclei and basal-nuclei springs is no longer straight",
+)
+def _bent() -> Evidence:
     straight, loose = (
         bend(run_with({"emt.s": time, "numerics.t_end": "18 h"}).frames[9:]) for time in ("never", "6 h")
     )
@@ -127,7 +166,13 @@ def _bent(_: Tables) -> Evidence:
     )
 
 
-def _constant(_: Tables) -> Evidence:
+@claim(
+    "c4.constant-group",
+    "The number of EMT cells is constant: they begin new cycles and have no daughters.",
+    source="sections 2.2.5, 2.3.1",
+    quote="the EMT cells will effectively reset their cell cycle instead of performing cell division",
+)
+def _constant() -> Evidence:
     run = run_with({"numerics.t_end": "48 h", "numerics.keep": "12 h"})
     counts = [int((frame.cells.emt >= 0).sum()) for frame in run.frames]
     last = run.final.cells
@@ -145,57 +190,3 @@ def _constant(_: Tables) -> Evidence:
         ),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c4.bridged",
-        "sections 2.2.1, 2.2.2",
-        "we replace the edges (j₁, i) and (i, j₂) with the new edge (j₁, j₂)",
-        _bridge,
-        statement="When cells leave a layer their neighbours are joined, so that the rest is again one line of cells.",
-    ),
-    Claim(
-        "c4.rest-length",
-        "sections 2.2.1, 2.2.2",
-        "the INM-specific cell event (3.2) [(3.3)] will not apply anymore for the i th cell",
-        _rest_length,
-        statement="After the loss of adhesion an equation of chapter 3 no longer holds for the rest length.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the rules of sections 2.2.2 and 2.2.3 of chapter 3 that set η^{ax*} and η^{bx*} do not apply any more; "
-            "(3.2) and (3.3), by which η tends to η* = 0, do",
-            Effect.MODEL,
-            "events [A] and [B], the contraction in Figures 5 and 6, the pull-in effect of section 4.3.2",
-        ),
-    ),
-    Claim(
-        "c4.free-basal",
-        "section 2.2.2",
-        "We recall, that the constraints for basal points (C3) and (C4) do only hold for vertices of the basal "
-        "network.",
-        _free,
-        statement="A state with a freed basal point off the x-axis is in the set S of (3.16).",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(C3) of chapter 3 is for all B_i; it must be restricted: B_i ∈ ℝ × {0} for the vertices i of ℬ",
-            Effect.NOTATION,
-            "(3.16), (3.33) and the freedom of B_i after [B]; chapter 3 is not concerned, for there all are vertices",
-        ),
-        chosen="the rest length of the spring relaxes at the rate of Table 2",
-    ),
-    Claim(
-        "c4.bent",
-        "section 2.2.3, Figure 7",
-        "the angle between the apical-nuclei and basal-nuclei springs is no longer straight",
-        _bent,
-        statement="A cell whose bending spring has no stiffness is bent.",
-    ),
-    Claim(
-        "c4.constant-group",
-        "sections 2.2.5, 2.3.1",
-        "the EMT cells will effectively reset their cell cycle instead of performing cell division",
-        _constant,
-        statement="The number of EMT cells is constant: they begin new cycles and have no daughters.",
-    ),
-)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from tissue.model.cells import Floats
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 SEED = 224
@@ -40,7 +40,15 @@ def run(B: Floats, X: Floats, hours: float) -> tuple[Floats, float]:
     return B, length
 
 
-def _law(_: Tables) -> Evidence:
+@claim(
+    "c4.protrusion-law",
+    "A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; "
+    "one that begins above its nucleus never gets there.",
+    source="(4.1)",
+    quote="Ḃ_i = v^run (B_i − X_i)/‖B_i − X_i‖ if y(B_i) > −2R^soft, 0 else",
+    chosen="the nucleus rests; v^run = 1 R_soft/h, for the thesis gives no value",
+)
+def _law() -> Evidence:
     X = np.array([0.3, 1.5])
     down, path = run(np.array([0.6, 0.5]), X, 10.0)
     off = abs((down - X)[0] / (down - X)[1] - (0.6 - 0.3) / (0.5 - 1.5))
@@ -58,6 +66,28 @@ def _law(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c4.outside-depth",
+    "A cell drawn to a basal point at this depth lies below the basal layer with its whole soft disc.",
+    source="section 2.2.4",
+    quote="The motion stops once B_i … has distance 2R^soft from the basal layer (i.e. the full cell must have left)",
+)
+def _outside() -> Evidence:
+    """The nucleus straight above the basal point, in units of R_soft."""
+    B = np.array([0.0, -DEPTH])
+
+    def lift(y: float) -> float:
+        X = np.array([0.0, y])
+        return float(pull(X, B, rest_length(X, B))[1])
+
+    rest = brentq(lift, -DEPTH + 0.1, 3.0)
+    return Evidence(
+        f"The spring of a basal point at −2 R_soft has no force on a nucleus at {rest:.6f} R_soft: the soft disc ends "
+        f"at y = {rest + 1.0:.0e}, just below the basal layer.",
+        printed=(at_most("top of the soft disc at rest [R_soft]", rest + 1.0, 0.0, TOL),),
+    )
+
+
 def energy(X: Floats, B: Floats, eta: float) -> float:
     """W^bx of (3.10), in R_soft."""
     return float(ALPHA / (1.0 + eta) * (np.hypot(*(X - B)) - 1.0 - eta) ** 2)
@@ -69,7 +99,13 @@ def pull(X: Floats, B: Floats, eta: float) -> Floats:
     return np.asarray(2 * ALPHA / (1.0 + eta) * (d - 1.0 - eta) * (B - X) / d)
 
 
-def _force(_: Tables) -> Evidence:
+@claim(
+    "c4.basal-force",
+    "The force of the basal spring on the nucleus is the one that its energy (3.10) gives.",
+    source="section 2.2.4",
+    quote="F = 2α^bx/(R^soft + η) (‖B − X‖ − R^soft − η) (B − X)/‖B − X‖",
+)
+def _force() -> Evidence:
     rng = np.random.default_rng(SEED)
     worst = 0.0
     for _k in range(PLACES):
@@ -88,7 +124,13 @@ def rest_length(X: Floats, B: Floats) -> float:
     return float(np.hypot(*(X - B)) - 1.0) if B[1] > 0 else 0.0
 
 
-def _grip(_: Tables) -> Evidence:
+@claim(
+    "c4.grip",
+    "With this rest length the spring has no force above the basal layer and pulls once below.",
+    source="section 2.2.4",
+    quote="η^bx := ‖X − B‖ − R^soft if y(B) > 0, 0 if y(B) ≤ 0",
+)
+def _grip() -> Evidence:
     rng = np.random.default_rng(SEED)
     above, below = 0.0, np.inf
     for _k in range(PLACES):
@@ -116,7 +158,23 @@ def gripping(rate: float) -> Floats:
     return np.array([np.hypot(*pull(X, B, eta * math.exp(-rate * t))) / full for t in steps])
 
 
-def _at_once(_: Tables) -> Evidence:
+@claim(
+    "c4.grip-at-once",
+    "The rule of 2.2.4 is that of 2.1, by which the desired rest length is zero and the pull grows.",
+    source="sections 2.1, 2.2.4",
+    quote=(
+        "as soon as the basal point is below the basal layer, we set the desired rest length of the basal-nuclei "
+        "spring to zero … η^bx(t) := 0 if y(B) ≤ 0. This equation replaces (3.3)."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "below the layer η^bx* := 0 and (3.3) goes on to hold; only above it the rule for η^bx replaces (3.3)",
+        Effect.MODEL,
+        "how suddenly [P] pulls: the two sections contradict each other; the published runs relax, at 3 per hour",
+    ),
+    chosen="the nucleus and the basal point rest; k^bx of Table 2",
+)
+def _at_once() -> Evidence:
     shares = [gripping(rate) for rate in (AT_ONCE, RATE)]
     jumps = [float(np.diff(each, prepend=0.0).max()) for each in shares]
     half = float(np.searchsorted(shares[1], 0.5)) * STEP
@@ -129,68 +187,3 @@ def _at_once(_: Tables) -> Evidence:
             at_least(f"pull {HOURS:g} h after crossing, over the full one", float(shares[1][-1]), 1.0, SMOOTH),
         ),
     )
-
-
-def _outside(_: Tables) -> Evidence:
-    """The nucleus straight above the basal point, in units of R_soft."""
-    B = np.array([0.0, -DEPTH])
-
-    def lift(y: float) -> float:
-        X = np.array([0.0, y])
-        return float(pull(X, B, rest_length(X, B))[1])
-
-    rest = brentq(lift, -DEPTH + 0.1, 3.0)
-    return Evidence(
-        f"The spring of a basal point at −2 R_soft has no force on a nucleus at {rest:.6f} R_soft: the soft disc ends "
-        f"at y = {rest + 1.0:.0e}, just below the basal layer.",
-        printed=(at_most("top of the soft disc at rest [R_soft]", rest + 1.0, 0.0, TOL),),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c4.protrusion-law",
-        "(4.1)",
-        "Ḃ_i = v^run (B_i − X_i)/‖B_i − X_i‖ if y(B_i) > −2R^soft, 0 else",
-        _law,
-        statement="A basal point runs away from its nucleus at one speed and stops 2 R_soft below the basal layer; "
-        "one that begins above its nucleus never gets there.",
-        chosen="the nucleus rests; v^run = 1 R_soft/h, for the thesis gives no value",
-    ),
-    Claim(
-        "c4.outside-depth",
-        "section 2.2.4",
-        "The motion stops once B_i … has distance 2R^soft from the basal layer (i.e. the full cell must have left)",
-        _outside,
-        statement="A cell drawn to a basal point at this depth lies below the basal layer with its whole soft disc.",
-    ),
-    Claim(
-        "c4.basal-force",
-        "section 2.2.4",
-        "F = 2α^bx/(R^soft + η) (‖B − X‖ − R^soft − η) (B − X)/‖B − X‖",
-        _force,
-        statement="The force of the basal spring on the nucleus is the one that its energy (3.10) gives.",
-    ),
-    Claim(
-        "c4.grip",
-        "section 2.2.4",
-        "η^bx := ‖X − B‖ − R^soft if y(B) > 0, 0 if y(B) ≤ 0",
-        _grip,
-        statement="With this rest length the spring has no force above the basal layer and pulls once below.",
-    ),
-    Claim(
-        "c4.grip-at-once",
-        "sections 2.1, 2.2.4",
-        "as soon as the basal point is below the basal layer, we set the desired rest length of the basal-nuclei "
-        "spring to zero … η^bx(t) := 0 if y(B) ≤ 0. This equation replaces (3.3).",
-        _at_once,
-        statement="The rule of 2.2.4 is that of 2.1, by which the desired rest length is zero and the pull grows.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "below the layer η^bx* := 0 and (3.3) goes on to hold; only above it the rule for η^bx replaces (3.3)",
-            Effect.MODEL,
-            "how suddenly [P] pulls: the two sections contradict each other; the published runs relax, at 3 per hour",
-        ),
-        chosen="the nucleus and the basal point rest; k^bx of Table 2",
-    ),
-)

@@ -12,7 +12,7 @@ from tissue.files.timing import timing
 from tissue.model.cells import Floats
 from tissue.study.plan import load_study
 from tissue.study.ratios import wilson
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Comparison, Evidence, at_most, equal
 from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4
 from verification.thesis.chapter4.frequencies import most_runs, runs_for_bound
@@ -41,7 +41,13 @@ def _chance(what: str, hits: Floats, expected: float) -> Comparison:
     return equal(what, value, expected, NEAR, (float(low), float(high)))
 
 
-def _mixture(_: Tables) -> Evidence:
+@claim(
+    "c4.mixture",
+    "The distribution U^{70%} skips an event in 30 % of the cases and is uniform otherwise.",
+    source="section 2.3.1",
+    quote="P[T = ∞] = 0.3 and P[T ∈ (a, b)] = 0.7 (b − a)/(T^max − T^min)",
+)
+def _mixture() -> Evidence:
     T = mixture(SHARE)
     least, most = 6.0, 24.0
     inside = [
@@ -73,7 +79,17 @@ def steps(p: float, events: str) -> Floats:
 POSSIBLE = {"ABSP": np.array([3.0, 7.0, 12.0]), "ABP": np.array([2.0, 3.0, 3.0])}
 
 
-def _seventy(_: Tables) -> Evidence:
+@claim(
+    "c4.seventy",
+    "With 70 % the chances of one, two and three events are roughly as their numbers of possible orders.",
+    source="section 2.3.1",
+    quote=(
+        "70 % ensures that the number of one-step, two-step and three-step EMT events is roughly proportional to the "
+        "number of possible combinations"
+    ),
+    chosen=f"roughly: within a factor of {ROUGHLY:g}",
+)
+def _seventy() -> Evidence:
     found, others = {}, {}
     for events, orders in POSSIBLE.items():
         for p, kept in ((SHARE / 100, found), (0.5, others)):
@@ -90,21 +106,13 @@ def _seventy(_: Tables) -> Evidence:
     )
 
 
-def _onset(_: Tables) -> Evidence:
-    each = timing(f"6 h to 24 h, {SHARE:g} %")
-    cells, _inm = drawn(Scenario(50_000, 0.5, (each, each, each, each)), np.random.default_rng(SEED))
-    three = np.minimum.reduce([cells.at_a, cells.at_b, cells.at_s])
-    four = np.minimum(three, cells.at_p)
-    apart = int((three != four).sum())
-    return Evidence(
-        f"For {apart} of {len(three)} cells with times from (4.2) the two differ: [P] waits for [B], so it is never "
-        "the first event.",
-        printed=(at_most("cells with another onset", apart, 0),),
-        seed=SEED,
-    )
-
-
-def _range(_: Tables) -> Evidence:
+@claim(
+    "c4.range",
+    "The times of all tables lie between 6 h and 24 h, and reach both.",
+    source="section 2.3.1",
+    quote="All simulations in this thesis will use T^min = 6 h and T^max = 24 h.",
+)
+def _range() -> Evidence:
     fixed = [t for t in (*TABLES_1_2, *chain(*TABLE_3, *TABLE_4)) if t < NEVER]
     ranges = {
         (getattr(p.emt, event).low.value, getattr(p.emt, event).high.value)
@@ -124,36 +132,24 @@ def _range(_: Tables) -> Evidence:
     )
 
 
-CLAIMS = (
-    Claim(
-        "c4.mixture",
-        "section 2.3.1",
-        "P[T = ∞] = 0.3 and P[T ∈ (a, b)] = 0.7 (b − a)/(T^max − T^min)",
-        _mixture,
-        statement="The distribution U^{70%} skips an event in 30 % of the cases and is uniform otherwise.",
+@claim(
+    "c4.onset",
+    "The two definitions of the onset, over four events and over three, are the same.",
+    source="(Q3), (4.8)",
+    quote=(
+        "The timing of onset of EMT … is the minimum of T^A, T^B, T^S and T^P; T_i^EMT is that of T_i^A, T_i^B, T_i^S"
     ),
-    Claim(
-        "c4.seventy",
-        "section 2.3.1",
-        "70 % ensures that the number of one-step, two-step and three-step EMT events is roughly proportional to the "
-        "number of possible combinations",
-        _seventy,
-        statement="With 70 % the chances of one, two and three events are roughly as their numbers of possible orders.",
-        chosen=f"roughly: within a factor of {ROUGHLY:g}",
-    ),
-    Claim(
-        "c4.range",
-        "section 2.3.1",
-        "All simulations in this thesis will use T^min = 6 h and T^max = 24 h.",
-        _range,
-        statement="The times of all tables lie between 6 h and 24 h, and reach both.",
-    ),
-    Claim(
-        "c4.onset",
-        "(Q3), (4.8)",
-        "The timing of onset of EMT … is the minimum of T^A, T^B, T^S and T^P; T_i^EMT is that of T_i^A, T_i^B, T_i^S",
-        _onset,
-        statement="The two definitions of the onset, over four events and over three, are the same.",
-        chosen="T^P counts from when the event acts, max(T^P, T^B)",
-    ),
+    chosen="T^P counts from when the event acts, max(T^P, T^B)",
 )
+def _onset() -> Evidence:
+    each = timing(f"6 h to 24 h, {SHARE:g} %")
+    cells, _inm = drawn(Scenario(50_000, 0.5, (each, each, each, each)), np.random.default_rng(SEED))
+    three = np.minimum.reduce([cells.at_a, cells.at_b, cells.at_s])
+    four = np.minimum(three, cells.at_p)
+    apart = int((three != four).sum())
+    return Evidence(
+        f"For {apart} of {len(three)} cells with times from (4.2) the two differ: [P] waits for [B], so it is never "
+        "the first event.",
+        printed=(at_most("cells with another onset", apart, 0),),
+        seed=SEED,
+    )

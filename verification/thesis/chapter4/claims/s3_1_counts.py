@@ -6,7 +6,7 @@ from __future__ import annotations
 from itertools import permutations, product
 
 from tissue.study.categories import EVENTS
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, equal
 
 # The footnote on possible orders: counts as printed, and the orders that it lists.
@@ -23,13 +23,43 @@ APICAL, BELOW = 30, 60
 MINUTES, FASTER = 45, 300
 
 
+@claim(
+    "c4.selections",
+    "The number of sets of events in which [P] comes only with [B].",
+    source="(Q2)",
+    quote="We get 2³ + 2² = 12 possible selections of active EMT events.",
+)
+def _selections() -> Evidence:
+    chosen = [events for events in product((False, True), repeat=4) if events[1] or not events[3]]
+    with_p = sum(events[3] for events in chosen)
+    return Evidence(
+        f"{len(chosen)} selections of A, B, S, P have [P] only beside [B]: {len(chosen) - with_p} without [P], "
+        f"{with_p} with it.",
+        printed=(
+            equal("selections", len(chosen), 12),
+            equal("selections without [P]", len(chosen) - with_p, 2**3),
+            equal("selections with [P]", with_p, 2**2),
+        ),
+    )
+
+
 def _orders() -> list[str]:
     """All orders of one or more events in which [P] comes after [B]."""
     every = ("".join(order) for k in range(1, 5) for order in permutations(EVENTS, k))
     return [order for order in every if "P" not in order or -1 < order.find("B") < order.find("P")]
 
 
-def _count_orders(_: Tables) -> Evidence:
+@claim(
+    "c4.orders",
+    "The number of orders of one to four events in which [P] follows [B].",
+    source="(Q4), footnote 1",
+    quote="There are 29 possible orderings of the EMT events … 10× three-step EMT … 9× four-step EMT",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "34 = 3 + 7 + 12 + 12", Effect.NUMBER, "the number of EMT categories by order, and the list in the footnote"
+    ),
+)
+def _count_orders() -> Evidence:
     found = _orders()
     counts = {k: sum(len(order) == k for order in found) for k in STEPS}
     return Evidence(
@@ -47,7 +77,19 @@ def _count_orders(_: Tables) -> Evidence:
     )
 
 
-def _listed_orders(_: Tables) -> Evidence:
+@claim(
+    "c4.orders-listed",
+    "The list of all possible orders.",
+    source="footnote 1",
+    quote="9× four-step EMT: ABSP, ABPS, ASPB, BASP, BAPS, BSAP, BSPA, BPAS, BPSA.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "without ASPB, with ASBP, SABP, SBAP and SBPA: twelve of four steps",
+        Effect.NUMBER,
+        "the count of 29 in (Q4)",
+    ),
+)
+def _listed_orders() -> Evidence:
     found = set(_orders())
     wrong, lacking = sorted(set(LISTED) - found), sorted(found - set(LISTED))
     return Evidence(
@@ -60,21 +102,13 @@ def _listed_orders(_: Tables) -> Evidence:
     )
 
 
-def _selections(_: Tables) -> Evidence:
-    chosen = [events for events in product((False, True), repeat=4) if events[1] or not events[3]]
-    with_p = sum(events[3] for events in chosen)
-    return Evidence(
-        f"{len(chosen)} selections of A, B, S, P have [P] only beside [B]: {len(chosen) - with_p} without [P], "
-        f"{with_p} with it.",
-        printed=(
-            equal("selections", len(chosen), 12),
-            equal("selections without [P]", len(chosen) - with_p, 2**3),
-            equal("selections with [P]", with_p, 2**2),
-        ),
-    )
-
-
-def _samples(_: Tables) -> Evidence:
+@claim(
+    "c4.samples",
+    "The numbers of runs and of categories give a thousand runs for each category.",
+    source="section 3.3.3",
+    quote="n^D ∈ [10, 500] … n^rep ∈ [10⁴, 5·10⁵] to ensure that we have around 10³ simulations to rate each category",
+)
+def _samples() -> Evidence:
     each = [runs / categories for runs, categories in RUNS_PER_CATEGORIES]
     return Evidence(
         f"n^rep/n^D is {each[0]:g} at the lower ends, 10⁴ runs and 10 categories, and {each[1]:g} at the upper ends.",
@@ -82,7 +116,15 @@ def _samples(_: Tables) -> Evidence:
     )
 
 
-def _ten_per_cent(_: Tables) -> Evidence:
+@claim(
+    "c4.ten-per-cent",
+    "The shares of Figure 10 and of section 4.1.2 for [A] add up.",
+    source="section 4.1.2, Figure 10",
+    quote=(
+        "There is only a 10 % likelihood that an EMT cell is neither apically extruded nor below all epithelial cells."
+    ),
+)
+def _ten_per_cent() -> Evidence:
     neither = 100 - APICAL - BELOW
     return Evidence(
         f"100 − {APICAL} (apically extruded) − {BELOW} (below all control cells) leaves {neither} %.",
@@ -90,65 +132,15 @@ def _ten_per_cent(_: Tables) -> Evidence:
     )
 
 
-def _speed_up(_: Tables) -> Evidence:
+@claim(
+    "c4.speed-up",
+    "45 min at the new speed are ten days at the former one.",
+    source="footnote 2",
+    quote="300 times faster … 50000 simulations in less than 45 min instead of 10 days",
+)
+def _speed_up() -> Evidence:
     days = FASTER * MINUTES / 60 / 24
     return Evidence(
         f"{FASTER} times {MINUTES} min are {days:.1f} days.",
         printed=(equal("time at the former speed [days]", days, 10, 1),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c4.selections",
-        "(Q2)",
-        "We get 2³ + 2² = 12 possible selections of active EMT events.",
-        _selections,
-        statement="The number of sets of events in which [P] comes only with [B].",
-    ),
-    Claim(
-        "c4.orders",
-        "(Q4), footnote 1",
-        "There are 29 possible orderings of the EMT events … 10× three-step EMT … 9× four-step EMT",
-        _count_orders,
-        statement="The number of orders of one to four events in which [P] follows [B].",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "34 = 3 + 7 + 12 + 12", Effect.NUMBER, "the number of EMT categories by order, and the list in the footnote"
-        ),
-    ),
-    Claim(
-        "c4.orders-listed",
-        "footnote 1",
-        "9× four-step EMT: ABSP, ABPS, ASPB, BASP, BAPS, BSAP, BSPA, BPAS, BPSA.",
-        _listed_orders,
-        statement="The list of all possible orders.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "without ASPB, with ASBP, SABP, SBAP and SBPA: twelve of four steps",
-            Effect.NUMBER,
-            "the count of 29 in (Q4)",
-        ),
-    ),
-    Claim(
-        "c4.samples",
-        "section 3.3.3",
-        "n^D ∈ [10, 500] … n^rep ∈ [10⁴, 5·10⁵] to ensure that we have around 10³ simulations to rate each category",
-        _samples,
-        statement="The numbers of runs and of categories give a thousand runs for each category.",
-    ),
-    Claim(
-        "c4.ten-per-cent",
-        "section 4.1.2, Figure 10",
-        "There is only a 10 % likelihood that an EMT cell is neither apically extruded nor below all epithelial cells.",
-        _ten_per_cent,
-        statement="The shares of Figure 10 and of section 4.1.2 for [A] add up.",
-    ),
-    Claim(
-        "c4.speed-up",
-        "footnote 2",
-        "300 times faster … 50000 simulations in less than 45 min instead of 10 days",
-        _speed_up,
-        statement="45 min at the new speed are ten days at the former one.",
-    ),
-)

@@ -12,7 +12,7 @@ from tissue.model.cells import CellLayers, Cells, Floats, empty
 from tissue.model.frame import Frame
 from tissue.model.observables import ab_positions
 from tissue.study.comparisons import POWER
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most
 
 SEED = 331
@@ -45,7 +45,14 @@ def _drawn(rng: np.random.Generator) -> tuple[Frame, Floats]:
     return Frame(0.0, cells, CellLayers(np.arange(CELLS), np.arange(CELLS))), top
 
 
-def _scale(_: Tables) -> Evidence:
+@claim(
+    "c4.ab-scale",
+    "The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
+    source="section 3.3.1, (4.3)",
+    quote="y^AB(X_i) := y(X_i)/y(A_i^ref) … δ^basal-extr = 1 if y^AB < 0, δ^apical-extr = 1 if y^AB > 1",
+    chosen="the apical layer is a graph over x",
+)
+def _scale() -> Evidence:
     rng = np.random.default_rng(SEED)
     wrong, tried, far = 0, 0, 0.0
     for _k in range(LAYERS):
@@ -75,7 +82,17 @@ def indicators(positions: Floats, group: int) -> tuple[bool, bool]:
     return bool(positions[0] < 0), bool(positions[0] <= positions[group:].min())
 
 
-def _contained(_: Tables) -> Evidence:
+@claim(
+    "c4.contained",
+    "A basally extruded cell counts as being in basal positioning, too, so the yellow ratio contains it.",
+    source="section 3.3.1, Figure 10",
+    quote=(
+        "δ^basal-pos := 1 if y^AB(X_i) ≤ min_{j control} y^AB(X_j) … The yellow color shows the ratio of EMT cells "
+        "below all epithelial cells"
+    ),
+    chosen="no control cell has left basally",
+)
+def _contained() -> Evidence:
     """All positions of two EMT and two control cells on a few places, the ends of the scale among them."""
     broken = {True: 0, False: 0}
     tried = 0
@@ -105,6 +122,19 @@ def cells_for_one(share: float) -> int | None:
     return math.ceil(math.log1p(-POWER) / math.log1p(-share)) if 0 < share < 1 else None
 
 
+@claim(
+    "c4.partition",
+    "The intervals are a partition of the positions at the onset of EMT.",
+    source="section 3.3.4",
+    quote="(0, 1/n^D] ∪ … ∪ ((n^D−1)/n^D, 1] = [0, 1]",
+    needs=("emt_complete_outside",),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "[0, 1/n^D] ∪ (1/n^D, 2/n^D] ∪ … = [0, 1], and one set each for positions below 0 and above 1",
+        Effect.NOTATION,
+        "Figure 21: one cell of ten thousand is in no category",
+    ),
+)
 def _partition(tables: Tables) -> Evidence:
     """Exactly at 0, and by the onsets of the runs, some of which are above the apical layer."""
     found = tables["emt_complete_outside"][["outside", "of"]].sum()
@@ -121,38 +151,3 @@ def _partition(tables: Tables) -> Evidence:
         corrected=(at_most("positions that are not in one set", int((right != 1).sum()), 0),),
         runs_needed=cells_for_one(found["outside"] / found["of"]),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c4.ab-scale",
-        "section 3.3.1, (4.3)",
-        "y^AB(X_i) := y(X_i)/y(A_i^ref) … δ^basal-extr = 1 if y^AB < 0, δ^apical-extr = 1 if y^AB > 1",
-        _scale,
-        statement="The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
-        chosen="the apical layer is a graph over x",
-    ),
-    Claim(
-        "c4.contained",
-        "section 3.3.1, Figure 10",
-        "δ^basal-pos := 1 if y^AB(X_i) ≤ min_{j control} y^AB(X_j) … The yellow color shows the ratio of EMT cells "
-        "below all epithelial cells",
-        _contained,
-        statement="A basally extruded cell counts as being in basal positioning, too, so the yellow ratio contains it.",
-        chosen="no control cell has left basally",
-    ),
-    Claim(
-        "c4.partition",
-        "section 3.3.4",
-        "(0, 1/n^D] ∪ … ∪ ((n^D−1)/n^D, 1] = [0, 1]",
-        _partition,
-        needs=("emt_complete_outside",),
-        statement="The intervals are a partition of the positions at the onset of EMT.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "[0, 1/n^D] ∪ (1/n^D, 2/n^D] ∪ … = [0, 1], and one set each for positions below 0 and above 1",
-            Effect.NOTATION,
-            "Figure 21: one cell of ten thousand is in no category",
-        ),
-    ),
-)

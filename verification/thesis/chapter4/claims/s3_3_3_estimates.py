@@ -5,10 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from tissue.files.scenario import Scenario, drawn
-from tissue.files.timing import timing
 from tissue.model.cells import Floats
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.frequencies import CATEGORIES, RATIOS
 
@@ -23,6 +21,73 @@ ROUNDING = 1e-12
 # A model of a run: P[T_i in D_k], and P[extruded | T_i in D_k] for the cells of the group.
 CHANCE = np.array([0.5, 0.3, 0.2])
 GIVEN = np.array([0.1, 0.4, 0.8])
+
+
+def share_sum(sets: int) -> float:
+    """Sum over so many sets of chances 1/n^D."""
+    return sum(1 / SETS for _ in range(sets))
+
+
+@claim(
+    "c4.categories-count",
+    "The number of categories of event times.",
+    source="section 3.3.3",
+    quote="we will consider a partition … into n^D + 1 many subsets D_1, …, D_{n^D}",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "n^D many subsets", Effect.NUMBER, "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category"
+    ),
+)
+def _count() -> Evidence:
+    printed, right = share_sum(SETS + 1), share_sum(SETS)
+    return Evidence(
+        f"D_1 to D_{{n^D}} are n^D sets, each with a chance of about 1/n^D: n^D + 1 of them, with n^D = {SETS}, would "
+        f"have a chance of {printed:.2f} together, n^D of them {right:.2f}.",
+        printed=(equal("total chance of n^D + 1 sets", printed, 1.0, ROUNDING),),
+        corrected=(equal("total chance of n^D sets", right, 1.0, ROUNDING),),
+    )
+
+
+def accepted(outcomes: Floats, inside: Floats) -> Floats:
+    """Rejection sampling: the outcomes of the draws that fall into the category, one after the other."""
+    return np.array([each for each, wanted in zip(outcomes, inside, strict=True) if wanted])
+
+
+@claim(
+    "c4.sampling",
+    "The name of the method by which (4.12) draws from a category.",
+    source="section 3.3.3",
+    quote=(
+        "This approach to sample these conditional expectations is an inverse transform sampling for the conditional "
+        "probabilities."
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "it is rejection sampling: of the draws of all times those in D_k are accepted",
+        Effect.NOTATION,
+        "the next sentence, by which accept-rejection algorithms do not fit; the estimate (4.12) stands",
+    ),
+)
+def _sampling() -> Evidence:
+    """Inverse transform sampling makes each uniform number a draw from the category, and rejects none."""
+    kinds, hits = runs(np.random.default_rng(SEED))
+    kept, off = [], 0.0
+    for k in range(len(CHANCE)):
+        inside = kinds[:, 0] == k
+        chosen = accepted(hits[:, 0], inside)
+        kept.append(len(chosen) / RUNS)
+        off = max(off, abs(estimate(hits[:, 0], inside) - float(chosen.mean())))
+    return Evidence(
+        f"For three categories (4.12) uses {', '.join(f'{100 * share:.0f}' for share in kept)} % of the draws, where "
+        f"inverse transform sampling uses all. The mean over the draws that rejection sampling accepts is the same to "
+        f"{off:.0e}.",
+        printed=(equal("least share of the draws that (4.12) uses", min(kept), 1.0),),
+        corrected=(
+            at_most("(4.12) minus the mean by rejection sampling", off, 0.0, ROUNDING),
+            at_most("share of the draws minus P[D_k]", float(np.abs(kept - CHANCE).max()), NEAR),
+        ),
+        seed=SEED,
+    )
 
 
 def extruded_given(i: int) -> Floats:
@@ -53,7 +118,13 @@ def by_counting() -> tuple[Floats, Floats]:
     return np.array(joint), np.array(means)
 
 
-def _conditional(_: Tables) -> Evidence:
+@claim(
+    "c4.conditional",
+    "The ratio of chances is the conditional expectation, and the ratio of sums over runs tends to it.",
+    source="(4.9), (4.11), (4.12)",
+    quote="E[δ_i | T_i ∈ D_k] ≈ Σ_ℓ δ_i(ω_ℓ) 1_{D_k}(T_i(ω_ℓ)) / Σ_ℓ 1_{D_k}(T_i(ω_ℓ))",
+)
+def _conditional() -> Evidence:
     exact = extruded_given(0)
     formula = max(float(np.abs(each - exact).max()) for each in by_counting())
     kinds, hits = runs(np.random.default_rng(SEED))
@@ -73,34 +144,13 @@ def _conditional(_: Tables) -> Evidence:
     )
 
 
-def accepted(outcomes: Floats, inside: Floats) -> Floats:
-    """Rejection sampling: the outcomes of the draws that fall into the category, one after the other."""
-    return np.array([each for each, wanted in zip(outcomes, inside, strict=True) if wanted])
-
-
-def _sampling(_: Tables) -> Evidence:
-    """Inverse transform sampling makes each uniform number a draw from the category, and rejects none."""
-    kinds, hits = runs(np.random.default_rng(SEED))
-    kept, off = [], 0.0
-    for k in range(len(CHANCE)):
-        inside = kinds[:, 0] == k
-        chosen = accepted(hits[:, 0], inside)
-        kept.append(len(chosen) / RUNS)
-        off = max(off, abs(estimate(hits[:, 0], inside) - float(chosen.mean())))
-    return Evidence(
-        f"For three categories (4.12) uses {', '.join(f'{100 * share:.0f}' for share in kept)} % of the draws, where "
-        f"inverse transform sampling uses all. The mean over the draws that rejection sampling accepts is the same to "
-        f"{off:.0e}.",
-        printed=(equal("least share of the draws that (4.12) uses", min(kept), 1.0),),
-        corrected=(
-            at_most("(4.12) minus the mean by rejection sampling", off, 0.0, ROUNDING),
-            at_most("share of the draws minus P[D_k]", float(np.abs(kept - CHANCE).max()), NEAR),
-        ),
-        seed=SEED,
-    )
-
-
-def _average(_: Tables) -> Evidence:
+@claim(
+    "c4.average",
+    "The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
+    source="(4.10), Remark 4.1",
+    quote="Expected ratio of basally extruded cells in category k = A/B",
+)
+def _average() -> Evidence:
     """The cells of a run depend on each other: errors by the scatter of ten parts of the runs."""
     kinds, hits = runs(np.random.default_rng(SEED))
     worst = 0.0
@@ -119,6 +169,13 @@ def _average(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c4.total",
+    "The ratios of the categories, weighted by their chances, make up the ratio of extruded cells.",
+    source="(4.7), (4.10)",
+    quote="r*(D_k) := 1/N^EMT Σ_i E[δ_i* | T_i ∈ D_k]",
+    needs=(CATEGORIES, RATIOS),
+)
 def _total(tables: Tables) -> Evidence:
     categories, ratios = tables[CATEGORIES], tables[RATIOS].set_index(["study", "what"])
     off, cells = 0.0, 0
@@ -132,100 +189,3 @@ def _total(tables: Tables) -> Evidence:
         f"(4.7) to {off:.0e}.",
         printed=(at_most("Σ P[D_k] r(D_k) − r, and Σ P[D_k] − 1", off, 0.0, ROUNDING),),
     )
-
-
-def share_sum(sets: int) -> float:
-    """Sum over so many sets of chances 1/n^D."""
-    return sum(1 / SETS for _ in range(sets))
-
-
-def _count(_: Tables) -> Evidence:
-    printed, right = share_sum(SETS + 1), share_sum(SETS)
-    return Evidence(
-        f"D_1 to D_{{n^D}} are n^D sets, each with a chance of about 1/n^D: n^D + 1 of them, with n^D = {SETS}, would "
-        f"have a chance of {printed:.2f} together, n^D of them {right:.2f}.",
-        printed=(equal("total chance of n^D + 1 sets", printed, 1.0, ROUNDING),),
-        corrected=(equal("total chance of n^D sets", right, 1.0, ROUNDING),),
-    )
-
-
-def _space(_: Tables) -> Evidence:
-    each = timing("6 h to 24 h, 70 %")
-    cells, _inm = drawn(Scenario(RUNS, 0.5, (each, each, each, each)), np.random.default_rng(SEED))
-    times = np.stack((cells.at_a, cells.at_b, cells.at_s, cells.at_p), axis=1)
-    never = np.isinf(times).sum(axis=1)
-    mixed = float(((never > 0) & (never < times.shape[1])).mean())
-    numbers = 4 * 4 * GROUP
-    return Evidence(
-        f"T_i is {times.shape[1]} times; a point of (ℝ⁴ ∪ {{∞}})^{{4 N^EMT}} is up to {numbers} for {GROUP} cells. And "
-        f"{100 * mixed:.0f} % of the cells have some events and lack others, which ℝ⁴ ∪ {{∞}} has no points for.",
-        printed=(
-            equal("coordinates of T_i", times.shape[1], numbers),
-            at_most("cells with some events but not all", mixed, 0.0),
-        ),
-        corrected=(
-            equal("coordinates of T_i", times.shape[1], 4),
-            at_most("cells with times outside of ℝ ∪ {∞}", float(np.isnan(times).mean()), 0.0),
-        ),
-        seed=SEED,
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c4.categories-count",
-        "section 3.3.3",
-        "we will consider a partition … into n^D + 1 many subsets D_1, …, D_{n^D}",
-        _count,
-        statement="The number of categories of event times.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "n^D many subsets", Effect.NUMBER, "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category"
-        ),
-    ),
-    Claim(
-        "c4.categories-space",
-        "section 3.3.3",
-        "D_1, …, D_{n^D} ⊆ (ℝ⁴ ∪ {∞})^{4N^EMT}",
-        _space,
-        statement="The space that the categories of the times of one cell divide.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("D_k ⊆ (ℝ ∪ {∞})⁴, as T_i in section 2.3.1", Effect.NOTATION, "(4.9) to (4.12)"),
-    ),
-    Claim(
-        "c4.sampling",
-        "section 3.3.3",
-        "This approach to sample these conditional expectations is an inverse transform sampling for the conditional "
-        "probabilities.",
-        _sampling,
-        statement="The name of the method by which (4.12) draws from a category.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "it is rejection sampling: of the draws of all times those in D_k are accepted",
-            Effect.NOTATION,
-            "the next sentence, by which accept-rejection algorithms do not fit; the estimate (4.12) stands",
-        ),
-    ),
-    Claim(
-        "c4.conditional",
-        "(4.9), (4.11), (4.12)",
-        "E[δ_i | T_i ∈ D_k] ≈ Σ_ℓ δ_i(ω_ℓ) 1_{D_k}(T_i(ω_ℓ)) / Σ_ℓ 1_{D_k}(T_i(ω_ℓ))",
-        _conditional,
-        statement="The ratio of chances is the conditional expectation, and the ratio of sums over runs tends to it.",
-    ),
-    Claim(
-        "c4.average",
-        "(4.10), Remark 4.1",
-        "Expected ratio of basally extruded cells in category k = A/B",
-        _average,
-        statement="The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
-    ),
-    Claim(
-        "c4.total",
-        "(4.7), (4.10)",
-        "r*(D_k) := 1/N^EMT Σ_i E[δ_i* | T_i ∈ D_k]",
-        _total,
-        needs=(CATEGORIES, RATIOS),
-        statement="The ratios of the categories, weighted by their chances, make up the ratio of extruded cells.",
-    ),
-)

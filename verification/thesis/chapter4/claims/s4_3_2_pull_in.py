@@ -9,7 +9,7 @@ from tissue.first_order import simulate
 from tissue.model.cells import CellLayers, Floats, empty
 from tissue.model.energy import forces
 from tissue.model.observables import ab_positions
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter4.studies import PRESETS
 
@@ -32,7 +32,17 @@ def back(name: str, b: str) -> tuple[int, int]:
     return int((at > 1).sum()), int(((at > 1) & (later <= 1)).sum())
 
 
-def _pulled_back(_: Tables) -> Evidence:
+@claim(
+    "c4.pulled-back",
+    "Some cells that left apically after [A] return into the tissue when [B] frees their basal spring.",
+    source="Figure 14",
+    quote=(
+        "In [A⊗B], the amount of apical extrusion increases rapidly in the beginning … at the onset of [B] some cells "
+        "are pulled back into the tissue."
+    ),
+    chosen=f"groups of {GROUP} cells in place of isolated ones, {RUNS} runs; back: y^AB ≤ 1 within {AFTER} h",
+)
+def _pulled_back() -> Evidence:
     found = {name: back(name, "24 h") for name in PRESETS}
     control = {name: back(name, "never") for name in PRESETS}
     lines = (
@@ -63,7 +73,13 @@ def on_points(freed: str) -> tuple[float, float]:
     return float(found.y[0]), float(getattr(found, f"{freed}y")[0])
 
 
-def _pull_in(_: Tables) -> Evidence:
+@claim(
+    "c4.pull-in",
+    "The freed spring draws the nucleus to its apical side after [A] and to its basal side after [B].",
+    source="section 4.3.2, Figure 14",
+    quote="not only pulls the apical or basal point towards the nucleus but it also pulls the nucleus itself",
+)
+def _pull_in() -> Evidence:
     (up, apical), (down, basal) = on_points("a"), on_points("b")
     return Evidence(
         f"A straight cell at rest whose apical rest length becomes zero feels {up:+.1f} on the nucleus and "
@@ -75,23 +91,3 @@ def _pull_in(_: Tables) -> Evidence:
             at_most("sum of the forces on nucleus and point, [B]", abs(down + basal), 0.0, TOL),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c4.pulled-back",
-        "Figure 14",
-        "In [A⊗B], the amount of apical extrusion increases rapidly in the beginning … at the onset of [B] some cells "
-        "are pulled back into the tissue.",
-        _pulled_back,
-        statement="Some cells that left apically after [A] return into the tissue when [B] frees their basal spring.",
-        chosen=f"groups of {GROUP} cells in place of isolated ones, {RUNS} runs; back: y^AB ≤ 1 within {AFTER} h",
-    ),
-    Claim(
-        "c4.pull-in",
-        "section 4.3.2, Figure 14",
-        "not only pulls the apical or basal point towards the nucleus but it also pulls the nucleus itself",
-        _pull_in,
-        statement="The freed spring draws the nucleus to its apical side after [A] and to its basal side after [B].",
-    ),
-)

@@ -10,7 +10,7 @@ import numpy as np
 from tissue.files.timing import timing
 from tissue.study.plan import load_study
 from tissue.study.ratios import wilson
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Comparison, Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.frequencies import most_runs, runs_for_bound
 
@@ -35,17 +35,19 @@ TABLE_4 = (
 )
 # The ninth row, the partner of the tenth.
 NINTH = (NEVER, 6, NEVER)
-# The names of these rows, and those that their times give.
-NAMES = ("ABP", "BAP", "BP☒", "☒P", "A☒B", "☒A", "A☒", "☒A", "☒", "☒B", "∅")
-RENAMED = ("ABP", "BAP", "BP☒", "B☒P", "A☒B", "B☒A", "A☒", "☒A", "B☒", "☒B", "∅")
-# The first and the last time of Table 4, and the delay of the symbol ☒, by the caption of Figure 15 [h].
-FIRST, LAST, DELAY = 6, 18, 12
 # Rows 4 to 10 of Table 4 have a delay: between two events, or before or after one that is early or late.
 DELAYED = ((3, 1, 2), (4, 0, 1), (5, 1, 0))
 EARLY_LATE = ((6, 7, 0), (8, 9, 1))
 
 
-def _delays(_: Tables) -> Evidence:
+@claim(
+    "c4.delays",
+    "The delays of Table 3 are 18 h, those of Table 4 are 12 h.",
+    source="Tables 3 and 4, Figure 15",
+    quote="for [A☒B] there is an 18 h delay between [A] and [B] … The ⊗ symbol denotes 12 h delay",
+    chosen="the ninth row of Table 4 as corrected in c4.table-4",
+)
+def _delays() -> Evidence:
     third = [abs(b - a) for a, b in TABLE_3]
     rows = (*TABLE_4[:8], NINTH, *TABLE_4[9:])
     fourth = [rows[k][late] - rows[k][early] for k, early, late in DELAYED]
@@ -63,7 +65,19 @@ def _delays(_: Tables) -> Evidence:
     )
 
 
-def _table4(_: Tables) -> Evidence:
+@claim(
+    "c4.table-4",
+    "The times of the ninth program of Table 4, the one between [☒A] and [☒B].",
+    source="Table 4",
+    quote="☒: T^P = ∞, T^A = 6 h, T^B = ∞, T^S = ∞.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the ninth row is [B☒]: T^A = ∞, T^B = 6 h",
+        Effect.NUMBER,
+        "Figure 15 and section 4.4.1, which discuss [B☒]",
+    ),
+)
+def _table4() -> Evidence:
     right = (*TABLE_4[:8], NINTH, *TABLE_4[9:])
     twice, still = (sum(n - 1 for n in Counter(rows).values()) for rows in (TABLE_4, right))
     ran = {
@@ -81,38 +95,6 @@ def _table4(_: Tables) -> Evidence:
     )
 
 
-def name_of(row: tuple[float, ...]) -> str:
-    """The events in their order, with ☒ for 12 h between two, before the first or after the last."""
-    timed = sorted((t, event) for t, event in zip(row, "ABP", strict=True) if t < NEVER)
-    if not timed:
-        return "∅"
-    name, before = "", FIRST
-    for t, event in timed:
-        name += "☒" * (t - before == DELAY) + event
-        before = t
-    return name + "☒" * (LAST - before == DELAY)
-
-
-def _names(_: Tables) -> Evidence:
-    rows = (*TABLE_4[:8], NINTH, *TABLE_4[9:])
-    by_times = [name_of(row) for row in rows]
-    wrong = {names: [n for n, right in zip(names, by_times, strict=True) if n != right] for names in (NAMES, RENAMED)}
-    twice, still = (sum(n - 1 for n in Counter(names).values()) for names in (NAMES, RENAMED))
-    return Evidence(
-        f"{len(wrong[NAMES])} names, {', '.join(wrong[NAMES])}, are not what the times of their rows give by the rule "
-        f"of the others, {', '.join(right for name, right in zip(NAMES, by_times, strict=True) if name != right)}; "
-        f"{twice} name stands at two rows.",
-        printed=(
-            at_most("names that are not those of the times", len(wrong[NAMES]), 0),
-            at_most("names that occur again", twice, 0),
-        ),
-        corrected=(
-            at_most("names that are not those of the times", len(wrong[RENAMED]), 0),
-            at_most("names that occur again", still, 0),
-        ),
-    )
-
-
 def acting(percent: float) -> Comparison:
     """P[T_P and T_B finite] of Table 5 [%]."""
     whether, when, other, then = np.random.default_rng(SEED).random((4, DRAWS))
@@ -123,7 +105,15 @@ def acting(percent: float) -> Comparison:
     return Comparison(f"cells with [P] of U^{percent:g}% [%]", 100 * share, -np.inf, np.inf, (100 * low, 100 * high))
 
 
-def _seven(_: Tables) -> Evidence:
+@claim(
+    "c4.seven-per-cent",
+    "The share of cells in which protrusions take effect, in the three rows.",
+    source="Table 5",
+    quote="'6% [P]': U^{10%}(6 h, 24 h)",
+    recorded=Kind.CORRECTED,
+    correction=Correction("7 % = 10 % · 70 %", Effect.NUMBER, "the names in Figures 17 to 19"),
+)
+def _seven() -> Evidence:
     found = [acting(percent) for percent in (90, 50, 10)]
 
     def against(*wanted: float) -> tuple[Comparison, ...]:
@@ -142,7 +132,15 @@ def _seven(_: Tables) -> Evidence:
     )
 
 
-def _data_points(_: Tables) -> Evidence:
+@claim(
+    "c4.data-points",
+    "The number of EMT cells that the heterogeneous runs observe.",
+    source="section 4.5",
+    quote="50000 simulation runs with 10 EMT cells each, yielding 5×10⁶ data points",
+    recorded=Kind.CORRECTED,
+    correction=Correction("5 × 10⁵ data points", Effect.NUMBER, "the accuracy of Figures 17 to 22"),
+)
+def _data_points() -> Evidence:
     study = load_study("table5_35")
     (parameters,) = study.scenarios.values()
     points = study.replicates * parameters.emt.cells
@@ -153,7 +151,19 @@ def _data_points(_: Tables) -> Evidence:
     )
 
 
-def _figure_20(_: Tables) -> Evidence:
+@claim(
+    "c4.figure-20",
+    "The events whose times Figure 20 shows.",
+    source="Figure 20",
+    quote="Extrusion ratios for cells which start of [A], [B] and [S] within a particular time interval.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "[A], [B] and [P], also in 'the timing of [B] and [P] are irrelevant'",
+        Effect.NUMBER,
+        "what the third panel of Figure 20 is of; section 4.5.3 says [P], the times of [S] were never drawn",
+    ),
+)
+def _figure_20() -> Evidence:
     (parameters,) = load_study("table5_35").scenarios.values()
     timed = {event for event in "ABSP" if getattr(parameters.emt, event.lower()).ever}
     return Evidence(
@@ -162,73 +172,3 @@ def _figure_20(_: Tables) -> Evidence:
         printed=(equal("events of the caption with times, of A, B, S", len(timed & set("ABS")), 3),),
         corrected=(equal("events of the text with times, of A, B, P", len(timed & set("ABP")), 3),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c4.delays",
-        "Tables 3 and 4, Figure 15",
-        "for [A☒B] there is an 18 h delay between [A] and [B] … The ⊗ symbol denotes 12 h delay",
-        _delays,
-        statement="The delays of Table 3 are 18 h, those of Table 4 are 12 h.",
-        chosen="the ninth row of Table 4 as corrected in c4.table-4",
-    ),
-    Claim(
-        "c4.table-4",
-        "Table 4",
-        "☒: T^P = ∞, T^A = 6 h, T^B = ∞, T^S = ∞.",
-        _table4,
-        statement="The times of the ninth program of Table 4, the one between [☒A] and [☒B].",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the ninth row is [B☒]: T^A = ∞, T^B = 6 h",
-            Effect.NUMBER,
-            "Figure 15 and section 4.4.1, which discuss [B☒]",
-        ),
-    ),
-    Claim(
-        "c4.table-4-names",
-        "Table 4, Figure 15",
-        "☒P: T^P = 18 h, T^A = ∞, T^B = 6 h … ☒A: T^P = ∞, T^A = 18 h, T^B = 6 h",
-        _names,
-        statement="The names of the programs of Table 4 tell their times, with ☒ for 12 h before or after an event.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "B☒P, B☒A, and B☒ for the ninth row, in 4.4.1, too",
-            Effect.NOTATION,
-            "which bars of Figure 15 are of which times: as printed ☒A is two programs",
-        ),
-        chosen="the times of the ninth row as corrected in c4.table-4",
-    ),
-    Claim(
-        "c4.seven-per-cent",
-        "Table 5",
-        "'6% [P]': U^{10%}(6 h, 24 h)",
-        _seven,
-        statement="The share of cells in which protrusions take effect, in the three rows.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("7 % = 10 % · 70 %", Effect.NUMBER, "the names in Figures 17 to 19"),
-    ),
-    Claim(
-        "c4.data-points",
-        "section 4.5",
-        "50000 simulation runs with 10 EMT cells each, yielding 5×10⁶ data points",
-        _data_points,
-        statement="The number of EMT cells that the heterogeneous runs observe.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("5 × 10⁵ data points", Effect.NUMBER, "the accuracy of Figures 17 to 22"),
-    ),
-    Claim(
-        "c4.figure-20",
-        "Figure 20",
-        "Extrusion ratios for cells which start of [A], [B] and [S] within a particular time interval.",
-        _figure_20,
-        statement="The events whose times Figure 20 shows.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "[A], [B] and [P], also in 'the timing of [B] and [P] are irrelevant'",
-            Effect.NUMBER,
-            "what the third panel of Figure 20 is of; section 4.5.3 says [P], the times of [S] were never drawn",
-        ),
-    ),
-)

@@ -7,7 +7,7 @@ import math
 
 from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
 from tissue.study.ratios import Ratio
-from verification.claim import Claim, Tables
+from verification.claims import Tables, claim
 from verification.evidence import Evidence, Kind, equal
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
@@ -47,6 +47,13 @@ def least_lead(tables: Tables, suffix: str, kind: str) -> Difference:
     return Difference(min(with_p, key=lambda each: each.value), max(without, key=lambda each: each.value))
 
 
+@claim(
+    "c4.dominates",
+    "Each program with [P] extrudes more cells basally than each without, for cells of one kind.",
+    source="section 4.3, Figure 15",
+    quote="we can already draw that [P] will dominate each other event (which is also confirmed later in Figure 15)",
+    needs=(RATIOS,),
+)
 def _dominates(tables: Tables) -> Evidence:
     found = {kind: in_both(lambda suffix, kind=kind: least_lead(tables, suffix, kind)) for kind in SIZES}
     lines = (f"{SIZES[kind]} {' and '.join(f'{100 * d.value:+.0f}' for d in found[kind].values())}" for kind in SIZES)
@@ -58,40 +65,14 @@ def _dominates(tables: Tables) -> Evidence:
     )
 
 
-def _only(tables: Tables) -> Evidence:
-    pairs = [programs(tables, suffix, kind) for suffix in PRESETS.values() for kind in SIZES]
-    best = max((each for _, without in pairs for each in without), key=lambda each: each.value)
-    protruding = [max(with_p, key=lambda each: each.value) for with_p, _ in pairs]
-    return Evidence(
-        f"Without [P] no program of Table 4 extrudes more than {best}; with [P] there are programs for every kind of "
-        f"cells that extrude {100 * min(each.value for each in protruding):.0f} % and more.",
-        printed=(
-            hull("basal extrusion without [P], at most", [best.interval(CLAIM_LEVEL)], 0.0, NEARLY_ALL),
-            hull("with [P], best program", [each.interval(CLAIM_LEVEL) for each in protruding], NEARLY_ALL, math.inf),
-        ),
-        runs_needed=most_runs(runs_for_bound(each.value, NEARLY_ALL) for each in (best, *protruding)),
-    )
-
-
-def _fewer(tables: Tables) -> Evidence:
-    """Groups of ten, of which there are enough cells to see it."""
-    pairs = (("[AxB]", "[ABP]"), ("[BxA]", "[BAP]"), ("[Bx]", "[BxP]"))
-    found = {
-        f"{passive} minus {active}": in_both(
-            lambda s, passive=passive, active=active: Difference(
-                *(ratio_of(tables, f"figure15{s}", f"{name}, 10 cells", "apical") for name in (passive, active))
-            )
-        )
-        for passive, active in pairs
-    }
-    return Evidence(
-        "Apical extrusion of ten cells with INM, model as printed and published one: "
-        f"{'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
-        printed=tuple(more(f"apical extrusion, {name}", each) for name, each in found.items()),
-        runs_needed=needed(*found.values()),
-    )
-
-
+@claim(
+    "c4.homogeneous-drop",
+    "In a homogeneous group up to ten points fewer of the cells with [B☒] and without INM leave basally.",
+    source="section 4.4.1, Table 4",
+    quote="the basal extrusion for homogeneous EMT drops …, the difference is up to −10% (for example [☒] without INM)",
+    needs=(RATIOS,),
+    recorded=Kind.OPEN,
+)
 def _drop(tables: Tables) -> Evidence:
     found = in_both(
         lambda s: Difference(
@@ -143,14 +124,39 @@ def _mixed(tables: Tables, inm: str, sign: int, kinds: tuple[str, ...]) -> Evide
     )
 
 
+@claim(
+    "c4.mixed-with-inm",
+    "Cells with INM leave basally less often in a mixed group than among cells with the same events.",
+    source="section 4.5.1",
+    quote="for EMT cells with INM the frequency of basal extrusion is lowest in the case of heterogeneous EMT",
+    needs=(CATEGORIES, RATIOS),
+    recorded=Kind.OPEN,
+    chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
+)
 def _with_inm(tables: Tables) -> Evidence:
     return _mixed(tables, "", -1, ("[A]", "[A] and [B]"))
 
 
+@claim(
+    "c4.mixed-without-inm",
+    "Cells without INM leave basally more often in a mixed group than among cells with the same events.",
+    source="section 4.5.2",
+    quote="EMT cells without INM show higher rates of basal extrusion than they would show in a homogeneous case",
+    needs=(CATEGORIES, RATIOS),
+    recorded=Kind.OPEN,
+    chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
+)
 def _no_inm(tables: Tables) -> Evidence:
     return _mixed(tables, " no INM", 1, ("[A]", "[B]", "[A] and [B]"))
 
 
+@claim(
+    "c4.competition",
+    "The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
+    source="Figure 19",
+    quote="the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions",
+    needs=(CATEGORIES,),
+)
 def _competition(tables: Tables) -> Evidence:
     events = ("[A]", "[B]", "[A] and [B]")
     found = {
@@ -169,68 +175,51 @@ def _competition(tables: Tables) -> Evidence:
     )
 
 
-CLAIMS = (
-    Claim(
-        "c4.dominates",
-        "section 4.3, Figure 15",
-        "we can already draw that [P] will dominate each other event (which is also confirmed later in Figure 15)",
-        _dominates,
-        needs=(RATIOS,),
-        statement="Each program with [P] extrudes more cells basally than each without, for cells of one kind.",
-    ),
-    Claim(
-        "c4.homogeneous-drop",
-        "section 4.4.1, Table 4",
-        "the basal extrusion for homogeneous EMT drops …, the difference is up to −10% (for example [☒] without INM)",
-        _drop,
-        needs=(RATIOS,),
-        statement="In a homogeneous group up to ten points fewer of the cells with [B☒] and without INM leave basally.",
-        recorded=Kind.OPEN,
-    ),
-    Claim(
-        "c4.mixed-with-inm",
-        "section 4.5.1",
-        "for EMT cells with INM the frequency of basal extrusion is lowest in the case of heterogeneous EMT",
-        _with_inm,
-        needs=(CATEGORIES, RATIOS),
-        statement="Cells with INM leave basally less often in a mixed group than among cells with the same events.",
-        recorded=Kind.OPEN,
-        chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
-    ),
-    Claim(
-        "c4.mixed-without-inm",
-        "section 4.5.2",
-        "EMT cells without INM show higher rates of basal extrusion than they would show in a homogeneous case",
-        _no_inm,
-        needs=(CATEGORIES, RATIOS),
-        statement="Cells without INM leave basally more often in a mixed group than among cells with the same events.",
-        recorded=Kind.OPEN,
-        chosen="the group '35 % [P]'; homogeneous: the same events, each cell at its own time",
-    ),
-    Claim(
-        "c4.competition",
-        "Figure 19",
-        "the presence of more protrusive cells … decreases the basal extrusion rates for cells without protrusions",
-        _competition,
-        needs=(CATEGORIES,),
-        statement="The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
-    ),
-    Claim(
-        "c4.fewer-apical",
-        "section 5",
-        "Protrusive activities lead to basal extrusion and prevent apical extrusion, see Figure 10.",
-        _fewer,
-        needs=(RATIOS,),
-        statement="With [P] fewer cells leave apically than without it, by the programs with [B] of Table 4.",
-        chosen="prevent: make rarer, for section 4.1.1 says that [BP], too, leads to some",
-    ),
-    Claim(
-        "c4.only-protrusions",
-        "section 5.1",
-        "The model suggests that such high rates of basal extrusion are only possible with cell protrusions.",
-        _only,
-        needs=(RATIOS,),
-        statement="Nearly all cells leave basally by some programs with [P], and by none without.",
-        chosen=f"such high rates, 100 % in practice: more than {NEARLY_ALL:.0%}",
-    ),
+@claim(
+    "c4.fewer-apical",
+    "With [P] fewer cells leave apically than without it, by the programs with [B] of Table 4.",
+    source="section 5",
+    quote="Protrusive activities lead to basal extrusion and prevent apical extrusion, see Figure 10.",
+    needs=(RATIOS,),
+    chosen="prevent: make rarer, for section 4.1.1 says that [BP], too, leads to some",
 )
+def _fewer(tables: Tables) -> Evidence:
+    """Groups of ten, of which there are enough cells to see it."""
+    pairs = (("[AxB]", "[ABP]"), ("[BxA]", "[BAP]"), ("[Bx]", "[BxP]"))
+    found = {
+        f"{passive} minus {active}": in_both(
+            lambda s, passive=passive, active=active: Difference(
+                *(ratio_of(tables, f"figure15{s}", f"{name}, 10 cells", "apical") for name in (passive, active))
+            )
+        )
+        for passive, active in pairs
+    }
+    return Evidence(
+        "Apical extrusion of ten cells with INM, model as printed and published one: "
+        f"{'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
+        printed=tuple(more(f"apical extrusion, {name}", each) for name, each in found.items()),
+        runs_needed=needed(*found.values()),
+    )
+
+
+@claim(
+    "c4.only-protrusions",
+    "Nearly all cells leave basally by some programs with [P], and by none without.",
+    source="section 5.1",
+    quote="The model suggests that such high rates of basal extrusion are only possible with cell protrusions.",
+    needs=(RATIOS,),
+    chosen=f"such high rates, 100 % in practice: more than {NEARLY_ALL:.0%}",
+)
+def _only(tables: Tables) -> Evidence:
+    pairs = [programs(tables, suffix, kind) for suffix in PRESETS.values() for kind in SIZES]
+    best = max((each for _, without in pairs for each in without), key=lambda each: each.value)
+    protruding = [max(with_p, key=lambda each: each.value) for with_p, _ in pairs]
+    return Evidence(
+        f"Without [P] no program of Table 4 extrudes more than {best}; with [P] there are programs for every kind of "
+        f"cells that extrude {100 * min(each.value for each in protruding):.0f} % and more.",
+        printed=(
+            hull("basal extrusion without [P], at most", [best.interval(CLAIM_LEVEL)], 0.0, NEARLY_ALL),
+            hull("with [P], best program", [each.interval(CLAIM_LEVEL) for each in protruding], NEARLY_ALL, math.inf),
+        ),
+        runs_needed=most_runs(runs_for_bound(each.value, NEARLY_ALL) for each in (best, *protruding)),
+    )

@@ -8,7 +8,7 @@ import pandas as pd
 
 from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference
 from tissue.study.ratios import LEVEL, Ratio, as_ratio
-from verification.claim import Claim, Tables
+from verification.claims import Tables, claim
 from verification.evidence import Evidence, Interval, Kind
 from verification.thesis.chapter4.frequencies import (
     CONDITIONAL,
@@ -56,6 +56,18 @@ def by_kind(tables: Tables, given: str) -> dict[str, Difference]:
     }
 
 
+@claim(
+    "c4.timing",
+    "In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, "
+    "and so are early and late [P].",
+    source="section 4.5.3, Figure 20",
+    quote=(
+        "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend concerning [A], "
+        "preferring earlier timings"
+    ),
+    needs=(CONDITIONAL,),
+    chosen=f"the group '35 % [P]'; independent: alike within {ALIKE:.0%}",
+)
 def _timing(tables: Tables) -> Evidence:
     a, b, p = (by_kind(tables, f"t_{event}_h") for event in "abp")
     size = [100 * each.value for each in a.values()]
@@ -78,6 +90,14 @@ def lead(first: Interval, second: Interval) -> Interval:
     return first[0] - second[1], first[1] - second[0]
 
 
+@claim(
+    "c4.onset-over-timing",
+    "Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
+    source="section 4.6, Figures 20, 21",
+    quote="Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing",
+    needs=(CONDITIONAL,),
+    chosen="the group '35 % [P]'",
+)
 def _onset(tables: Tables) -> Evidence:
     """How much the first interval differs from the last, by the position and by the time of [A] or [B]."""
     onset, *times = (by_kind(tables, given) for given in ("onset_ab", "t_a_h", "t_b_h"))
@@ -96,6 +116,14 @@ def _onset(tables: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c4.predictor",
+    "Beside protrusions nothing tells more about basal extrusion than the position at the onset.",
+    source="section 4.6",
+    quote="basal positioning is for cells without protrusive activities the best predictor of basal extrusion",
+    needs=(RANKING,),
+    chosen="the group '35 % [P]', all cells; what a factor tells: the loss of a classifier without it",
+)
 def _predictor(tables: Tables) -> Evidence:
     """By permutation importance in the group '35 % [P]'."""
     table, lines, leads = tables[RANKING], [], []
@@ -112,6 +140,14 @@ def _predictor(tables: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c4.most-basal",
+    "Seven or eight of ten cells without [P] that begin EMT in the lowest fifth leave basally.",
+    source="section 4.6, Figure 21",
+    quote="EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %.",
+    needs=(CONDITIONAL,),
+    recorded=Kind.OPEN,
+)
 def _most_basal(tables: Tables) -> Evidence:
     """Figure 21 does not say of which group and of which cells it is: all are taken."""
     found = [
@@ -131,6 +167,14 @@ def _most_basal(tables: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c4.lower-half",
+    "More than half of the basally extruded cells without INM began EMT at a position below 1/2.",
+    source="Figure 22",
+    quote="Most cells which extrude basally start EMT from the lower half of the tissue.",
+    needs=(CONDITIONAL,),
+    chosen="cells without [P], as the figure shows",
+)
 def _lower_half(tables: Tables) -> Evidence:
     found = []
     for suffix in PRESETS.values():
@@ -143,54 +187,3 @@ def _lower_half(tables: Tables) -> Evidence:
         printed=(hull("from the lower half", [each.interval(CLAIM_LEVEL) for each in found], 0.5, math.inf),),
         runs_needed=most_runs(runs_for_bound(each.value, 0.5) for each in found),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c4.timing",
-        "section 4.5.3, Figure 20",
-        "the basal extrusion ratios are independent of the timing of [B] and [P] … there is some trend concerning [A], "
-        "preferring earlier timings",
-        _timing,
-        needs=(CONDITIONAL,),
-        statement="In a mixed group early [A] extrudes more cells than late [A]; early and late [B] are alike, "
-        "and so are early and late [P].",
-        chosen=f"the group '35 % [P]'; independent: alike within {ALIKE:.0%}",
-    ),
-    Claim(
-        "c4.onset-over-timing",
-        "section 4.6, Figures 20, 21",
-        "Comparing Figure 21 and Figure 20 … basal positioning has more impact on basal extrusion than the timing",
-        _onset,
-        needs=(CONDITIONAL,),
-        statement="Basal extrusion of cells without [P] depends more on where than on when EMT begins.",
-        chosen="the group '35 % [P]'",
-    ),
-    Claim(
-        "c4.predictor",
-        "section 4.6",
-        "basal positioning is for cells without protrusive activities the best predictor of basal extrusion",
-        _predictor,
-        needs=(RANKING,),
-        statement="Beside protrusions nothing tells more about basal extrusion than the position at the onset.",
-        chosen="the group '35 % [P]', all cells; what a factor tells: the loss of a classifier without it",
-    ),
-    Claim(
-        "c4.most-basal",
-        "section 4.6, Figure 21",
-        "EMT cells which are in the most basal 20% of the tissue do exit basally with rates between 70 % up to 80 %.",
-        _most_basal,
-        needs=(CONDITIONAL,),
-        statement="Seven or eight of ten cells without [P] that begin EMT in the lowest fifth leave basally.",
-        recorded=Kind.OPEN,
-    ),
-    Claim(
-        "c4.lower-half",
-        "Figure 22",
-        "Most cells which extrude basally start EMT from the lower half of the tissue.",
-        _lower_half,
-        needs=(CONDITIONAL,),
-        statement="More than half of the basally extruded cells without INM began EMT at a position below 1/2.",
-        chosen="cells without [P], as the figure shows",
-    ),
-)

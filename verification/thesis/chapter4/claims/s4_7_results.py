@@ -10,7 +10,7 @@ import numpy as np
 from tissue.study.comparisons import CLAIM_LEVEL, Difference
 from tissue.study.questions import QUESTIONS
 from tissue.study.ratios import Ratio, as_ratio
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
@@ -63,6 +63,22 @@ def _answer(question: str) -> Callable[[Tables], Evidence]:
     return check
 
 
+ANSWERED = tuple(
+    claim(
+        f"c4.{name.lower()}",
+        STATED.get(
+            name, f"The answer to question {name[1:]}, by claims about ratios of basal extrusion with intervals."
+        ),
+        source=f"section 4.7, ({name})",
+        quote=f"{question.text} {PARTS.get(name, question.thesis)}",
+        needs=(ANSWERS,),
+        recorded=RECORDED.get(name, Kind.OPEN),
+        chosen="the claims that an answer is taken to make, in tissue/study/questions.py",
+    )(_answer(name))
+    for name, question in QUESTIONS.items()
+)
+
+
 def pooled(ratios: Sequence[Ratio]) -> Ratio:
     """The cells of several groups together."""
     return Ratio(sum(r.count for r in ratios), sum(r.of for r in ratios), sum(r.size for r in ratios))
@@ -91,6 +107,24 @@ def favourable(tables: Tables, suffix: str) -> Ratio:
     return Ratio(alone.count, round(share * alone.of), share * alone.size)
 
 
+@claim(
+    "c4.q2-inm",
+    "Which cells with INM leave basally: those with [P], and well placed ones with [A] or with [B].",
+    source="section 4.7, (Q2)",
+    quote="If cells continue to perform INM, then only [P] or cells with [A] or [B] and favourable basal positioning "
+    "get extruded.",
+    needs=(CATEGORIES, CONDITIONAL),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "[P], or [A], with or without [B], and favourable basal positioning: [B] alone with INM does not extrude, "
+        "as Figure 19 says",
+        Effect.CONCLUSION,
+        "the second half of the answer to (Q2); in homogeneous groups of ten of the published runs [B] extrudes 0.3 % "
+        "to 0.5 % of the cells",
+    ),
+    chosen=f"favourable: the lower half at the onset, in which cells with [B] are as often as those with [A];"
+    f" get extruded: {SOME:.0%} of the cells, at least",
+)
 def _with_inm(tables: Tables) -> Evidence:
     p, a, b = (
         {name: of_events(tables, suffix, events) for name, suffix in PRESETS.items()}
@@ -121,40 +155,3 @@ def _with_inm(tables: Tables) -> Evidence:
 
 def _both(found: Mapping[str, Ratio]) -> str:
     return " and ".join(f"{100 * each.value:.1f} % of {each.of}" for each in found.values())
-
-
-ANSWERED = tuple(
-    Claim(
-        f"c4.{name.lower()}",
-        f"section 4.7, ({name})",
-        f"{question.text} {PARTS.get(name, question.thesis)}",
-        _answer(name),
-        needs=(ANSWERS,),
-        statement=STATED.get(
-            name, f"The answer to question {name[1:]}, by claims about ratios of basal extrusion with intervals."
-        ),
-        recorded=RECORDED.get(name, Kind.OPEN),
-        chosen="the claims that an answer is taken to make, in tissue/study/questions.py",
-    )
-    for name, question in QUESTIONS.items()
-)
-WITH_INM = Claim(
-    "c4.q2-inm",
-    "section 4.7, (Q2)",
-    "If cells continue to perform INM, then only [P] or cells with [A] or [B] and favourable basal positioning get "
-    "extruded.",
-    _with_inm,
-    needs=(CATEGORIES, CONDITIONAL),
-    statement="Which cells with INM leave basally: those with [P], and well placed ones with [A] or with [B].",
-    recorded=Kind.CORRECTED,
-    correction=Correction(
-        "[P], or [A], with or without [B], and favourable basal positioning: [B] alone with INM does not extrude, "
-        "as Figure 19 says",
-        Effect.CONCLUSION,
-        "the second half of the answer to (Q2); in homogeneous groups of ten of the published runs [B] extrudes 0.3 % "
-        "to 0.5 % of the cells",
-    ),
-    chosen=f"favourable: the lower half at the onset, in which cells with [B] are as often as those with [A];"
-    f" get extruded: {SOME:.0%} of the cells, at least",
-)
-CLAIMS = tuple(claim for each in ANSWERED for claim in ((each, WITH_INM) if each.id == "c4.q2" else (each,)))

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter5.claims.s2_3_examples import ONE, X0, M, fibre, shifted, tissue, with_springs
 from verification.thesis.chapter5.instant import (
@@ -36,7 +36,19 @@ def brownian(x: float, t: float) -> float:
     return float(np.exp(-(x**2) / (2 * t)) / np.sqrt(2 * np.pi * t))
 
 
-def _diffusive(_: Tables) -> Evidence:
+@claim(
+    "c5.diffusive-scaling",
+    "The scaling of time and space under which diffusion looks the same.",
+    source="section 1",
+    quote="the diffusive scaling limit requires (t, x) ↦ (εt, ε²x)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(t, x) ↦ (ε²t, εx)",
+        Effect.NUMBER,
+        "the next sentence, which has ε²x for εx; that scaled positions leave the constraints stands",
+    ),
+)
+def _diffusive() -> Evidence:
     """Diffusion leaves the density of Brownian motion as it is: a G(a x, b t) = G(x, t)."""
     eps, x, t = 0.1, 0.5, 1.0
     printed, right = (a * brownian(a * x, b * t) / brownian(x, t) for a, b in ((eps**2, eps), (eps, eps**2)))
@@ -48,7 +60,16 @@ def _diffusive(_: Tables) -> Evidence:
     )
 
 
-def _scaled_positions(_: Tables) -> Evidence:
+@claim(
+    "c5.scaled-positions",
+    "Scaled positions need not fulfil the constraints that the positions fulfil.",
+    source="section 1",
+    quote=(
+        "if x is subject to constraints, this scaling is ill-posed since … might not satisfy the position constraints"
+    ),
+    chosen="εx and ε²x, see c5.diffusive-scaling",
+)
+def _scaled_positions() -> Evidence:
     at, eps = general_instant(), 0.1
     level = at.system.g(at.X, at.y)
     small, large = (float(np.abs(at.system.g(s * at.X, at.y) - level).min(axis=0).max()) for s in (eps**2, eps))
@@ -62,24 +83,18 @@ def _scaled_positions(_: Tables) -> Evidence:
     )
 
 
-def _estimate(_: Tables) -> Evidence:
-    """Two equal solutions."""
-    y, v = Y, YDOT
-    printed, right = (float(np.linalg.norm(y + s * y) + np.linalg.norm(v + s * v)) for s in (1.0, -1.0))
-    return Evidence(
-        f"For two equal solutions the right side is 0, the left {printed:.2f}; with ‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖, as in "
-        f"(5.60), it is {right:g}.",
-        printed=(at_most("‖y₁ + y₂‖ + ‖ẏ₁ + ẏ₂‖ of equal solutions", printed, 0.0),),
-        corrected=(at_most("‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ of equal solutions", right, 0.0),),
-    )
-
-
 def distance(first: Floats, second: Floats) -> float:
     """W1 of two sets of as many points on a line."""
     return float(np.abs(np.sort(first) - np.sort(second)).mean())
 
 
-def _inverse_mass(_: Tables) -> Evidence:
+@claim(
+    "c5.inverse-mass",
+    "The inverse mean-field mass changes by no more than a constant times the distance of two measures.",
+    source="section 1",
+    quote="μ ↦ (∫ m_eff⁽¹⁾(x, y) dμ(x))⁻¹ is bounded and Lipschitz continuous",
+)
+def _inverse_mass() -> Evidence:
     """Pairs of random measures on a line: the inverse masses against the distance, in units of Lip of 1 + m Phi^2."""
     rng = np.random.default_rng(SEED)
     bound = float(np.abs(np.diff(M * soft(LINE) ** 2)).max() / (LINE[1] - LINE[0]))
@@ -95,7 +110,46 @@ def _inverse_mass(_: Tables) -> Evidence:
     )
 
 
-def _generalises(_: Tables) -> Evidence:
+@claim(
+    "c5.abstract-estimate",
+    "The main estimate: two solutions stay close to each other if they are so at first.",
+    source="section 1",
+    quote="W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ + y₂‖ + ‖ẏ₁ + ẏ₂‖ ≤ C e^{Lt} (…)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ ≤ C e^{Lt} (…), as in (5.60)",
+        Effect.CONCLUSION,
+        "the main result as the introduction states it; Theorem 5.16 has the right signs",
+    ),
+)
+def _estimate() -> Evidence:
+    """Two equal solutions."""
+    y, v = Y, YDOT
+    printed, right = (float(np.linalg.norm(y + s * y) + np.linalg.norm(v + s * v)) for s in (1.0, -1.0))
+    return Evidence(
+        f"For two equal solutions the right side is 0, the left {printed:.2f}; with ‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖, as in "
+        f"(5.60), it is {right:g}.",
+        printed=(at_most("‖y₁ + y₂‖ + ‖ẏ₁ + ẏ₂‖ of equal solutions", printed, 0.0),),
+        corrected=(at_most("‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ of equal solutions", right, 0.0),),
+    )
+
+
+@claim(
+    "c5.generalises",
+    "The results contain those for linear constraints and forces.",
+    source="section 1",
+    quote=(
+        "This article generalises … Instead of assuming that the constraints and forces are linear, we allow nonlinear"
+    ),
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "linear forces are excluded by (A1b), (A1d); with a constant Φ the bounds can be dropped, and then the "
+        "linear case is included",
+        Effect.CONCLUSION,
+        "Theorems 5.9, 5.12 and 5.16 do not apply to the linear case of the previous work as they stand",
+    ),
+)
+def _generalises() -> Evidence:
     """Linear forces and g = X - y: the size of F1, and difference quotients of the force on y, near and far."""
     system = with_springs(shifted().system.g)
     sizes = [float(np.abs(force1(system, np.array([[x]]))).max()) for x in (1.0, 1e6)]
@@ -117,7 +171,13 @@ def _generalises(_: Tables) -> Evidence:
     )
 
 
-def _changing_mass(_: Tables) -> Evidence:
+@claim(
+    "c5.changing-mass",
+    "With nonlinear constraints the effective mass changes during the motion.",
+    source="section 1",
+    quote="the mean-field mass is non-constant in contrast to the linear case",
+)
+def _changing_mass() -> Evidence:
     """The rate of the effective mass along the motion, for the examples and for a fibre with g = X + sin(X)/2 - y."""
 
     def rate(at: Instant) -> float:
@@ -133,69 +193,3 @@ def _changing_mass(_: Tables) -> Evidence:
             at_most("rate in Example 5.3, which is linear", rate(shifted()), TOL),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.diffusive-scaling",
-        "section 1",
-        "the diffusive scaling limit requires (t, x) ↦ (εt, ε²x)",
-        _diffusive,
-        statement="The scaling of time and space under which diffusion looks the same.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(t, x) ↦ (ε²t, εx)",
-            Effect.NUMBER,
-            "the next sentence, which has ε²x for εx; that scaled positions leave the constraints stands",
-        ),
-    ),
-    Claim(
-        "c5.scaled-positions",
-        "section 1",
-        "if x is subject to constraints, this scaling is ill-posed since … might not satisfy the position constraints",
-        _scaled_positions,
-        statement="Scaled positions need not fulfil the constraints that the positions fulfil.",
-        chosen="εx and ε²x, see c5.diffusive-scaling",
-    ),
-    Claim(
-        "c5.inverse-mass",
-        "section 1",
-        "μ ↦ (∫ m_eff⁽¹⁾(x, y) dμ(x))⁻¹ is bounded and Lipschitz continuous",
-        _inverse_mass,
-        statement="The inverse mean-field mass changes by no more than a constant times the distance of two measures.",
-    ),
-    Claim(
-        "c5.abstract-estimate",
-        "section 1",
-        "W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ + y₂‖ + ‖ẏ₁ + ẏ₂‖ ≤ C e^{Lt} (…)",
-        _estimate,
-        statement="The main estimate: two solutions stay close to each other if they are so at first.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "W₁(μ₁ᵗ, μ₂ᵗ) + ‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ ≤ C e^{Lt} (…), as in (5.60)",
-            Effect.CONCLUSION,
-            "the main result as the introduction states it; Theorem 5.16 has the right signs",
-        ),
-    ),
-    Claim(
-        "c5.generalises",
-        "section 1",
-        "This article generalises … Instead of assuming that the constraints and forces are linear, we allow nonlinear",
-        _generalises,
-        statement="The results contain those for linear constraints and forces.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "linear forces are excluded by (A1b), (A1d); with a constant Φ the bounds can be dropped, and then the "
-            "linear case is included",
-            Effect.CONCLUSION,
-            "Theorems 5.9, 5.12 and 5.16 do not apply to the linear case of the previous work as they stand",
-        ),
-    ),
-    Claim(
-        "c5.changing-mass",
-        "section 1",
-        "the mean-field mass is non-constant in contrast to the linear case",
-        _changing_mass,
-        statement="With nonlinear constraints the effective mass changes during the motion.",
-    ),
-)

@@ -5,8 +5,8 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.claims import Correction, Effect, claim
+from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import (
     Floats,
     System,
@@ -32,23 +32,19 @@ def odd(r: Floats) -> Floats:
     return np.asarray((r**3).sum(axis=-1))
 
 
-def _layout(_: Tables) -> Evidence:
-    """Whether -(dg/dX)^{-1} dg/dy and (dg/dy)^T lambda are products of matrices that fit."""
-    at = general_instant()
-    gX, gy = (part[0] for part in jacobians(at.system, at.X, at.y))
-
-    def misfit(rows: int) -> int:
-        return abs(gX.shape[1] - rows) + abs(rows - at.multipliers.shape[1])
-
-    return Evidence(
-        f"With nx = {gX.shape[0]}, ny = {at.y.size} neither (∂_X g)⁻¹∂_y g nor (∂_y g)ᵀλ exists for a ∂_y g of shape "
-        f"{gy.T.shape}; they ask for ℝ^(nx×ny), here {gy.shape}, as Φ has it.",
-        printed=(equal("rows of ∂_y g ∈ ℝ^(ny×nx) too many or too few", misfit(gy.shape[1]), 0.0),),
-        corrected=(equal("rows of ∂_y g ∈ ℝ^(nx×ny) too many or too few", misfit(gy.shape[0]), 0.0),),
-    )
-
-
-def _non_interacting(_: Tables) -> Evidence:
+@claim(
+    "c5.non-interacting",
+    "The particles exert no forces on each other.",
+    source="section 2.1",
+    quote="N identical, non-interacting, microscopic particles",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "the particles interact by K of (5.4); only their velocities (5.11b) do not depend on each other",
+        Effect.MODEL,
+        "(5.6a), (5.14), (5.41b), and the conclusion, which lists such forces as a further extension",
+    ),
+)
+def _non_interacting() -> Evidence:
     at = general_instant()
     without = instant(at.system._replace(V=lambda r: 0.0 * r[..., 0]), at.X, at.y, at.v)
     change, same = float(np.abs(at.a - without.a).max()), float(np.abs(at.U - without.U).max())
@@ -65,7 +61,38 @@ def _non_interacting(_: Tables) -> Evidence:
     )
 
 
-def _even(_: Tables) -> Evidence:
+@claim(
+    "c5.pair-force",
+    "The force of a pair is the negative slope of its potential energy.",
+    source="(5.4)",
+    quote="K(X_j, X_i) = ∇_{X_i} − V(X_j − X_i)",
+    chosen="read as K(X_j, X_i) = −∇_{X_i} V(X_j − X_i), as section 3.3 repeats it",
+)
+def _pair_force() -> Evidence:
+    """The force on each particle by the energy of all pairs, N times its slope."""
+    at = general_instant()
+    bare = at.system._replace(W0=lambda y: 0.0 * y[0], W1=lambda X: 0.0 * X[..., 0])
+    directions = np.eye(at.X.size).reshape(-1, *at.X.shape)
+    force = [-len(at.X) * slope(lambda X: potential(bare, X, at.y), at.X, d) for d in directions]
+    off = float(np.abs(np.reshape(force, at.X.shape) - pulls(bare, at.X).mean(axis=0)).max())
+    return Evidence(
+        f"The mean of K(X_k, X_i) over k differs from the slope of the energy in (5.8) by {off:.0e}: both particles "
+        "of a pair count, which cancels the ½ of β.",
+        printed=(at_most("mean of K over k against −N times the slope of the energy", off, 0.0, TOL),),
+    )
+
+
+@claim(
+    "c5.even-potential",
+    "The symmetry of the potential energy of a pair.",
+    source="after (5.4)",
+    quote="V(−X) = −V(X), ∇V(0) = 0 and V(0) = 0",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "V(−X) = V(X)", Effect.MODEL, "(A2a), (5.52), conservation of energy: with an odd V all pairs cancel"
+    ),
+)
+def _even() -> Evidence:
     at = general_instant()
 
     def lack(system: System) -> float:
@@ -87,21 +114,19 @@ def _even(_: Tables) -> Evidence:
     )
 
 
-def _pair_force(_: Tables) -> Evidence:
-    """The force on each particle by the energy of all pairs, N times its slope."""
-    at = general_instant()
-    bare = at.system._replace(W0=lambda y: 0.0 * y[0], W1=lambda X: 0.0 * X[..., 0])
-    directions = np.eye(at.X.size).reshape(-1, *at.X.shape)
-    force = [-len(at.X) * slope(lambda X: potential(bare, X, at.y), at.X, d) for d in directions]
-    off = float(np.abs(np.reshape(force, at.X.shape) - pulls(bare, at.X).mean(axis=0)).max())
-    return Evidence(
-        f"The mean of K(X_k, X_i) over k differs from the slope of the energy in (5.8) by {off:.0e}: both particles "
-        "of a pair count, which cancels the ½ of β.",
-        printed=(at_most("mean of K over k against −N times the slope of the energy", off, 0.0, TOL),),
-    )
-
-
-def _lagrangian(_: Tables) -> Evidence:
+@claim(
+    "c5.lagrangian",
+    "The Lagrangian whose multipliers enforce the constraints.",
+    source="(5.8)",
+    quote="L = … − γ Σ_j g(X_j, y) λ_j",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "L = … − γ Σ_j (g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ))·λ_j",
+        Effect.NOTATION,
+        "(5.6c) follows only then, but it is stated as well; (5.6a), (5.6b) are the same",
+    ),
+)
+def _lagrangian() -> Evidence:
     """The derivative by lambda along a motion of a time 1e-4, whose terms of third order are 1e-12."""
     at, h = general_instant(), 1e-4
     X, y = at.X + h * at.U + h**2 / 2 * at.A, at.y + h * at.v + h**2 / 2 * at.a
@@ -115,7 +140,17 @@ def _lagrangian(_: Tables) -> Evidence:
     )
 
 
-def _equations(_: Tables) -> Evidence:
+@claim(
+    "c5.equations",
+    "The equations for the accelerations are those of the Lagrangian.",
+    source="(5.6a), (5.6b)",
+    quote=(
+        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g)ᵀλ_i, ÿ = F₀(y) − 1/N Σ_j (∂_y g)ᵀλ_j … Euler-Lagrange "
+        "equations for the choice α = β = γ = 1/N"
+    ),
+    chosen="an even 𝒱; for (5.6c) see c5.lagrangian",
+)
+def _equations() -> Evidence:
     at = general_instant()
     gX, gy = jacobians(at.system, at.X, at.y)
     held = force1(at.system, at.X) + pulls(at.system, at.X).mean(axis=0) - pushed(gX, at.multipliers)
@@ -129,70 +164,3 @@ def _equations(_: Tables) -> Evidence:
             at_most("residual of (5.6b)", second, 0.0, TOL),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.layout",
-        "section 2, Notation",
-        "∂_y g(X, y) ∈ ℝ^ny × ℝ^nx",
-        _layout,
-        statement="Which index of the derivative of the constraints counts rows, which columns.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("∂_y g(X, y) ∈ ℝ^(nx×ny)", Effect.NOTATION, "nothing: all formulas use the right shape"),
-    ),
-    Claim(
-        "c5.non-interacting",
-        "section 2.1",
-        "N identical, non-interacting, microscopic particles",
-        _non_interacting,
-        statement="The particles exert no forces on each other.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "the particles interact by K of (5.4); only their velocities (5.11b) do not depend on each other",
-            Effect.MODEL,
-            "(5.6a), (5.14), (5.41b), and the conclusion, which lists such forces as a further extension",
-        ),
-    ),
-    Claim(
-        "c5.pair-force",
-        "(5.4)",
-        "K(X_j, X_i) = ∇_{X_i} − V(X_j − X_i)",
-        _pair_force,
-        statement="The force of a pair is the negative slope of its potential energy.",
-        chosen="read as K(X_j, X_i) = −∇_{X_i} V(X_j − X_i), as section 3.3 repeats it",
-    ),
-    Claim(
-        "c5.even-potential",
-        "after (5.4)",
-        "V(−X) = −V(X), ∇V(0) = 0 and V(0) = 0",
-        _even,
-        statement="The symmetry of the potential energy of a pair.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "V(−X) = V(X)", Effect.MODEL, "(A2a), (5.52), conservation of energy: with an odd V all pairs cancel"
-        ),
-    ),
-    Claim(
-        "c5.lagrangian",
-        "(5.8)",
-        "L = … − γ Σ_j g(X_j, y) λ_j",
-        _lagrangian,
-        statement="The Lagrangian whose multipliers enforce the constraints.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "L = … − γ Σ_j (g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ))·λ_j",
-            Effect.NOTATION,
-            "(5.6c) follows only then, but it is stated as well; (5.6a), (5.6b) are the same",
-        ),
-    ),
-    Claim(
-        "c5.equations",
-        "(5.6a), (5.6b)",
-        "mẌ_i = F₁(X_i) + 1/N Σ_k K(X_k, X_i) − (∂_X g)ᵀλ_i, ÿ = F₀(y) − 1/N Σ_j (∂_y g)ᵀλ_j … Euler-Lagrange "
-        "equations for the choice α = β = γ = 1/N",
-        _equations,
-        statement="The equations for the accelerations are those of the Lagrangian.",
-        chosen="an even 𝒱; for (5.6c) see c5.lagrangian",
-    ),
-)

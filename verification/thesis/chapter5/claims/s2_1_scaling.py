@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter5.instant import STEP, Floats, System, general_instant, general_system, phi, slopes
 
@@ -16,6 +16,81 @@ TOL = 1e-8
 # Far above it: what a wrong factor makes here.
 WRONG = 1e-2
 SEED, SAMPLES = 51, 20
+
+
+def spiral(X: Floats) -> Floats:
+    """The complex exponential: its Jacobian is a rotation times exp(X_1), never singular."""
+    return np.stack([np.exp(X[..., 0]) * np.cos(X[..., 1]), np.exp(X[..., 0]) * np.sin(X[..., 1])], axis=-1)
+
+
+@claim(
+    "c5.locally",
+    "With full rank, y fixes each particle as long as it is followed, not among all positions.",
+    source="after (5.5)",
+    quote="This implies that the state of the macroscopic component determines locally the position of all particles",
+)
+def _locally() -> Evidence:
+    """g = exp(X) - y, where X and X + 2 pi i have one level, along y from 0 to 1 and back."""
+    X = np.random.default_rng(SEED).normal(size=(SAMPLES, 2))
+    J = slopes(spiral, X)
+    least = float(np.abs(np.linalg.det(J) * np.exp(-2 * X[:, 0])).min())
+    apart = float(np.abs(spiral(X + np.array([0.0, 2 * np.pi])) - spiral(X)).max())
+    shift, moved = np.array([1e-3, -2e-3]), X.copy()
+    for _newton in range(4):
+        moved = moved - np.linalg.solve(slopes(spiral, moved), (spiral(moved) - spiral(X) - shift)[..., None])[..., 0]
+    followed = float(np.abs(moved - X - np.linalg.solve(J, shift)).max())
+    return Evidence(
+        f"g = exp(X₁)(cos X₂, sin X₂) − y has full rank (|det| ≥ {least:.2f} exp(2X₁)), and X follows a small change "
+        f"of y (its first order is met to {followed:.0e}); but X + (0, 2π) has the same level ({apart:.0e}): locally "
+        "only.",
+        printed=(
+            at_least("|det ∂_X g| exp(−2X₁)", least, WRONG),
+            at_most("change of X against (∂_X g)⁻¹ δy", followed, WRONG),
+            at_most("level of X + (0, 2π) against that of X", apart, 0.0, TOL),
+        ),
+        seed=SEED,
+    )
+
+
+@claim(
+    "c5.initial-multipliers",
+    "Positions and the velocity of the macroscopic component fix the multipliers at the start.",
+    source="after (5.7)",
+    quote="the Lagrangian multipliers for (5.6c), and their initial value is determined implicitly by the system",
+)
+def _initial_multipliers() -> Evidence:
+    """The matrix of the equations for the accelerations and multipliers, at random states."""
+    rng, least = np.random.default_rng(SEED), np.inf
+    for _sample in range(SAMPLES):
+        X, y, v = rng.normal(size=(2, 2)), 0.5 * rng.normal(size=3), rng.normal(size=3)
+        found = lagrange(general_system(), X, y, v, Factors(0.5, 0.5, 0.5))
+        values = np.linalg.svd(found.matrix, compute_uv=False)
+        least = min(least, float(values[-1] / values[0]))
+    return Evidence(
+        f"nx = 2, ny = 3, {SAMPLES} random states: the equations for accelerations and multipliers have one solution, "
+        f"their matrix has singular values of at least {least:.0e} of the largest. (X_i, y and ẏ suffice: Ẋ_i = "
+        "Φ_i[ẏ].)",
+        printed=(at_least("least singular value over the largest", least, TOL),),
+        seed=SEED,
+    )
+
+
+@claim(
+    "c5.interaction-scaling",
+    "With 1/N before the sum over pairs their influence does not grow with the number of particles.",
+    source="section 2.1",
+    quote="The choice β ~ 1/N … keeps the relative influence of the interaction forces constant",
+)
+def _beta() -> Evidence:
+    scaled, unscaled = _doubled(Factors(1, 1, 1))[0], _doubled(Factors(1, 0, 1))[0]
+    return Evidence(
+        f"With twice as many particles in the same places ÿ changes by {scaled:.0e} for β = 1/N, by {unscaled:.2f} for "
+        "β = 1: without the factor the forces of the pairs outgrow the others.",
+        printed=(
+            at_most("change of ÿ, β = 1/N", scaled, 0.0, TOL),
+            at_least("change of ÿ, β = 1", unscaled, WRONG),
+        ),
+    )
 
 
 class Factors(NamedTuple):
@@ -72,7 +147,13 @@ def _doubled(power: Factors) -> tuple[float, float]:
     return float(np.abs(one.a - two.a).max()), float(apart)
 
 
-def _alpha(_: Tables) -> Evidence:
+@claim(
+    "c5.scaling",
+    "With 1/N before the particles' part of the Lagrangian their influence and multipliers stay bounded.",
+    source="section 2.1",
+    quote="With the choice α ~ 1/N the influence of the particles remains of order 1; … γ ~ 1/N ensures it of λ_i",
+)
+def _alpha() -> Evidence:
     acceleration, multiplier = _doubled(Factors(1, 1, 1))
     unscaled, unbounded = _doubled(Factors(0, 1, 0))[0], _doubled(Factors(1, 1, 0))[1]
     return Evidence(
@@ -87,35 +168,13 @@ def _alpha(_: Tables) -> Evidence:
     )
 
 
-def _beta(_: Tables) -> Evidence:
-    scaled, unscaled = _doubled(Factors(1, 1, 1))[0], _doubled(Factors(1, 0, 1))[0]
-    return Evidence(
-        f"With twice as many particles in the same places ÿ changes by {scaled:.0e} for β = 1/N, by {unscaled:.2f} for "
-        "β = 1: without the factor the forces of the pairs outgrow the others.",
-        printed=(
-            at_most("change of ÿ, β = 1/N", scaled, 0.0, TOL),
-            at_least("change of ÿ, β = 1", unscaled, WRONG),
-        ),
-    )
-
-
-def _gamma(_: Tables) -> Evidence:
-    at = general_instant()
-    share = 1 / len(at.X)
-    one = lagrange(at.system, at.X, at.y, at.v, Factors(share, share, share))
-    other = lagrange(at.system, at.X, at.y, at.v, Factors(share, share, 5 * share))
-    motion = float(max(np.abs(one.a - other.a).max(), np.abs(one.A - other.A).max()))
-    scaled = float(np.abs(5 * other.multipliers - one.multipliers).max())
-    return Evidence(
-        f"A γ five times as large changes the accelerations by {motion:.0e}, and λ_i to a fifth, to {scaled:.0e}.",
-        printed=(
-            at_most("change of the accelerations", motion, 0.0, TOL),
-            at_most("5 λ_i with 5γ against λ_i", scaled, 0.0, TOL),
-        ),
-    )
-
-
-def _total_mass(_: Tables) -> Evidence:
+@claim(
+    "c5.total-mass",
+    "With α = 1/N all particles together have the mass m.",
+    source="section 2.1",
+    quote="A side effect of this scaling is that the total mass of the particles is constant in the limit",
+)
+def _total_mass() -> Evidence:
     """The inertia of all particles in one direction, for 4 and for 8 of them."""
     at, found = general_instant(), []
     for copies in (1, 2):
@@ -131,92 +190,23 @@ def _total_mass(_: Tables) -> Evidence:
     )
 
 
-def _initial_multipliers(_: Tables) -> Evidence:
-    """The matrix of the equations for the accelerations and multipliers, at random states."""
-    rng, least = np.random.default_rng(SEED), np.inf
-    for _sample in range(SAMPLES):
-        X, y, v = rng.normal(size=(2, 2)), 0.5 * rng.normal(size=3), rng.normal(size=3)
-        found = lagrange(general_system(), X, y, v, Factors(0.5, 0.5, 0.5))
-        values = np.linalg.svd(found.matrix, compute_uv=False)
-        least = min(least, float(values[-1] / values[0]))
-    return Evidence(
-        f"nx = 2, ny = 3, {SAMPLES} random states: the equations for accelerations and multipliers have one solution, "
-        f"their matrix has singular values of at least {least:.0e} of the largest. (X_i, y and ẏ suffice: Ẋ_i = "
-        "Φ_i[ẏ].)",
-        printed=(at_least("least singular value over the largest", least, TOL),),
-        seed=SEED,
-    )
-
-
-def spiral(X: Floats) -> Floats:
-    """The complex exponential: its Jacobian is a rotation times exp(X_1), never singular."""
-    return np.stack([np.exp(X[..., 0]) * np.cos(X[..., 1]), np.exp(X[..., 0]) * np.sin(X[..., 1])], axis=-1)
-
-
-def _locally(_: Tables) -> Evidence:
-    """g = exp(X) - y, where X and X + 2 pi i have one level, along y from 0 to 1 and back."""
-    X = np.random.default_rng(SEED).normal(size=(SAMPLES, 2))
-    J = slopes(spiral, X)
-    least = float(np.abs(np.linalg.det(J) * np.exp(-2 * X[:, 0])).min())
-    apart = float(np.abs(spiral(X + np.array([0.0, 2 * np.pi])) - spiral(X)).max())
-    shift, moved = np.array([1e-3, -2e-3]), X.copy()
-    for _newton in range(4):
-        moved = moved - np.linalg.solve(slopes(spiral, moved), (spiral(moved) - spiral(X) - shift)[..., None])[..., 0]
-    followed = float(np.abs(moved - X - np.linalg.solve(J, shift)).max())
-    return Evidence(
-        f"g = exp(X₁)(cos X₂, sin X₂) − y has full rank (|det| ≥ {least:.2f} exp(2X₁)), and X follows a small change "
-        f"of y (its first order is met to {followed:.0e}); but X + (0, 2π) has the same level ({apart:.0e}): locally "
-        "only.",
-        printed=(
-            at_least("|det ∂_X g| exp(−2X₁)", least, WRONG),
-            at_most("change of X against (∂_X g)⁻¹ δy", followed, WRONG),
-            at_most("level of X + (0, 2π) against that of X", apart, 0.0, TOL),
-        ),
-        seed=SEED,
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c5.locally",
-        "after (5.5)",
-        "This implies that the state of the macroscopic component determines locally the position of all particles",
-        _locally,
-        statement="With full rank, y fixes each particle as long as it is followed, not among all positions.",
-    ),
-    Claim(
-        "c5.initial-multipliers",
-        "after (5.7)",
-        "the Lagrangian multipliers for (5.6c), and their initial value is determined implicitly by the system",
-        _initial_multipliers,
-        statement="Positions and the velocity of the macroscopic component fix the multipliers at the start.",
-    ),
-    Claim(
-        "c5.interaction-scaling",
-        "section 2.1",
-        "The choice β ~ 1/N … keeps the relative influence of the interaction forces constant",
-        _beta,
-        statement="With 1/N before the sum over pairs their influence does not grow with the number of particles.",
-    ),
-    Claim(
-        "c5.scaling",
-        "section 2.1",
-        "With the choice α ~ 1/N the influence of the particles remains of order 1; … γ ~ 1/N ensures it of λ_i",
-        _alpha,
-        statement="With 1/N before the particles' part of the Lagrangian their influence and multipliers stay bounded.",
-    ),
-    Claim(
-        "c5.total-mass",
-        "section 2.1",
-        "A side effect of this scaling is that the total mass of the particles is constant in the limit",
-        _total_mass,
-        statement="With α = 1/N all particles together have the mass m.",
-    ),
-    Claim(
-        "c5.gamma",
-        "section 2.1",
-        "the choice of the factor γ is physically irrelevant, since the Lagrangian multipliers … would just scale",
-        _gamma,
-        statement="The factor before the constraints changes only the multipliers.",
-    ),
+@claim(
+    "c5.gamma",
+    "The factor before the constraints changes only the multipliers.",
+    source="section 2.1",
+    quote="the choice of the factor γ is physically irrelevant, since the Lagrangian multipliers … would just scale",
 )
+def _gamma() -> Evidence:
+    at = general_instant()
+    share = 1 / len(at.X)
+    one = lagrange(at.system, at.X, at.y, at.v, Factors(share, share, share))
+    other = lagrange(at.system, at.X, at.y, at.v, Factors(share, share, 5 * share))
+    motion = float(max(np.abs(one.a - other.a).max(), np.abs(one.A - other.A).max()))
+    scaled = float(np.abs(5 * other.multipliers - one.multipliers).max())
+    return Evidence(
+        f"A γ five times as large changes the accelerations by {motion:.0e}, and λ_i to a fifth, to {scaled:.0e}.",
+        printed=(
+            at_most("change of the accelerations", motion, 0.0, TOL),
+            at_most("5 λ_i with 5γ against λ_i", scaled, 0.0, TOL),
+        ),
+    )

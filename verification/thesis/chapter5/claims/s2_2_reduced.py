@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import (
     Floats,
@@ -26,36 +26,13 @@ TOL = 1e-8
 WRONG = 1e-2
 
 
-def _velocity(_: Tables) -> Evidence:
-    at = general_instant()
-
-    def rate(U: Floats) -> Floats:
-        gX, gy = jacobians(at.system, at.X, at.y)
-        return np.abs((gX @ U[..., None])[..., 0] + gy @ at.v)
-
-    U = phi(at.system, at.X, at.y) @ at.v
-    right, other = float(rate(U).max()), float(rate(U + 0.1).min())
-    return Evidence(
-        f"dg/dt is {right:.0e} for Ẋ_i = Φ_i[ẏ], and at least {other:.2f} if each is off by 0.1.",
-        printed=(
-            at_most("|dg/dt| for Ẋ_i = Φ_i[ẏ]", right, 0.0, TOL),
-            at_least("|dg/dt| for Ẋ_i off by 0.1", other, WRONG),
-        ),
-    )
-
-
-def _acceleration(_: Tables) -> Evidence:
-    at = general_instant()
-    curved = omega(at.system, at.X, at.y, at.v, at.v)
-    printed, right = (float(np.abs(at.A - phi(at.system, at.X, at.y) @ rate - curved).max()) for rate in (at.v, at.a))
-    return Evidence(
-        f"Φ_i[ẏ] + Ω_i[ẏ, ẏ] misses Ẍ_i by up to {printed:.2f}, Φ_i[ÿ] + Ω_i[ẏ, ẏ], as in (A.10), by {right:.0e}.",
-        printed=(at_most("|Ẍ_i − Φ_i[ẏ] − Ω_i[ẏ, ẏ]|", printed, 0.0, TOL),),
-        corrected=(at_most("|Ẍ_i − Φ_i[ÿ] − Ω_i[ẏ, ẏ]|", right, 0.0, TOL),),
-    )
-
-
-def _reduced(_: Tables) -> Evidence:
+@claim(
+    "c5.reduced-model",
+    "The equation of the macroscopic component once the multipliers are eliminated.",
+    source="section 1",
+    quote="(1/N Σ_j m_eff⁽¹⁾(X_j, y)) ÿ = 1/N Σ_j (F_eff⁽¹⁾(X_j, y, ẏ) + 1/N Σ_k K_eff(X_k, X_j))",
+)
+def _reduced() -> Evidence:
     """The sums over single particles and pairs, with the acceleration of the constrained system."""
     at = general_instant()
     alone = [x[None] for x in at.X]
@@ -75,7 +52,58 @@ def _reduced(_: Tables) -> Evidence:
     )
 
 
-def _effective(_: Tables) -> Evidence:
+@claim(
+    "c5.velocity",
+    "The constraints turn the velocity of the macroscopic component into that of each particle.",
+    source="(5.9)",
+    quote="g = const. ⇔ dg/dt = 0 ⇔ Ẋ_i = Φ_i[ẏ], Φ = −(∂_X g)⁻¹ ∂_y g",
+)
+def _velocity() -> Evidence:
+    at = general_instant()
+
+    def rate(U: Floats) -> Floats:
+        gX, gy = jacobians(at.system, at.X, at.y)
+        return np.abs((gX @ U[..., None])[..., 0] + gy @ at.v)
+
+    U = phi(at.system, at.X, at.y) @ at.v
+    right, other = float(rate(U).max()), float(rate(U + 0.1).min())
+    return Evidence(
+        f"dg/dt is {right:.0e} for Ẋ_i = Φ_i[ẏ], and at least {other:.2f} if each is off by 0.1.",
+        printed=(
+            at_most("|dg/dt| for Ẋ_i = Φ_i[ẏ]", right, 0.0, TOL),
+            at_least("|dg/dt| for Ẋ_i off by 0.1", other, WRONG),
+        ),
+    )
+
+
+@claim(
+    "c5.acceleration",
+    "The acceleration of a particle by that of the macroscopic component.",
+    source="(5.10)",
+    quote="Ẍ_i = Φ_i[ẏ] + Ω_i[ẏ, ẏ]",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]", Effect.MODEL, "the elimination of Ẍ_i; (5.14), (5.51) and (A.10) are right"
+    ),
+)
+def _acceleration() -> Evidence:
+    at = general_instant()
+    curved = omega(at.system, at.X, at.y, at.v, at.v)
+    printed, right = (float(np.abs(at.A - phi(at.system, at.X, at.y) @ rate - curved).max()) for rate in (at.v, at.a))
+    return Evidence(
+        f"Φ_i[ẏ] + Ω_i[ẏ, ẏ] misses Ẍ_i by up to {printed:.2f}, Φ_i[ÿ] + Ω_i[ẏ, ẏ], as in (A.10), by {right:.0e}.",
+        printed=(at_most("|Ẍ_i − Φ_i[ẏ] − Ω_i[ẏ, ẏ]|", printed, 0.0, TOL),),
+        corrected=(at_most("|Ẍ_i − Φ_i[ÿ] − Ω_i[ẏ, ẏ]|", right, 0.0, TOL),),
+    )
+
+
+@claim(
+    "c5.effective",
+    "Effective mass and force of the macroscopic component.",
+    source="(5.11a), (5.13), (5.14)",
+    quote="m_eff = I + m/N Σ_j Φ_jᵀΦ_j, F_eff = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_k, X_j) − mΩ_j[ẏ, ẏ])",
+)
+def _effective() -> Evidence:
     at = general_instant()
     off = np.abs(effective_mass(at.system, at.X, at.y) @ at.a - effective_force(at.system, at.X, at.y, at.v)).max()
     return Evidence(
@@ -84,7 +112,13 @@ def _effective(_: Tables) -> Evidence:
     )
 
 
-def _means(_: Tables) -> Evidence:
+@claim(
+    "c5.means",
+    "Effective mass and force are means over single particles, and over pairs for the interaction.",
+    source="(5.15), (5.16)",
+    quote="The last equation holds because K(X, X) = 0",
+)
+def _means() -> Evidence:
     at = general_instant()
     alone = [x[None] for x in at.X]
     pairs = pushed(phi(at.system, at.X, at.y), pulls(at.system, at.X).mean(axis=0)).mean(axis=0)
@@ -103,7 +137,13 @@ def _means(_: Tables) -> Evidence:
     )
 
 
-def _interaction(_: Tables) -> Evidence:
+@claim(
+    "c5.effective-interaction",
+    "The interaction of particles acts on the macroscopic component only through the change of Φ.",
+    source="after (5.17)",
+    quote="K_eff might not be anti-symmetric. When K_eff is anti-symmetric, the double sum in (5.16) would vanish",
+)
+def _interaction() -> Evidence:
     """K_eff for Phi of the general system and for a constant one."""
     at = general_instant()
 
@@ -124,7 +164,17 @@ def _interaction(_: Tables) -> Evidence:
     )
 
 
-def _order_of_arguments(_: Tables) -> Evidence:
+@claim(
+    "c5.kernel-order",
+    "The effective interaction, by its two positions.",
+    source="proof of Lemma 5.6",
+    quote="K_eff(X, Z, y) = Φ(X, y)ᵀ K(Z, X)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "K_eff(Z, X, y) = Φ(X, y)ᵀ K(Z, X), as in (5.17)", Effect.NOTATION, "nothing: only double sums are used"
+    ),
+)
+def _order_of_arguments() -> Evidence:
     """K_eff of (5.17) at (X_k, X_j) and that of Lemma 5.6 at the same arguments."""
     at = general_instant()
     moved, pull = phi(at.system, at.X, at.y), pulls(at.system, at.X)
@@ -141,64 +191,3 @@ def _order_of_arguments(_: Tables) -> Evidence:
             at_most("their double sums apart", sums, 0.0, TOL),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.reduced-model",
-        "section 1",
-        "(1/N Σ_j m_eff⁽¹⁾(X_j, y)) ÿ = 1/N Σ_j (F_eff⁽¹⁾(X_j, y, ẏ) + 1/N Σ_k K_eff(X_k, X_j))",
-        _reduced,
-        statement="The equation of the macroscopic component once the multipliers are eliminated.",
-    ),
-    Claim(
-        "c5.velocity",
-        "(5.9)",
-        "g = const. ⇔ dg/dt = 0 ⇔ Ẋ_i = Φ_i[ẏ], Φ = −(∂_X g)⁻¹ ∂_y g",
-        _velocity,
-        statement="The constraints turn the velocity of the macroscopic component into that of each particle.",
-    ),
-    Claim(
-        "c5.acceleration",
-        "(5.10)",
-        "Ẍ_i = Φ_i[ẏ] + Ω_i[ẏ, ẏ]",
-        _acceleration,
-        statement="The acceleration of a particle by that of the macroscopic component.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "Ẍ_i = Φ_i[ÿ] + Ω_i[ẏ, ẏ]", Effect.MODEL, "the elimination of Ẍ_i; (5.14), (5.51) and (A.10) are right"
-        ),
-    ),
-    Claim(
-        "c5.effective",
-        "(5.11a), (5.13), (5.14)",
-        "m_eff = I + m/N Σ_j Φ_jᵀΦ_j, F_eff = F₀ + 1/N Σ_j Φ_jᵀ(F₁(X_j) + 1/N Σ_k K(X_k, X_j) − mΩ_j[ẏ, ẏ])",
-        _effective,
-        statement="Effective mass and force of the macroscopic component.",
-    ),
-    Claim(
-        "c5.means",
-        "(5.15), (5.16)",
-        "The last equation holds because K(X, X) = 0",
-        _means,
-        statement="Effective mass and force are means over single particles, and over pairs for the interaction.",
-    ),
-    Claim(
-        "c5.effective-interaction",
-        "after (5.17)",
-        "K_eff might not be anti-symmetric. When K_eff is anti-symmetric, the double sum in (5.16) would vanish",
-        _interaction,
-        statement="The interaction of particles acts on the macroscopic component only through the change of Φ.",
-    ),
-    Claim(
-        "c5.kernel-order",
-        "proof of Lemma 5.6",
-        "K_eff(X, Z, y) = Φ(X, y)ᵀ K(Z, X)",
-        _order_of_arguments,
-        statement="The effective interaction, by its two positions.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "K_eff(Z, X, y) = Φ(X, y)ᵀ K(Z, X), as in (5.17)", Effect.NOTATION, "nothing: only double sums are used"
-        ),
-    ),
-)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import (
     Floats,
@@ -60,7 +60,15 @@ def tissue() -> Instant:
     return instant(system, np.array([[0.5, 0.4], [1.2, -0.3], [-0.8, 0.9]]), *PLANE)
 
 
-def _level(_: Tables) -> Evidence:
+@claim(
+    "c5.initial-level",
+    "The cross-bridges keep their place in the undeformed tissue.",
+    source="(5.19)",
+    quote="F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ) X_iⁱⁿⁱᵗ",
+    recorded=Kind.CORRECTED,
+    correction=Correction("F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ)⁻¹ X_iⁱⁿⁱᵗ", Effect.MODEL, "(5.20) and (5.32), which have it right"),
+)
+def _level() -> Evidence:
     """Both sides at t = 0."""
     at = tissue()
     F = deformation(at.y)
@@ -73,7 +81,13 @@ def _level(_: Tables) -> Evidence:
     )
 
 
-def _straight_slopes(_: Tables) -> Evidence:
+@claim(
+    "c5.straight-slopes",
+    "The derivatives of the constraint of a straight fibre.",
+    source="(5.20)",
+    quote="g(X_i, y) = X_i/y, ∂_X g = 1/y and ∂_y g = −X_i/y²",
+)
+def _straight_slopes() -> Evidence:
     at = fibre()
     gX, gy = jacobians(at.system, at.X, at.y)
     first, second = float(np.abs(gX - 1 / at.y).max()), float(np.abs(gy[..., 0] + at.X / at.y**2).max())
@@ -83,7 +97,13 @@ def _straight_slopes(_: Tables) -> Evidence:
     )
 
 
-def _straight_flow(_: Tables) -> Evidence:
+@claim(
+    "c5.straight-flow",
+    "Velocities and curvature of the motion of a straight fibre.",
+    source="(5.21)",
+    quote="Φ(X_i, y) = X_i/y and Ω(X_i, y) = X_i/y² + −X_i/y² = 0",
+)
+def _straight_flow() -> Evidence:
     at = fibre()
     off = float(np.abs(phi(at.system, at.X, at.y)[:, :, 0] - at.X / at.y).max())
     curved = float(np.abs(omega(at.system, at.X, at.y, at.v, at.v)).max())
@@ -93,7 +113,16 @@ def _straight_flow(_: Tables) -> Evidence:
     )
 
 
-def _straight_mass(_: Tables) -> Evidence:
+@claim(
+    "c5.straight-mass",
+    "The effective mass of a straight fibre.",
+    source="(5.22)",
+    quote="m_eff = m I + 1/N Σ_j X_j²/y²",
+    recorded=Kind.CORRECTED,
+    correction=Correction("m_eff = 1 + m/N Σ_j X_j²/y²", Effect.MODEL, "the motion of Example 5.2"),
+    chosen=NO_INTERACTION,
+)
+def _straight_mass() -> Evidence:
     at = fibre()
     mean = (at.X**2).mean() / at.y[0] ** 2
     force = force0(at.system, at.y) + (at.X / at.y * force1(at.system, at.X)).mean()
@@ -106,7 +135,14 @@ def _straight_mass(_: Tables) -> Evidence:
     )
 
 
-def _straight_force(_: Tables) -> Evidence:
+@claim(
+    "c5.straight-force",
+    "The effective force of a straight fibre.",
+    source="(5.23)",
+    quote="F_eff = F₀(y) + 1/N Σ_j X_j/y F₁(X_j)",
+    chosen=NO_INTERACTION,
+)
+def _straight_force() -> Evidence:
     at = fibre()
     printed = force0(at.system, at.y) + (at.X / at.y * force1(at.system, at.X)).mean()
     off = float(np.abs(effective_mass(at.system, at.X, at.y) @ at.a - printed).max())
@@ -116,7 +152,13 @@ def _straight_force(_: Tables) -> Evidence:
     )
 
 
-def _shear_flow(_: Tables) -> Evidence:
+@claim(
+    "c5.shear-flow",
+    "The velocity of a cross-bridge in a deforming tissue element, in two forms.",
+    source="(5.33), (5.34)",
+    quote="Ẋ_i = F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ",
+)
+def _shear_flow() -> Evidence:
     at = tissue()
     flow = (deformation(at.v) @ np.linalg.solve(deformation(at.y), at.X.T)).T
     reference = at.system.g(at.X, at.y)
@@ -136,7 +178,13 @@ def shear_rate(x: Floats, f: Floats, A: Floats) -> Floats:
     return np.asarray(-f * np.trace(A) + ((x - 0.3) * (x @ A.T)).sum(-1) * f)
 
 
-def _shear_transport(_: Tables) -> Evidence:
+@claim(
+    "c5.shear-transport",
+    "How the density of cross-bridges in a tissue element changes.",
+    source="(5.35), (5.36)",
+    quote="∂_t f = −div_x(f F(ẏ)F(y)⁻¹x) = −f tr(F(ẏ)F(y)⁻¹) − ∂_x f F(ẏ)F(y)⁻¹x",
+)
+def _shear_transport() -> Evidence:
     y, v = PLANE
     A = deformation(v) @ np.linalg.inv(deformation(y))
 
@@ -149,64 +197,3 @@ def _shear_transport(_: Tables) -> Evidence:
             at_least("size of the rate", abs(by_flow), WRONG),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.initial-level",
-        "(5.19)",
-        "F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ) X_iⁱⁿⁱᵗ",
-        _level,
-        statement="The cross-bridges keep their place in the undeformed tissue.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "F(y)⁻¹ X_i = F(yⁱⁿⁱᵗ)⁻¹ X_iⁱⁿⁱᵗ", Effect.MODEL, "(5.20) and (5.32), which have it right"
-        ),
-    ),
-    Claim(
-        "c5.straight-slopes",
-        "(5.20)",
-        "g(X_i, y) = X_i/y, ∂_X g = 1/y and ∂_y g = −X_i/y²",
-        _straight_slopes,
-        statement="The derivatives of the constraint of a straight fibre.",
-    ),
-    Claim(
-        "c5.straight-flow",
-        "(5.21)",
-        "Φ(X_i, y) = X_i/y and Ω(X_i, y) = X_i/y² + −X_i/y² = 0",
-        _straight_flow,
-        statement="Velocities and curvature of the motion of a straight fibre.",
-    ),
-    Claim(
-        "c5.straight-mass",
-        "(5.22)",
-        "m_eff = m I + 1/N Σ_j X_j²/y²",
-        _straight_mass,
-        statement="The effective mass of a straight fibre.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("m_eff = 1 + m/N Σ_j X_j²/y²", Effect.MODEL, "the motion of Example 5.2"),
-        chosen=NO_INTERACTION,
-    ),
-    Claim(
-        "c5.straight-force",
-        "(5.23)",
-        "F_eff = F₀(y) + 1/N Σ_j X_j/y F₁(X_j)",
-        _straight_force,
-        statement="The effective force of a straight fibre.",
-        chosen=NO_INTERACTION,
-    ),
-    Claim(
-        "c5.shear-flow",
-        "(5.33), (5.34)",
-        "Ẋ_i = F(ẏ)F(y)⁻¹X_i = F(ẏ)F(yⁱⁿⁱᵗ)⁻¹X_iⁱⁿⁱᵗ",
-        _shear_flow,
-        statement="The velocity of a cross-bridge in a deforming tissue element, in two forms.",
-    ),
-    Claim(
-        "c5.shear-transport",
-        "(5.35), (5.36)",
-        "∂_t f = −div_x(f F(ẏ)F(y)⁻¹x) = −f tr(F(ẏ)F(y)⁻¹) − ∂_x f F(ẏ)F(y)⁻¹x",
-        _shear_transport,
-        statement="How the density of cross-bridges in a tissue element changes.",
-    ),
-)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_most, equal
 from verification.thesis.chapter5.claims.s2_3_examples import ONE, X0, M, shifted, with_springs
 from verification.thesis.chapter5.instant import effective_mass, force0, force1, instant, slopes
@@ -22,7 +22,14 @@ def scaled(x: float, y_c: float, x_c: float) -> float:
     return y_c / x_c * x
 
 
-def _length(_: Tables) -> Evidence:
+@claim(
+    "c5.characteristic-length",
+    "The point of the linearisation and the scaled coordinate lead to X̃ − y.",
+    source="Example 5.3",
+    quote="linearising the constraint around X_i ≈ X_c = 1/N … X̃_i = y_c/X_c X_i = N y_c X_i",
+    chosen="y_c is a number of order 1, so that O(y_c/N) contains 1/N",
+)
+def _length() -> Evidence:
     """X/y about X = 1/N, y = y_c: what (5.24) leaves, and (5.24) as a function of the scaled coordinate."""
 
     def linear(x: float, y: float) -> float:
@@ -46,7 +53,14 @@ def _length(_: Tables) -> Evidence:
     )
 
 
-def _linearised(_: Tables) -> Evidence:
+@claim(
+    "c5.linearised",
+    "The constraint of a straight fibre, linearised.",
+    source="(5.24)",
+    quote="g(X_i, y) ≈ X_i/y_c − y/(N y_c²)",
+    chosen="X_c = 1/N, as printed",
+)
+def _linearised() -> Evidence:
     """The slopes of X/y where it is linearised, against those of (5.24)."""
     g = with_springs(lambda X, y: X / y).g
     at, y = np.array([[1 / N]]), np.array([Y_C])
@@ -62,7 +76,14 @@ def _linearised(_: Tables) -> Evidence:
     )
 
 
-def _coordinates(_: Tables) -> Evidence:
+@claim(
+    "c5.coordinates",
+    "In the scaled coordinate the effective mass of y is 1 + m.",
+    source="Example 5.3",
+    quote="the coordinate change X̃_i = y_c/X_c X_i yields … m_eff = m I + 1",
+    chosen="m and F₁ are those that belong to X̃: m(X_c/y_c)² and (X_c/y_c)F₁ if m and F₁ were given for X",
+)
+def _coordinates() -> Evidence:
     """The effective mass of y from the linearised constraint (5.24) in the coordinate X."""
     ratio = 1 / (N * Y_C)
     at = instant(with_springs(lambda X, y: X / Y_C - y / (N * Y_C**2)), X0 * ratio, *ONE)
@@ -77,7 +98,13 @@ def _coordinates(_: Tables) -> Evidence:
     )
 
 
-def _linear_mass(_: Tables) -> Evidence:
+@claim(
+    "c5.linear-mass",
+    "The effective mass with the linearised constraint.",
+    source="(5.26)",
+    quote="for g_L = X̃_i − y: m_eff = m I + 1",
+)
+def _linear_mass() -> Evidence:
     at = shifted()
     off = abs((effective_mass(at.system, at.X, at.y) - (M + 1)).item())
     return Evidence(
@@ -86,7 +113,13 @@ def _linear_mass(_: Tables) -> Evidence:
     )
 
 
-def _linear_force(_: Tables) -> Evidence:
+@claim(
+    "c5.linear-force",
+    "The effective force with the linearised constraint.",
+    source="(5.27)",
+    quote="F_eff(X̃₁, …, X̃_N, y) = F₀(y) + 1/N Σ_j F₁(X̃_j)",
+)
+def _linear_force() -> Evidence:
     at = shifted()
     force = force0(at.system, at.y) + force1(at.system, at.X).mean()
     off = float(np.abs((1 + M) * at.a - force).max())
@@ -94,45 +127,3 @@ def _linear_force(_: Tables) -> Evidence:
         f"F₀ + 1/N Σ_j F₁ is (1 + m)ÿ of the constrained system, to {off:.0e}.",
         printed=(at_most("|(1 + m)ÿ − F_eff|", off, 0.0, TOL),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.characteristic-length",
-        "Example 5.3",
-        "linearising the constraint around X_i ≈ X_c = 1/N … X̃_i = y_c/X_c X_i = N y_c X_i",
-        _length,
-        statement="The point of the linearisation and the scaled coordinate lead to X̃ − y.",
-        chosen="y_c is a number of order 1, so that O(y_c/N) contains 1/N",
-    ),
-    Claim(
-        "c5.linearised",
-        "(5.24)",
-        "g(X_i, y) ≈ X_i/y_c − y/(N y_c²)",
-        _linearised,
-        statement="The constraint of a straight fibre, linearised.",
-        chosen="X_c = 1/N, as printed",
-    ),
-    Claim(
-        "c5.coordinates",
-        "Example 5.3",
-        "the coordinate change X̃_i = y_c/X_c X_i yields … m_eff = m I + 1",
-        _coordinates,
-        statement="In the scaled coordinate the effective mass of y is 1 + m.",
-        chosen="m and F₁ are those that belong to X̃: m(X_c/y_c)² and (X_c/y_c)F₁ if m and F₁ were given for X",
-    ),
-    Claim(
-        "c5.linear-mass",
-        "(5.26)",
-        "for g_L = X̃_i − y: m_eff = m I + 1",
-        _linear_mass,
-        statement="The effective mass with the linearised constraint.",
-    ),
-    Claim(
-        "c5.linear-force",
-        "(5.27)",
-        "F_eff(X̃₁, …, X̃_N, y) = F₀(y) + 1/N Σ_j F₁(X̃_j)",
-        _linear_force,
-        statement="The effective force with the linearised constraint.",
-    ),
-)

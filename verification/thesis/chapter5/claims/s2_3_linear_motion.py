@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.claims.s2_3_examples import ONE, PLANE, M, shifted, tissue, with_springs
 from verification.thesis.chapter5.instant import Floats, force0, force1, instant, omega, phi
@@ -17,7 +17,17 @@ TOL = 1e-8
 WRONG = 1e-2
 
 
-def _linear_newton(_: Tables) -> Evidence:
+@claim(
+    "c5.linear-newton",
+    "The equation of motion with the linearised constraint.",
+    source="(5.28)",
+    quote="mÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(1 + m)ÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)", Effect.MODEL, "the motion of Example 5.3; (5.26) is right"
+    ),
+)
+def _linear_newton() -> Evidence:
     at = shifted()
     force = force0(at.system, at.y) + force1(at.system, at.X).mean()
     printed, right = (float(np.abs(mass * at.a - force).max()) for mass in (M, 1 + M))
@@ -36,7 +46,17 @@ def bell() -> tuple[Floats, Floats]:
     return x, f / f.sum()
 
 
-def _linear_limit(_: Tables) -> Evidence:
+@claim(
+    "c5.linear-limit",
+    "The mean-field equation of motion with the linearised constraint.",
+    source="(5.30)",
+    quote="mÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "(1 + m)ÿ = F₀(y) + ∫F₁(x)f(x, t) dx", Effect.MODEL, "the mean-field motion of Example 5.3, as in (5.28)"
+    ),
+)
+def _linear_limit() -> Evidence:
     """The acceleration by 60 constrained particles at quantiles of a density, against the integral over it."""
     x, f = bell()
     X = np.interp((np.arange(60) + 0.5) / 60, f.cumsum(), x)
@@ -51,17 +71,13 @@ def _linear_limit(_: Tables) -> Evidence:
     )
 
 
-def _linear_velocity(_: Tables) -> Evidence:
-    at = shifted()
-    printed, right = (float(np.abs(side - at.v).max()) for side in (at.X, at.U))
-    return Evidence(
-        f"X̃_i differs from ẏ by {printed:.2f}, its derivative by {right:.0e}.",
-        printed=(at_most("|X̃_i − ẏ|", printed, 0.0, TOL),),
-        corrected=(at_most("|dX̃_i/dt − ẏ|", right, 0.0, TOL),),
-    )
-
-
-def _linear_transport(_: Tables) -> Evidence:
+@claim(
+    "c5.linear-transport",
+    "With the linearised constraint the density is shifted.",
+    source="(5.31)",
+    quote="∂_t f(x, t) = −∂_x(f(x, t) ẏ(t))",
+)
+def _linear_transport() -> Evidence:
     v = ONE[1][0]
     by_flow, by_formula = tested(lambda x: 0 * x + v, lambda x, f: shift_rate(x, f, v), 1)
     off = abs(by_flow - by_formula)
@@ -74,7 +90,13 @@ def _linear_transport(_: Tables) -> Evidence:
     )
 
 
-def _linear_map(_: Tables) -> Evidence:
+@claim(
+    "c5.linear-map",
+    "With linear constraints the positions are an explicit function of the macroscopic state.",
+    source="after (5.31)",
+    quote="g = Gy − X_i imply that Φ = G is constant and Ω = 0 … X_i(t) = X_iⁱⁿⁱᵗ + G(y(t) − yⁱⁿⁱᵗ)",
+)
+def _linear_map() -> Evidence:
     """g = G y - X, and the level of the positions that are said to solve X' = G y'."""
     G = np.array([[0.3, -0.2, 0.7], [0.5, 0.1, -0.4]])
     at = instant(with_springs(lambda X, y: G @ y - X), tissue().X, *PLANE)
@@ -90,52 +112,3 @@ def _linear_map(_: Tables) -> Evidence:
             at_most("change of g", level, 0.0, TOL),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.linear-newton",
-        "(5.28)",
-        "mÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)",
-        _linear_newton,
-        statement="The equation of motion with the linearised constraint.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(1 + m)ÿ = F₀(y) + 1/N Σ_j F₁(X̃_j)", Effect.MODEL, "the motion of Example 5.3; (5.26) is right"
-        ),
-    ),
-    Claim(
-        "c5.linear-velocity",
-        "(5.29)",
-        "X̃_i = ẏ",
-        _linear_velocity,
-        statement="With the linearised constraint each particle moves as the macroscopic component does.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("dX̃_i/dt = ẏ", Effect.NOTATION, "the motion of Example 5.3; (5.31) is right"),
-    ),
-    Claim(
-        "c5.linear-limit",
-        "(5.30)",
-        "mÿ = F₀(y) + ∫F₁(x)f(x, t) dx",
-        _linear_limit,
-        statement="The mean-field equation of motion with the linearised constraint.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "(1 + m)ÿ = F₀(y) + ∫F₁(x)f(x, t) dx", Effect.MODEL, "the mean-field motion of Example 5.3, as in (5.28)"
-        ),
-    ),
-    Claim(
-        "c5.linear-transport",
-        "(5.31)",
-        "∂_t f(x, t) = −∂_x(f(x, t) ẏ(t))",
-        _linear_transport,
-        statement="With the linearised constraint the density is shifted.",
-    ),
-    Claim(
-        "c5.linear-map",
-        "after (5.31)",
-        "g = Gy − X_i imply that Φ = G is constant and Ω = 0 … X_i(t) = X_iⁱⁿⁱᵗ + G(y(t) − yⁱⁿⁱᵗ)",
-        _linear_map,
-        statement="With linear constraints the positions are an explicit function of the macroscopic state.",
-    ),
-)

@@ -7,7 +7,7 @@ from functools import partial
 
 import numpy as np
 
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter5.claims.s2_3_examples import ONE, PLANE, deformation, tissue, with_springs
 from verification.thesis.chapter5.instant import Floats, omega, phi
@@ -23,29 +23,48 @@ SHEAR = 0.4
 SEED = 19
 
 
-def placed(y: Floats, p: Floats) -> Floats:
-    """Where the points p of the tissue are after a deformation from (1, 1, 0) to y."""
-    return np.asarray(p @ deformation(y).T)
+def lengths(y: Floats, angles: Floats) -> Floats:
+    """The lengths of cross-bridges of length 1 at y = (1, 1, 0), after a deformation to y, (5.32)."""
+    X = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
+    return np.asarray(np.linalg.norm(X @ deformation(y).T, axis=-1))
 
 
-def _position(_: Tables) -> Evidence:
-    """Both ends of a cross-bridge at several places, and in a tissue that is bent as well."""
-    p, X = np.random.default_rng(SEED).normal(size=(20, 2)), np.array([0.3, -0.5])
-    spans = placed(PLANE[0], p + X) - placed(PLANE[0], p)
-    bent = spans + 0.1 * ((p + X) ** 2 - p**2)
-    same, differ = (float(np.ptp(span, axis=0).max()) for span in (spans, bent))
+@claim(
+    "c5.aligned",
+    "Under shear, the stretch of a cross-bridge depends on its direction.",
+    source="Figure 2",
+    quote=(
+        "cross-bridges which align with the directions of maximal deformation of the muscle are more extended than "
+        "cross-bridges which are orthogonal"
+    ),
+    chosen=f"y = (1, 1, {SHEAR})",
+)
+def _aligned() -> Evidence:
+    y = np.array([1.0, 1.0, SHEAR])
+    found = lengths(y, ANGLES)
+    longest = ANGLES[found.argmax()]
+    axis = np.linalg.svd(deformation(y))[2][0]
+    off = float(1 - abs(axis @ [np.cos(longest), np.sin(longest)]))
+    along, across = float(found.max()), lengths(y, np.array([longest + np.pi / 2])).item()
     return Evidence(
-        f"A cross-bridge at 20 places p: after a homogeneous deformation the spans differ by {same:.0e}, with a "
-        f"bending of 0.1|p|² they would by {differ:.2f}.",
+        f"A shear of {SHEAR}: of cross-bridges in {ANGLES.size} directions the longest lies in the axis of the largest "
+        f"stretch (cosine off by {off:.0e}) and is {along:.2f} times as long as before, the one orthogonal to it "
+        f"{across:.2f} times.",
         printed=(
-            at_most("spans apart, homogeneous deformation", same, 0.0, TOL),
-            at_least("spans apart, bent as well", differ, WRONG),
+            at_most("1 − cosine between the longest and the axis", off, 0.0, TOL),
+            at_least("length along over length across", along / across, 1 + WRONG),
         ),
-        seed=SEED,
     )
 
 
-def _in_class(_: Tables) -> Evidence:
+@claim(
+    "c5.in-class",
+    "The straight fibre is an instance of the systems that the theorems are about.",
+    source="section 2.3",
+    quote="To motivate the class of systems, we give a few examples",
+    chosen="Example 5.2 where |X| ≤ R and y ≥ y_min > 0, forces being bounded there",
+)
+def _in_class() -> Evidence:
     """Bounds and difference quotients of Phi of Example 5.2 where |X| <= R, y >= y_min, and its size beyond."""
     system, rng = with_springs(lambda X, y: X / y), np.random.default_rng(SEED)
     moved = partial(phi, system)
@@ -72,31 +91,47 @@ def _in_class(_: Tables) -> Evidence:
     )
 
 
-def lengths(y: Floats, angles: Floats) -> Floats:
-    """The lengths of cross-bridges of length 1 at y = (1, 1, 0), after a deformation to y, (5.32)."""
-    X = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    return np.asarray(np.linalg.norm(X @ deformation(y).T, axis=-1))
+def placed(y: Floats, p: Floats) -> Floats:
+    """Where the points p of the tissue are after a deformation from (1, 1, 0) to y."""
+    return np.asarray(p @ deformation(y).T)
 
 
-def _aligned(_: Tables) -> Evidence:
-    y = np.array([1.0, 1.0, SHEAR])
-    found = lengths(y, ANGLES)
-    longest = ANGLES[found.argmax()]
-    axis = np.linalg.svd(deformation(y))[2][0]
-    off = float(1 - abs(axis @ [np.cos(longest), np.sin(longest)]))
-    along, across = float(found.max()), lengths(y, np.array([longest + np.pi / 2])).item()
+@claim(
+    "c5.position",
+    "The deformed cross-bridge depends on its vector only, not on its place.",
+    source="section 2.3",
+    quote=(
+        "Since we consider a homogeneous deformation of the muscle tissue, the position p of the cross-bridge is "
+        "irrelevant"
+    ),
+)
+def _position() -> Evidence:
+    """Both ends of a cross-bridge at several places, and in a tissue that is bent as well."""
+    p, X = np.random.default_rng(SEED).normal(size=(20, 2)), np.array([0.3, -0.5])
+    spans = placed(PLANE[0], p + X) - placed(PLANE[0], p)
+    bent = spans + 0.1 * ((p + X) ** 2 - p**2)
+    same, differ = (float(np.ptp(span, axis=0).max()) for span in (spans, bent))
     return Evidence(
-        f"A shear of {SHEAR}: of cross-bridges in {ANGLES.size} directions the longest lies in the axis of the largest "
-        f"stretch (cosine off by {off:.0e}) and is {along:.2f} times as long as before, the one orthogonal to it "
-        f"{across:.2f} times.",
+        f"A cross-bridge at 20 places p: after a homogeneous deformation the spans differ by {same:.0e}, with a "
+        f"bending of 0.1|p|² they would by {differ:.2f}.",
         printed=(
-            at_most("1 − cosine between the longest and the axis", off, 0.0, TOL),
-            at_least("length along over length across", along / across, 1 + WRONG),
+            at_most("spans apart, homogeneous deformation", same, 0.0, TOL),
+            at_least("spans apart, bent as well", differ, WRONG),
         ),
+        seed=SEED,
     )
 
 
-def _nonlinear(_: Tables) -> Evidence:
+@claim(
+    "c5.needs-nonlinear",
+    "With linear constraints all directions are shifted alike.",
+    source="before Example 5.4",
+    quote=(
+        "the deformation of cross-bridges is larger if they align with the axis … such dynamics require nonlinear "
+        "constraints"
+    ),
+)
+def _nonlinear() -> Evidence:
     """How much faster one angle is than another: the shear element, and a linear constraint G y - X."""
     X, v = np.stack([np.cos(ANGLES), np.sin(ANGLES)], axis=-1), PLANE[1]
     G = np.array([[0.3, -0.2, 0.7], [0.5, 0.1, -0.4]])
@@ -113,7 +148,13 @@ def _nonlinear(_: Tables) -> Evidence:
     )
 
 
-def _deforms_like_tissue(_: Tables) -> Evidence:
+@claim(
+    "c5.tissue-level",
+    "The constraint carries each cross-bridge with the deformation gradient.",
+    source="(5.32)",
+    quote="This constraint ensures that the cross-bridges deform exactly like the tissue",
+)
+def _deforms_like_tissue() -> Evidence:
     """(5.33) integrated along y(t) = y + v t, against F(y(1)) F(y(0))^{-1} X(0)."""
     at, steps = tissue(), 50
 
@@ -133,47 +174,3 @@ def _deforms_like_tissue(_: Tables) -> Evidence:
             at_least("distance moved", moved, WRONG),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.aligned",
-        "Figure 2",
-        "cross-bridges which align with the directions of maximal deformation of the muscle are more extended than "
-        "cross-bridges which are orthogonal",
-        _aligned,
-        statement="Under shear, the stretch of a cross-bridge depends on its direction.",
-        chosen=f"y = (1, 1, {SHEAR})",
-    ),
-    Claim(
-        "c5.in-class",
-        "section 2.3",
-        "To motivate the class of systems, we give a few examples",
-        _in_class,
-        statement="The straight fibre is an instance of the systems that the theorems are about.",
-        chosen="Example 5.2 where |X| ≤ R and y ≥ y_min > 0, forces being bounded there",
-    ),
-    Claim(
-        "c5.position",
-        "section 2.3",
-        "Since we consider a homogeneous deformation of the muscle tissue, the position p of the cross-bridge is "
-        "irrelevant",
-        _position,
-        statement="The deformed cross-bridge depends on its vector only, not on its place.",
-    ),
-    Claim(
-        "c5.needs-nonlinear",
-        "before Example 5.4",
-        "the deformation of cross-bridges is larger if they align with the axis … such dynamics require nonlinear "
-        "constraints",
-        _nonlinear,
-        statement="With linear constraints all directions are shifted alike.",
-    ),
-    Claim(
-        "c5.tissue-level",
-        "(5.32)",
-        "This constraint ensures that the cross-bridges deform exactly like the tissue",
-        _deforms_like_tissue,
-        statement="The constraint carries each cross-bridge with the deformation gradient.",
-    ),
-)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter5.bounded import State, constants, force, mass
 from verification.thesis.chapter5.claims.s2_3_examples import ONE
@@ -58,7 +58,14 @@ def steepest(f: Callable[[State], float], count: int) -> float:
     return found
 
 
-def _global(_: Tables) -> Evidence:
+@claim(
+    "c5.globally-lipschitz",
+    "The right side of the reduced equations is Lipschitz continuous for all positions.",
+    source="section 2.5",
+    quote="(A1a) to (A5b) are chosen such that the ODE model is globally Lipschitz",
+    chosen="read with the sentences after it, for ‖v‖ ≤ M_v: Φ[v] and Ω[v, v] have no constant for all v",
+)
+def _global() -> Evidence:
     """Difference quotients of Phi(X, y)[v] in X, for the largest speed that is allowed."""
     at_most_speed, unit = float(wavy_slopes(SPEED).max()), constants(1.0).l_phi
     return Evidence(
@@ -69,12 +76,71 @@ def _global(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c5.any-number",
+    "Effective mass and force have bounds and Lipschitz constants that do not depend on N.",
+    source="Lemma 5.6",
+    quote="m_eff and F_eff are bounded and Lipschitz continuous … The derived bounds do not depend on N",
+    chosen="distance of positions: the largest over the particles",
+)
+def _any_number() -> Evidence:
+    """Slopes of m_eff and F_eff for few and many particles, over the constants of the rule for products."""
+    c, counts = constants(SPEED), (1, 4, 16, 64)
+    masses = [steepest(mass, n) / c.l_mass for n in counts]
+    forces = [steepest(force, n) / c.l_force for n in counts]
+    rng = np.random.default_rng(SEED)
+    largest = max(abs(force(pair(rng, n, 1.0)[0])) for n in counts for _sample in range(20)) / c.m_force
+    return Evidence(
+        f"Forces and interaction that are bounded, N = 1, 4, 16, 64: slopes of m_eff reach at most {max(masses):.2f}, "
+        f"of F_eff {max(forces):.2f} of constants without N, and |F_eff| {largest:.2f} of its bound (‖v‖ ≤ {SPEED:g}).",
+        printed=(
+            at_most("slope of m_eff over its constant", max(masses), 1.0),
+            at_most("slope of F_eff over its constant", max(forces), 1.0),
+            at_most("|F_eff| over its bound", largest, 1.0),
+        ),
+        seed=SEED,
+    )
+
+
+@claim(
+    "c5.one-particle",
+    "The effective force of one particle.",
+    source="proof of Lemma 5.6",
+    quote="F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀF₁(X) + mΩ(X_i, y)[v, v]",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀ(F₁(X) − mΩ(X, y)[v, v])",
+        Effect.MODEL,
+        "the force in (5.41b), to which this definition belongs; (5.14) is right, the lemma stands",
+    ),
+)
+def _one_particle() -> Evidence:
+    """m_eff y'' of one particle with g = X + sin(X)/2 - y and no forces."""
+    at = instant(wavy_system(M), np.array([[1.1]]), *ONE)
+    moved, curved = phi(at.system, at.X, at.y).item(), omega(at.system, at.X, at.y, at.v, at.v).item()
+    needed = (effective_mass(at.system, at.X, at.y) @ at.a).item()
+    printed, right = abs(M * curved - needed), abs(-moved * M * curved - needed)
+    nx, ny = omega(*general_instant()[:3], *[general_instant().v] * 2).shape[1], general_instant().y.size
+    return Evidence(
+        f"mΩ[v, v] ∈ ℝ^{nx} cannot be added to F₀ ∈ ℝ^{ny}; with nx = ny = 1 (g = X + sin(X)/2 − y) it misses m_eff ÿ "
+        f"by {printed:.2f}. With −mΦᵀΩ[v, v], as in (5.14), by {right:.0e}; Lemma 5.6 itself is not affected.",
+        printed=(at_most("|m_eff ÿ − mΩ[v, v]|", printed, 0.0, TOL),),
+        corrected=(at_most("|m_eff ÿ + mΦᵀΩ[v, v]|", right, 0.0, TOL),),
+    )
+
+
 def clipped(x: Floats, bound: float) -> Floats:
     """x, cut off: bounded, with slopes of at most 1."""
     return np.clip(x, -bound, bound)
 
 
-def _product(_: Tables) -> Evidence:
+@claim(
+    "c5.product",
+    "Products of bounded Lipschitz continuous functions are such functions.",
+    source="proof of Lemma 5.6",
+    quote="if h₁, h₂ are both bounded and Lipschitz continuous, then the product h₁h₂ is also bounded and Lipschitz",
+)
+def _product() -> Evidence:
     """Slopes of products of cut-off functions, for all pairs of points of a wide line, and of x times x."""
     x = np.concatenate([-np.logspace(-2, 6, 200)[::-1], np.logspace(-2, 6, 200)])
     ratios = []
@@ -94,7 +160,14 @@ def _product(_: Tables) -> Evidence:
     )
 
 
-def _kernel(_: Tables) -> Evidence:
+@claim(
+    "c5.kernel-lipschitz",
+    "The interaction is Lipschitz continuous in both positions.",
+    source="proof of Lemma 5.6",
+    quote="K is bounded and Lipschitz by (A2b) and (A2c)",
+    chosen="an even potential, so that (A2a) holds as well",
+)
+def _kernel() -> Evidence:
     """K of V = sqrt(1 + r^2): differences in the first and in the second position."""
     system = wavy_system(M)._replace(V=lambda r: np.sqrt(1 + (r**2).sum(axis=-1)))
     X, other, Z = 2 * np.random.default_rng(SEED).normal(size=(3, SAMPLES, 2))
@@ -119,26 +192,13 @@ def _kernel(_: Tables) -> Evidence:
     )
 
 
-def _any_number(_: Tables) -> Evidence:
-    """Slopes of m_eff and F_eff for few and many particles, over the constants of the rule for products."""
-    c, counts = constants(SPEED), (1, 4, 16, 64)
-    masses = [steepest(mass, n) / c.l_mass for n in counts]
-    forces = [steepest(force, n) / c.l_force for n in counts]
-    rng = np.random.default_rng(SEED)
-    largest = max(abs(force(pair(rng, n, 1.0)[0])) for n in counts for _sample in range(20)) / c.m_force
-    return Evidence(
-        f"Forces and interaction that are bounded, N = 1, 4, 16, 64: slopes of m_eff reach at most {max(masses):.2f}, "
-        f"of F_eff {max(forces):.2f} of constants without N, and |F_eff| {largest:.2f} of its bound (‖v‖ ≤ {SPEED:g}).",
-        printed=(
-            at_most("slope of m_eff over its constant", max(masses), 1.0),
-            at_most("slope of F_eff over its constant", max(forces), 1.0),
-            at_most("|F_eff| over its bound", largest, 1.0),
-        ),
-        seed=SEED,
-    )
-
-
-def _acceleration(_: Tables) -> Evidence:
+@claim(
+    "c5.acceleration-lipschitz",
+    "The acceleration of the macroscopic component is Lipschitz continuous at bounded speed.",
+    source="Lemma 5.8",
+    quote="(X⁽ᴺ⁾, y, v) ↦ (m_eff⁽ᴺ⁾)⁻¹ F_eff⁽ᴺ⁾ is Lipschitz continuous … with ‖v‖ ≤ M_v",
+)
+def _acceleration() -> Evidence:
     """Slopes of F_eff/m_eff, over the constant by Lemma 5.7 with delta = 1 and the rule for products."""
     c, counts = constants(SPEED), (1, 8, 64)
     bound = c.l_force + c.m_force * c.l_mass
@@ -151,22 +211,13 @@ def _acceleration(_: Tables) -> Evidence:
     )
 
 
-def _one_particle(_: Tables) -> Evidence:
-    """m_eff y'' of one particle with g = X + sin(X)/2 - y and no forces."""
-    at = instant(wavy_system(M), np.array([[1.1]]), *ONE)
-    moved, curved = phi(at.system, at.X, at.y).item(), omega(at.system, at.X, at.y, at.v, at.v).item()
-    needed = (effective_mass(at.system, at.X, at.y) @ at.a).item()
-    printed, right = abs(M * curved - needed), abs(-moved * M * curved - needed)
-    nx, ny = omega(*general_instant()[:3], *[general_instant().v] * 2).shape[1], general_instant().y.size
-    return Evidence(
-        f"mΩ[v, v] ∈ ℝ^{nx} cannot be added to F₀ ∈ ℝ^{ny}; with nx = ny = 1 (g = X + sin(X)/2 − y) it misses m_eff ÿ "
-        f"by {printed:.2f}. With −mΦᵀΩ[v, v], as in (5.14), by {right:.0e}; Lemma 5.6 itself is not affected.",
-        printed=(at_most("|m_eff ÿ − mΩ[v, v]|", printed, 0.0, TOL),),
-        corrected=(at_most("|m_eff ÿ + mΦᵀΩ[v, v]|", right, 0.0, TOL),),
-    )
-
-
-def _elliptic(_: Tables) -> Evidence:
+@claim(
+    "c5.elliptic",
+    "The effective mass is symmetric and at least the mass of the macroscopic component.",
+    source="proof of Lemma 5.8",
+    quote="m_eff is symmetric, wᵀ m_eff w ≥ ‖w‖² for all w ∈ ℝ^ny",
+)
+def _elliptic() -> Evidence:
     """m_eff of random sets of three particles."""
     rng = np.random.default_rng(SEED)
     states = [(rng.normal(size=(3, 2)), rng.normal(size=3)) for _ in range(20)]
@@ -180,65 +231,3 @@ def _elliptic(_: Tables) -> Evidence:
         ),
         seed=SEED,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.globally-lipschitz",
-        "section 2.5",
-        "(A1a) to (A5b) are chosen such that the ODE model is globally Lipschitz",
-        _global,
-        statement="The right side of the reduced equations is Lipschitz continuous for all positions.",
-        chosen="read with the sentences after it, for ‖v‖ ≤ M_v: Φ[v] and Ω[v, v] have no constant for all v",
-    ),
-    Claim(
-        "c5.any-number",
-        "Lemma 5.6",
-        "m_eff and F_eff are bounded and Lipschitz continuous … The derived bounds do not depend on N",
-        _any_number,
-        statement="Effective mass and force have bounds and Lipschitz constants that do not depend on N.",
-        chosen="distance of positions: the largest over the particles",
-    ),
-    Claim(
-        "c5.one-particle",
-        "proof of Lemma 5.6",
-        "F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀF₁(X) + mΩ(X_i, y)[v, v]",
-        _one_particle,
-        statement="The effective force of one particle.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "F_eff⁽¹⁾ = F₀(y) + Φ(X, y)ᵀ(F₁(X) − mΩ(X, y)[v, v])",
-            Effect.MODEL,
-            "the force in (5.41b), to which this definition belongs; (5.14) is right, the lemma stands",
-        ),
-    ),
-    Claim(
-        "c5.product",
-        "proof of Lemma 5.6",
-        "if h₁, h₂ are both bounded and Lipschitz continuous, then the product h₁h₂ is also bounded and Lipschitz",
-        _product,
-        statement="Products of bounded Lipschitz continuous functions are such functions.",
-    ),
-    Claim(
-        "c5.kernel-lipschitz",
-        "proof of Lemma 5.6",
-        "K is bounded and Lipschitz by (A2b) and (A2c)",
-        _kernel,
-        statement="The interaction is Lipschitz continuous in both positions.",
-        chosen="an even potential, so that (A2a) holds as well",
-    ),
-    Claim(
-        "c5.acceleration-lipschitz",
-        "Lemma 5.8",
-        "(X⁽ᴺ⁾, y, v) ↦ (m_eff⁽ᴺ⁾)⁻¹ F_eff⁽ᴺ⁾ is Lipschitz continuous … with ‖v‖ ≤ M_v",
-        _acceleration,
-        statement="The acceleration of the macroscopic component is Lipschitz continuous at bounded speed.",
-    ),
-    Claim(
-        "c5.elliptic",
-        "proof of Lemma 5.8",
-        "m_eff is symmetric, wᵀ m_eff w ≥ ‖w‖² for all w ∈ ℝ^ny",
-        _elliptic,
-        statement="The effective mass is symmetric and at least the mass of the macroscopic component.",
-    ),
-)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import (
     STEP,
@@ -51,7 +51,14 @@ def accelerated(at: Instant) -> float:
     return float(at.v @ at.a + at.system.m * (at.U * at.A).sum(axis=1).mean())
 
 
-def _energy(_: Tables) -> Evidence:
+@claim(
+    "c5.energy",
+    "The reduced equations keep the total energy.",
+    source="Lemma 5.5, (5.37)",
+    quote="E = … + 1/(2N) Σ_k 𝒱(X_k, X_i)) is a conserved quantity",
+    chosen="𝒱(X_k, X_i) is read as 𝒱(X_k − X_i), 𝒱 being a function of one vector, and even",
+)
+def _energy() -> Evidence:
     at = general_instant()
     parts = accelerated(at)
     rate = parts + along(at, lambda X, y: potential(at.system, X, y))
@@ -64,7 +71,17 @@ def _energy(_: Tables) -> Evidence:
     )
 
 
-def _lagrangian(_: Tables) -> Evidence:
+@claim(
+    "c5.energy-lagrangian",
+    "How Lagrangian and energy are related.",
+    source="proof of Lemma 5.5",
+    quote="the Lagrangian L = ‖ẏ‖² − E",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "L = ‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E", Effect.PROOF, "nothing: with L of (5.8) Lemma 5.5 follows as said"
+    ),
+)
+def _lagrangian() -> Evidence:
     at = general_instant()
     system, pairs = at.system, at.system.V(at.X[:, None] - at.X[None])
     each = system.m / 2 * (at.U**2).sum(axis=1) - system.W1(at.X) - pairs.mean(axis=0) / 2
@@ -91,7 +108,20 @@ def atoms_move() -> tuple[Instant, Floats, float]:
     return at, a, float(at.v @ a + system.m * (w @ (at.U * (moved @ a + curved)).sum(axis=1)))
 
 
-def _mean_field(_: Tables) -> Evidence:
+@claim(
+    "c5.mean-field-energy",
+    "The mean-field equations keep the total energy.",
+    source="Lemma 5.11, (5.50)",
+    quote="E = ½‖ẏ‖² + 𝒲₀(y) + ∫ m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′) is conserved",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "E = ½‖ẏ‖² + 𝒲₀(y) + ∫(m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′)) dμᵗ(x)",
+        Effect.NOTATION,
+        "the first line of Ė in the proof, which has dμᵗ(x̃′) twice; from its second line on x has its measure",
+    ),
+    chosen="an even 𝒱; for the reading with dx the square |x₁|, |x₂| ≤ 2",
+)
+def _mean_field() -> Evidence:
     """The rate of (5.50) by (5.40), with dμ(x), and with dx: then x stays, and only y, ẏ and the measure move."""
     at, a, gained = atoms_move()
     system, w = at.system, WEIGHTS
@@ -119,7 +149,14 @@ def _mean_field(_: Tables) -> Evidence:
     )
 
 
-def _power(_: Tables) -> Evidence:
+@claim(
+    "c5.interaction-power",
+    "The rate of the energy of a pair, and of all pairs.",
+    source="(5.52), (5.53)",
+    quote="d/dt 𝒱(Xᵗ(x′) − Xᵗ(x)) = −Ẋᵗ(x′)K(Xᵗ(x), Xᵗ(x′)) − Ẋᵗ(x)K(Xᵗ(x′), Xᵗ(x))",
+    chosen="𝒱 is even",
+)
+def _power() -> Evidence:
     """(5.52) for all pairs of four particles, and the sum (5.53)."""
     at = general_instant()
     X, U, pull = at.X, at.U, pulls(at.system, at.X)
@@ -140,7 +177,20 @@ def _power(_: Tables) -> Evidence:
     )
 
 
-def _proof(_: Tables) -> Evidence:
+@claim(
+    "c5.energy-proof",
+    "The rate of the energy is the power of what the equation of motion leaves.",
+    source="proof of Lemma 5.11",
+    quote="Ė = … ∫ ẏᵀΦ_xᵀ(mΦ_x[ÿ] + mΩ_x[ẏ, ẏ] − F₁(Xᵗ(x) − 𝒦(x)) dμⁱⁿⁱᵗ(x) = … = ẏᵀ(m_eff ÿ − F_eff) = 0",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "… − F₁(Xᵗ(x)) − 𝒦(x)) dμⁱⁿⁱᵗ(x) …",
+        Effect.NOTATION,
+        "the second and third line of Ė; the fourth has the bracket where it belongs",
+    ),
+    chosen="for the last line an acceleration that does not solve the equation, so that the rate is not 0",
+)
+def _proof() -> Evidence:
     """The third line of Ė on a motion, and the last one for an acceleration that no force causes."""
     at = general_instant()
     system, moved, pull = at.system, phi(at.system, at.X, at.y), pulls(at.system, at.X).mean(axis=0)
@@ -167,62 +217,3 @@ def _proof(_: Tables) -> Evidence:
             at_least("size of this rate", abs(rate), WRONG),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.energy",
-        "Lemma 5.5, (5.37)",
-        "E = … + 1/(2N) Σ_k 𝒱(X_k, X_i)) is a conserved quantity",
-        _energy,
-        statement="The reduced equations keep the total energy.",
-        chosen="𝒱(X_k, X_i) is read as 𝒱(X_k − X_i), 𝒱 being a function of one vector, and even",
-    ),
-    Claim(
-        "c5.energy-lagrangian",
-        "proof of Lemma 5.5",
-        "the Lagrangian L = ‖ẏ‖² − E",
-        _lagrangian,
-        statement="How Lagrangian and energy are related.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "L = ‖ẏ‖² + m/N Σ_i ‖Ẋ_i‖² − E", Effect.PROOF, "nothing: with L of (5.8) Lemma 5.5 follows as said"
-        ),
-    ),
-    Claim(
-        "c5.mean-field-energy",
-        "Lemma 5.11, (5.50)",
-        "E = ½‖ẏ‖² + 𝒲₀(y) + ∫ m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′) is conserved",
-        _mean_field,
-        statement="The mean-field equations keep the total energy.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "E = ½‖ẏ‖² + 𝒲₀(y) + ∫(m/2 ‖Φ(x, y)ẏ‖² + 𝒲₁(x) + ½∫ 𝒱(x′ − x) dμᵗ(x′)) dμᵗ(x)",
-            Effect.NOTATION,
-            "the first line of Ė in the proof, which has dμᵗ(x̃′) twice; from its second line on x has its measure",
-        ),
-        chosen="an even 𝒱; for the reading with dx the square |x₁|, |x₂| ≤ 2",
-    ),
-    Claim(
-        "c5.interaction-power",
-        "(5.52), (5.53)",
-        "d/dt 𝒱(Xᵗ(x′) − Xᵗ(x)) = −Ẋᵗ(x′)K(Xᵗ(x), Xᵗ(x′)) − Ẋᵗ(x)K(Xᵗ(x′), Xᵗ(x))",
-        _power,
-        statement="The rate of the energy of a pair, and of all pairs.",
-        chosen="𝒱 is even",
-    ),
-    Claim(
-        "c5.energy-proof",
-        "proof of Lemma 5.11",
-        "Ė = … ∫ ẏᵀΦ_xᵀ(mΦ_x[ÿ] + mΩ_x[ẏ, ẏ] − F₁(Xᵗ(x) − 𝒦(x)) dμⁱⁿⁱᵗ(x) = … = ẏᵀ(m_eff ÿ − F_eff) = 0",
-        _proof,
-        statement="The rate of the energy is the power of what the equation of motion leaves.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "… − F₁(Xᵗ(x)) − 𝒦(x)) dμⁱⁿⁱᵗ(x) …",
-            Effect.NOTATION,
-            "the second and third line of Ė; the fourth has the bracket where it belongs",
-        ),
-        chosen="for the last line an acceleration that does not solve the equation, so that the rate is not 0",
-    ),
-)

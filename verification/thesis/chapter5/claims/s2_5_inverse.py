@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import Floats
 
@@ -25,7 +25,14 @@ def elliptic_pairs(rng: np.random.Generator, least: float) -> tuple[Floats, Floa
     return first, second
 
 
-def _inverse(_: Tables) -> Evidence:
+@claim(
+    "c5.inverse",
+    "The inverse of a uniformly elliptic matrix is Lipschitz continuous.",
+    source="Lemma 5.7",
+    quote="z ↦ (m(z))⁻¹ is bounded and Lipschitz continuous with constant δ_m⁻² Lip(m)",
+    chosen="vᵀm(z)v for vᵀm(z)vᵀ, z ∈ M, values in ℝ^(n×n)",
+)
+def _inverse() -> Evidence:
     """|A^{-1} - B^{-1}| against |A - B|/delta^2, and a pair for which they are nearly equal."""
     first, second = elliptic_pairs(np.random.default_rng(SEED), LEAST)
     moved = np.linalg.norm(np.linalg.inv(first) - np.linalg.inv(second), 2, axis=(1, 2))
@@ -44,13 +51,50 @@ def _inverse(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c5.inverse-bounded",
+    "What follows from the least eigenvalue being at least a positive constant.",
+    source="proof of Lemma 5.7",
+    quote="its norm is bounded by ‖(m(z))⁻¹‖ ≤ δ_m⁻¹. This shows implies that x ↦ m(z) is bounded",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "this implies that z ↦ (m(z))⁻¹ is bounded",
+        Effect.PROOF,
+        "nothing: the lemma states it of the inverse, and m is bounded by assumption",
+    ),
+)
+def _inverse_bounded() -> Evidence:
+    """Elliptic matrices stretched by 10^6 from their least eigenvalue on: their norms and those of inverses."""
+    m, _other = elliptic_pairs(np.random.default_rng(SEED), LEAST)
+    least = np.linalg.eigvalsh(m)[:, :1, None] * np.eye(3)
+    wide = least + 1e6 * (m - least)
+
+    def largest(of: Floats) -> float:
+        return float(np.linalg.norm(of, 2, axis=(1, 2)).max())
+
+    grown, inverse = largest(wide) / largest(m), largest(np.linalg.inv(wide)) * LEAST
+    return Evidence(
+        f"{SAMPLES} matrices whose eigenvalues are stretched from the least one on: all stay ≥ δ_m = {LEAST}, but ‖m‖ "
+        f"is {grown:.0e} times as large. ‖m⁻¹‖ is {inverse:.2f} of δ_m⁻¹. m is bounded by assumption, not by δ_m.",
+        printed=(at_most("‖m‖ of elliptic matrices, stretched over not", grown, 1.0, ROUNDING),),
+        corrected=(at_most("‖m⁻¹‖ over δ_m⁻¹", inverse, 1.0, DIFFERENCE),),
+        seed=SEED,
+    )
+
+
 def derivative(m: Floats, w: Floats) -> Floats:
     """DInv(m)[w] as printed."""
     inverse = np.linalg.inv(m)
     return np.asarray(-inverse @ w @ inverse)
 
 
-def _slope(_: Tables) -> Evidence:
+@claim(
+    "c5.inverse-slope",
+    "The derivative of the inverse and its norm.",
+    source="proof of Lemma 5.7",
+    quote="DInv(m)[w] = −m⁻¹wm⁻¹ … which implies DInv(m(z)) ≤ δ_m⁻²",
+)
+def _slope() -> Evidence:
     """The derivative of the inverse by differences, along random directions of norm 1, symmetric or not."""
     rng = np.random.default_rng(SEED)
     m, _other = elliptic_pairs(rng, LEAST)
@@ -70,7 +114,17 @@ def _slope(_: Tables) -> Evidence:
     )
 
 
-def _inverse_proof(_: Tables) -> Evidence:
+@claim(
+    "c5.inverse-proof",
+    "Why the segment between two of the matrices contains no singular one.",
+    source="proof of Lemma 5.7",
+    quote=(
+        "only positive eigenvalues. Hence, they are part of the same connected component of GL(d). Therefore, the "
+        "mean-value theorem is applicable"
+    ),
+    chosen="symmetric matrices, as the lemma assumes them",
+)
+def _inverse_proof() -> Evidence:
     """Segments between symmetric matrices, and one between two matrices, both with the eigenvalues 1, 1."""
     first, second = elliptic_pairs(np.random.default_rng(SEED), LEAST)
     symmetric = min(float(np.linalg.eigvalsh((1 - s) * first + s * second).min()) for s in (0.25, 0.5, 0.75))
@@ -83,63 +137,3 @@ def _inverse_proof(_: Tables) -> Evidence:
         printed=(at_least("least eigenvalue on segments of symmetric ones", symmetric, LEAST, ROUNDING),),
         seed=SEED,
     )
-
-
-def _inverse_bounded(_: Tables) -> Evidence:
-    """Elliptic matrices stretched by 10^6 from their least eigenvalue on: their norms and those of inverses."""
-    m, _other = elliptic_pairs(np.random.default_rng(SEED), LEAST)
-    least = np.linalg.eigvalsh(m)[:, :1, None] * np.eye(3)
-    wide = least + 1e6 * (m - least)
-
-    def largest(of: Floats) -> float:
-        return float(np.linalg.norm(of, 2, axis=(1, 2)).max())
-
-    grown, inverse = largest(wide) / largest(m), largest(np.linalg.inv(wide)) * LEAST
-    return Evidence(
-        f"{SAMPLES} matrices whose eigenvalues are stretched from the least one on: all stay ≥ δ_m = {LEAST}, but ‖m‖ "
-        f"is {grown:.0e} times as large. ‖m⁻¹‖ is {inverse:.2f} of δ_m⁻¹. m is bounded by assumption, not by δ_m.",
-        printed=(at_most("‖m‖ of elliptic matrices, stretched over not", grown, 1.0, ROUNDING),),
-        corrected=(at_most("‖m⁻¹‖ over δ_m⁻¹", inverse, 1.0, DIFFERENCE),),
-        seed=SEED,
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c5.inverse",
-        "Lemma 5.7",
-        "z ↦ (m(z))⁻¹ is bounded and Lipschitz continuous with constant δ_m⁻² Lip(m)",
-        _inverse,
-        statement="The inverse of a uniformly elliptic matrix is Lipschitz continuous.",
-        chosen="vᵀm(z)v for vᵀm(z)vᵀ, z ∈ M, values in ℝ^(n×n)",
-    ),
-    Claim(
-        "c5.inverse-bounded",
-        "proof of Lemma 5.7",
-        "its norm is bounded by ‖(m(z))⁻¹‖ ≤ δ_m⁻¹. This shows implies that x ↦ m(z) is bounded",
-        _inverse_bounded,
-        statement="What follows from the least eigenvalue being at least a positive constant.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "this implies that z ↦ (m(z))⁻¹ is bounded",
-            Effect.PROOF,
-            "nothing: the lemma states it of the inverse, and m is bounded by assumption",
-        ),
-    ),
-    Claim(
-        "c5.inverse-slope",
-        "proof of Lemma 5.7",
-        "DInv(m)[w] = −m⁻¹wm⁻¹ … which implies DInv(m(z)) ≤ δ_m⁻²",
-        _slope,
-        statement="The derivative of the inverse and its norm.",
-    ),
-    Claim(
-        "c5.inverse-proof",
-        "proof of Lemma 5.7",
-        "only positive eigenvalues. Hence, they are part of the same connected component of GL(d). Therefore, the "
-        "mean-value theorem is applicable",
-        _inverse_proof,
-        statement="Why the segment between two of the matrices contains no singular one.",
-        chosen="symmetric matrices, as the lemma assumes them",
-    ),
-)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.instant import STEP, Floats, general_instant, kinetic, phi, potential
 from verification.thesis.chapter5.wavy import runge_kutta, soft
@@ -45,7 +45,21 @@ def speeds(force: Callable[[float], float]) -> tuple[float, float]:
     return float(path[100, 1]), float(path[1000, 1])
 
 
-def _all_times(_: Tables) -> Evidence:
+@claim(
+    "c5.speed-all-times",
+    "The speed of the macroscopic component stays below a bound that the start gives.",
+    source="section 2.5",
+    quote="‖ẏ(t)‖ ≤ M_v for all t ≥ 0 where M_v > 0 is a constant depending only on the initial conditions",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "for potentials that are bounded below, which (A1a) to (A5b) do not ask for; else up to a time T, with a "
+        "bound that depends on T",
+        Effect.PROOF,
+        "the constants of Theorems 5.9, 5.12 and 5.16; existence and uniqueness up to T stand",
+    ),
+    chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
+)
+def _all_times() -> Evidence:
     """A free fall, and a potential that is bounded below and pulls the same way."""
     fall, held = speeds(lambda _: 1.0), speeds(lambda y: float(1 - y / np.sqrt(1 + y**2)))
     bound = float(np.sqrt(2.0))
@@ -57,7 +71,19 @@ def _all_times(_: Tables) -> Evidence:
     )
 
 
-def _bound(_: Tables) -> Evidence:
+@claim(
+    "c5.speed-bound",
+    "The energy bounds the speed of the macroscopic component.",
+    source="(5.38)",
+    quote="‖ẏ(t)‖² ≤ 2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "‖ẏ(t)‖² ≤ 2(E − the infimum of the potential energy), or 2E if no potential is negative",
+        Effect.CONCLUSION,
+        "M_v of Theorems 5.9, 5.12 and 5.16, which need potentials that are bounded below",
+    ),
+)
+def _bound() -> Evidence:
     """A pendulum that starts at the energy 0; its potential -cos y is at least -1."""
     found, printed, right = highest_speed(M), 0.0, 2 * (0.0 + 1.0)
     return Evidence(
@@ -68,46 +94,14 @@ def _bound(_: Tables) -> Evidence:
     )
 
 
-def _constant(_: Tables) -> Evidence:
-    printed, (speed, right) = 2 * ENERGY**2, (free_speed(), float(np.sqrt(2 * ENERGY)))
-    return Evidence(
-        f"A free motion of energy {ENERGY:g} (m = {M:g}, g = X − y) has ‖ẏ‖ = {speed:.3f}, but M_v = 2E² is "
-        f"{printed:.3g}; by (5.38) M_v = √(2E) = {right:.3f}. What is printed is too small for E³ < ½.",
-        printed=(at_most("‖ẏ‖ of a free motion, bound 2E²", speed, printed),),
-        corrected=(at_most("‖ẏ‖ of a free motion, bound √(2E)", speed, right),),
-    )
-
-
-def energy_rate(moving: float) -> float:
-    """The rate of E(y, ẏ, μ) on a motion whose points move (1), or are taken where they were at first (0)."""
-    at = general_instant()
-
-    def energy(s: float) -> float:
-        X, y, v = at.X + moving * s * at.U, at.y + s * at.v, at.v + s * at.a
-        return float(kinetic(at.system, phi(at.system, X, y) @ v, v) + potential(at.system, X, y))
-
-    return abs(energy(STEP) - energy(-STEP)) / (2 * STEP)
-
-
-def _constant_limit(_: Tables) -> Evidence:
-    printed, (speed, right) = 2 * ENERGY, (free_speed(), float(np.sqrt(2 * ENERGY)))
-    frozen, moved = energy_rate(0.0), energy_rate(1.0)
-    return Evidence(
-        f"A free motion of energy {ENERGY:g} has ‖ẏ‖ = {speed:.3f} > 2E = {printed:.3g}, below √(2E) = {right:.3f}; 2E "
-        f"is too small for E < ½. E(y, ẏ, μⁱⁿⁱᵗ) is no constant: on a motion of four points it changes at a rate of "
-        f"{frozen:.2f}, E(y, ẏ, μᵗ) at {moved:.0e}.",
-        printed=(
-            at_most("‖ẏ‖ of a free motion, bound 2E", speed, printed),
-            at_most("rate of E(y, ẏ, μⁱⁿⁱᵗ)", frozen, 0.0, RATE_TOL),
-        ),
-        corrected=(
-            at_most("‖ẏ‖ of a free motion, bound √(2E)", speed, right),
-            at_most("rate of E(y, ẏ, μᵗ), so it stays E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ)", moved, 0.0, RATE_TOL),
-        ),
-    )
-
-
-def _well_posed(_: Tables) -> Evidence:
+@claim(
+    "c5.well-posed",
+    "Solutions exist for all times and are unique, though a term grows with the square of the speed.",
+    source="Theorem 5.9",
+    quote="For T > 0 … the ODE model has a unique solution",
+    chosen="a heavy, fast particle without forces on g = X + sin(X)/2 − y, T = 10",
+)
+def _well_posed() -> Evidence:
     """A fast and heavy particle on g = X + sin(X)/2 - y, to T = 10 and back: X passes many bends."""
     m, start = 5.0, np.array([0.0, 10.0, 0.3])
 
@@ -131,67 +125,64 @@ def _well_posed(_: Tables) -> Evidence:
     )
 
 
-CLAIMS = (
-    Claim(
-        "c5.speed-all-times",
-        "section 2.5",
-        "‖ẏ(t)‖ ≤ M_v for all t ≥ 0 where M_v > 0 is a constant depending only on the initial conditions",
-        _all_times,
-        statement="The speed of the macroscopic component stays below a bound that the start gives.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "for potentials that are bounded below, which (A1a) to (A5b) do not ask for; else up to a time T, with a "
-            "bound that depends on T",
-            Effect.PROOF,
-            "the constants of Theorems 5.9, 5.12 and 5.16; existence and uniqueness up to T stand",
-        ),
-        chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
-    ),
-    Claim(
-        "c5.speed-bound",
-        "(5.38)",
-        "‖ẏ(t)‖² ≤ 2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ)",
-        _bound,
-        statement="The energy bounds the speed of the macroscopic component.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "‖ẏ(t)‖² ≤ 2(E − the infimum of the potential energy), or 2E if no potential is negative",
-            Effect.CONCLUSION,
-            "M_v of Theorems 5.9, 5.12 and 5.16, which need potentials that are bounded below",
-        ),
-    ),
-    Claim(
-        "c5.well-posed",
-        "Theorem 5.9",
-        "For T > 0 … the ODE model has a unique solution",
-        _well_posed,
-        statement="Solutions exist for all times and are unique, though a term grows with the square of the speed.",
-        chosen="a heavy, fast particle without forces on g = X + sin(X)/2 − y, T = 10",
-    ),
-    Claim(
-        "c5.speed-constant",
-        "proof of Theorem 5.9",
-        "M_v := 2(E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))²",
-        _constant,
-        statement="The bound of the speed that the proof uses.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "M_v := (2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))^½ for potentials ≥ 0",
-            Effect.NUMBER,
-            "the set on which the right side is Lipschitz",
-        ),
-    ),
-    Claim(
-        "c5.speed-constant-limit",
-        "proof of Theorem 5.12",
-        "M_v := 2E(y, ẏ, μⁱⁿⁱᵗ). Then every solution candidate has to satisfy ‖ẏ(t)‖ ≤ M_v",
-        _constant_limit,
-        statement="The bound of the speed that the proof uses, in the limit.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "M_v := (2E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ))^½ for potentials ≥ 0",
-            Effect.NUMBER,
-            "the set on which the right side is Lipschitz",
-        ),
+@claim(
+    "c5.speed-constant",
+    "The bound of the speed that the proof uses.",
+    source="proof of Theorem 5.9",
+    quote="M_v := 2(E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))²",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "M_v := (2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))^½ for potentials ≥ 0",
+        Effect.NUMBER,
+        "the set on which the right side is Lipschitz",
     ),
 )
+def _constant() -> Evidence:
+    printed, (speed, right) = 2 * ENERGY**2, (free_speed(), float(np.sqrt(2 * ENERGY)))
+    return Evidence(
+        f"A free motion of energy {ENERGY:g} (m = {M:g}, g = X − y) has ‖ẏ‖ = {speed:.3f}, but M_v = 2E² is "
+        f"{printed:.3g}; by (5.38) M_v = √(2E) = {right:.3f}. What is printed is too small for E³ < ½.",
+        printed=(at_most("‖ẏ‖ of a free motion, bound 2E²", speed, printed),),
+        corrected=(at_most("‖ẏ‖ of a free motion, bound √(2E)", speed, right),),
+    )
+
+
+def energy_rate(moving: float) -> float:
+    """The rate of E(y, ẏ, μ) on a motion whose points move (1), or are taken where they were at first (0)."""
+    at = general_instant()
+
+    def energy(s: float) -> float:
+        X, y, v = at.X + moving * s * at.U, at.y + s * at.v, at.v + s * at.a
+        return float(kinetic(at.system, phi(at.system, X, y) @ v, v) + potential(at.system, X, y))
+
+    return abs(energy(STEP) - energy(-STEP)) / (2 * STEP)
+
+
+@claim(
+    "c5.speed-constant-limit",
+    "The bound of the speed that the proof uses, in the limit.",
+    source="proof of Theorem 5.12",
+    quote="M_v := 2E(y, ẏ, μⁱⁿⁱᵗ). Then every solution candidate has to satisfy ‖ẏ(t)‖ ≤ M_v",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "M_v := (2E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ))^½ for potentials ≥ 0",
+        Effect.NUMBER,
+        "the set on which the right side is Lipschitz",
+    ),
+)
+def _constant_limit() -> Evidence:
+    printed, (speed, right) = 2 * ENERGY, (free_speed(), float(np.sqrt(2 * ENERGY)))
+    frozen, moved = energy_rate(0.0), energy_rate(1.0)
+    return Evidence(
+        f"A free motion of energy {ENERGY:g} has ‖ẏ‖ = {speed:.3f} > 2E = {printed:.3g}, below √(2E) = {right:.3f}; 2E "
+        f"is too small for E < ½. E(y, ẏ, μⁱⁿⁱᵗ) is no constant: on a motion of four points it changes at a rate of "
+        f"{frozen:.2f}, E(y, ẏ, μᵗ) at {moved:.0e}.",
+        printed=(
+            at_most("‖ẏ‖ of a free motion, bound 2E", speed, printed),
+            at_most("rate of E(y, ẏ, μⁱⁿⁱᵗ)", frozen, 0.0, RATE_TOL),
+        ),
+        corrected=(
+            at_most("‖ẏ‖ of a free motion, bound √(2E)", speed, right),
+            at_most("rate of E(y, ẏ, μᵗ), so it stays E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ)", moved, 0.0, RATE_TOL),
+        ),
+    )

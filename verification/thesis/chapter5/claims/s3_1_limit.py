@@ -5,12 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
-from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.claims import claim
+from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter5 import bounded
 from verification.thesis.chapter5.bounded import State, force, mass
 from verification.thesis.chapter5.instant import Floats, System, instant
-from verification.thesis.chapter5.measure import shift_rate, tested
 from verification.thesis.chapter5.wavy import T, soft, wavy_flow, wavy_motion
 
 # What rounding leaves of sums, what steps of a Runge-Kutta method leave, and central differences of a bisection.
@@ -38,7 +37,14 @@ def spread(count: int) -> Floats:
     return np.interp((np.arange(count) + 0.5) / count, share / share[-1], line)
 
 
-def _limit_force(_: Tables) -> Evidence:
+@claim(
+    "c5.limit-force",
+    "Constrained particles that stand for a density accelerate y as the integrals over the density say.",
+    source="section 1, (5.40a), (5.41)",
+    quote="(∫ m_eff⁽¹⁾(x, y) f dx) ÿ = ∫ (F_eff⁽¹⁾(x, y, ẏ) + ∫ K_eff(x′, x) f(x′, t) dx′) f(x, t) dx",
+    chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
+)
+def _limit_force() -> Evidence:
     """The acceleration of constrained particles, for more and more of them, against the integrals over a density."""
     fine = spread(1000)
     at = State(fine, np.full(fine.size, 1 / fine.size), Y, YDOT)
@@ -65,7 +71,13 @@ def transported(x: Floats, y: float) -> Floats:
     return np.asarray(np.exp(-((start - MEAN) ** 2) / 2) * soft(start) / soft(x))
 
 
-def _transport(_: Tables) -> Evidence:
+@claim(
+    "c5.transport",
+    "How the density of the particles changes.",
+    source="section 1, (5.42b)",
+    quote="∂_t f(x, t) = −div_x(f(x, t) Φ(x, y)[ẏ])",
+)
+def _transport() -> Evidence:
     """df/dt by differences against -(f Phi y')' by differences, y' = 1.5."""
     x, h = np.linspace(-3.0, 4.0, 36), 1e-4
     rate = YDOT * (transported(x, Y + h) - transported(x, Y - h)) / (2 * h)
@@ -82,7 +94,14 @@ def _transport(_: Tables) -> Evidence:
     )
 
 
-def _empirical(_: Tables) -> Evidence:
+@claim(
+    "c5.empirical",
+    "For point masses the integrals are the effective mass and force of the particles.",
+    source="(5.44) to (5.46)",
+    quote="m_eff(μ^emp, y) = m_eff⁽ᴺ⁾(X⁽ᴺ⁾, y), F_eff(μ^emp, y, v) = F_eff⁽ᴺ⁾(X⁽ᴺ⁾, y, v)",
+    chosen="point masses as narrow bells; F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
+)
+def _empirical() -> Evidence:
     """The integrals (5.41) of narrow bells about the particles, against m_eff y'' of the constrained system."""
     X, width = np.array([0.3, -0.8, 1.7]), 0.02
     offsets = np.linspace(-6.0, 6.0, 61)
@@ -101,7 +120,13 @@ def _empirical(_: Tables) -> Evidence:
     )
 
 
-def _consistency(_: Tables) -> Evidence:
+@claim(
+    "c5.consistency",
+    "The motion of particles solves the mean-field equations for their empirical measure.",
+    source="Lemma 5.10",
+    quote="solutions of the ODE model are solutions of (5.40a) to (5.40c)",
+)
+def _consistency() -> Evidence:
     """Three particles, two in one place, and the measure of two atoms with the weights 2/3 and 1/3."""
     particles = wavy_motion(np.array([0.2, 1.5, 1.5]), np.full(3, 1 / 3))
     measure = wavy_motion(np.array([1.5, 0.2]), np.array([2, 1]) / 3)
@@ -116,61 +141,3 @@ def _consistency(_: Tables) -> Evidence:
             at_most("X_i(t) against the flow", flowed, 0.0, RUN_TOL),
         ),
     )
-
-
-def _bracket(_: Tables) -> Evidence:
-    """Particles that are all shifted, Phi = 1, y' = 0.6: the divergence of Phi y' is 0, that of Phi y' f is not."""
-    v = 0.6
-    by_flow, printed = tested(lambda x: 0 * x + v, lambda x, f: 0 * f, 1)
-    right = tested(lambda x: 0 * x + v, lambda x, f: shift_rate(x, f, v), 1)[1]
-    return Evidence(
-        f"Φ = 1: d/dt ⟨ξ, f⟩ = {by_flow:.3f}, but −⟨ξ, div(Φẏ)f⟩ = {printed:g}. f belongs into the bracket, as in the "
-        f"line above: −⟨ξ, div(Φẏ f)⟩ = {right:.3f}.",
-        printed=(at_most("|d/dt ⟨ξ, f⟩ + ⟨ξ, div(Φẏ)f⟩|", abs(by_flow - printed), 0.0, TOL),),
-        corrected=(at_most("|d/dt ⟨ξ, f⟩ + ⟨ξ, div(Φẏ f)⟩|", abs(by_flow - right), 0.0, TOL),),
-    )
-
-
-CLAIMS = (
-    Claim(
-        "c5.limit-force",
-        "section 1, (5.40a), (5.41)",
-        "(∫ m_eff⁽¹⁾(x, y) f dx) ÿ = ∫ (F_eff⁽¹⁾(x, y, ẏ) + ∫ K_eff(x′, x) f(x′, t) dx′) f(x, t) dx",
-        _limit_force,
-        statement="Constrained particles that stand for a density accelerate y as the integrals over the density say.",
-        chosen="F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
-    ),
-    Claim(
-        "c5.transport",
-        "section 1, (5.42b)",
-        "∂_t f(x, t) = −div_x(f(x, t) Φ(x, y)[ẏ])",
-        _transport,
-        statement="How the density of the particles changes.",
-    ),
-    Claim(
-        "c5.empirical",
-        "(5.44) to (5.46)",
-        "m_eff(μ^emp, y) = m_eff⁽ᴺ⁾(X⁽ᴺ⁾, y), F_eff(μ^emp, y, v) = F_eff⁽ᴺ⁾(X⁽ᴺ⁾, y, v)",
-        _empirical,
-        statement="For point masses the integrals are the effective mass and force of the particles.",
-        chosen="point masses as narrow bells; F_eff⁽¹⁾ with −mΦᵀΩ, as in (5.14)",
-    ),
-    Claim(
-        "c5.consistency",
-        "Lemma 5.10",
-        "solutions of the ODE model are solutions of (5.40a) to (5.40c)",
-        _consistency,
-        statement="The motion of particles solves the mean-field equations for their empirical measure.",
-    ),
-    Claim(
-        "c5.weak-bracket",
-        "proof of Lemma 5.10",
-        "d/dt ⟨ξ, f⟩ = … = −⟨ξ, div(Φẏ) f⟩",
-        _bracket,
-        statement="The weak form of the transport equation.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "−⟨ξ, div(Φẏ f)⟩", Effect.NOTATION, "nothing: the line above it has f under the divergence"
-        ),
-    ),
-)

@@ -8,7 +8,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Interval, Kind, at_least, at_most
 from verification.thesis.chapter5.claims.s3_1_limit import MEAN, transported
 from verification.thesis.chapter5.instant import Floats, effective_force, effective_mass, general_instant, phi
@@ -24,35 +24,6 @@ M, SPREAD, TIME, STEPS = 5.0, 0.5, 3.0, 40
 TWO_SIDED = NormalDist().inv_cdf(0.975)
 # A correlation above this is seen as one.
 SMALL = 0.15
-
-
-def velocity(at_X: Floats) -> Floats:
-    """The velocities of all particles of ``general_system`` as functions of all positions, y and y' being given."""
-    at = general_instant()
-    return np.asarray(phi(at.system, at_X, at.y) @ at.v)
-
-
-def _no_pairs(_: Tables) -> Evidence:
-    """The accelerations of y without interaction, and what a shift of one particle changes of all velocities."""
-    at = general_instant()
-    alone = at.system._replace(V=lambda r: 0.0 * r[..., 0])
-    a, without = (
-        np.linalg.solve(effective_mass(s, at.X, at.y), effective_force(s, at.X, at.y, at.v)) for s in (at.system, alone)
-    )
-    pulled = float(np.abs(a - without).max())
-    moved = at.X + np.array([0.2, -0.1]) * (np.arange(len(at.X)) == 0)[:, None]
-    change = np.abs(velocity(moved) - velocity(at.X)).max(axis=1)
-    return Evidence(
-        f"F_eff of (5.11a) contains K(X_k, X_j) by (5.14): without it ÿ changes by {pulled:.2f}. (5.11b) is without: a "
-        f"shift of one particle, y and ẏ as they are, changes its own velocity by {change[0]:.2f}, those of the others "
-        f"by {change[1:].max():g}.",
-        printed=(at_most("change of ÿ of (5.11a) without K", pulled, 0.0, TOL),),
-        corrected=(
-            at_least("change of ÿ of (5.11a) without K", pulled, WRONG),
-            at_most("change of the velocities of the others", float(change[1:].max()), 0.0, TOL),
-            at_least("change of its own velocity", float(change[0]), WRONG),
-        ),
-    )
 
 
 def ends(count: int, rng: np.random.Generator) -> Floats:
@@ -76,7 +47,14 @@ def _correlation(found: Floats) -> tuple[float, Interval]:
     return value, (float(np.tanh(np.arctanh(value) - half)), float(np.tanh(np.arctanh(value) + half)))
 
 
-def _independent(_: Tables) -> Evidence:
+@claim(
+    "c5.independent",
+    "Particles with independent starts become independent as their number grows.",
+    source="section 3.1",
+    quote="we can hope that there exists a statistical distribution … such that X₁(t), …, X_N(t) ~ μᵗ",
+    chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of two",
+)
+def _independent() -> Evidence:
     """The correlation of two particles among 2 and among 24."""
     rng = np.random.default_rng(SEED)
     (few, of_few), (many, of_many) = (_correlation(ends(count, rng)) for count in (2, 24))
@@ -95,7 +73,54 @@ def _independent(_: Tables) -> Evidence:
     )
 
 
-def _moved_measure(_: Tables) -> Evidence:
+def velocity(at_X: Floats) -> Floats:
+    """The velocities of all particles of ``general_system`` as functions of all positions, y and y' being given."""
+    at = general_instant()
+    return np.asarray(phi(at.system, at_X, at.y) @ at.v)
+
+
+@claim(
+    "c5.no-pairs",
+    "Neither of the two reduced equations has an interaction of pairs of particles.",
+    source="footnote 2",
+    quote="the ODE model (5.11a) and (5.11b) since it lacks pairwise interaction between particles",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "only (5.11b) lacks it: (5.11a) has the forces K, by which particles act on each other through y",
+        Effect.MODEL,
+        "why independence in the limit is called less surprising; (5.14), (5.16), (5.41b) have these forces",
+    ),
+)
+def _no_pairs() -> Evidence:
+    """The accelerations of y without interaction, and what a shift of one particle changes of all velocities."""
+    at = general_instant()
+    alone = at.system._replace(V=lambda r: 0.0 * r[..., 0])
+    a, without = (
+        np.linalg.solve(effective_mass(s, at.X, at.y), effective_force(s, at.X, at.y, at.v)) for s in (at.system, alone)
+    )
+    pulled = float(np.abs(a - without).max())
+    moved = at.X + np.array([0.2, -0.1]) * (np.arange(len(at.X)) == 0)[:, None]
+    change = np.abs(velocity(moved) - velocity(at.X)).max(axis=1)
+    return Evidence(
+        f"F_eff of (5.11a) contains K(X_k, X_j) by (5.14): without it ÿ changes by {pulled:.2f}. (5.11b) is without: a "
+        f"shift of one particle, y and ẏ as they are, changes its own velocity by {change[0]:.2f}, those of the others "
+        f"by {change[1:].max():g}.",
+        printed=(at_most("change of ÿ of (5.11a) without K", pulled, 0.0, TOL),),
+        corrected=(
+            at_least("change of ÿ of (5.11a) without K", pulled, WRONG),
+            at_most("change of the velocities of the others", float(change[1:].max()), 0.0, TOL),
+            at_least("change of its own velocity", float(change[0]), WRONG),
+        ),
+    )
+
+
+@claim(
+    "c5.moved-measure",
+    "Integrals over the measure at a time are integrals over the initial one along the flow.",
+    source="proof of Lemma 5.10",
+    quote="∫ξ(x) dμᵗ(x) = ∫ξ(Xᵗ(x′)) dμⁱⁿⁱᵗ(x′)",
+)
+def _moved_measure() -> Evidence:
     """int xi f_t dx by the density at the end, and by moving the points of the start."""
     x, y = np.linspace(-12.0, 14.0, 26001), 1.1
     step = x[1] - x[0]
@@ -115,35 +140,3 @@ def _moved_measure(_: Tables) -> Evidence:
             at_least("change of ∫ξ dμ", abs(by_density - before), WRONG),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.independent",
-        "section 3.1",
-        "we can hope that there exists a statistical distribution … such that X₁(t), …, X_N(t) ~ μᵗ",
-        _independent,
-        statement="Particles with independent starts become independent as their number grows.",
-        chosen=f"a mass of {M:g}, so that few particles feel each other; independence by the correlation of two",
-    ),
-    Claim(
-        "c5.no-pairs",
-        "footnote 2",
-        "the ODE model (5.11a) and (5.11b) since it lacks pairwise interaction between particles",
-        _no_pairs,
-        statement="Neither of the two reduced equations has an interaction of pairs of particles.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "only (5.11b) lacks it: (5.11a) has the forces K, by which particles act on each other through y",
-            Effect.MODEL,
-            "why independence in the limit is called less surprising; (5.14), (5.16), (5.41b) have these forces",
-        ),
-    ),
-    Claim(
-        "c5.moved-measure",
-        "proof of Lemma 5.10",
-        "∫ξ(x) dμᵗ(x) = ∫ξ(Xᵗ(x′)) dμⁱⁿⁱᵗ(x′)",
-        _moved_measure,
-        statement="Integrals over the measure at a time are integrals over the initial one along the flow.",
-    ),
-)

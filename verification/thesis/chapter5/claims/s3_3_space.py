@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.bounded import State, constants, force, mass
 from verification.thesis.chapter5.claims.s2_3_examples import with_springs
@@ -27,41 +27,39 @@ LINE = np.linspace(-20.0, 20.0, 401)
 ATOMS, SHARES = np.array([120, 190, 215, 260]), np.array([0.1, 0.4, 0.3, 0.2])
 
 
-def norm(values: Floats) -> float:
-    """The norm of Y for a function given on LINE."""
-    return float((np.abs(values) / (1 + np.abs(LINE))).max())
-
-
-def right_side(flow: Floats, y: float, v: float) -> tuple[Floats, float, float]:
-    """h(phi, y, v) for the fibre of ``bounded``."""
-    at = State(flow[ATOMS], SHARES, y, v)
-    return soft(flow) * v, v, force(at) / mass(at)
-
-
-def _right_side(_: Tables) -> Evidence:
-    """|h(z) - h(z')|_Z over |z - z'|_Z for random z, z' with |v| <= SPEED, against a constant with M_v and C_mu."""
-    rng, c, largest = np.random.default_rng(SEED), constants(SPEED), 0.0
-    moment = float(SHARES @ (1 + np.abs(LINE[ATOMS])))
-    for apart in np.repeat([1e-3, 0.1, 2.0], SAMPLES // 3):
-        stretch, bend = rng.normal(size=(2, 2))
-        flow = stretch[0] * LINE + bend[0] * np.sin(3 * LINE)
-        other = flow + apart * (stretch[1] * LINE + bend[1] * np.cos(2 * LINE))
-        y, step = rng.normal(), apart * rng.normal()
-        v, w = SPEED * rng.uniform(-1, 1), SPEED * rng.uniform(-1, 1)
-        w = v + apart * (w - v) / 2
-        first, second = right_side(flow, y, v), right_side(other, y + step, w)
-        moved = norm(first[0] - second[0]) + abs(first[1] - second[1]) + abs(first[2] - second[2])
-        largest = max(largest, moved / (norm(flow - other) + abs(step) + abs(v - w)))
-    bound = c.l_phi * SPEED + c.m_phi + 1 + moment * (c.l_force + c.m_force * c.l_mass)
+@claim(
+    "c5.linear-growth",
+    "The flow stays in the space Y in which its equation is solved.",
+    source="section 3.3",
+    quote="We pick the function space of continuous and at most linearly growing functions",
+    chosen="‖Xᵗ(x)‖ ≤ ‖x‖ + M_Φ M_v t, with M_v = √(2E)",
+)
+def _linear_growth() -> Evidence:
+    """The flow of a motion against |x| + M_Phi M_v t, which keeps it in Y."""
+    end = wavy_motion(LINE[ATOMS], SHARES)
+    speed = float(np.sqrt(1 + WAVY_M * (SHARES @ soft(LINE[ATOMS]) ** 2)))
+    flow = wavy_flow(LINE, float(end[0]))
+    beyond = float((np.abs(flow) - np.abs(LINE)).max())
+    bound = M_PHI * speed * T
     return Evidence(
-        f"{SAMPLES} pairs in Z with ‖v‖ ≤ {SPEED:g}, a measure with C_μ = {moment:.2f}: difference quotients of h "
-        f"reach {largest:.1f}, the constant from M_v and C_μ is {bound:.0f}.",
-        printed=(at_most("difference quotient of h over its constant", largest / bound, 1.0),),
-        seed=SEED,
+        f"g = X + sin(X)/2 − y, no forces, t = {T:g}, √(2E) = {speed:.3f}: |Xᵗ(x)| − |x| is at most {beyond:.2f}, "
+        f"M_Φ M_v t = {bound:.2f}; ‖Xᵗ‖_Y = {norm(flow):.2f} is finite.",
+        printed=(
+            at_most("|Xᵗ(x)| − |x| over M_Φ M_v t", beyond / bound, 1.0),
+            at_most("‖Xᵗ‖_Y, bound 1 + M_Φ M_v t", norm(flow), 1 + bound),
+        ),
     )
 
 
-def _bounded_flow(_: Tables) -> Evidence:
+@claim(
+    "c5.bounded-flow",
+    "Which assumption makes the velocity field an element of Y.",
+    source="section 3.3",
+    quote="(A5b) implies ‖Φ(φ(·), y)[v]‖_Y ≤ M_Φ M_v",
+    recorded=Kind.CORRECTED,
+    correction=Correction("(A4b) implies it", Effect.NOTATION, "nothing: (A4b) is among the assumptions"),
+)
+def _bounded_flow() -> Evidence:
     """The norm of x -> Phi(x, y)[1] in Y: for g = X/y, whose Omega is 0, and for g = X + sin(X)/2 - y."""
 
     def size(y: float) -> float:
@@ -77,7 +75,17 @@ def _bounded_flow(_: Tables) -> Evidence:
     )
 
 
-def _constants(_: Tables) -> Evidence:
+@claim(
+    "c5.lipschitz-constants",
+    "Lipschitz constants of integrals as functions of the flow.",
+    source="Lemma 5.13",
+    quote="Lipschitz continuous with constants Lip(ϕ)C_μ‖φ − ψ‖_Y and 2Lip(η)C_μ‖φ − ψ‖_Y",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "with constants Lip(ϕ)C_μ and 2Lip(η)C_μ", Effect.NOTATION, "nothing: the proof bounds the differences"
+    ),
+)
+def _constants() -> Evidence:
     """Lemma 5.13 for phi(a) = a and eta(a, b) = a + b, Lip = 1: maps that differ by h(1 + |x|), at distance h."""
     h, x, w = DISTANCE, LINE[ATOMS], SHARES
     moment = float(w @ (1 + np.abs(x)))
@@ -99,48 +107,19 @@ def _constants(_: Tables) -> Evidence:
     )
 
 
-def _difference(_: Tables) -> Evidence:
-    """The first line of the proof of Lemma 5.13, for random maps and one for which it is an equation."""
-    rng = np.random.default_rng(SEED)
-    moment, ratios = float(SHARES @ (1 + np.abs(LINE[ATOMS]))), []
-    for _sample in range(SAMPLES):
-        a, b, k = rng.normal(size=3)
-        apart = a * LINE + b * np.sin(k * LINE)
-        ratios.append(float(SHARES @ np.abs(apart[ATOMS])) / (moment * norm(apart)))
-    sharp = float(SHARES @ (1 + np.abs(LINE[ATOMS]))) / (moment * norm(1 + np.abs(LINE)))
-    return Evidence(
-        f"{SAMPLES} pairs of maps reach {max(ratios):.3f} of C_μ‖φ − ψ‖_Y; for φ − ψ = 1 + |x| it is {sharp:.3f}.",
-        printed=(
-            at_most("∫|φ − ψ| dμ over C_μ‖φ − ψ‖_Y", max(ratios), 1.0, TOL),
-            at_least("the same for φ − ψ = 1 + |x|", sharp, 1.0, TOL),
-        ),
-        seed=SEED,
-    )
-
-
-def _linear_growth(_: Tables) -> Evidence:
-    """The flow of a motion against |x| + M_Phi M_v t, which keeps it in Y."""
-    end = wavy_motion(LINE[ATOMS], SHARES)
-    speed = float(np.sqrt(1 + WAVY_M * (SHARES @ soft(LINE[ATOMS]) ** 2)))
-    flow = wavy_flow(LINE, float(end[0]))
-    beyond = float((np.abs(flow) - np.abs(LINE)).max())
-    bound = M_PHI * speed * T
-    return Evidence(
-        f"g = X + sin(X)/2 − y, no forces, t = {T:g}, √(2E) = {speed:.3f}: |Xᵗ(x)| − |x| is at most {beyond:.2f}, "
-        f"M_Φ M_v t = {bound:.2f}; ‖Xᵗ‖_Y = {norm(flow):.2f} is finite.",
-        printed=(
-            at_most("|Xᵗ(x)| − |x| over M_Φ M_v t", beyond / bound, 1.0),
-            at_most("‖Xᵗ‖_Y, bound 1 + M_Φ M_v t", norm(flow), 1 + bound),
-        ),
-    )
-
-
 def wavy_slope(x: Floats, way: float) -> Floats:
     """The slope of the flow in x, by differences."""
     return (wavy_flow(x + STEP, way) - wavy_flow(x - STEP, way)) / (2 * STEP)
 
 
-def _differentiable(_: Tables) -> Evidence:
+@claim(
+    "c5.differentiable-flow",
+    "The flow has a continuous slope in the initial position.",
+    source="Theorem 5.12",
+    quote="(y, X) ∈ C²([0, T], ℝⁿʸ) × C¹([0, T] × ℝⁿˣ, ℝⁿˣ)",
+    chosen="g = X + sin(X)/2 − y",
+)
+def _differentiable() -> Evidence:
     """The slope of the flow in x by the variational equation along y, and by differences of the flow; its jumps."""
     x, way, count = LINE, 1.1, LINE.size
 
@@ -162,55 +141,66 @@ def _differentiable(_: Tables) -> Evidence:
     )
 
 
-CLAIMS = (
-    Claim(
-        "c5.linear-growth",
-        "section 3.3",
-        "We pick the function space of continuous and at most linearly growing functions",
-        _linear_growth,
-        statement="The flow stays in the space Y in which its equation is solved.",
-        chosen="‖Xᵗ(x)‖ ≤ ‖x‖ + M_Φ M_v t, with M_v = √(2E)",
-    ),
-    Claim(
-        "c5.bounded-flow",
-        "section 3.3",
-        "(A5b) implies ‖Φ(φ(·), y)[v]‖_Y ≤ M_Φ M_v",
-        _bounded_flow,
-        statement="Which assumption makes the velocity field an element of Y.",
-        recorded=Kind.CORRECTED,
-        correction=Correction("(A4b) implies it", Effect.NOTATION, "nothing: (A4b) is among the assumptions"),
-    ),
-    Claim(
-        "c5.lipschitz-constants",
-        "Lemma 5.13",
-        "Lipschitz continuous with constants Lip(ϕ)C_μ‖φ − ψ‖_Y and 2Lip(η)C_μ‖φ − ψ‖_Y",
-        _constants,
-        statement="Lipschitz constants of integrals as functions of the flow.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "with constants Lip(ϕ)C_μ and 2Lip(η)C_μ", Effect.NOTATION, "nothing: the proof bounds the differences"
-        ),
-    ),
-    Claim(
-        "c5.differentiable-flow",
-        "Theorem 5.12",
-        "(y, X) ∈ C²([0, T], ℝⁿʸ) × C¹([0, T] × ℝⁿˣ, ℝⁿˣ)",
-        _differentiable,
-        statement="The flow has a continuous slope in the initial position.",
-        chosen="g = X + sin(X)/2 − y",
-    ),
-    Claim(
-        "c5.weighted-difference",
-        "proof of Lemma 5.13",
-        "∫‖φ(x) − ψ(x)‖ dμ(x) ≤ C_μ‖φ − ψ‖_Y",
-        _difference,
-        statement="The mean distance of two flows by their distance in Y.",
-    ),
-    Claim(
-        "c5.right-side",
-        "proof of Theorem 5.12",
-        "(φ, y, v) ↦ h(φ, y, v; μⁱⁿⁱᵗ) is Lipschitz continuous provided ‖v‖ ≤ M_v … depends on M_v and C_μ",
-        _right_side,
-        statement="The right side of the mean-field equations is Lipschitz continuous on Z at bounded speed.",
-    ),
+@claim(
+    "c5.weighted-difference",
+    "The mean distance of two flows by their distance in Y.",
+    source="proof of Lemma 5.13",
+    quote="∫‖φ(x) − ψ(x)‖ dμ(x) ≤ C_μ‖φ − ψ‖_Y",
 )
+def _difference() -> Evidence:
+    """The first line of the proof of Lemma 5.13, for random maps and one for which it is an equation."""
+    rng = np.random.default_rng(SEED)
+    moment, ratios = float(SHARES @ (1 + np.abs(LINE[ATOMS]))), []
+    for _sample in range(SAMPLES):
+        a, b, k = rng.normal(size=3)
+        apart = a * LINE + b * np.sin(k * LINE)
+        ratios.append(float(SHARES @ np.abs(apart[ATOMS])) / (moment * norm(apart)))
+    sharp = float(SHARES @ (1 + np.abs(LINE[ATOMS]))) / (moment * norm(1 + np.abs(LINE)))
+    return Evidence(
+        f"{SAMPLES} pairs of maps reach {max(ratios):.3f} of C_μ‖φ − ψ‖_Y; for φ − ψ = 1 + |x| it is {sharp:.3f}.",
+        printed=(
+            at_most("∫|φ − ψ| dμ over C_μ‖φ − ψ‖_Y", max(ratios), 1.0, TOL),
+            at_least("the same for φ − ψ = 1 + |x|", sharp, 1.0, TOL),
+        ),
+        seed=SEED,
+    )
+
+
+def norm(values: Floats) -> float:
+    """The norm of Y for a function given on LINE."""
+    return float((np.abs(values) / (1 + np.abs(LINE))).max())
+
+
+def right_side(flow: Floats, y: float, v: float) -> tuple[Floats, float, float]:
+    """h(phi, y, v) for the fibre of ``bounded``."""
+    at = State(flow[ATOMS], SHARES, y, v)
+    return soft(flow) * v, v, force(at) / mass(at)
+
+
+@claim(
+    "c5.right-side",
+    "The right side of the mean-field equations is Lipschitz continuous on Z at bounded speed.",
+    source="proof of Theorem 5.12",
+    quote="(φ, y, v) ↦ h(φ, y, v; μⁱⁿⁱᵗ) is Lipschitz continuous provided ‖v‖ ≤ M_v … depends on M_v and C_μ",
+)
+def _right_side() -> Evidence:
+    """|h(z) - h(z')|_Z over |z - z'|_Z for random z, z' with |v| <= SPEED, against a constant with M_v and C_mu."""
+    rng, c, largest = np.random.default_rng(SEED), constants(SPEED), 0.0
+    moment = float(SHARES @ (1 + np.abs(LINE[ATOMS])))
+    for apart in np.repeat([1e-3, 0.1, 2.0], SAMPLES // 3):
+        stretch, bend = rng.normal(size=(2, 2))
+        flow = stretch[0] * LINE + bend[0] * np.sin(3 * LINE)
+        other = flow + apart * (stretch[1] * LINE + bend[1] * np.cos(2 * LINE))
+        y, step = rng.normal(), apart * rng.normal()
+        v, w = SPEED * rng.uniform(-1, 1), SPEED * rng.uniform(-1, 1)
+        w = v + apart * (w - v) / 2
+        first, second = right_side(flow, y, v), right_side(other, y + step, w)
+        moved = norm(first[0] - second[0]) + abs(first[1] - second[1]) + abs(first[2] - second[2])
+        largest = max(largest, moved / (norm(flow - other) + abs(step) + abs(v - w)))
+    bound = c.l_phi * SPEED + c.m_phi + 1 + moment * (c.l_force + c.m_force * c.l_mass)
+    return Evidence(
+        f"{SAMPLES} pairs in Z with ‖v‖ ≤ {SPEED:g}, a measure with C_μ = {moment:.2f}: difference quotients of h "
+        f"reach {largest:.1f}, the constant from M_v and C_μ is {bound:.0f}.",
+        printed=(at_most("difference quotient of h over its constant", largest / bound, 1.0),),
+        seed=SEED,
+    )

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.bounded import State, force, mass
 from verification.thesis.chapter5.instant import Floats
@@ -34,7 +34,21 @@ def amplified(force: Callable[[float], float], y: float, v: float) -> float:
     return float(np.log(end[2] / APART))
 
 
-def _constants(_: Tables) -> Evidence:
+@claim(
+    "c5.stability-constants",
+    "The constants of the stability estimate are the same for all starts of one energy and moment.",
+    source="Theorem 5.16",
+    quote="for some constants L, C > 0 which do only depend on the initial total energy of both states and on … C_μ",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "for potentials that are bounded below; L then depends on the energy above their infimum. Otherwise C "
+        "and L depend on the largest speed up to the time t",
+        Effect.CONCLUSION,
+        "Theorem 5.16 and Corollary 5.19, as far as C and L are said to be independent of the start and of time",
+    ),
+    chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
+)
+def _constants() -> Evidence:
     """Starts of one energy and one first moment: in free fall, and in a potential sqrt(1 + y^2) - y >= 0."""
     falling = [amplified(lambda _: 1.0, v**2 / 2, v) for v in (1.0, 10.0)]
     energy = 2.0
@@ -68,7 +82,14 @@ def apart(one: Floats, other: Floats) -> float:
     return float(np.abs(one[:2] - other[:2]).sum() + np.abs(np.sort(one[2:]) - np.sort(other[2:])).mean())
 
 
-def _estimate(_: Tables) -> Evidence:
+@claim(
+    "c5.same-estimate",
+    "With nonlinear constraints the distance of solutions is at most a multiple of that of their starts.",
+    source="section 4",
+    quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
+    chosen="potentials that are bounded below, and starts at rest",
+)
+def _estimate() -> Evidence:
     """By how much the distance of two solutions grows up to t = 2, for starts at rest that are far and near."""
     rng, sizes, growth = np.random.default_rng(SEED), (1e-1, 1e-3, 1e-5), []
     starts = [(2 * rng.normal(size=ATOMS), rng.normal(size=ATOMS), rng.normal(size=2)) for _pair in range(PAIRS)]
@@ -88,7 +109,20 @@ def _estimate(_: Tables) -> Evidence:
     )
 
 
-def _future(_: Tables) -> Evidence:
+@claim(
+    "c5.future-interaction",
+    "Forces between particles are an extension that is still to be made.",
+    source="section 4",
+    quote="Second, … one could drop the full-rank condition and add interaction forces between the particles",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "one could drop the full-rank condition: interaction forces are in the model already, by (5.4)",
+        Effect.MODEL,
+        "nothing in the theorems, which have these forces; see c5.non-interacting and c5.no-pairs",
+    ),
+    chosen="the forces of (5.4), within the class of the chapter",
+)
+def _future() -> Evidence:
     """F_eff of (5.41b) for spread points, against its mean for each point alone, on which no other pulls."""
     X = np.linspace(-1.0, 2.5, 8)
     w, v = np.full(X.size, 1 / X.size), 0.5
@@ -102,44 +136,3 @@ def _future(_: Tables) -> Evidence:
         printed=(at_most("part of F_eff by forces between particles", part, 0.0, RUN_TOL),),
         corrected=(at_least("part of F_eff by forces between particles", part, FELT),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.stability-constants",
-        "Theorem 5.16",
-        "for some constants L, C > 0 which do only depend on the initial total energy of both states and on … C_μ",
-        _constants,
-        statement="The constants of the stability estimate are the same for all starts of one energy and moment.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "for potentials that are bounded below; L then depends on the energy above their infimum. Otherwise C "
-            "and L depend on the largest speed up to the time t",
-            Effect.CONCLUSION,
-            "Theorem 5.16 and Corollary 5.19, as far as C and L are said to be independent of the start and of time",
-        ),
-        chosen="two point masses, g = sinh(X)e⁻ʸ, W₀ = −y, no other forces",
-    ),
-    Claim(
-        "c5.same-estimate",
-        "section 4",
-        "the same stability estimate as in the linear case also holds for nonlinear constraints",
-        _estimate,
-        statement="With nonlinear constraints the distance of solutions is at most a multiple of that of their starts.",
-        chosen="potentials that are bounded below, and starts at rest",
-    ),
-    Claim(
-        "c5.future-interaction",
-        "section 4",
-        "Second, … one could drop the full-rank condition and add interaction forces between the particles",
-        _future,
-        statement="Forces between particles are an extension that is still to be made.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "one could drop the full-rank condition: interaction forces are in the model already, by (5.4)",
-            Effect.MODEL,
-            "nothing in the theorems, which have these forces; see c5.non-interacting and c5.no-pairs",
-        ),
-        chosen="the forces of (5.4), within the class of the chapter",
-    ),
-)

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from meanfield import Motion, solve_characteristics, solve_dae, solve_ode
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter5.cases import CASES, FIBRE, few, law, model, state
 from verification.thesis.chapter5.instant import Floats
@@ -20,7 +20,14 @@ WRONG = 1e-2
 PARTICLES = 5
 
 
-def _same_motion(_: Tables) -> Evidence:
+@claim(
+    "c5.same-motion",
+    "Constrained and reduced equations have the same motions, and the multipliers can be recovered.",
+    source="before Proposition 5.1",
+    quote="Every solution of the DAE model (5.6a) to (5.6c) also solves the ODE model (5.11a) and (5.11b)",
+    chosen="multipliers by (A.12), see the correction of (A.14)",
+)
+def _same_motion() -> Evidence:
     """The constrained equations by IDAS, with multipliers as unknowns, and the reduced ones by DOP853."""
     motions, multipliers, moved = [], [], 0.0
     for name in ("interacting", "element"):
@@ -55,7 +62,14 @@ def energy(motion: Motion) -> Floats:
     return np.asarray(v**2 / 2 + FIBRE["k0"] / 2 * (y - FIBRE["y_rest"]) ** 2 + each + pairs)
 
 
-def _energy(_: Tables) -> Evidence:
+@claim(
+    "c5.energy-in-time",
+    "The energy is the same at all times of a motion.",
+    source="Lemma 5.5",
+    quote="the total energy … is a conserved quantity",
+    chosen="an even 𝒱",
+)
+def _energy() -> Evidence:
     """The energy along a motion of the reduced equations."""
     motion = solve_ode(model("interacting"), few("interacting", PARTICLES), TIMES, ODE_TOLERANCE)
     drift, speed = float(np.ptp(energy(motion))), float(np.ptp(motion.v**2 / 2))
@@ -69,7 +83,17 @@ def _energy(_: Tables) -> Evidence:
     )
 
 
-def _limit(_: Tables) -> Evidence:
+@claim(
+    "c5.limit-in-time",
+    "More and more particles that stand for a density move y as the mean-field equations do.",
+    source="section 3.4",
+    quote=(
+        "for N → ∞ the behaviour of the ODE model (5.11a) and (5.11b) is well-approximated by the mean-field "
+        "characteristic flow"
+    ),
+    chosen="quantiles of a bump, an even 𝒱",
+)
+def _limit() -> Evidence:
     """8 and 32 particles that stand for a density, against the flow equations for this density."""
     name, case = "interacting", CASES["interacting"]
     flow = solve_characteristics(model(name), law(name), case.y0, case.v0, TIMES, DAE_TOLERANCE)
@@ -85,32 +109,3 @@ def _limit(_: Tables) -> Evidence:
             at_most("error of 32 particles over that of 8", off[1] / off[0], 0.4),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.same-motion",
-        "before Proposition 5.1",
-        "Every solution of the DAE model (5.6a) to (5.6c) also solves the ODE model (5.11a) and (5.11b)",
-        _same_motion,
-        statement="Constrained and reduced equations have the same motions, and the multipliers can be recovered.",
-        chosen="multipliers by (A.12), see the correction of (A.14)",
-    ),
-    Claim(
-        "c5.energy-in-time",
-        "Lemma 5.5",
-        "the total energy … is a conserved quantity",
-        _energy,
-        statement="The energy is the same at all times of a motion.",
-        chosen="an even 𝒱",
-    ),
-    Claim(
-        "c5.limit-in-time",
-        "section 3.4",
-        "for N → ∞ the behaviour of the ODE model (5.11a) and (5.11b) is well-approximated by the mean-field "
-        "characteristic flow",
-        _limit,
-        statement="More and more particles that stand for a density move y as the mean-field equations do.",
-        chosen="quantiles of a bump, an even 𝒱",
-    ),
-)

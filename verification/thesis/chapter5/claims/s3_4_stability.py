@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import linear_sum_assignment, linprog
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter5.bounded import root
 from verification.thesis.chapter5.instant import Floats
@@ -42,7 +42,14 @@ def best_function() -> tuple[Floats, float]:
     return found.x, -float(found.fun)
 
 
-def _dual(_: Tables) -> Evidence:
+@claim(
+    "c5.dual",
+    "The distance of two measures is the largest difference of the means of a function.",
+    source="(5.59)",
+    quote="W₁(ν, μ) = sup |∫ϕ dν − ∫ϕ dμ| over ϕ ∈ C(ℝⁿˣ, ℝⁿˣ), Lip(ϕ) ≤ 1",
+    chosen="a norm for |·|, as ϕ has values in ℝⁿˣ",
+)
+def _dual() -> Evidence:
     """Two sets of points: transport, the dual with scalar functions, and maps into the plane made from these."""
     both, transport, (best, scalar) = np.concatenate(points()), transported(), best_function()
     turns = np.random.default_rng(SEED).uniform(0, 2 * np.pi, SAMPLES)
@@ -69,7 +76,13 @@ def hats(rng: np.random.Generator, x: Floats) -> Floats:
     return np.asarray(heights.max(axis=1))
 
 
-def _integrals(_: Tables) -> Evidence:
+@claim(
+    "c5.integrals",
+    "Means of a function differ by no more than its Lipschitz constant times the distance.",
+    source="Lemma 5.15",
+    quote="|∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) W₁(μ₁, μ₂)",
+)
+def _integrals() -> Evidence:
     """Lemma 5.15 for random functions with a Lipschitz constant of at most 1, and for the best one."""
     rng, both, transport = np.random.default_rng(SEED), np.concatenate(points()), transported()
     found = [hats(rng, both) for _sample in range(SAMPLES)]
@@ -86,7 +99,14 @@ def _integrals(_: Tables) -> Evidence:
     )
 
 
-def _fundamental(_: Tables) -> Evidence:
+@claim(
+    "c5.fundamental",
+    "How far solutions of two equations move apart.",
+    source="Lemma 5.17",
+    quote="‖z₁(t) − z₂(t)‖ ≤ ϱ e^{Lt} + ε/L (e^{Lt} − 1)",
+    chosen="z ∈ A in the conditions (2) and (3)",
+)
+def _fundamental() -> Evidence:
     """z_1' = L z_1, z_2' = L z_2 - eps, for which it is an equation; and z' = L sin z, shifted by a field below eps."""
     L, eps, rho, t = 1.3, 0.2, 0.1, 1.5
     bound = rho * np.exp(L * t) + eps / L * (np.exp(L * t) - 1)
@@ -102,7 +122,20 @@ def _fundamental(_: Tables) -> Evidence:
     )
 
 
-def _push_forward(_: Tables) -> Evidence:
+@claim(
+    "c5.push-forward",
+    "How much the right side changes with the initial measure.",
+    source="proof of Theorem 5.16",
+    quote="‖h(…; μ₁) − h(…; μ₂)‖ = ‖(m_eff(μ₁, y))⁻¹F_eff(μ₁, y, v) − …‖ … L_μ depends only on M_v and C_μ",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "h contains m_eff(φ#μ, y) and F_eff(φ#μ, y, v); the bound has the factor Lip(φ), which is at most "
+        "exp(L_Φ M_v t) for flows",
+        Effect.PROOF,
+        "Theorem 5.16 stands with larger C and L",
+    ),
+)
+def _push_forward() -> Evidence:
     """m_eff of phi # mu for two point masses and phi(x) = k x: how it changes with the distance."""
     k, apart = 100.0, np.pi / 100
     change = float(M * (soft(np.array(k * apart)) ** 2 - soft(np.zeros(())) ** 2))
@@ -121,7 +154,14 @@ def linear_path(v: float, atom: float) -> Floats:
     return runge_kutta(lambda z: np.array([z[1], -root(atom + z[0]) / (1 + M)]), np.array([0.0, v]), 1.0)
 
 
-def _flow_estimate(_: Tables) -> Evidence:
+@claim(
+    "c5.flow-estimate",
+    "How far two solutions and their flows move apart.",
+    source="(5.64)",
+    quote="‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ + ‖X₁ᵗ − X₂ᵗ‖_X ≤ ϱ e^{tL_{f1}} + L_μ W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)/Lip(h₁) (e^{tLip(h₁)} − 1)",
+    chosen="L_{f1}, which is not defined, is read as Lip(h₁), as in (5.62); the norm of the flows is that of Y",
+)
+def _flow_estimate() -> Evidence:
     """(5.64) for two point masses: the flows x + y(t) are |y1 - y2| apart in Y, h1 = (v, v, F/(1 + m)) has Lip 2."""
     rho, apart, lip = 0.02, 0.05, 2.0
     off = np.abs(linear_path(0.5, 0.0) - linear_path(0.5 - rho, apart))
@@ -139,7 +179,19 @@ def _flow_estimate(_: Tables) -> Evidence:
     )
 
 
-def _stability_step(_: Tables) -> Evidence:
+@claim(
+    "c5.stability-step",
+    "The distance of the measures by that of the flows and that at the start.",
+    source="(5.65)",
+    quote="W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖ + Lip(X₂ᵗ) W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
+        Effect.PROOF,
+        "Theorem 5.16 stands with larger C and L, since Lip(X₂ᵗ) ≤ exp(L_Φ M_v t); it is 1 if all are shifted",
+    ),
+)
+def _stability_step() -> Evidence:
     """(5.65) for two point masses in the field of g = X + sin(X)/2 - y, light enough that y is nearly the same."""
     apart = 0.1
     atoms = np.array([0.0, apart])
@@ -155,65 +207,3 @@ def _stability_step(_: Tables) -> Evidence:
         printed=(at_most("W₁(μ₁ᵗ, μ₂ᵗ), bound C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁", far, flows + apart),),
         corrected=(at_most("W₁(μ₁ᵗ, μ₂ᵗ), bound C_μ‖X₁ᵗ − X₂ᵗ‖ + Lip(X₂ᵗ) W₁", far, flows + stretch * apart),),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.dual",
-        "(5.59)",
-        "W₁(ν, μ) = sup |∫ϕ dν − ∫ϕ dμ| over ϕ ∈ C(ℝⁿˣ, ℝⁿˣ), Lip(ϕ) ≤ 1",
-        _dual,
-        statement="The distance of two measures is the largest difference of the means of a function.",
-        chosen="a norm for |·|, as ϕ has values in ℝⁿˣ",
-    ),
-    Claim(
-        "c5.integrals",
-        "Lemma 5.15",
-        "|∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) W₁(μ₁, μ₂)",
-        _integrals,
-        statement="Means of a function differ by no more than its Lipschitz constant times the distance.",
-    ),
-    Claim(
-        "c5.fundamental",
-        "Lemma 5.17",
-        "‖z₁(t) − z₂(t)‖ ≤ ϱ e^{Lt} + ε/L (e^{Lt} − 1)",
-        _fundamental,
-        statement="How far solutions of two equations move apart.",
-        chosen="z ∈ A in the conditions (2) and (3)",
-    ),
-    Claim(
-        "c5.push-forward",
-        "proof of Theorem 5.16",
-        "‖h(…; μ₁) − h(…; μ₂)‖ = ‖(m_eff(μ₁, y))⁻¹F_eff(μ₁, y, v) − …‖ … L_μ depends only on M_v and C_μ",
-        _push_forward,
-        statement="How much the right side changes with the initial measure.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "h contains m_eff(φ#μ, y) and F_eff(φ#μ, y, v); the bound has the factor Lip(φ), which is at most "
-            "exp(L_Φ M_v t) for flows",
-            Effect.PROOF,
-            "Theorem 5.16 stands with larger C and L",
-        ),
-    ),
-    Claim(
-        "c5.flow-estimate",
-        "(5.64)",
-        "‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ + ‖X₁ᵗ − X₂ᵗ‖_X ≤ ϱ e^{tL_{f1}} + L_μ W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)/Lip(h₁) (e^{tLip(h₁)} − 1)",
-        _flow_estimate,
-        statement="How far two solutions and their flows move apart.",
-        chosen="L_{f1}, which is not defined, is read as Lip(h₁), as in (5.62); the norm of the flows is that of Y",
-    ),
-    Claim(
-        "c5.stability-step",
-        "(5.65)",
-        "W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
-        _stability_step,
-        statement="The distance of the measures by that of the flows and that at the start.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "W₁(μ₁ᵗ, μ₂ᵗ) ≤ C_μ‖X₁ᵗ − X₂ᵗ‖ + Lip(X₂ᵗ) W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)",
-            Effect.PROOF,
-            "Theorem 5.16 stands with larger C and L, since Lip(X₂ᵗ) ≤ exp(L_Φ M_v t); it is 1 if all are shifted",
-        ),
-    ),
-)

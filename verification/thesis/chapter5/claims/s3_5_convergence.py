@@ -8,7 +8,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, Interval, at_least, at_most, equal
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.wavy import wavy_motion
@@ -20,29 +20,13 @@ DRAWS, TWO_SIDED = 40, NormalDist().inv_cdf(0.975)
 SHIFT = 0.8
 
 
-def carried(x: Floats, way: float) -> Floats:
-    """Where particles go with a linear constraint."""
-    return x + way
-
-
-def _linear_step(_: Tables) -> Evidence:
-    """Two sets of points that are shifted by different ways: (5.65) with Lip = 1."""
-    rng, worst = np.random.default_rng(SEED), 0.0
-    for _sample in range(SAMPLES):
-        first, second = np.sort(rng.normal(size=(2, 8)) * rng.uniform(0.1, 2.0, (2, 1)), axis=1)
-        ways = SHIFT * rng.normal(size=2)
-        later = np.abs(carried(first, ways[0]) - carried(second, ways[1])).mean()
-        moment = max(1 + np.abs(first).mean(), 1 + np.abs(second).mean())
-        worst = max(worst, later / (moment * abs(ways[0] - ways[1]) + np.abs(first - second).mean()))
-    return Evidence(
-        f"{SAMPLES} pairs of measures on a line that are only shifted: W₁(μ₁ᵗ, μ₂ᵗ) reaches {worst:.3f} of "
-        "C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ), so there (5.65) holds as printed.",
-        printed=(at_most("W₁(μ₁ᵗ, μ₂ᵗ) over the bound (5.65)", worst, 1.0, TOL),),
-        seed=SEED,
-    )
-
-
-def _shifted(_: Tables) -> Evidence:
+@claim(
+    "c5.shifted",
+    "With linear constraints the measure is only shifted.",
+    source="Remark 5.18",
+    quote="there is a vector w(t) such that μⁱⁿⁱᵗ(A) = μᵗ(A − w(t))",
+)
+def _shifted() -> Evidence:
     """Particles that follow y by a shift: how many are in A = [0, 1] at first, in A - w later, w minus the shift."""
     x = np.random.default_rng(SEED).normal(size=SAMPLES)
     later = carried(x, SHIFT)
@@ -62,6 +46,36 @@ def _shifted(_: Tables) -> Evidence:
     )
 
 
+def carried(x: Floats, way: float) -> Floats:
+    """Where particles go with a linear constraint."""
+    return x + way
+
+
+@claim(
+    "c5.linear-step",
+    "For measures that are shifted the last step of the proof needs nothing else.",
+    source="Remark 5.18",
+    quote=(
+        "in the linear case the third step in the proof is easier, since the particle distribution will only be shifted"
+    ),
+)
+def _linear_step() -> Evidence:
+    """Two sets of points that are shifted by different ways: (5.65) with Lip = 1."""
+    rng, worst = np.random.default_rng(SEED), 0.0
+    for _sample in range(SAMPLES):
+        first, second = np.sort(rng.normal(size=(2, 8)) * rng.uniform(0.1, 2.0, (2, 1)), axis=1)
+        ways = SHIFT * rng.normal(size=2)
+        later = np.abs(carried(first, ways[0]) - carried(second, ways[1])).mean()
+        moment = max(1 + np.abs(first).mean(), 1 + np.abs(second).mean())
+        worst = max(worst, later / (moment * abs(ways[0] - ways[1]) + np.abs(first - second).mean()))
+    return Evidence(
+        f"{SAMPLES} pairs of measures on a line that are only shifted: W₁(μ₁ᵗ, μ₂ᵗ) reaches {worst:.3f} of "
+        "C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ), so there (5.65) holds as printed.",
+        printed=(at_most("W₁(μ₁ᵗ, μ₂ᵗ) over the bound (5.65)", worst, 1.0, TOL),),
+        seed=SEED,
+    )
+
+
 def quantiles(count: int) -> Floats:
     """Points of equal weight that stand for the normal distribution."""
     return np.array([NormalDist().inv_cdf((k + 0.5) / count) for k in range(count)])
@@ -75,7 +89,14 @@ def distance(one: Floats, fine: Floats) -> float:
     return float(np.abs(np.repeat(np.sort(one), fine.size // one.size) - np.sort(fine)).mean())
 
 
-def _rate(_: Tables) -> Evidence:
+@claim(
+    "c5.convergence",
+    "Particles converge to the mean-field limit, at the rate of their distance at the start.",
+    source="Corollary 5.19",
+    quote="‖y − y_k‖ + ‖ẏ − ẏ_k‖ + W₁(μᵗ, μ_kᵗ) ≤ C e^{Lt} W₁(μⁱⁿⁱᵗ, μ_k^emp) → 0",
+    chosen="g = X + sin(X)/2 − y, a normal distribution by its quantiles, t = 3",
+)
+def _rate() -> Evidence:
     """More and more particles for a normal distribution, against 2048, on g = X + sin(X)/2 - y at t = 3."""
     exact = wavy_motion(FINE, np.full(FINE.size, 1 / FINE.size))
     starts, ends = [], []
@@ -102,7 +123,14 @@ def draws() -> Floats:
     return np.array([[distance(rng.normal(size=n), FINE) for _draw in range(DRAWS)] for n in (64, 1024)])
 
 
-def _samples(_: Tables) -> Evidence:
+@claim(
+    "c5.samples",
+    "Random positions come close to the distribution that they are drawn from.",
+    source="section 3.5",
+    quote="the existence of suitable initial conditions such that (5.66) holds is shown in",
+    chosen="a normal distribution on a line",
+)
+def _samples() -> Evidence:
     """Random initial positions: the logarithm of the ratio of the mean distances, with its interval."""
     found = draws()
     means, spreads = found.mean(axis=1), found.std(axis=1, ddof=1)
@@ -120,38 +148,3 @@ def _samples(_: Tables) -> Evidence:
         seed=SEED,
         runs_needed=needed,
     )
-
-
-CLAIMS = (
-    Claim(
-        "c5.shifted",
-        "Remark 5.18",
-        "there is a vector w(t) such that μⁱⁿⁱᵗ(A) = μᵗ(A − w(t))",
-        _shifted,
-        statement="With linear constraints the measure is only shifted.",
-    ),
-    Claim(
-        "c5.linear-step",
-        "Remark 5.18",
-        "in the linear case the third step in the proof is easier, since the particle distribution will only be "
-        "shifted",
-        _linear_step,
-        statement="For measures that are shifted the last step of the proof needs nothing else.",
-    ),
-    Claim(
-        "c5.convergence",
-        "Corollary 5.19",
-        "‖y − y_k‖ + ‖ẏ − ẏ_k‖ + W₁(μᵗ, μ_kᵗ) ≤ C e^{Lt} W₁(μⁱⁿⁱᵗ, μ_k^emp) → 0",
-        _rate,
-        statement="Particles converge to the mean-field limit, at the rate of their distance at the start.",
-        chosen="g = X + sin(X)/2 − y, a normal distribution by its quantiles, t = 3",
-    ),
-    Claim(
-        "c5.samples",
-        "section 3.5",
-        "the existence of suitable initial conditions such that (5.66) holds is shown in",
-        _samples,
-        statement="Random positions come close to the distribution that they are drawn from.",
-        chosen="a normal distribution on a line",
-    ),
-)

@@ -7,7 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claim import Claim, Correction, Effect, Tables
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter5.claims.s2_3_examples import PLANE, deformation
 from verification.thesis.chapter5.instant import Floats
@@ -21,39 +21,19 @@ LINE, YDOT = np.linspace(-10.0, 10.0, 401), 0.6
 BELL = np.exp(-((LINE - 0.3) ** 2) / 2) / np.sqrt(2 * np.pi)
 
 
-def _rate_of(weight: Callable[[Floats], Floats]) -> float:
-    """d/dt int w f dx = int w df/dt dx by (5.42b), f = BELL, g = X + sin(X)/2 - y."""
-    U, slope = soft(LINE) * YDOT, np.sin(LINE) / 2 * soft(LINE) ** 2 * YDOT
-    rate = -(slope * BELL - U * (LINE - 0.3) * BELL)
-    return float((weight(LINE) * rate).sum() * (LINE[1] - LINE[0]))
-
-
-def _mass(_: Tables) -> Evidence:
-    rate, moving = abs(_rate_of(np.ones_like)), abs(_rate_of(lambda x: x))
-    return Evidence(
-        f"∫∂_t f dx = {rate:.0e} for g = X + sin(X)/2 − y, while ∫x ∂_t f dx = {moving:.2f}.",
-        printed=(at_most("|dm/dt|", rate, 0.0, TOL), at_least("|dρ/dt|", moving, WRONG)),
-    )
-
-
-def _first_moment(_: Tables) -> Evidence:
-    """int x df/dt dx against int Phi y' f dx, for g = X + sin(X)/2 - y."""
-    found = _rate_of(lambda x: x)
-    right = float((soft(LINE) * YDOT * BELL).sum() * (LINE[1] - LINE[0]))
-    return Evidence(
-        f"The right side is left blank, while ρ changes at a rate of {found:.4f}. By (5.42b) it is ∫Φ(x, y)[ẏ] f dx = "
-        f"{right:.4f}, to {abs(found - right):.0e}.",
-        printed=(at_most("|dρ/dt|, the right side taken as 0", abs(found), 0.0, TOL),),
-        corrected=(at_most("|dρ/dt − ∫Φ(x, y)[ẏ] f dx|", abs(found - right), 0.0, TOL),),
-    )
-
-
 def moment_rates(A: Floats, rho: Floats, sigma: Floats) -> tuple[Floats, Floats]:
     """What inserting a density into (5.35) gives for its first and second moments."""
     return A @ rho, A @ sigma + sigma @ A.T
 
 
-def _closed(_: Tables) -> Evidence:
+@claim(
+    "c5.closure",
+    "The transport equation gives equations for the moments of the density.",
+    source="Remark 5.20",
+    quote="find equations for the first moments by inserting this ansatz into the (5.42a) and (5.42b)",
+    chosen="Example 5.4 with y(t) given, where the equations close without an assumption on the density",
+)
+def _closed() -> Evidence:
     """Moments of a measure in a sheared element, integrated alone, and those of the points that are carried along."""
     y, v = PLANE
     X = np.random.default_rng(520).normal(size=(50, 2)) @ np.array([[1.0, 0.3], [0.0, 0.6]]) + np.array([0.4, -0.2])
@@ -81,34 +61,47 @@ def _closed(_: Tables) -> Evidence:
     )
 
 
-CLAIMS = (
-    Claim(
-        "c5.closure",
-        "Remark 5.20",
-        "find equations for the first moments by inserting this ansatz into the (5.42a) and (5.42b)",
-        _closed,
-        statement="The transport equation gives equations for the moments of the density.",
-        chosen="Example 5.4 with y(t) given, where the equations close without an assumption on the density",
-    ),
-    Claim(
-        "c5.mass",
-        "(5.68)",
-        "ṁ(t) = 0, conservation of mass",
-        _mass,
-        statement="The transport equation keeps the number of particles.",
-        chosen="m is that of (5.67), not the mass of a particle",
-    ),
-    Claim(
-        "c5.first-moment",
-        "(5.69)",
-        "ρ̇(t) =",
-        _first_moment,
-        statement="The rate of the first moment of the density.",
-        recorded=Kind.CORRECTED,
-        correction=Correction(
-            "ρ̇(t) = ∫Φ(x, y)[ẏ] f(x, t) dx",
-            Effect.NOTATION,
-            "the method of moments, which the remark sets out; the equation for σ is left out too",
-        ),
+def _rate_of(weight: Callable[[Floats], Floats]) -> float:
+    """d/dt int w f dx = int w df/dt dx by (5.42b), f = BELL, g = X + sin(X)/2 - y."""
+    U, slope = soft(LINE) * YDOT, np.sin(LINE) / 2 * soft(LINE) ** 2 * YDOT
+    rate = -(slope * BELL - U * (LINE - 0.3) * BELL)
+    return float((weight(LINE) * rate).sum() * (LINE[1] - LINE[0]))
+
+
+@claim(
+    "c5.mass",
+    "The transport equation keeps the number of particles.",
+    source="(5.68)",
+    quote="ṁ(t) = 0, conservation of mass",
+    chosen="m is that of (5.67), not the mass of a particle",
+)
+def _mass() -> Evidence:
+    rate, moving = abs(_rate_of(np.ones_like)), abs(_rate_of(lambda x: x))
+    return Evidence(
+        f"∫∂_t f dx = {rate:.0e} for g = X + sin(X)/2 − y, while ∫x ∂_t f dx = {moving:.2f}.",
+        printed=(at_most("|dm/dt|", rate, 0.0, TOL), at_least("|dρ/dt|", moving, WRONG)),
+    )
+
+
+@claim(
+    "c5.first-moment",
+    "The rate of the first moment of the density.",
+    source="(5.69)",
+    quote="ρ̇(t) =",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "ρ̇(t) = ∫Φ(x, y)[ẏ] f(x, t) dx",
+        Effect.NOTATION,
+        "the method of moments, which the remark sets out; the equation for σ is left out too",
     ),
 )
+def _first_moment() -> Evidence:
+    """int x df/dt dx against int Phi y' f dx, for g = X + sin(X)/2 - y."""
+    found = _rate_of(lambda x: x)
+    right = float((soft(LINE) * YDOT * BELL).sum() * (LINE[1] - LINE[0]))
+    return Evidence(
+        f"The right side is left blank, while ρ changes at a rate of {found:.4f}. By (5.42b) it is ∫Φ(x, y)[ẏ] f dx = "
+        f"{right:.4f}, to {abs(found - right):.0e}.",
+        printed=(at_most("|dρ/dt|, the right side taken as 0", abs(found), 0.0, TOL),),
+        corrected=(at_most("|dρ/dt − ∫Φ(x, y)[ẏ] f dx|", abs(found - right), 0.0, TOL),),
+    )

@@ -1,16 +1,18 @@
 """Speed against accuracy."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 
+from verification.page.prose import fill
 from verification.page.report import Context, Grid, Picture, Section, Text, number
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import cost, figures
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.methods import LABELS
-from verification.thesis.chapter5.sections.words import form, listed, named
+from verification.thesis.chapter5.sections.words import PROSE, form, named
 
 TARGETS = (1e-3, 1e-6, 1e-9)
 TIMES = {"model": "Model", "method": "Method"} | {f"{target:g}": f"s to {number(target)}" for target in TARGETS}
@@ -46,20 +48,38 @@ def _run(context: Context) -> None:
 def _section(context: Context) -> Section:
     table, times, sides = (context.tables[f"meanfield_{name}"] for name in ("cost", "cost_times", "side"))
     picture = context.draw("meanfield_cost", figures.cost, table)
+    said = fill(PROSE / "cost.html", **_values(times, sides))
     return Section(
         "Speed against accuracy: particles, characteristics, PDE, moments",
         [
-            Text(_words(times)),
-            Text(_sides(sides)),
-            Picture(picture, "Error of y at the end against seconds and unknowns, from coarse settings to fine ones."),
-            Grid(named(times, TIMES), "Seconds to an error (—: not reached in time).", "meanfield_cost_times"),
-            Grid(named(sides, SIDES), "One right-hand side of the ODE.", "meanfield_side"),
-            Grid(named(table, RUNS), "All runs.", form("meanfield_cost", context.full), folded=True),
+            Text(said["cheapest"]),
+            Text(said["sides"]),
+            Picture(picture, said["picture"]),
+            Grid(named(times, TIMES), said["times"], "meanfield_cost_times"),
+            Grid(named(sides, SIDES), said["side"], "meanfield_side"),
+            Grid(named(table, RUNS), said["runs"], form("meanfield_cost", context.full), folded=True),
         ],
     )
 
 
-def _words(times: pd.DataFrame) -> str:
+def _values(times: pd.DataFrame, sides: pd.DataFrame) -> dict[str, Any]:
+    paired = list(sides[sides["pairs"].notna()].itertuples())
+    return {
+        "end": cost.T[-1],
+        "cheapest": _cheapest(times),
+        "enough": cost.ENOUGH,
+        "full_enough": cost.FULL_ENOUGH,
+        "repeats": cost.REPEATS,
+        "largest": sides["N"].max(),
+        "passes": [f"{TITLES[row.model]} {number(row.reading)}" for row in sides.itertuples()],
+        "paired": cost.PAIRED,
+        "pairs": [f"{number(row.pairs)} times as long" for row in paired],
+        "differs": [number(row.pairs_off) for row in paired],
+    }
+
+
+def _cheapest(times: pd.DataFrame) -> list[str]:
+    """For each model and error, where one was reached."""
     told = []
     for name, mine in times.groupby("model", sort=False):
         for target in TARGETS:
@@ -68,25 +88,7 @@ def _words(times: pd.DataFrame) -> str:
                 first = reached.iloc[0]
                 seconds = number(first[f"{target:g}"])
                 told.append(f"{TITLES[str(name)]} to {number(target)}: {LABELS[first['method']]}, {seconds} s")
-    enough = f"{cost.ENOUGH:g} s ({cost.FULL_ENOUGH:g} s in the complete form)"
-    return (
-        f"The question is y at t = {cost.T[-1]:g} for a smooth density. Cheapest: {listed(told)}. Particles at "
-        "quantiles carry an error of about N^(−1.2) whatever solves them, so that tolerances are tied to N; "
-        "characteristics put the same particles at Gauss points, and converge as fast as their tolerance; moments, "
-        f"where they close, need four unknowns. From coarse to fine until a run takes {enough}; the best of "
-        f"{cost.REPEATS}, compiling apart."
-    )
-
-
-def _sides(sides: pd.DataFrame) -> str:
-    told = listed([f"{TITLES[row.model]} {number(row.reading)}" for row in sides.itertuples()])
-    paired = sides[sides["pairs"].notna()]
-    pairs = listed([f"{number(row.pairs)} times as long" for row in paired.itertuples()])
-    return (
-        f"One right-hand side with N = {sides['N'].max()} takes, in passes over the array: {told}. The sum over all "
-        f"pairs of {cost.PAIRED} particles by NumPy takes {pairs} as the interpolation of the interaction, from which "
-        f"it differs by {listed([number(row.pairs_off) for row in paired.itertuples()])}."
-    )
+    return told
 
 
 PART = Part(_run, _section)

@@ -7,11 +7,12 @@ from typing import Any
 
 import pandas as pd
 
+from verification.page.prose import fill
 from verification.page.report import Context, Grid, Picture, Section, Text, number
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import energy, figures
 from verification.thesis.chapter5.methods import LABELS, METHODS
-from verification.thesis.chapter5.sections.words import listed, named
+from verification.thesis.chapter5.sections.words import PROSE, named
 
 SLOPES = {"method": "Method", "model": "Model", "slope": "Power of the setting [95 %]", "least": "Least change of E"}
 TRENDS = {
@@ -38,15 +39,16 @@ def _run(context: Context) -> None:
 def _section(context: Context) -> Section:
     slopes, trends = (context.tables[f"meanfield_energy_{name}"] for name in ("slopes", "trends"))
     picture = context.draw("meanfield_energy", figures.energy, context.tables["meanfield_energy_long"], energy.PERIOD)
+    said = fill(PROSE / "energy.html", **_values(trends))
     return Section(
         "Energy (5.37), (5.50)",
         [
-            Text(_words(trends)),
-            Picture(picture, "WavyFibre with five particles."),
-            Grid(named(trends, TRENDS), "A line through E − E(0), with 95 % intervals.", "meanfield_energy_trends"),
+            Text(said["trends"]),
+            Picture(picture, said["picture"]),
+            Grid(named(trends, TRENDS), said["line"], "meanfield_energy_trends"),
             Grid(
                 named(slopes, SLOPES),
-                "Change of energy against tol, dt or the width of a cell.",
+                said["slopes"],
                 "meanfield_energy_slopes",
                 folded=True,
             ),
@@ -54,16 +56,11 @@ def _section(context: Context) -> Section:
     )
 
 
-def _words(trends: pd.DataFrame) -> str:
-    told = {
-        word: listed([_one(row) for row in trends[trends["drifts"] == drifts].itertuples()])
-        for word, drifts in (("drift", True), ("hold", False))
-    }
-    return (
-        f"Over {trends['periods'].max():.0f} periods the energy changes per period (95 % interval of a line) by: "
-        f"{told['drift']}. No trend is shown by: {told['hold']}. RATTLE swings about the energy with a size that falls "
-        "with the order of the step and does not add up; solvers with a tolerance lose or gain some in each period."
+def _values(trends: pd.DataFrame) -> dict[str, Any]:
+    drifting, holding = (
+        [_one(row) for row in trends[trends["drifts"] == drifts].itertuples()] for drifts in (True, False)
     )
+    return {"periods": trends["periods"].max(), "drifting": drifting, "holding": holding}
 
 
 def _one(row: Any) -> str:

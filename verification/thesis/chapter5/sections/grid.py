@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, grid_order
 from verification.thesis.chapter5.cases import TITLES
-from verification.thesis.chapter5.sections.words import form, listed, named
+from verification.thesis.chapter5.sections.words import PROSE, form, named
 
 ORDERS = {
     "model": "Model",
@@ -41,28 +44,28 @@ def _run(context: Context) -> None:
 def _section(context: Context) -> Section:
     table, orders = context.tables["meanfield_grid"], context.tables["meanfield_grid_orders"]
     picture = context.draw("meanfield_grid", figures.grid, table)
+    said = fill(PROSE / "grid.html", **_values(orders))
     return Section(
         "The PDE (5.42) against characteristics",
         [
-            Text(_words(orders)),
-            Picture(picture, "Errors at the end against the width of a cell; the uniform density has jumps."),
-            Grid(named(orders, ORDERS), "Orders with 95 % intervals.", "meanfield_grid_orders"),
-            Grid(named(table, RUNS), "All grids.", form("meanfield_grid", context.full), folded=True),
+            Text(said["orders"]),
+            Picture(picture, said["picture"]),
+            Grid(named(orders, ORDERS), said["table"], "meanfield_grid_orders"),
+            Grid(named(table, RUNS), said["runs"], form("meanfield_grid", context.full), folded=True),
         ],
     )
 
 
-def _words(orders: pd.DataFrame) -> str:
+def _values(orders: pd.DataFrame) -> dict[str, Any]:
     smooth, jumps = orders[orders["smooth"]], orders[~orders["smooth"]]
-    told = listed([f"{TITLES[row.model]} {row.order_error_f}" for row in smooth.itertuples()])
-    rough = listed([f"{row.order_error_f}, and W1 with {row.order_error_w1}" for row in jumps.itertuples()])
-    apart = orders["moments_apart"].max()
-    return (
-        "The density at the end is known exactly, carried by g(x, y) = const. For a smooth density the finite volumes "
-        f"converge in L1 with order {told}; with jumps with {rough}. The mass is kept to "
-        f"{number(orders['mass'].max())}, the least average is {number(orders['least'].min())}. Where moments close "
-        f"they give the y of the characteristics, apart by at most {number(apart)} at tol = {number(grid_order.EXACT)}."
-    )
+    return {
+        "smooth": [f"{TITLES[row.model]} {row.order_error_f}" for row in smooth.itertuples()],
+        "jumps": [f"{row.order_error_f}, and W1 with {row.order_error_w1}" for row in jumps.itertuples()],
+        "mass": orders["mass"].max(),
+        "least": orders["least"].min(),
+        "apart": orders["moments_apart"].max(),
+        "exact": grid_order.EXACT,
+    }
 
 
 PART = Part(_run, _section)

@@ -2,21 +2,20 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pandas as pd
 
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.methods import LABELS
+
+PROSE = Path(__file__).parent.parent / "prose"
 
 
 def named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
     """The columns of a table that a reader wants, with words for names of models and methods."""
     words = {"model": TITLES, "method": LABELS}
     return table[list(headings)].replace(words).rename(columns=headings)
-
-
-def listed(parts: list[str]) -> str:
-    """Parts of a sentence one after the other; "none" if there are none."""
-    return ", ".join(parts) or "none"
 
 
 def form(name: str, full: bool) -> str:

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from verification.claim import Claim, Tables
+from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter2.discs import RADIUS, Floats, points_of_step
 
@@ -25,47 +25,22 @@ TOUCHING = (
 )
 
 
-def swept(x: Floats) -> Floats:
-    """P_{S_M} ... P_{S_1}(x)."""
-    return points_of_step(x, 0 * x, 0.0)[-1]
-
-
-def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
-    """max_j dist(x, S_j)/dist(x, S), what one sweep leaves of the way to P_S(x), and M."""
-    nearest = dincl.project(problem, x, dincl.Daqp(tol=TOL)).point
-    far = float(np.linalg.norm(nearest - x))
-    worst = problem.violation(0.0, x) / math.sqrt(2)
-    return worst / far, float(np.linalg.norm(nearest - swept(x))) / far, math.comb(len(x), 2)
-
-
-def _contraction(_: Tables) -> Evidence:
-    rng = np.random.default_rng(SEED)
-    found = []
-    for state in TOUCHING:
-        problem = dincl.Problem(RADIUS * state, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
-        disturbed = RADIUS * state + 0.01 * rng.normal(size=(SAMPLES, *state.shape))
-        found += [ratios(problem, x) for x in disturbed if problem.violation(0.0, x) > 0]
-    alpha, left = (float(value) for value in (min(a for a, _, _ in found), max(c for _, c, _ in found)))
-    excess = max(c - math.sqrt(1 - a**2 / count) for a, c, count in found)
-    return Evidence(
-        f"{len(found)} states of 3 or 4 discs near contact: max_j dist(x, S_j) is at least {alpha:.2f} dist(x, S), and "
-        f"a sweep leaves at most {left:.2f} of the distance to P_S(x), never more than √(1 − α²/M), which holds for "
-        "convex sets.",
-        (
-            at_least("least α", alpha, 0.1),
-            at_most("largest c", left, 0.99),
-            at_most("c − √(1 − α²/M)", excess, 0.0, 0.02),
-        ),
-        seed=SEED,
-    )
-
-
 def scheme() -> dincl.Scheme:
     """The method that is said to stay within S."""
     return dincl.CatchUp(dt=DT, projection=dincl.Daqp(tol=TOL))
 
 
-def _feasible(_: Tables) -> Evidence:
+@claim(
+    "c6.feasible",
+    "Of the two methods only PBD leaves overlaps, small ones.",
+    source="Ideas for proving convergence of PBD",
+    quote=(
+        "Moreau's catch-up scheme always stays within the feasible set S, whereas the PBD method can lead to slightly "
+        "infeasible states."
+    ),
+    chosen="the four discs of Figure 4 of chapter 2, their start and step",
+)
+def _feasible() -> Evidence:
     scene = dincl.scenes.four_disks()
     times = np.arange(1, round(2 / DT) + 1) * DT
     moreau, pbd = (float(dincl.solve(scene, s, t=times).violation().max()) for s in (scheme(), dincl.PBD(dt=DT)))
@@ -87,7 +62,14 @@ def largest_overlaps(dt: float) -> tuple[float, float]:
     return float(found[times <= SETTLED].max()), float(found[times > SETTLED].max())
 
 
-def _bounded(_: Tables) -> Evidence:
+@claim(
+    "c6.bounded",
+    "The overlaps of PBD do not grow in time, and vanish with the step.",
+    source="Ideas for proving convergence of PBD",
+    quote="the distance to the feasible set remains bounded and converges to zero",
+    chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
+)
+def _bounded() -> Evidence:
     coarse, fine = (largest_overlaps(dt) for dt in CORNER_STEPS)
     return Evidence(
         f"Ten discs in a corner, dt = {CORNER_STEPS[1]:g}: the largest overlap is {fine[0]:.3f} to t = {SETTLED:g} and "
@@ -99,30 +81,43 @@ def _bounded(_: Tables) -> Evidence:
     )
 
 
-CLAIMS = (
-    Claim(
-        "c6.feasible",
-        "Ideas for proving convergence of PBD",
-        "Moreau's catch-up scheme always stays within the feasible set S, whereas the PBD method can lead to slightly "
-        "infeasible states.",
-        _feasible,
-        statement="Of the two methods only PBD leaves overlaps, small ones.",
-        chosen="the four discs of Figure 4 of chapter 2, their start and step",
-    ),
-    Claim(
-        "c6.bounded",
-        "Ideas for proving convergence of PBD",
-        "the distance to the feasible set remains bounded and converges to zero",
-        _bounded,
-        statement="The overlaps of PBD do not grow in time, and vanish with the step.",
-        chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
-    ),
-    Claim(
-        "c6.contraction",
-        "Ideas for proving convergence of PBD",
-        "max_j dist(x, S_j) ≥ α dist(x, S) … c ∈ (0, 1): ‖P_S(x) − P_{S_M} ∘ … ∘ P_{S_1}(x)‖ ≤ c ‖P_S(x) − x‖",
-        _contraction,
-        statement="Near S a sweep of projections comes nearer to the projection onto S by a factor below 1.",
-        chosen="rows, triangles and rhombi of discs, disturbed by a hundredth",
-    ),
+def swept(x: Floats) -> Floats:
+    """P_{S_M} ... P_{S_1}(x)."""
+    return points_of_step(x, 0 * x, 0.0)[-1]
+
+
+def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
+    """max_j dist(x, S_j)/dist(x, S), what one sweep leaves of the way to P_S(x), and M."""
+    nearest = dincl.project(problem, x, dincl.Daqp(tol=TOL)).point
+    far = float(np.linalg.norm(nearest - x))
+    worst = problem.violation(0.0, x) / math.sqrt(2)
+    return worst / far, float(np.linalg.norm(nearest - swept(x))) / far, math.comb(len(x), 2)
+
+
+@claim(
+    "c6.contraction",
+    "Near S a sweep of projections comes nearer to the projection onto S by a factor below 1.",
+    source="Ideas for proving convergence of PBD",
+    quote="max_j dist(x, S_j) ≥ α dist(x, S) … c ∈ (0, 1): ‖P_S(x) − P_{S_M} ∘ … ∘ P_{S_1}(x)‖ ≤ c ‖P_S(x) − x‖",
+    chosen="rows, triangles and rhombi of discs, disturbed by a hundredth",
 )
+def _contraction() -> Evidence:
+    rng = np.random.default_rng(SEED)
+    found = []
+    for state in TOUCHING:
+        problem = dincl.Problem(RADIUS * state, lambda _t, x: 0 * x, [dincl.NonOverlap(RADIUS)])
+        disturbed = RADIUS * state + 0.01 * rng.normal(size=(SAMPLES, *state.shape))
+        found += [ratios(problem, x) for x in disturbed if problem.violation(0.0, x) > 0]
+    alpha, left = (float(value) for value in (min(a for a, _, _ in found), max(c for _, c, _ in found)))
+    excess = max(c - math.sqrt(1 - a**2 / count) for a, c, count in found)
+    return Evidence(
+        f"{len(found)} states of 3 or 4 discs near contact: max_j dist(x, S_j) is at least {alpha:.2f} dist(x, S), and "
+        f"a sweep leaves at most {left:.2f} of the distance to P_S(x), never more than √(1 − α²/M), which holds for "
+        "convex sets.",
+        (
+            at_least("least α", alpha, 0.1),
+            at_most("largest c", left, 0.99),
+            at_most("c − √(1 − α²/M)", excess, 0.0, 0.02),
+        ),
+        seed=SEED,
+    )

@@ -9,7 +9,7 @@ import numpy as np
 
 import dincl
 from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
-from verification.claim import Claim, Tables
+from verification.claims import Tables, claim
 from verification.evidence import Comparison, Evidence, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter4.frequencies import RATIOS, ratio_of
@@ -22,12 +22,46 @@ RUNTIMES = ((27.0, 0.08), (28.0, 0.08))
 PROTRUSIONS, OTHERS = "[BP]", ("[A]", "[B]", "[S]")
 
 
-def _faster(_: Tables) -> Evidence:
+@claim(
+    "c0.faster",
+    "How much faster the new method simulates tissues, beside the runtimes of chapter 3.",
+    source="introduction, Part II",
+    quote="Thanks to that, we can simulate over 300 times faster",
+    chosen="the runtimes are those that chapter 3 prints",
+)
+def _faster() -> Evidence:
     ratios = [slow / fast for slow, fast in RUNTIMES]
     return Evidence(
         f"The runtimes that chapter 3 prints, 27 s (28 s) and 0.08 s, have the ratios "
         f"{' and '.join(f'{ratio:.1f}' for ratio in ratios)}.",
         printed=(at_least("least ratio of the printed runtimes", min(ratios), 300.0),),
+    )
+
+
+def pbd_error(dt: float) -> float:
+    """The error of PBD at t = 2, when one of two discs pushes the other and slides around it."""
+    scene = dincl.scenes.two_disks()
+    exact = np.full((2, 2), np.nan) if scene.exact is None else scene.exact(2.0)
+    return float(np.abs(dincl.solve(scene, dincl.PBD(dt=dt), t=2.0).final - exact).max())
+
+
+@claim(
+    "c0.converges",
+    "Position based dynamics comes to the exact solution as the steps get shorter.",
+    source="introduction, Part I",
+    quote="the PBD method converges in numerical tests to the exact solutions.",
+    chosen="two discs, one of which pushes the other and slides around it",
+)
+def _converges() -> Evidence:
+    errors = [pbd_error(dt) for dt in (0.04, 0.01, 0.0025)]
+    order = math.log(errors[0] / errors[2], 16)
+    return Evidence(
+        f"Two discs whose motion is known, at t = 2: errors of PBD {errors[0]:.1e}, {errors[1]:.1e}, {errors[2]:.1e} "
+        f"for dt = 0.04, 0.01, 0.0025, of order {order:.2f}.",
+        printed=(
+            at_most("error, dt/16 over dt", errors[2] / errors[0], 0.2),
+            at_most("error at dt = 0.0025", errors[2], 1e-2),
+        ),
     )
 
 
@@ -45,7 +79,13 @@ def pbd_by_hand(x: Floats, h: float, steps: int) -> tuple[Floats, int]:
     return x, operations
 
 
-def _simple(_: Tables) -> Evidence:
+@claim(
+    "c0.simple",
+    "What a step of position based dynamics takes.",
+    source="introduction, Part I",
+    quote="one simple operation per overlap, but neither Lagrangian multipliers nor artificial numerical parameters.",
+)
+def _simple() -> Evidence:
     scene = dincl.scenes.four_disks()
     found = dincl.solve(scene, dincl.PBD(dt=0.01), t=2.0)
     x, operations = pbd_by_hand(scene.x0, 0.01, 200)
@@ -62,26 +102,6 @@ def _simple(_: Tables) -> Evidence:
     )
 
 
-def pbd_error(dt: float) -> float:
-    """The error of PBD at t = 2, when one of two discs pushes the other and slides around it."""
-    scene = dincl.scenes.two_disks()
-    exact = np.full((2, 2), np.nan) if scene.exact is None else scene.exact(2.0)
-    return float(np.abs(dincl.solve(scene, dincl.PBD(dt=dt), t=2.0).final - exact).max())
-
-
-def _converges(_: Tables) -> Evidence:
-    errors = [pbd_error(dt) for dt in (0.04, 0.01, 0.0025)]
-    order = math.log(errors[0] / errors[2], 16)
-    return Evidence(
-        f"Two discs whose motion is known, at t = 2: errors of PBD {errors[0]:.1e}, {errors[1]:.1e}, {errors[2]:.1e} "
-        f"for dt = 0.04, 0.01, 0.0025, of order {order:.2f}.",
-        printed=(
-            at_most("error, dt/16 over dt", errors[2] / errors[0], 0.2),
-            at_most("error at dt = 0.0025", errors[2], 1e-2),
-        ),
-    )
-
-
 def scenarios() -> int:
     """Orders of the four events in time, each of which may not happen or happen with others."""
     found = set()
@@ -92,7 +112,17 @@ def scenarios() -> int:
     return len(found)
 
 
-def _scenarios(_: Tables) -> Evidence:
+@claim(
+    "c0.scenarios",
+    "How many scenarios the four event times make.",
+    source="introduction, Part II",
+    quote="only four parameters … plus groups of cells … give thousands of possible EMT scenarios.",
+    chosen=(
+        "the parameters are the four times of chapter 4, section 2.2; scenarios differ by the order of events, "
+        "not by their times; groups of two cells"
+    ),
+)
+def _scenarios() -> Evidence:
     one = scenarios()
     two = one * (one + 1) // 2
     return Evidence(
@@ -102,6 +132,17 @@ def _scenarios(_: Tables) -> Evidence:
     )
 
 
+@claim(
+    "c0.protrusions",
+    "Cells with protrusions leave basally more often; those without may leave apically.",
+    source="introduction, Part II",
+    quote=(
+        "cells showing protrusive activities … are much more efficient at exiting basally than cells relying on "
+        "passive forces"
+    ),
+    needs=(RATIOS,),
+    chosen="isolated cells with one event, with INM, by the model as printed and by the published one",
+)
 def _protrusions(tables: Tables) -> Evidence:
     """[BP] against the best other event, by basal extrusion; and the most of apical extrusion without [P]."""
     comparisons: list[Comparison] = []
@@ -125,7 +166,13 @@ def _protrusions(tables: Tables) -> Evidence:
     return Evidence(f"Isolated cells, ratios; {'; '.join(told)}.", printed=tuple(comparisons), runs_needed=runs)
 
 
-def _mean_field_mass(_: Tables) -> Evidence:
+@claim(
+    "c0.mean-field-mass",
+    "When the inertia that constrained particles add to the macroscopic component changes.",
+    source="introduction, Part III",
+    quote="The mean-field mass can even be non-constant if the constrained particles have to move at different speeds",
+)
+def _mean_field_mass() -> Evidence:
     """The effective mass of five particles at two levels y of a straight fibre and of one with hindrances."""
     particles = np.linspace(0.1, 2.0, 5)[:, None]
     wavy, straight = wavy_system(0.7), wavy_system(0.7)._replace(g=lambda X, y: X - y)
@@ -144,56 +191,3 @@ def _mean_field_mass(_: Tables) -> Evidence:
             at_least("change of the mass, different speeds", changes["wavy"], 0.01),
         ),
     )
-
-
-CLAIMS = (
-    Claim(
-        "c0.faster",
-        "introduction, Part II",
-        "Thanks to that, we can simulate over 300 times faster",
-        _faster,
-        statement="How much faster the new method simulates tissues, beside the runtimes of chapter 3.",
-        chosen="the runtimes are those that chapter 3 prints",
-    ),
-    Claim(
-        "c0.converges",
-        "introduction, Part I",
-        "the PBD method converges in numerical tests to the exact solutions.",
-        _converges,
-        statement="Position based dynamics comes to the exact solution as the steps get shorter.",
-        chosen="two discs, one of which pushes the other and slides around it",
-    ),
-    Claim(
-        "c0.simple",
-        "introduction, Part I",
-        "one simple operation per overlap, but neither Lagrangian multipliers nor artificial numerical parameters.",
-        _simple,
-        statement="What a step of position based dynamics takes.",
-    ),
-    Claim(
-        "c0.scenarios",
-        "introduction, Part II",
-        "only four parameters … plus groups of cells … give thousands of possible EMT scenarios.",
-        _scenarios,
-        statement="How many scenarios the four event times make.",
-        chosen="the parameters are the four times of chapter 4, section 2.2; scenarios differ by the order of events, "
-        "not by their times; groups of two cells",
-    ),
-    Claim(
-        "c0.protrusions",
-        "introduction, Part II",
-        "cells showing protrusive activities … are much more efficient at exiting basally than cells relying on "
-        "passive forces",
-        _protrusions,
-        needs=(RATIOS,),
-        statement="Cells with protrusions leave basally more often; those without may leave apically.",
-        chosen="isolated cells with one event, with INM, by the model as printed and by the published one",
-    ),
-    Claim(
-        "c0.mean-field-mass",
-        "introduction, Part III",
-        "The mean-field mass can even be non-constant if the constrained particles have to move at different speeds",
-        _mean_field_mass,
-        statement="When the inertia that constrained particles add to the macroscopic component changes.",
-    ),
-)

@@ -3,30 +3,38 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import Executor
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
-from verification.claim import Claim, Tables
+from dincl.errors import InvalidProblem
+from verification.claims import Claim, Tables
 from verification.evidence import Evidence
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
-from verification.thesis.register import register
 
 # What a solver raises that does not come to an end: nothing is known of the statement then.
 UNSOLVED = (RuntimeError, ArithmeticError, np.linalg.LinAlgError)
 PACKAGES = ("dincl", "tissue", "meanfield", "verification")
 
 
-def decided(claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor) -> pd.DataFrame:
+def decide_all(claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor) -> pd.DataFrame:
     """One row for each claim, in the order given: what it states, its verdict and the evidence.
 
     Claims without tables are decided by the executor and kept in ``folder`` as they come, so that an interrupted call
     is taken up again; those that read tables are quick, and are decided anew.
+
+    Raises
+    ------
+    InvalidProblem
+        If two claims have one id.
     """
+    refuse_one_id_for_two(claims)
     alone = [claim for claim in claims if not claim.needs]
     found = {}
     if alone:
@@ -40,13 +48,12 @@ def decided(claims: Sequence[Claim], tables: Tables, folder: Path, executor: Exe
 
 def _study(claims: Sequence[Claim]) -> Study:
     runs = tuple({"id": claim.id} for claim in claims)
-    return Study("claims_decided", "Claims", ("id",), runs, _alone, fingerprint(packages=PACKAGES))
+    run = partial(_alone, {claim.id: claim for claim in claims})
+    return Study("claims_decided", "Claims", ("id",), runs, run, fingerprint(packages=PACKAGES))
 
 
-def _alone(key: Key) -> list[Row]:
-    """In a worker, which knows the claim by its name only."""
-    (claim,) = (claim for claim in register() if claim.id == key["id"])
-    return [evidence_row(claim, {})]
+def _alone(claims: Mapping[str, Claim], key: Key) -> list[Row]:
+    return [evidence_row(claims[key["id"]], {})]
 
 
 def evidence_row(claim: Claim, tables: Tables) -> Row:
@@ -73,7 +80,6 @@ def _row(claim: Claim) -> Row:
     correction = claim.correction
     return {
         "id": claim.id,
-        "chapter": claim.chapter,
         "source": claim.source,
         "statement": claim.statement,
         "quote": claim.quote,
@@ -84,6 +90,13 @@ def _row(claim: Claim) -> Row:
         "chosen": claim.chosen,
         "cost": claim.cost.value,
     }
+
+
+def refuse_one_id_for_two(claims: Iterable[Claim]) -> None:
+    """InvalidProblem if two claims have one id."""
+    twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
+    if twice:
+        raise InvalidProblem(f"claim ids {', '.join(twice)} are given twice: each must be unique")
 
 
 def differing(table: pd.DataFrame) -> pd.DataFrame:

@@ -15,7 +15,7 @@ from verification.budget import Budget
 from verification.measure import NORMS, measure
 from verification.method import Methods, as_methods
 from verification.order import MIN_STEPS, Order, estimate, order_text
-from verification.reference import known_at
+from verification.references import known_at
 from verification.result import Result
 
 if TYPE_CHECKING:

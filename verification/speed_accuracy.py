@@ -15,8 +15,8 @@ from verification import cheapest
 from verification.budget import Budget
 from verification.measure import COUNTERS, REPEATS, measure
 from verification.method import Method, Methods, as_methods
-from verification.order_study import checked_errors, checked_settings
-from verification.reference import Known, known_at
+from verification.orders import checked_errors, checked_settings
+from verification.references import Known, known_at
 from verification.result import Result
 
 if TYPE_CHECKING:

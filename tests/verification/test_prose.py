@@ -1,0 +1,52 @@
+"""Prose is filled from templates, block by block; a value that is not given is an error."""
+
+from pathlib import Path
+
+import pytest
+from jinja2 import UndefinedError
+
+import verification
+from verification.page.prose import fill
+
+TEMPLATE = """
+{% block first %}
+The order is {{ order | number }} {{ ends | interval }}, in
+{{ part | percent }} of {{ names | listed }} with 1 < 2.
+{% endblock %}
+{% block second %}Seconds.{% endblock %}
+"""
+
+
+@pytest.fixture
+def template(tmp_path: Path) -> Path:
+    path = tmp_path / "section.html"
+    path.write_text(TEMPLATE, "utf-8")
+    return path
+
+
+def test_blocks_are_filled_and_their_white_space_is_single_blanks(template: Path) -> None:
+    assert fill(template, order=0.98765, ends=(0.9, 1.1), part=0.25, names=["a", 2]) == {
+        "first": "The order is 0.988 [0.9, 1.1], in 25 % of a, 2 with 1 < 2.",
+        "second": "Seconds.",
+    }
+
+
+def test_a_list_without_entries_is_none(template: Path) -> None:
+    said = fill(template, order=1.0, ends=(0, 1), part=0.0, names=[])
+    assert said["first"] == "The order is 1 [0, 1], in 0 % of none with 1 < 2."
+
+
+def test_a_value_that_is_not_given_is_an_error(template: Path) -> None:
+    with pytest.raises(UndefinedError, match="part"):
+        fill(template, order=1.0, ends=(0, 1), names=[])
+
+
+def test_every_template_is_plain_prose() -> None:
+    templates = sorted(Path(verification.__file__).parent.rglob("prose/*.html"))
+    assert templates
+    for path in templates:
+        text = path.read_text("utf-8")
+        assert "{% block" in text, path
+        assert max(map(len, text.splitlines())) <= 125, path
+        for slip in ("can not", "a cell that is none", "of which are drawn"):
+            assert slip not in text, (path, slip)

@@ -1,0 +1,50 @@
+"""Prose from templates: HTML with Jinja blocks, one file for a section, filled with numbers computed in Python."""
+
+from __future__ import annotations
+
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from verification.page.report import number
+
+
+def fill(template: Path, **values: Any) -> dict[str, str]:
+    """The blocks of a template by name, each with the values put in and its white space made single blanks.
+
+    Filters: ``number`` (three digits), ``percent`` (of a part), ``interval`` (two numbers), ``listed`` (a sequence).
+
+    Raises
+    ------
+    jinja2.UndefinedError
+        If a block uses a value that is not given.
+    """
+    made = _environment(template.parent).get_template(template.name)
+    context = made.new_context(values)
+    return {name: " ".join("".join(block(context)).split()) for name, block in made.blocks.items()}
+
+
+@cache
+def _environment(folder: Path) -> Environment:
+    # Values go in as they are: templates are HTML for paragraphs, plain text for captions, which the page escapes.
+    made = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, autoescape=False)
+    made.filters |= {"number": number, "percent": percent, "interval": interval, "listed": listed}
+    return made
+
+
+def percent(part: float, digits: int = 0) -> str:
+    """0.25 as ``25 %``."""
+    return f"{100 * part:.{digits}f} %"
+
+
+def interval(ends: tuple[float, float]) -> str:
+    """Two numbers as ``[0.96, 1.01]``."""
+    low, high = ends
+    return f"[{number(low)}, {number(high)}]"
+
+
+def listed(values: Any) -> str:
+    """The values with commas between them; "none" if there are none."""
+    return ", ".join(map(str, values)) or "none"
