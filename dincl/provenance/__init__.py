@@ -21,7 +21,7 @@ from dincl.provenance.walk import Closure, Start, closure
 MAKES_NO_NUMBERS = True
 ABSENT, UNKNOWN = "not installed", "unknown"
 
-__all__ = ["Closure", "changed_modules", "closure", "differences", "provenance"]
+__all__ = ["Closure", "changed_modules", "closure", "differences", "libraries", "provenance"]
 
 
 def provenance(function: Start, /, *others: Start, **settings: Any) -> dict[str, str]:
@@ -54,10 +54,15 @@ def provenance(function: Start, /, *others: Start, **settings: Any) -> dict[str,
     parts: tuple[Mapping[str, Any], ...] = (
         {name: read_source(path).digest for name, path in reached.modules.items()},
         {name: digest_of(path.read_bytes()) for name, path in _data(reached.modules)},
-        {name: _version(name) for name in sorted(reached.libraries)},
+        libraries(reached),
         {name: plain_setting(name, value) for name, value in used.items()},
     )
     return {name: json.dumps(part, sort_keys=True) for name, part in zip(PARTS, parts, strict=True)}
+
+
+def libraries(reached: Closure) -> dict[str, str]:
+    """The versions of the libraries that a closure imports."""
+    return {name: _version(name) for name in sorted(reached.libraries)}
 
 
 def _data(modules: Mapping[str, Path]) -> Iterator[tuple[str, Path]]:

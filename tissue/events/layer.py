@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tissue.cells import Integers
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 
 
 @kernel

@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 
 from tissue.cells import Cells, Floats, Integers, Layers
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.scratch import Scratch
 from tissue.numbers_daha import Daha
 

@@ -15,7 +15,7 @@ from numba.extending import intrinsic
 from numpy.random import Generator
 
 from tissue.cells import Floats, Integers
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.lanes import (
     LANES,
     WIDTH,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from tissue.cells import Floats
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.store import APICAL, CELLS, Store
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from tissue.cells import Cells, Floats, Layers
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.neighbours import SKIN, list_again, make_lists
 from tissue.kernels.scratch import BASAL_CORRECTIONS, CORRECTIONS, NEAR, STALE, Scratch
 

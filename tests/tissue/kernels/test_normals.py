@@ -7,7 +7,7 @@ from scipy import stats
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
 from tissue import twins_normals
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.lanes import WIDTH, store
 from tissue.kernels.normals import draw_key, normals, shake, threefry
 from tissue.parameters import preset
