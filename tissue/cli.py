@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dincl.errors import InvalidProblem
+from dincl.study.bar import progress
 from tissue.cli_figures import figures
 from tissue.cli_messages import RUN_FAILED, messages
 from tissue.cli_study import study
-from tissue.progress import progress
 
 if TYPE_CHECKING:
     from tissue.parameters import Parameters

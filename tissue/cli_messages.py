@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import typer
 
 from dincl.errors import InvalidProblem
-from tissue.study.stopped import StudyStopped
+from dincl.study.stopped import StudyStopped
 
 # Exit codes: a run that failed; bad input; a study that stopped early, and one that was interrupted from the keyboard.
 RUN_FAILED, BAD_INPUT, STOPPED, INTERRUPTED = 1, 2, 3, 130

@@ -26,8 +26,8 @@ COLOURS = {Kind.HOLDS: "green", Kind.CORRECTED: "yellow", Kind.FAILS: "red", Kin
 @app.command()
 def report(full: Full = False, out: Out = Path("report")) -> None:
     """Run the studies that are missing and write <out>/index.html; an interrupted call is taken up again."""
+    from dincl.study import workers
     from verification.page.report import Context, write_report
-    from verification.study import workers
     from verification.thesis.chapters import CHAPTERS
 
     start = time.monotonic()
@@ -48,8 +48,8 @@ def claims(
 
     Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
     """
+    from dincl.study import workers
     from verification.page.report import Context
-    from verification.study import workers
     from verification.thesis import decide, selection
     from verification.thesis.register import register
 
@@ -86,8 +86,8 @@ def _list_claims(table: pd.DataFrame) -> None:
 @app.command()
 def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the failures that theory predicts, write tables and figures to <out>."""
+    from dincl.study import workers
     from verification.page.report import Context
-    from verification.study import workers
     from verification.thesis.chapter2.stability.page import CHAPTER
 
     with workers() as executor:

@@ -19,6 +19,7 @@ from dincl.provenance.source import digest_of, read_source
 from dincl.provenance.walk import Closure, Start, closure
 
 MAKES_NO_NUMBERS = True
+LONGEST_SETTING = 1000
 ABSENT, UNKNOWN = "not installed", "unknown"
 
 __all__ = ["Closure", "changed_modules", "closure", "differences", "libraries", "provenance"]
@@ -27,7 +28,8 @@ __all__ = ["Closure", "changed_modules", "closure", "differences", "libraries", 
 def provenance(function: Start, /, *others: Start, **settings: Any) -> dict[str, str]:
     """What the results of a function, or of a module, depend on; results of equal provenance may be mixed.
 
-    A ``functools.partial`` stands for its function; its arguments are settings, unless settings are given.
+    A ``functools.partial`` stands for its function, a callable dataclass for its class: the arguments of the one and
+    the fields of the other are settings, unless settings are given.
 
     Parameters
     ----------
@@ -48,16 +50,22 @@ def provenance(function: Start, /, *others: Start, **settings: Any) -> dict[str,
     InvalidProblem
         If a function is not defined in a file, or a setting is nothing of the above.
     """
-    plain, bound = unwrapped((function, *others))
-    used = settings or bound
-    reached = closure(*plain, *definitions(used))
+    plain, bound = zip(*map(unwrapped, (function, *others)), strict=True)
+    used = settings or bound[0]
+    reached = closure(*plain, *definitions([bound, settings]))
     parts: tuple[Mapping[str, Any], ...] = (
         {name: read_source(path).digest for name, path in reached.modules.items()},
         {name: digest_of(path.read_bytes()) for name, path in _data(reached.modules)},
         libraries(reached),
-        {name: plain_setting(name, value) for name, value in used.items()},
+        {name: _short(plain_setting(name, value)) for name, value in used.items()},
     )
     return {name: json.dumps(part, sort_keys=True) for name, part in zip(PARTS, parts, strict=True)}
+
+
+def _short(setting: Any) -> Any:
+    """A setting, or a digest of a long one."""
+    text = json.dumps(setting, sort_keys=True)
+    return setting if len(text) <= LONGEST_SETTING else f"{text[:20]}... ({digest_of(text.encode())})"
 
 
 def libraries(reached: Closure) -> dict[str, str]:

@@ -16,20 +16,19 @@ MAKES_NO_NUMBERS = True
 Function = Callable[..., Any]
 
 
-def unwrapped(functions: tuple[Function | ModuleType, ...]) -> tuple[list[Function | ModuleType], dict[str, Any]]:
-    """The functions inside partials, methods and callable objects, and what these bind."""
-    plain: list[Function | ModuleType] = []
+def unwrapped(function: Function | ModuleType) -> tuple[Function | ModuleType, dict[str, Any]]:
+    """The function inside a partial, a method or a callable object, and what these bind."""
     bound: dict[str, Any] = {}
-    for function in functions:
-        while isinstance(function, partial):
-            bound = {f"argument {k}": value for k, value in enumerate(function.args)} | function.keywords | bound
-            function = function.func  # noqa: PLW2901 - what is inside of it
-        known = hasattr(function, "__qualname__") or isinstance(function, ModuleType)
-        owner = getattr(function, "__self__", None if known else function)
-        if owner is not None and not isinstance(owner, ModuleType):
-            bound["self"] = owner
-        plain.append(function if known else type(function))
-    return plain, bound
+    while isinstance(function, partial):
+        bound = {f"argument {k}": value for k, value in enumerate(function.args)} | function.keywords | bound
+        function = function.func
+    known = hasattr(function, "__qualname__") or isinstance(function, ModuleType)
+    owner = getattr(function, "__self__", None if known else function)
+    if is_dataclass(owner):
+        bound |= {field.name: getattr(owner, field.name) for field in fields(owner)}
+    elif owner is not None and not isinstance(owner, ModuleType):
+        bound["self"] = owner
+    return (function if known else type(function)), bound
 
 
 def definitions(value: Any) -> Iterator[Function]:
@@ -47,6 +46,8 @@ def definitions(value: Any) -> Iterator[Function]:
         yield from definitions([getattr(value, field.name) for field in fields(value)])
     elif hasattr(value, "__qualname__"):
         yield value
+    elif hasattr(value, "model_dump_json"):
+        yield type(value)
 
 
 def plain_setting(name: str, value: Any) -> Any:
@@ -71,6 +72,8 @@ def plain_setting(name: str, value: Any) -> Any:
         return {type(value).__qualname__: found}
     if hasattr(value, "__qualname__"):
         return f"{value.__module__}.{value.__qualname__}"
+    if hasattr(value, "model_dump_json"):  # models of pydantic
+        return {type(value).__qualname__: value.model_dump_json()}
     if hasattr(value, "tolist"):  # arrays and numbers of NumPy
         return value.tolist()
     allowed = "must be a number, text, array, dataclass, function or a container of those"

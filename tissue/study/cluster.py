@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from dincl.errors import InvalidProblem
+from dincl.study.stopped import StudyStopped
 from tissue.study.identity import code, processor
-from tissue.study.stopped import StudyStopped
 
 if TYPE_CHECKING:
     from distributed import Client

@@ -8,11 +8,11 @@ from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future
 from contextlib import suppress
 from typing import TYPE_CHECKING, Any
 
+from dincl.study.stopped import StudyStopped
 from tissue.study.identity import code
 from tissue.study.plan import Piece, Study, load_study
 from tissue.study.read import Results
 from tissue.study.seeds import run_seeds
-from tissue.study.stopped import StudyStopped
 from tissue.study.store import Store, opened
 
 if TYPE_CHECKING:

@@ -10,15 +10,14 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from dincl.study import Key, Row, Study, digest
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 from verification.thesis.register import register
 
+DATA = Path(__file__).parent / "data"
 # What a solver raises that does not come to an end: nothing is known of the statement then.
 UNSOLVED = (RuntimeError, ArithmeticError, np.linalg.LinAlgError)
-PACKAGES = ("dincl", "tissue", "meanfield", "verification")
 
 
 def decided(claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor) -> pd.DataFrame:
@@ -40,7 +39,9 @@ def decided(claims: Sequence[Claim], tables: Tables, folder: Path, executor: Exe
 
 def _study(claims: Sequence[Claim]) -> Study:
     runs = tuple({"id": claim.id} for claim in claims)
-    return Study("claims_decided", "Claims", ("id",), runs, _alone, fingerprint(packages=PACKAGES))
+    kept = {path.name: digest(path.read_bytes()) for path in sorted(DATA.iterdir())}
+    checks = tuple(claim.check for claim in register())
+    return Study("claims_decided", "Claims", ("id",), runs, _alone, settings={"kept": kept}, calls=checks)
 
 
 def _alone(key: Key) -> list[Row]:

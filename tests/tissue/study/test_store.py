@@ -11,11 +11,11 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
+from dincl.study.stopped import StudyStopped
 from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
 from tissue.study import identity, store
 from tissue.study.layout import note, part
 from tissue.study.plan import Piece, load_study
-from tissue.study.stopped import StudyStopped
 
 PARTS = [f"part-0000{k}.parquet" for k in range(3)]
 

@@ -10,8 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import dincl
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.known import Known
 from verification.thesis.chapter2.runs import about, position_rows, scene, timed
 
@@ -42,7 +41,6 @@ def study(scenes: Sequence[str]) -> Study:
         key=("scene",),
         runs=tuple({"scene": name} for name in scenes),
         run=run,
-        fingerprint=fingerprint("reference.py", "runs.py"),
     )
 
 

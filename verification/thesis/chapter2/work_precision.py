@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
-from verification.study import Key, Study
-from verification.table import Row, digest, fingerprint
+from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.known import Known
 from verification.thesis.chapter2.methods import CHARTED, METHODS, Method
 from verification.thesis.chapter2.patience import impatient
@@ -169,23 +168,10 @@ def study(references: Mapping[str, Known], full: bool) -> Study:
     """All methods of the chart on all scenes; the scenes of many particles first."""
     form = FULL if full else SHORT
     runs = [{"scene": name, "method": method.name} for name in reversed(SCENES) for method in reversed(CHARTED)]
-    stated = {name: [known.t.tolist(), known.x.tolist(), known.error.tolist()] for name, known in references.items()}
     return Study(
         name=f"work_precision{'_full' if full else ''}",
         title="Speed against accuracy",
         key=("scene", "method"),
         runs=tuple(runs),
         run=Run(references, form),
-        fingerprint=fingerprint(
-            "methods.py",
-            "moreau_jean.py",
-            "work_precision.py",
-            "yardsticks/chipmunk.py",
-            "yardsticks/lsoda.py",
-            "yardsticks/kept.py",
-            references=digest(stated),
-            form=asdict(form),
-            repeats=REPEATS,
-            pymunk=_version("pymunk"),
-        ),
     )

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
-from verification.study import Key, Study
-from verification.table import Row, digest, fingerprint
+from dincl.study import Key, Row, Study, digest
 from verification.thesis.chapter2.known import Known
 
 Floats = NDArray[np.float64]
@@ -49,9 +48,7 @@ def study() -> Study:
         key=("scene",),
         runs=tuple({"scene": name} for name in reversed(SCENES)),
         run=rows,
-        fingerprint=fingerprint(
-            "work_references.py", every=EVERY, tol=TOL, files=digest([path.read_bytes() for path in FILES.values()])
-        ),
+        settings={"files": {name: digest(path.read_bytes()) for name, path in FILES.items()}},
     )
 
 

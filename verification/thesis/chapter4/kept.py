@@ -15,8 +15,8 @@ import pandas as pd
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from dincl.study import workers
 from tissue.study.read import Results
-from verification.study import workers
 from verification.thesis.chapter4 import printed, sensitivity, studies, summaries
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 

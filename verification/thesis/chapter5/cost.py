@@ -11,13 +11,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Moments, solve_moments
 from meanfield.characteristics import solve_characteristics
 from meanfield.field import field, field_by_numpy
 from meanfield.interaction import forces
 from meanfield.pde import solve_pde
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.methods import SOLVERS
 
@@ -65,9 +64,6 @@ def study(full: bool) -> Study:
         key=("model", "method"),
         runs=tuple(runs),
         run=partial(_rows, enough, 1 if full else 2),
-        fingerprint=cases.made_by(
-            "cost.py", "exact.py", "methods.py", enough=enough, settings={k: list(v) for k, v in SETTINGS.items()}
-        ),
     )
 
 
@@ -132,7 +128,6 @@ def side_study() -> Study:
         key=("model",),
         runs=tuple({"model": name} for name in SIDES),
         run=partial(_side, MANY),
-        fingerprint=cases.made_by("cost.py", many=MANY),
     )
 
 

@@ -10,9 +10,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Motion
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.lines import slope
 from verification.thesis.chapter5.methods import LABELS, SOLVERS
@@ -43,7 +42,6 @@ def study(full: bool) -> Study:
         key=("method",),
         runs=tuple({"method": method} for method in METHODS),
         run=partial(_rows, end),
-        fingerprint=cases.made_by("drift.py", "naive.py", "methods.py", end=end),
     )
 
 

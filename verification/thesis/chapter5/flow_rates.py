@@ -19,12 +19,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Motion, solve_ode
 from meanfield.characteristics import Flow, solve_characteristics
 from meanfield.density import Density
 from meanfield.wasserstein import w1
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.sampling import IID, PAIR, QUANTILES, exponents, means
 
@@ -49,16 +48,12 @@ def study() -> Study:
     runs = [{"model": name, "start": PAIR, "N": n} for name in SPACE for n in reversed(in_space)]
     runs += [{"model": name, "start": IID, "N": n} for name in LINE for n in reversed(on_line)]
     runs += [{"model": name, "start": QUANTILES, "N": n} for name in LINE for n in reversed(QUANTILE_COUNTS)]
-    repeats = {IID: on_line, PAIR: in_space, QUANTILES: dict.fromkeys(QUANTILE_COUNTS, 1)}
     return Study(
         name="meanfield_flow_full",
         title="Mean field: rates through the flow",
         key=("model", "start", "N"),
         runs=tuple(runs),
         run=rows_of,
-        fingerprint=cases.made_by(
-            "flow_rates.py", "exact.py", repeats={kind: list(each.items()) for kind, each in repeats.items()}
-        ),
     )
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Moments, solve_moments
 from meanfield.characteristics import solve_characteristics
 from meanfield.grid import Grid
@@ -16,8 +17,6 @@ from meanfield.grid_motion import GridMotion
 from meanfield.pde import solve_pde
 from meanfield.wasserstein import w1
 from verification.order import estimate, order_text
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]
@@ -76,7 +75,6 @@ def study(full: bool) -> Study:
         key=("model", "cells"),
         runs=tuple(runs),
         run=_row,
-        fingerprint=cases.made_by("grid_order.py", "exact.py", end=T.tolist(), boxes=BOXES),
     )
 
 

@@ -21,11 +21,10 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtri, stdtrit
 
+from dincl.study import Key, Row, Study
 from meanfield import transport
 from meanfield.density import Density
 from meanfield.wasserstein import w1
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 
 FILE = Path(__file__).parent.parent / "data" / "w1_rates.parquet"
 IID, PAIR, QUANTILES = "iid against density", "iid against iid", "quantiles against density"
@@ -116,7 +115,6 @@ def study(full: bool) -> Study:
         key=KEY,
         runs=tuple(reversed(keys(full))),
         run=value,
-        fingerprint=fingerprint("meanfield/sampling.py", packages=("meanfield",)),
     )
 
 

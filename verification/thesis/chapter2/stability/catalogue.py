@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from verification.study import Study
+from dincl.study import Study
 from verification.thesis.chapter2.stability import (
     box,
     crowd,
@@ -17,7 +17,7 @@ from verification.thesis.chapter2.stability import (
     saddle,
 )
 from verification.thesis.chapter2.stability.case import Case, study
-from verification.thesis.chapter2.stability.plane import COMMON, Plane
+from verification.thesis.chapter2.stability.plane import Plane
 
 FAMILIES = (penalty, radius, pacman, crowd, rows, jaws, local, drift, decades, saddle)
 PLANES: tuple[Plane, ...] = (
@@ -36,5 +36,4 @@ CASES: tuple[Case, ...] = tuple(case for family in FAMILIES for case in family.C
 
 def cases() -> Study:
     """All cases; there is one form only."""
-    files = [f"stability/{family.__name__.rpartition('.')[2]}.py" for family in FAMILIES]
-    return study(CASES, (*COMMON, "stability/case.py", *files))
+    return study(CASES)

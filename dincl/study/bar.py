@@ -10,6 +10,7 @@ from datetime import timedelta
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
+MAKES_NO_NUMBERS = True
 # Seconds between two lines where there is no terminal.
 INTERVAL = 5.0
 
