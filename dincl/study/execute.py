@@ -30,7 +30,7 @@ def carry_out(
     """Make the results of all pieces, begun in this order, and keep each as soon as it is there.
 
     After an error, of a piece or of ``keep``, or Ctrl-C, no other piece is begun; those that can not be called back are
-    waited for and kept, too.
+    waited for and kept, too; a result that could not be kept is tried once more.
 
     Parameters
     ----------
@@ -53,7 +53,8 @@ def carry_out(
                 under_way[submit(piece)] = piece
             finished = wait(under_way, return_when=FIRST_COMPLETED).done
             for future in [future for future in under_way if future in finished]:
-                keep(under_way.pop(future), future.result())
+                keep(under_way[future], future.result())
+                del under_way[future]
     finally:
         for future in wait([future for future in under_way if not future.cancel()]).done:
             if future.exception() is None:
