@@ -19,6 +19,7 @@ import dincl
 from dincl.scenes import Scene
 from dincl.study import Key, Row, Study, digest
 from verification.thesis.chapter2.known import Known
+from verification.thesis.kept import keep
 
 Floats = NDArray[np.float64]
 SCENES: Mapping[str, Callable[[], Scene]] = {
@@ -99,7 +100,7 @@ def _stacked(table: pd.DataFrame) -> Known:
 def main() -> None:
     """Compute the reference that this module keeps, and write its table."""
     table = pd.DataFrame(_rows(MADE_HERE, _computed(SCENES[MADE_HERE]()))).drop(columns="scene")
-    table.to_parquet(FILES[MADE_HERE], index=False)
+    keep(table, FILES[MADE_HERE], main)
     print(table.groupby("t")["error"].first())
 
 

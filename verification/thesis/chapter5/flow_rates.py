@@ -26,6 +26,7 @@ from meanfield.density import Density
 from meanfield.wasserstein import w1
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.sampling import IID, PAIR, QUANTILES, exponents, means
+from verification.thesis.kept import keep
 
 Floats = NDArray[np.float64]
 T = np.array([4.0])
@@ -130,7 +131,7 @@ def fitted(averages: pd.DataFrame) -> pd.DataFrame:
 def main() -> None:
     """Make all runs and write their rows to a file."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    pd.DataFrame([row for key in study().runs for row in rows_of(key)]).to_parquet(file, index=False)
+    keep(pd.DataFrame([row for key in study().runs for row in rows_of(key)]), file, main)
 
 
 if __name__ == "__main__":
