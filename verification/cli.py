@@ -26,8 +26,8 @@ COLOURS = {Kind.HOLDS: "green", Kind.CORRECTED: "yellow", Kind.FAILS: "red", Kin
 @app.command()
 def report(full: Full = False, out: Out = Path("report")) -> None:
     """Run the studies that are missing and write <out>/index.html; an interrupted call is taken up again."""
+    from dincl.study import workers
     from verification.page.report import Context, write_report
-    from verification.study import workers
     from verification.thesis.chapters import CHAPTERS
 
     start = time.monotonic()
@@ -48,10 +48,10 @@ def claims(
 
     Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
     """
+    from dincl.study import workers
     from verification.decide import decide_all, differing
     from verification.page.report import Context
-    from verification.study import workers
-    from verification.thesis import selection
+    from verification.thesis import kept, selection
     from verification.thesis.errata import errata
     from verification.thesis.register import register
 
@@ -62,7 +62,7 @@ def claims(
     with workers() as executor:
         context = Context(out, full, executor)
         tables = selection.tables_for(chosen, context)
-        table = decide_all(chosen, tables, context.folder, executor)
+        table = decide_all(chosen, tables, context.folder, executor, kept.files())
     _list_claims(table)
     print(f"{len(errata())} errata of notation stand beside them, in thesis/errata.csv")
     raise typer.Exit(0 if differing(table).empty else 1)
@@ -90,8 +90,8 @@ def _list_claims(table: pd.DataFrame) -> None:
 @app.command()
 def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the failures that theory predicts, write tables and figures to <out>."""
+    from dincl.study import workers
     from verification.page.report import Context
-    from verification.study import workers
     from verification.thesis.chapter2.stability.page import CHAPTER
 
     with workers() as executor:

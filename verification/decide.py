@@ -13,21 +13,23 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
+from dincl.provenance import provenance
+from dincl.study import Key, Row, Study, digest
 from verification.claims import Claim, Tables
 from verification.evidence import Evidence
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 
 # What a solver raises that does not come to an end: nothing is known of the statement then.
 UNSOLVED = (RuntimeError, ArithmeticError, np.linalg.LinAlgError)
-PACKAGES = ("dincl", "tissue", "meanfield", "verification")
 
 
-def decide_all(claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor) -> pd.DataFrame:
+def decide_all(
+    claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor, reads: Sequence[Path] = ()
+) -> pd.DataFrame:
     """One row for each claim, in the order given: what it states, its verdict and the evidence.
 
     Claims without tables are decided by the executor and kept in ``folder`` as they come, so that an interrupted call
-    is taken up again; those that read tables are quick, and are decided anew.
+    is taken up again; those that read tables are quick, and are decided anew. A claim is decided again once the code
+    that its check reaches, or one of the files that checks read (``reads``), has changed.
 
     Raises
     ------
@@ -38,7 +40,7 @@ def decide_all(claims: Sequence[Claim], tables: Tables, folder: Path, executor: 
     alone = [claim for claim in claims if not claim.needs]
     found = {}
     if alone:
-        rows = _study(alone).complete(folder, executor)
+        rows = _study(alone, reads).complete(folder, executor)
         found = {str(row["id"]): row for row in rows.to_dict("records")}
     for claim in claims:
         if claim.needs:
@@ -46,10 +48,12 @@ def decide_all(claims: Sequence[Claim], tables: Tables, folder: Path, executor: 
     return pd.DataFrame([_row(claim) | found[claim.id] for claim in claims])
 
 
-def _study(claims: Sequence[Claim]) -> Study:
-    runs = tuple({"id": claim.id} for claim in claims)
+def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
+    files = {path.name: digest(path.read_bytes()) for path in sorted(reads)}
+    runs = tuple({"id": claim.id, "made_by": digest(provenance(claim.check, files=files))} for claim in claims)
     run = partial(_alone, {claim.id: claim for claim in claims})
-    return Study("claims_decided", "Claims", ("id",), runs, run, fingerprint(packages=PACKAGES))
+    unsolved = {"unsolved": [error.__name__ for error in UNSOLVED]}
+    return Study("claims_decided", "Claims", ("id", "made_by"), runs, run, settings=unsolved)
 
 
 def _alone(claims: Mapping[str, Claim], key: Key) -> list[Row]:

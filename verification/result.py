@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING
 
 import pandas as pd
 
+from dincl.study import write
+
 if TYPE_CHECKING:
     from verification.page.sheet import Axes
 
@@ -45,8 +47,6 @@ class Result(ABC):
 
     def save(self, folder: str | Path) -> Path:
         """Write the table (Parquet and CSV) and the picture into ``folder``; return the folder."""
-        from verification.table import write
-
         out = Path(folder)
         write(self.table, out / f"{self.name}.parquet")
         (out / f"{self.name}.png").write_bytes(self.png())

@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from dincl.kernels._numba import Floats, Offsets, kernel
+from dincl.compile import kernel
+from dincl.kernels.arrays import Floats, Offsets
 
 
 @kernel

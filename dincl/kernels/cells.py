@@ -4,7 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.kernels._numba import Axes, Floats, Indices, kernel
+from dincl.compile import kernel
+from dincl.kernels.arrays import Axes, Floats, Indices
 
 # A grid spans at most so many axes; distances always use all of them.
 GRID_AXES = 3

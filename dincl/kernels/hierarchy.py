@@ -5,7 +5,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.kernels._numba import Axes, Floats, Indices, Offsets, kernel
+from dincl.compile import kernel
+from dincl.kernels.arrays import Axes, Floats, Indices, Offsets
 from dincl.kernels.cells import GRID_AXES, PAIRS_PER_DISC, is_near, longer, sort_by_cell
 from dincl.kernels.rows import rows_of_pairs
 

@@ -6,7 +6,8 @@ bounding box, and a hierarchy of hashed grids for everything else.
 
 import numpy as np
 
-from dincl.kernels._numba import Axes, Floats, Indices, Offsets, axes_of, kernel
+from dincl.compile import kernel
+from dincl.kernels.arrays import Axes, Floats, Indices, Offsets, axes_of
 from dincl.kernels.cells import MOST_PAIRS, PAIRS_PER_DISC, TooManyPairs, is_near
 from dincl.kernels.grid import grid_pairs, grid_shape
 from dincl.kernels.hierarchy import hierarchy_pairs

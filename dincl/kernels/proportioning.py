@@ -2,7 +2,8 @@
 
 import numpy as np
 
-from dincl.kernels._numba import Floats, Offsets, kernel
+from dincl.compile import kernel
+from dincl.kernels.arrays import Floats, Offsets
 
 # Length of a projected gradient step, in units of 1 / |A A^T|; below 2 it descends.
 FIXED_STEP = 1.9

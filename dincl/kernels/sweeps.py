@@ -5,8 +5,9 @@ Here those on distances; the ones on affine rows come from ``affine``.
 
 import numpy as np
 
-from dincl.kernels._numba import Axes, Floats, Indices, Offsets, axes_of, kernel
+from dincl.compile import kernel
 from dincl.kernels.affine import dual_sweeps, sweep_affine, sweep_half_space
+from dincl.kernels.arrays import Axes, Floats, Indices, Offsets, axes_of
 
 __all__ = [
     "COINCIDENT",

@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from dincl.kernels._numba import Floats, Indices, Offsets
+from dincl.kernels.arrays import Floats, Indices, Offsets
 from dincl.kernels.sweeps import COINCIDENT, OK, STALE
 
 

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
-from meanfield.kernels._numba import Floats, kernel
+from dincl.compile import kernel
 
+Floats = NDArray[np.float64]
 # A cell with less density gives nothing away: products of it with a speed and a time step could leave the normal
 # numbers, where rounding is no longer relative and might make a density negative.
 VANISHING = 1e-250

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from meanfield.kernels._numba import Floats
-from meanfield.kernels.finite_volume import VANISHING
+from meanfield.kernels.finite_volume import VANISHING, Floats
 
 
 def _fluxes(f: Floats, speed: Floats) -> Floats:

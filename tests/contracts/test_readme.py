@@ -9,10 +9,11 @@ import pytest
 from typer.testing import CliRunner
 
 import dincl
+from dincl import study
 from tests.verification.thesis.shortened import Here, shorten
 from tissue import cli as tissue_cli
 from tissue.study.plan import load_study
-from verification import cli, study
+from verification import cli
 from verification.thesis import chapters
 
 ROOT = Path(__file__).parents[2]

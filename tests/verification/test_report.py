@@ -8,19 +8,20 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from dincl import study
+from dincl.study import write
 from tests.verification.page import Page
 from tests.verification.thesis.shortened import Here, Nowhere, few_claims, shorten
 from tests.verification.thesis.shortened_emt import SECTIONS as EMT_SECTIONS
 from tests.verification.thesis.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
 from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
 from tests.verification.thesis.shortened_meanfield import TABLES as MEANFIELD_TABLES
-from verification import cli, study
+from verification import cli
 from verification.claims import Effect
 from verification.decide import differing
 from verification.evidence import Kind
 from verification.page import report
 from verification.page.report import Context, cell, number, write_report
-from verification.table import write
 from verification.thesis import chapters
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapters import CHAPTERS

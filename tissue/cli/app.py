@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dincl.errors import InvalidProblem
+from dincl.study.bar import progress
 from tissue.cli.figures import figures
 from tissue.cli.messages import RUN_FAILED, messages
-from tissue.cli.progress import progress
 from tissue.cli.study import study
 
 if TYPE_CHECKING:

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from dincl.study.bar import progress
 from tissue.cli.messages import GOES_ON, INTERRUPTED, messages
-from tissue.cli.progress import progress
 
 if TYPE_CHECKING:
     from tissue.study.read import Results

@@ -4,10 +4,3 @@ Each event has a bit in ``Cells.events``, a kernel ``begin`` for the step at whi
 kernel for each dt after. It fires in the step dt that ends at its time, or in which its time lies, and acts from the
 beginning of that step. ``tissue.events.together`` calls the events; a new one is a new file and its lines there.
 """
-
-from pathlib import Path
-
-from dincl.kernels._numba import forget_stale
-from tissue.kernels import SOURCES
-
-forget_stale(Path(__file__).parent, *SOURCES)

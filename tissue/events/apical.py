@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from tissue.events.layer import find, remove
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.store import APICAL, Store
 from tissue.model.numbers import Numbers
 

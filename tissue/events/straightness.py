@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.store import Store
 from tissue.model.numbers import Numbers
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from tissue.events import apical, basal, bits, protrusion, straightness
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.scale import ab_position
 from tissue.kernels.store import CELLS, Store
 from tissue.model.numbers import Numbers

@@ -1,11 +1,19 @@
 """The kernels of the tissue: numba, on the arrays of ``Cells``; ``tests/twins/tissue`` do the same in plain NumPy."""
 
-from pathlib import Path
+from __future__ import annotations
 
-from dincl.kernels._numba import forget_stale
+from collections.abc import Callable
+from typing import Any, TypeVar
 
-HERE = Path(__file__).parent
-# The kernels read tuples by place, so that the order of their fields is part of the code, and call the EMT events.
-TUPLES = tuple(HERE.parent / "model" / name for name in ("cells.py", "numbers.py", "numbers_daha.py"))
-SOURCES = (*TUPLES, *HERE.glob("*.py"), *HERE.parent.glob("events/*.py"))
-forget_stale(HERE, *SOURCES)
+from dincl import compile as compiling
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+
+
+def kernel(function: Function) -> Function:
+    """Compile a kernel of the tissue; see ``dincl.compile``.
+
+    The kernels take dozens of arrays and allocate none, so nobody counts references to arrays: counting took as long as
+    computing.
+    """
+    return compiling.kernel(function, references=False)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from numpy.random import Generator
 
 from tissue.events.together import begin_events
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.cycle import adapt_rest_lengths, set_phases
 from tissue.kernels.division import count_due, divide
 from tissue.kernels.neighbours import LOST

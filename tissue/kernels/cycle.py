@@ -7,7 +7,7 @@ import math
 from numpy.random import Generator
 
 from tissue.events.together import last_events
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.scratch import STALE
 from tissue.kernels.store import CELLS, Store
 from tissue.model.cells import Cells

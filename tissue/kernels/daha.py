@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 import numpy as np
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.advance import CROWDED, DONE, NON_FINITE
 from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
 from tissue.kernels.lanes import WIDTH, fma, load, store

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.random import Generator
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.cycle import draw_cycle
 from tissue.kernels.scratch import DIVISIONS, STALE
 from tissue.kernels.store import APICAL, BASAL, CELLS, NEXT_ID, Store

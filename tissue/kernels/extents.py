@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
 from tissue.model.cells import Floats
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.lanes import WIDTH, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.scratch import SOFT_PAIRS, Scratch
 from tissue.model.cells import CellLayers, Cells

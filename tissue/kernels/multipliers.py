@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.scratch import Scratch
 from tissue.model.cells import CellLayers, Cells, Floats, Integers
 from tissue.model.numbers_daha import Daha

@@ -5,7 +5,7 @@ The lists hold as long as no nucleus moved by more than SKIN / 2 from where it w
 
 from __future__ import annotations
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.lanes import WIDTH, load, lowest_bit, positive_bits
 from tissue.kernels.scratch import CLOSE_PAIRS, FAR, LISTS, MOVED, NEAR, STALE, Scratch
 from tissue.model.cells import Cells, Floats, Integers

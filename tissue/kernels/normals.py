@@ -13,7 +13,7 @@ from llvmlite import ir
 from numba import types
 from numpy.random import Generator
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.lanes import (
     LANES,
     WIDTH,

@@ -6,7 +6,7 @@ import math
 
 from numpy.random import Generator
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
 from tissue.kernels.normals import shake
 from tissue.kernels.scratch import STALE, SUBSTEPS

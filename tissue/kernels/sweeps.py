@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.neighbours import SKIN, list_again, make_lists
 from tissue.kernels.scratch import BASAL_CORRECTIONS, CORRECTIONS, NEAR, STALE, Scratch
 from tissue.model.cells import CellLayers, Cells, Floats

@@ -31,7 +31,7 @@ STATUS = {
 
 
 class Stopped(NamedTuple):
-    """Where the iteration stopped; the fields are described in ``tissue.quasi_steady.minimiser.Minimised``."""
+    """Where the iteration stopped; the fields are described in ``tissue.quasi_steady.run.minimiser.Minimised``."""
 
     cells: Cells
     energy: float
@@ -109,6 +109,6 @@ class TissueArrowHurwicz:
 
 
 def violation(sets: Sequence[Constraint], cells: Cells) -> float:
-    """By how much the constraints of ``tissue.quasi_steady.frozen`` are broken at most [R_soft], 0 in S."""
+    """By how much the constraints of ``tissue.quasi_steady.run.frozen`` are broken at most [R_soft], 0 in S."""
     x = particles(cells)
     return -min(float(rows.near(0.0, x, 0.0).values(x).min(initial=0.0)) for rows in sets)

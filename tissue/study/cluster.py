@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from dincl.errors import InvalidProblem
-from tissue.study.identity import code, processor
-from tissue.study.stopped import StudyStopped
+from dincl.study.stopped import StudyStopped
+from tissue.study.identity import code, code_differences, processor
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -66,7 +66,8 @@ def _threads(client: Client, address: str) -> int:
         raise InvalidProblem(f"scheduler {address}: has no workers; start some: dask worker {address}")
     for worker, answer in found.items():
         if answer != code():
-            raise InvalidProblem(f"worker {worker}: must have the code of this machine, {code()}; it has {answer!r}")
+            what = "; ".join(code_differences(code(), answer)) if isinstance(answer, dict) else repr(answer)
+            raise InvalidProblem(f"worker {worker}: must have the code of this machine, but has other: {what}")
     others = set(client.run(processor).values()) - {processor()}
     if others:
         log.warning(

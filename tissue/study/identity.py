@@ -7,16 +7,13 @@ import platform
 from collections.abc import Iterator, Mapping
 from functools import cache
 from hashlib import sha256
-from importlib.metadata import version
-from pathlib import Path
+from importlib import import_module
 from typing import Any
 
+from dincl.provenance import provenance
 from tissue.study.plan import PART, Study
 from tissue.study.wording import in_scenarios
 
-HOME = Path(__file__).parent.parent
-# Folders of sources that numbers of a run depend on; of the studies only one file makes numbers.
-ROOMS = ("events", "files", "kernels", "model", "quasi_steady")
 MOST_DIFFERENCES = 12
 IDENTITY = ("replicates", "seed", "trajectories", "part", "scenarios", "code")
 SETTINGS = {"replicates": "replicates", "seed": "seed", "trajectories": "trajectories", "part": "replicates of a part"}
@@ -41,13 +38,10 @@ def fingerprint(what: Mapping[str, Any]) -> str:
 
 @cache
 def code() -> dict[str, str]:
-    """The version of the program: of its sources, and of the libraries that make numbers."""
-    files = [*HOME.glob("*.py"), *(file for room in ROOMS for file in HOME.glob(f"{room}/**/*.py"))]
-    files.append(HOME / "study" / "outcomes.py")
-    sources = sha256()
-    for file in sorted(file for file in files if file.exists()):
-        sources.update(f"{file.relative_to(HOME).as_posix()}\n".encode() + file.read_bytes())
-    return {"tissue": sources.hexdigest()[:16], **{name: version(name) for name in ("numpy", "numba")}}
+    """The version of the program: of each module that makes the rows, and of the libraries that these import."""
+    made = provenance(import_module("tissue.study.outcomes"))
+    found: dict[str, str] = json.loads(made["code"]) | json.loads(made["libraries"])
+    return found
 
 
 @cache
@@ -60,7 +54,11 @@ def processor() -> str:
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     """What differs between two identities, with both values, in at most MOST_DIFFERENCES lines and one more."""
-    lines = [*_settings(old, new), *_scenarios(old["scenarios"], new["scenarios"]), *_code(old["code"], new["code"])]
+    lines = [
+        *_settings(old, new),
+        *_scenarios(old["scenarios"], new["scenarios"]),
+        *code_differences(old["code"], new["code"]),
+    ]
     more = len(lines) - MOST_DIFFERENCES
     return lines if more <= 0 else [*lines[:MOST_DIFFERENCES], f"and {more} more"]
 
@@ -89,7 +87,7 @@ def _keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     return [f"{key}: {json.dumps(before)} -> {json.dumps(after)}" for key, before, after in pairs if before != after]
 
 
-def _code(old: Mapping[str, str], new: Mapping[str, str]) -> Iterator[str]:
-    for name, title in (("tissue", "the code of this program"), ("numpy", "numpy"), ("numba", "numba")):
-        if old[name] != new[name]:
-            yield f"{title}: {old[name]} -> {new[name]}"
+def code_differences(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
+    """The modules and libraries that differ."""
+    names = (name for name in sorted({*old, *new}) if old.get(name) != new.get(name))
+    return [f"{name}: {old.get(name, 'none')} -> {new.get(name, 'none')}" for name in names]

@@ -4,25 +4,21 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
-from contextlib import suppress
+from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
-from tissue.study.identity import code
+from dincl.study import execute
+from dincl.study.stopped import StudyStopped
+from tissue.study.identity import code, code_differences
 from tissue.study.plan import Piece, Study, load_study
 from tissue.study.read import Results
 from tissue.study.seeds import run_seeds
-from tissue.study.stopped import StudyStopped
 from tissue.study.store import Store, opened
 
 if TYPE_CHECKING:
     from tissue.study.outcomes import Outcomes
 
 Watch = Callable[[int], None]
-# Pieces under way at once for each worker of an executor, so that none waits for the next; and for an executor that
-# does not say how many it has.
-AHEAD = 2
-WORKERS_UNTOLD = 32
 
 
 def run_study(
@@ -82,23 +78,17 @@ def _compute(store: Store, executor: Executor, watch: Watch) -> None:
     todo = store.missing()
     done = store.study.runs - sum(piece.runs for piece in todo)
     watch(done)
-    at_once = AHEAD * getattr(executor, "_max_workers", WORKERS_UNTOLD)
-    under_way: dict[Future[Outcomes], Piece] = {}
-    todo.reverse()
+
+    def keep(piece: Piece, outcomes: Outcomes) -> None:
+        nonlocal done
+        store.write(piece, outcomes)
+        done += piece.runs
+        watch(done)
+
     try:
-        while todo or under_way:
-            while todo and len(under_way) < at_once:
-                piece = todo.pop()
-                under_way[_submitted(executor, store.study, piece)] = piece
-            finished = wait(under_way, return_when=FIRST_COMPLETED).done
-            for future in [future for future in under_way if future in finished]:
-                store.write(under_way[future], future.result())
-                done += under_way.pop(future).runs
-                watch(done)
+        execute.carry_out(todo, lambda piece: _submitted(executor, store.study, piece), keep, executor)
     except BrokenExecutor as error:
         raise StudyStopped(f"the workers are lost: {error}") from error
-    finally:
-        _keep(store, under_way)
 
 
 def _submitted(executor: Executor, study: Study, piece: Piece) -> Future[Outcomes]:
@@ -113,16 +103,8 @@ def _outcomes(wanted: dict[str, str], *piece: Any) -> Outcomes:
     from tissue.study.outcomes import outcomes
 
     if code() != wanted:
-        raise StudyStopped(f"a worker has other code than this machine: {code()} in place of {wanted}")
+        raise StudyStopped(f"a worker has other code: {'; '.join(code_differences(wanted, code()))}")
     return outcomes(*piece)
-
-
-def _keep(store: Store, under_way: dict[Future[Outcomes], Piece]) -> None:
-    """After an error: begin no other piece, and store those that are finished or can not be called back."""
-    for future in wait([future for future in under_way if not future.cancel()]).done:
-        if future.exception() is None:
-            with suppress(StudyStopped):  # the disk is still full
-                store.write(under_way[future], future.result())
 
 
 def _nobody(_: int) -> None:

@@ -15,11 +15,11 @@ import pyarrow as pa
 from filelock import FileLock, Timeout
 
 from dincl.errors import InvalidProblem
+from dincl.study.stopped import StudyStopped
 from tissue.study.files import PARTIAL, checksum, set_aside, write_table, write_whole
 from tissue.study.identity import IDENTITY, differences, fingerprint, identity, processor
 from tissue.study.layout import ABOUT, COPY, LOCK, note, part, trajectory
 from tissue.study.plan import Piece, Study
-from tissue.study.stopped import StudyStopped
 
 if TYPE_CHECKING:
     from tissue.study.outcomes import Outcomes

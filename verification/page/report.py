@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
 from datetime import datetime
-from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -18,8 +17,9 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from dincl.provenance import closure, libraries
+from dincl.study import write
 from verification.evidence import Kind
-from verification.table import PACKAGES, write
 
 # Numbers smaller than this are written with an exponent.
 PLAIN = 1e-2
@@ -162,7 +162,7 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
     context.finish_drawings()
     page = environment.get_template("report.html").render(
         chapters=written,
-        facts=list(_facts(context)),
+        facts=list(_facts(chapters, context)),
         made=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"),
         safe=Markup,
     )
@@ -173,21 +173,21 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
     return path
 
 
-def _facts(context: Context) -> Iterator[tuple[str, str]]:
+def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str, str]]:
     """What a number depends on besides the code."""
     yield (
         "Form",
         "complete" if context.full else "short: fewer and coarser steps (make report FULL=1 runs the complete one)",
     )
-    yield from machine()
+    yield from machine(*(chapter.run for chapter in chapters))
     yield "Times", "seconds of wall time with two runs at once, after a warm-up; building of solvers included"
 
 
-def machine() -> Iterator[tuple[str, str]]:
-    """The machine and the versions that numbers and times depend on."""
+def machine(*makers: Callable[..., Any]) -> Iterator[tuple[str, str]]:
+    """The machine, and the versions of the libraries that the makers of the numbers import."""
     yield "Processor", f"{_processor()}, {os.cpu_count()} cores"
     yield "System", f"{platform.system()} {platform.release()}, Python {platform.python_version()}"
-    yield "Versions", ", ".join(f"{name} {version(name)}" for name in PACKAGES)
+    yield "Versions", ", ".join(map(" ".join, libraries(closure(*makers)).items()))
 
 
 def _processor() -> str:

@@ -14,6 +14,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescap
 
 from dincl import InvalidProblem
 from dincl.checks import describe
+from verification.measure import measure
 from verification.page.report import Grid, machine
 from verification.result import Result
 
@@ -52,7 +53,7 @@ def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
         lstrip_blocks=True,
     )
     made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
-    page = environment.get_template("results.html").render(results=shown, facts=list(machine()), made=made)
+    page = environment.get_template("results.html").render(results=shown, facts=list(machine(measure)), made=made)
     path, new = out / "index.html", out / ".index.html.new"
     new.write_text(page, "utf-8")
     os.replace(new, path)

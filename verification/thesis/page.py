@@ -13,6 +13,7 @@ from verification.decide import decide_all, differing
 from verification.evidence import Kind
 from verification.page.prose import fill
 from verification.page.report import Chapter, Context, Grid, Search, Section, Statements, Text
+from verification.thesis import kept
 from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
 
@@ -43,7 +44,7 @@ SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 def run(context: Context) -> None:
     """Decide every claim, those about studies from the tables of the other chapters."""
     claims = register()
-    table = decide_all(claims, context.tables, context.folder, context.executor)
+    table = decide_all(claims, context.tables, context.folder, context.executor, kept.files())
     table.insert(1, "chapter", [chapter_of(claim) for claim in claims])
     context.keep("claims", table)
     context.keep("claims_errata", errata())

@@ -11,7 +11,7 @@ from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
 from dincl.kernels import neighbours, twins
-from dincl.kernels._numba import axes_of
+from dincl.kernels.arrays import axes_of
 from dincl.kernels.grid import grid_pairs, grid_shape
 from dincl.kernels.hierarchy import hierarchy_pairs
 

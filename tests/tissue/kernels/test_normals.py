@@ -9,7 +9,7 @@ from tests.tissue.states import cells, layers
 from tests.twins.tissue import normals as twins_normals
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.lanes import WIDTH, store
 from tissue.kernels.normals import draw_key, normals, shake, threefry
 

@@ -11,11 +11,11 @@ import pytest
 import tissue
 import tissue.study.outcomes
 from dincl.errors import InvalidProblem
+from dincl.study.stopped import StudyStopped
 from tests.tissue.study.stand_in import outcomes, stored, study_file, use_stand_in
 from tissue.study import identity
 from tissue.study.cluster import cluster
 from tissue.study.read import Results
-from tissue.study.stopped import StudyStopped
 
 ROOT = Path(__file__).parents[3]
 REPLICATES = 8 * 128  # in two scenarios
@@ -75,7 +75,8 @@ def test_a_worker_that_dies_loses_nothing(dask, tmp_path, whole, monkeypatch):
     with monkeypatch.context() as patch:
         patch.setitem(identity.code(), "tissue", "other")
         with pytest.raises(
-            InvalidProblem, match=r"worker tcp://.*: must have the code of this machine, .*'other'.*; it has "
+            InvalidProblem,
+            match=r"worker tcp://.*: must have the code of this machine, but has other: tissue: other -> \w+$",
         ):
             cluster(dask.address).__enter__()
     told = []

@@ -9,13 +9,13 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
+from dincl.study.execute import AHEAD
+from dincl.study.stopped import StudyStopped
 from tests.tissue.study.stand_in import outcomes, stored, study_file
 from tissue.files.parameters import preset
 from tissue.study.plan import load_study
 from tissue.study.read import Results
-from tissue.study.run import AHEAD
 from tissue.study.seeds import run_seeds
-from tissue.study.stopped import StudyStopped
 
 HOME = "tissue.study.outcomes.outcomes"
 

@@ -8,8 +8,9 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from dincl import study
 from tests.verification.thesis.shortened import Here, Nowhere
-from verification import cli, decide, study
+from verification import cli, decide
 from verification.claims import Claim, Correction, Cost, Effect, Tables
 from verification.evidence import Evidence, Kind, equal
 from verification.page.report import Context

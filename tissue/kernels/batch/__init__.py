@@ -6,10 +6,3 @@ are copied to a ``Board``, where the eight values of one cell are neighbours in 
 
 No replicate knows of the others: what one of them needs less of is looked at in vain, without effect to the last bit.
 """
-
-from pathlib import Path
-
-from dincl.kernels._numba import forget_stale
-from tissue.kernels import SOURCES
-
-forget_stale(Path(__file__).parent, *SOURCES)

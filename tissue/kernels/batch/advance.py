@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from numpy.random import Generator
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.advance import DONE, FULL, apply_rules, find_lost
 from tissue.kernels.batch.board import RUNNING, Board, copy_in, copy_out
 from tissue.kernels.batch.forces import junctions, move, repulsion

@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.batch.rows import row
 from tissue.kernels.forces import prepare
 from tissue.kernels.lanes import WIDTH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.batch.board import Board
 from tissue.kernels.batch.windows import find_windows
 from tissue.kernels.lanes import (

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tissue.kernels._numba import kernel
+from tissue.kernels import kernel
 from tissue.kernels.batch.board import Board
 from tissue.kernels.lanes import WIDTH, load, maximum, positive_bits, spread, store
 

@@ -18,8 +18,7 @@ from dincl.geometry import (
     proved_constant,
     prox_regularity,
 )
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from dincl.study import Key, Row, Study
 
 Floats = NDArray[np.float64]
 RADIUS = 0.5
@@ -53,7 +52,6 @@ def _study(
         key=(key,),
         runs=tuple({key: value} for value in values),
         run=partial(run, samples=samples),
-        fingerprint=fingerprint("prox_regularity.py", samples=samples),
     )
 
 

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 
+from dincl.study import Key, Row, Study
 from verification.order import Order, estimate, order_text
-from verification.study import Key, Study
-from verification.table import Row, digest, fingerprint
 from verification.thesis.chapter2.methods import COMPARED, METHODS
 from verification.thesis.chapter2.reference import Reference
 from verification.thesis.chapter2.runs import distance, reached, scene, solved
@@ -55,14 +54,12 @@ def study(references: Mapping[str, Reference], full: bool) -> Study:
         for name in reversed(SCENES)
         if full or k < SHORT_COSTLY or not method.costly
     ]
-    stated = {name: [reference.x.tolist(), reference.error.tolist()] for name, reference in references.items()}
     return Study(
         name=f"convergence{'_full' if full else ''}",
         title="Convergence",
         key=("scene", "method", "dt"),
         runs=tuple(runs),
         run=Run(references),
-        fingerprint=fingerprint("methods.py", "runs.py", "convergence.py", references=digest(stated)),
     )
 
 

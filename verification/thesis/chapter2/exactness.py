@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.reference import TOL
 from verification.thesis.chapter2.runs import about, distance, scene, timed
 
@@ -23,7 +22,6 @@ def study() -> Study:
         key=("scene",),
         runs=tuple({"scene": name} for name in SCENES),
         run=run,
-        fingerprint=fingerprint("exactness.py", "reference.py", "runs.py"),
     )
 
 

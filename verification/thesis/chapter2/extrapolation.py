@@ -14,12 +14,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from verification.references import Known
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 from verification.thesis.chapter2.convergence import STEP
 from verification.thesis.chapter2.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, REFERENCE_TOL
-from verification.thesis.chapter2.reference import EVERY, Reference, kept_times, stack
+from verification.thesis.chapter2.reference import Reference, kept_times, stack
 from verification.thesis.chapter2.runs import distance, position_rows, solved
 
 Floats = NDArray[np.float64]
@@ -89,7 +88,6 @@ def study(scenes: Sequence[str], full: bool) -> Study:
         key=("scene", "method", "dt"),
         runs=tuple(runs),
         run=run,
-        fingerprint=fingerprint("methods.py", "runs.py", every=EVERY),
     )
 
 

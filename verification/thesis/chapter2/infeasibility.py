@@ -10,8 +10,7 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from verification.study import Key, Study
-from verification.table import Row, digest, fingerprint
+from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.convergence import SCENES, TIMES
 from verification.thesis.chapter2.reference import Reference
 from verification.thesis.chapter2.runs import about, distance, reached, scene, timed
@@ -77,14 +76,12 @@ def scan(references: Mapping[str, Reference], full: bool) -> Study:
         for exponent in (0, 1, 2)
         for strength in (strengths(dt, exponent) if exponent else [0.0])
     ]
-    stated = {name: reference.x.tolist() for name, reference in references.items()}
     return Study(
         name=f"penalty_scan{'_full' if full else ''}",
         title="Penalty strengths",
         key=("scene", "dt", "exponent", "strength"),
         runs=tuple(runs),
         run=Scan(references),
-        fingerprint=fingerprint("runs.py", "infeasibility.py", references=digest(stated)),
     )
 
 
@@ -100,7 +97,6 @@ def curves(scanned: pd.DataFrame, full: bool) -> Study:
         key=names,
         runs=tuple(dict(zip(names, values, strict=True)) for values in wanted),
         run=curve,
-        fingerprint=fingerprint("runs.py", "infeasibility.py"),
     )
 
 

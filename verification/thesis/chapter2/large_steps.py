@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.convergence import SCENES
 from verification.thesis.chapter2.methods import METHODS, PBD, PENALTIES, PENALTY_PRINTED
 from verification.thesis.chapter2.runs import about, scene, timed
@@ -39,5 +38,4 @@ def study() -> Study:
         key=("scene", "method", "dt"),
         runs=tuple(runs),
         run=extent,
-        fingerprint=fingerprint("methods.py", "runs.py", "large_steps.py"),
     )

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 import dincl
 from verification.thesis.chapter2.work_references import FILES
+from verification.thesis.kept import keep
 
 NAME, COUNT = "pile_1000", 1000
 # Kept times [time].
@@ -51,7 +52,7 @@ def main() -> None:
     """Compute both runs and write the table."""
     made = table(path(STEPS // 2), path(STEPS))
     FILES[NAME].parent.mkdir(exist_ok=True)
-    made.to_parquet(FILES[NAME], index=False)
+    keep(made, FILES[NAME], main)
     print(made.groupby("t")["error"].first())
 
 

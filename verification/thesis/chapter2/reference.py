@@ -10,9 +10,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import dincl
+from dincl.study import Key, Row, Study
 from verification.references import Known
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 from verification.thesis.chapter2.runs import about, position_rows, scene, timed
 
 Floats = NDArray[np.float64]
@@ -42,7 +41,6 @@ def study(scenes: Sequence[str]) -> Study:
         key=("scene",),
         runs=tuple({"scene": name} for name in scenes),
         run=run,
-        fingerprint=fingerprint("reference.py", "runs.py"),
     )
 
 

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from importlib.metadata import version
 from importlib.util import find_spec
 
 import pandas as pd
 
+from dincl.study import Key, Row, Study
 from verification.budget import Budget, CpuSeconds
 from verification.references import Known
 from verification.speed_accuracy import WorkPrecision, rows_of, settings_of
-from verification.study import Key, Study
-from verification.table import Row, digest, fingerprint
 from verification.thesis.chapter2.methods import CHARTED, METHODS
 from verification.thesis.chapter2.work_references import SCENES
 
@@ -67,14 +66,12 @@ def study(references: Mapping[str, Known], full: bool) -> Study:
     """All methods of the chart on all scenes; the scenes of many particles first."""
     form = FULL if full else SHORT
     runs = [{"scene": name, "method": method.name} for name in reversed(SCENES) for method in reversed(CHARTED)]
-    stated = {name: [known.t.tolist(), known.x.tolist(), known.error.tolist()] for name, known in references.items()}
     return Study(
         name=f"work_precision{'_full' if full else ''}",
         title="Speed against accuracy",
         key=("scene", "method"),
         runs=tuple(runs),
         run=Run(references, form),
-        fingerprint=fingerprint(references=digest(stated), form=asdict(form), pymunk=_version("pymunk")),
     )
 
 

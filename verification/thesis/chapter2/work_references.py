@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
+from dincl.study import Key, Row, Study, digest
 from verification.references import Known
-from verification.study import Key, Study
-from verification.table import Row, digest, fingerprint
+from verification.thesis.kept import keep
 
 Floats = NDArray[np.float64]
 SCENES: Mapping[str, Callable[[], Scene]] = {
@@ -49,9 +49,7 @@ def study() -> Study:
         key=("scene",),
         runs=tuple({"scene": name} for name in reversed(SCENES)),
         run=rows,
-        fingerprint=fingerprint(
-            "work_references.py", every=EVERY, tol=TOL, files=digest([path.read_bytes() for path in FILES.values()])
-        ),
+        settings={"files": {name: digest(path.read_bytes()) for name, path in FILES.items()}},
     )
 
 
@@ -102,7 +100,7 @@ def _stacked(table: pd.DataFrame) -> Known:
 def main() -> None:
     """Compute the reference that this module keeps, and write its table."""
     table = pd.DataFrame(_rows(MADE_HERE, _computed(SCENES[MADE_HERE]()))).drop(columns="scene")
-    table.to_parquet(FILES[MADE_HERE], index=False)
+    keep(table, FILES[MADE_HERE], main)
     print(table.groupby("t")["error"].first())
 
 

@@ -14,15 +14,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import COUNTERS
 from tissue.many import simulate_many
 from tissue.quasi_steady.run import simulate_quasi_steady
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
-from verification.thesis.chapter3.growing import COMMON, PACKAGES, PRESETS, growing_from, until
+from verification.thesis.chapter3.growing import PRESETS, growing_from, until
 
 SIZES, SHORT = (60, 120, 1_000, 10_000), (60, 120, 1_000)
 # Hours of growth before timing starts, and repeats of which the best is taken.
@@ -72,7 +71,6 @@ def kernel(full: bool) -> Study:
         key=("preset", "cells"),
         runs=tuple({"preset": name, "cells": cells} for cells in sorted(sizes, reverse=True) for name in PRESETS),
         run=per_substep,
-        fingerprint=fingerprint(*COMMON, "tissue/bench.py", packages=PACKAGES),
     )
 
 

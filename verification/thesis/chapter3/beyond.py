@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from dincl.study import Key, Row, Study
 from tissue.model.frame import Frame
 from tissue.model.numbers import Numbers
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 from verification.thesis.chapter3 import linear
-from verification.thesis.chapter3.growing import COMMON, PACKAGES, growing
+from verification.thesis.chapter3.growing import growing
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter3.jitter import swing
 
@@ -59,14 +58,6 @@ def study(full: bool) -> Study:
         key=("preset", "substeps", "seed"),
         runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),
         run=partial(watched, times=form.times),
-        fingerprint=fingerprint(
-            *COMMON,
-            "tissue/beyond.py",
-            "tissue/jitter.py",
-            "tissue/linear.py",
-            packages=PACKAGES,
-            form=asdict(form) | {"seeds": None, "substeps": None},
-        ),
     )
 
 

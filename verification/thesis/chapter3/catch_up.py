@@ -13,14 +13,12 @@ import pandas as pd
 
 import dincl
 from dincl import Scheme
+from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters
 from tissue.quasi_steady.frozen import frozen_problem, made_feasible, particles
 from verification.order import estimate, order_text
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.frozen import Frozen
-from verification.thesis.chapter3.growing import COMMON, PACKAGES
 from verification.thesis.chapter3.jitter import substepped
 from verification.thesis.chapter3.judged import begun, floored
 
@@ -60,13 +58,7 @@ def study(full: bool) -> Study:
         key=("seed",),
         runs=tuple({"seed": seed} for seed in range(form.seeds)),
         run=partial(moved, form=form, parameters=floored()),
-        fingerprint=fingerprint(
-            *COMMON,
-            "tissue/catch_up.py",
-            "tissue/judged.py",
-            packages=PACKAGES,
-            form=asdict(form) | {"seeds": None},
-        ),
+        settings=asdict(form) | {"seeds": None},  # more seeds are more runs
     )
 
 

@@ -11,18 +11,15 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
+from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.model.cells import Cells
 from tissue.model.frame import Frame
 from tissue.model.observables import height, widths
 from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.disturbed import OTHER
 from verification.thesis.chapter3.growing import (
-    COMMON,
-    PACKAGES,
     Growing,
     extent,
     growing_from,
@@ -86,15 +83,6 @@ def study(full: bool) -> Study:
         key=("case", "eps", "seed"),
         runs=tuple(runs),
         run=partial(compared, end=END, fine=form.fine),
-        fingerprint=fingerprint(
-            *COMMON,
-            "tissue/daha.py",
-            "tissue/disturbed.py",
-            "tissue/judged.py",
-            "tissue/linear.py",
-            packages=PACKAGES,
-            form={"times": TIMES, "mu": DAMPINGS, "substeps": PBD_SUBSTEPS, "fine": form.fine},
-        ),
     )
 
 

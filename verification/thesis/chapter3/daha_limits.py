@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 
 from dincl.status import Status
+from dincl.study import Study
 from tissue.quasi_steady.daha import TissueArrowHurwicz
-from verification.study import Study
 from verification.thesis.chapter2.stability.plane import Axis, Plane
 from verification.thesis.chapter3 import linear, maps
 from verification.thesis.chapter3.judged import begun, floored
@@ -90,7 +90,7 @@ PLANES = (
 def study(plane: Plane, full: bool) -> Study:
     """All cells of a map; the short form has the first seed only."""
     shown = plane if full else replace(plane, methods=dict(list(plane.methods.items())[:1]))
-    return maps.named(shown, full, "tissue_daha", "Tissue, DAHA", ("daha_limits", "judged", "linear", "maps"))
+    return maps.named(shown, full, "tissue_daha", "Tissue, DAHA")
 
 
 def held(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:

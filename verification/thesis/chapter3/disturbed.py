@@ -2,15 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 import pandas as pd
 
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
-from verification.thesis.chapter3.growing import COMMON, PACKAGES, Growing, disturbed, growing, nuclei, rms, with_noise
+from dincl.study import Key, Row, Study
+from verification.thesis.chapter3.growing import Growing, disturbed, growing, nuclei, rms, with_noise
 from verification.thesis.chapter3.intervals import over_seeds
 
 # Standard deviations of each coordinate at the start [R_soft].
@@ -52,9 +51,6 @@ def study(full: bool) -> Study:
             for seed in range(form.seeds)
         ),
         run=partial(followed, times=form.times),
-        fingerprint=fingerprint(
-            *COMMON, "tissue/disturbed.py", packages=PACKAGES, form=asdict(form) | {"seeds": None, "runs": None}
-        ),
     )
 
 

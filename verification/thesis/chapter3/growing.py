@@ -25,9 +25,6 @@ PRESETS = ("thesis", "published")
 FAR = 10.0
 THROWN = "BEYOND_BOUNDS"
 SUCCESS = Status.SUCCESS.name
-# The modules that every study of the tissue depends on, for its fingerprint.
-COMMON = ("tissue/growing.py",)
-PACKAGES = ("dincl", "tissue")
 
 
 def until(end: float) -> dict[str, str]:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
 import pandas as pd
 
+from dincl.study import Key, Row, Study
 from tissue.files.parameters import preset
 from tissue.model.observables import height
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
-from verification.thesis.chapter3.growing import COMMON, PACKAGES, PRESETS, SUCCESS, growing
+from verification.thesis.chapter3.growing import PRESETS, SUCCESS, growing
 from verification.thesis.chapter3.intervals import over_seeds
 
 DAMPINGS = (0.2, 0.15, 0.1, 0.05, 0.025)
@@ -50,7 +49,6 @@ def study(full: bool) -> Study:
         key=("preset", "mu", "substeps"),
         runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),
         run=partial(grown, seeds=form.seeds),
-        fingerprint=fingerprint(*COMMON, "tissue/growth.py", packages=PACKAGES, form=asdict(form)),
     )
 
 

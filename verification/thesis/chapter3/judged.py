@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
@@ -11,6 +11,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
+from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
 from tissue.kernels.advance import apply_rules
@@ -23,10 +24,8 @@ from tissue.quasi_steady.frozen import constraints, particles
 from tissue.quasi_steady.judge import local_minimum
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import simulate_quasi_steady
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
 from verification.thesis.chapter3.frozen import Frozen
-from verification.thesis.chapter3.growing import COMMON, PACKAGES, SUCCESS, growing_from, until
+from verification.thesis.chapter3.growing import SUCCESS, growing_from, until
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter3.jitter import substepped
 
@@ -60,9 +59,6 @@ def study(full: bool) -> Study:
         key=("seed", "t"),
         runs=tuple({"seed": seed, "t": t} for t in form.times for seed in range(form.seeds)),
         run=partial(judged, parameters=floored()),
-        fingerprint=fingerprint(
-            *COMMON, "tissue/judged.py", packages=PACKAGES, form=asdict(form) | {"seeds": None, "times": None}
-        ),
     )
 
 
@@ -150,7 +146,6 @@ def whole(full: bool) -> Study:
         key=("seed",),
         runs=tuple({"seed": seed} for seed in range(WHOLE if full else 0)),
         run=grown_through_minima,
-        fingerprint=fingerprint(*COMMON, "tissue/judged.py", packages=PACKAGES, end=END),
     )
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import cache
 from typing import Any
@@ -11,15 +11,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from dincl.study import Study
 from tissue.files.parameters import preset
 from tissue.model.frame import Frame
 from tissue.model.numbers import Numbers
-from verification.study import Study
-from verification.table import fingerprint
 from verification.thesis.chapter2.stability.plane import Axis, Plane, geometric
 from verification.thesis.chapter3 import frozen, linear
 from verification.thesis.chapter3.frozen import Frozen
-from verification.thesis.chapter3.growing import COMMON, PACKAGES, SUCCESS, THROWN, extent, far_from, growing
+from verification.thesis.chapter3.growing import SUCCESS, THROWN, extent, far_from, growing
 from verification.thesis.chapter3.jitter import substepped, swing
 
 LABELS = {"thesis": "Thesis", "published": "Published"}
@@ -111,21 +110,13 @@ GROWING, RESTING = PLANES[:2], PLANES[2:]
 
 def study(plane: Plane, full: bool) -> Study:
     """All cells of a map."""
-    return named(plane, full, "tissue_map", "Tissue map", ("beyond", "frozen", "jitter", "linear", "maps"))
+    return named(plane, full, "tissue_map", "Tissue map")
 
 
-def named(plane: Plane, full: bool, name: str, title: str, files: Iterable[str]) -> Study:
-    """The study of a map under a name of the tissue, made by these files of ``verification.thesis.chapter3``."""
-    made = fingerprint(
-        *COMMON,
-        "stability/plane.py",
-        *(f"tissue/{name}.py" for name in files),
-        packages=PACKAGES,
-        x=plane.x.values(full),
-    )
-    study = plane.study(full)
+def named(plane: Plane, full: bool, name: str, title: str) -> Study:
+    """The study of a map under a name of the tissue."""
     whole = f"{name}_{plane.name}{'_full' if full else ''}"
-    return replace(study, name=whole, title=f"{title}: {plane.title}", fingerprint=made)
+    return replace(plane.study(full), name=whole, title=f"{title}: {plane.title}")
 
 
 def thrown(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:

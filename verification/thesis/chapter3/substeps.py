@@ -13,12 +13,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from dincl.study import Key, Row, Study
 from tissue.model.frame import Frame
 from tissue.model.observables import height
 from verification.order import Order, estimate, order_text
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
-from verification.thesis.chapter3.growing import COMMON, PACKAGES, PRESETS, SUCCESS, Growing, growing, nuclei, rms
+from verification.thesis.chapter3.growing import PRESETS, SUCCESS, Growing, growing, nuclei, rms
 from verification.thesis.chapter3.intervals import over_seeds
 
 # When the states are looked at; all of them are multiples of dt in both presets [h].
@@ -58,7 +57,7 @@ def study(full: bool) -> Study:
         key=("preset", "seed"),
         runs=tuple({"preset": name, "seed": seed} for seed in range(form.seeds) for name in PRESETS),
         run=partial(compared, form=form),
-        fingerprint=fingerprint(*COMMON, "tissue/substeps.py", packages=PACKAGES, form=asdict(form) | {"seeds": None}),
+        settings=asdict(form) | {"seeds": None},  # more seeds are more runs
     )
 
 

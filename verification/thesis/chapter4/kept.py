@@ -15,10 +15,11 @@ import pandas as pd
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from dincl.study import workers
 from tissue.study.read import Results
-from verification.study import workers
 from verification.thesis.chapter4 import printed, sensitivity, studies, summaries
 from verification.thesis.chapter4.studies import PRESETS, preset_of
+from verification.thesis.kept import keep
 
 DATA = Path(__file__).parent.parent / "data"
 # By name: results of studies -> table.
@@ -56,9 +57,9 @@ def main(folder: Path, preset: str | None = None) -> None:
         results = studies.watched(chosen, folder, executor)
     for name, table in COMPLETE.items():
         if name != sensitivity.NAME or sensitivity.NAME in results:
-            made = table(results)
-            kept = made if preset is None else with_others(made, read(name), preset)
-            kept.to_parquet(DATA / f"emt_{name}.parquet", index=False)
+            made, before = table(results), [] if preset is None else [read(name)]
+            rows = made if preset is None else with_others(made, *before, preset)
+            keep(rows, DATA / f"emt_{name}.parquet", main, before)
 
 
 def with_others(made: pd.DataFrame, before: pd.DataFrame, preset: str) -> pd.DataFrame:

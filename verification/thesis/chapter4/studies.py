@@ -7,11 +7,11 @@ from concurrent.futures import Executor
 from dataclasses import replace
 from pathlib import Path
 
+from dincl.study import progress
 from tissue.study.identity import fingerprint, identity
 from tissue.study.plan import Study, load_study
 from tissue.study.read import Results
 from tissue.study.run import carry_out
-from verification.progress import Ticker
 from verification.thesis.chapter4 import sensitivity
 
 # Replicates of each scenario in the short form, half of them where numbers are printed: fifteen seconds on two cores.
@@ -83,10 +83,10 @@ def completed(
 def watched(studies: Mapping[str, Study], folder: Path, executor: Executor | None) -> dict[str, Results]:
     """As ``completed``, with a bar for all studies together."""
     stored = dict.fromkeys(studies, 0)
-    with Ticker("EMT", sum(study.runs for study in studies.values())) as bar:
+    with progress("EMT", sum(study.runs for study in studies.values()), "runs") as told:
 
         def watch(name: str, done: int) -> None:
-            bar.finished(name, done - stored[name])
             stored[name] = done
+            told(sum(stored.values()))
 
         return completed(studies, folder, executor, watch)

@@ -9,11 +9,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Motion, solve_rattle
 from verification.meanfield_methods import RATTLES, SOLVERS
 from verification.order import estimate, order_text
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.methods import applies
 
@@ -62,13 +61,6 @@ def study(full: bool) -> Study:
         key=("model", "method"),
         runs=tuple(runs),
         run=_full if full else _short,
-        fingerprint=cases.made_by(
-            "agreement.py",
-            "exact.py",
-            "methods.py",
-            settings=[[[k, list(v)] for k, v in part.items()] for part in _settings(full)],
-            models=MODELS,
-        ),
     )
 
 

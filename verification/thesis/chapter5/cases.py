@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 
 from meanfield import Density, LinearFibre, Model, State, StraightFibre, TissueElement, WavyFibre
 from meanfield.model.symbolic import library
-from verification.table import fingerprint
 
 Floats = NDArray[np.float64]
 FIBRE = {"m": 1.0, "k0": 1.0, "y_rest": 1.5, "k1": 0.5}
@@ -102,9 +101,3 @@ def few(name: str, n: int) -> State:
 def stream(name: str, *numbers: int) -> np.random.Generator:
     """Random numbers of their own for each name and each tuple of numbers."""
     return np.random.default_rng(np.random.SeedSequence([STREAMS[name], *numbers]))
-
-
-def made_by(*sources: str, **parameters: object) -> dict[str, str]:
-    """What the rows of a study depend on: the package, the shared files, its own files, parameters."""
-    files = [f"meanfield/{name}" for name in ("cases.py", *sources)]
-    return fingerprint(*files, packages=("meanfield",), **parameters)

@@ -11,12 +11,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import solve_characteristics
 from meanfield.forces.field import field, field_by_numpy
 from meanfield.forces.interaction import forces
 from verification.meanfield_methods import DensityProblem, prepared
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]
@@ -61,9 +60,6 @@ def study(full: bool) -> Study:
         key=("model", "method"),
         runs=tuple(runs),
         run=partial(_rows, enough, 1 if full else 2),
-        fingerprint=cases.made_by(
-            "cost.py", "exact.py", "methods.py", enough=enough, settings={k: list(v) for k, v in SETTINGS.items()}
-        ),
     )
 
 
@@ -120,7 +116,6 @@ def side_study() -> Study:
         key=("model",),
         runs=tuple({"model": name} for name in SIDES),
         run=partial(_side, MANY),
-        fingerprint=cases.made_by("cost.py", many=MANY),
     )
 
 

@@ -10,11 +10,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Motion
 from verification.lines import slope
 from verification.meanfield_methods import SOLVERS
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.methods import LABELS
 from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4
@@ -44,7 +43,6 @@ def study(full: bool) -> Study:
         key=("method",),
         runs=tuple({"method": method} for method in METHODS),
         run=partial(_rows, end),
-        fingerprint=cases.made_by("drift.py", "naive.py", "methods.py", end=end),
     )
 
 

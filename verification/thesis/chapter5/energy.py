@@ -9,12 +9,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Moments, solve_characteristics, solve_moments, solve_pde
 from verification.lines import slope
 from verification.meanfield_methods import SOLVERS
 from verification.order import estimate, order_text
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.agreement import TIMES
 
@@ -32,14 +31,12 @@ PERIODS, FULL_PERIODS = 12, 1000
 def limit_study(full: bool) -> Study:
     """The energy (5.50) of characteristics, moments (where they close) and the PDE."""
     runs = [{"model": name, "method": method} for method in ("pde", "characteristics") for name in LIMIT_MODELS]
-    settings = (FULL_TOLERANCES, FULL_CELLS) if full else (TOLERANCES, CELLS)
     return Study(
         name=f"meanfield_energy_limit{'_full' if full else ''}",
         title="Mean field: energy of the limit",
         key=("model", "method"),
         runs=(*runs, {"model": "straight", "method": "moments"}),
         run=_limit_full if full else _limit_short,
-        fingerprint=cases.made_by("energy.py", settings=[list(part) for part in settings], models=LIMIT_MODELS),
     )
 
 
@@ -79,7 +76,6 @@ def long_study(full: bool) -> Study:
         key=("method", "setting"),
         runs=runs,
         run=_long_full if full else _long_short,
-        fingerprint=cases.made_by("energy.py", "methods.py", periods=FULL_PERIODS if full else PERIODS),
     )
 
 

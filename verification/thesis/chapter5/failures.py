@@ -10,9 +10,7 @@ from functools import partial
 
 import pandas as pd
 
-from verification.study import Key, Study
-from verification.table import Row
-from verification.thesis.chapter5 import cases
+from dincl.study import Key, Row, Study
 from verification.thesis.chapter5.methods import LABELS
 from verification.thesis.chapter5.provoked import (
     KERNELS,
@@ -73,7 +71,6 @@ def study() -> Study:
         key=("case",),
         runs=tuple({"case": name} for name in FAILURES),
         run=_row,
-        fingerprint=cases.made_by("failures.py", "provoked.py", "exact.py", "methods.py"),
     )
 
 

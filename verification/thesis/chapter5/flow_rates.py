@@ -19,11 +19,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from verification.rates import IID, PAIR, QUANTILES, Limit, distance, draw, mean_field_limit, through_flow
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.sampling import exponents, means
+from verification.thesis.kept import keep
 
 Floats = NDArray[np.float64]
 T = np.array([4.0])
@@ -46,16 +46,12 @@ def study() -> Study:
     runs = [{"model": name, "start": PAIR, "N": n} for name in SPACE for n in reversed(in_space)]
     runs += [{"model": name, "start": IID, "N": n} for name in LINE for n in reversed(on_line)]
     runs += [{"model": name, "start": QUANTILES, "N": n} for name in LINE for n in reversed(QUANTILE_COUNTS)]
-    repeats = {IID: on_line, PAIR: in_space, QUANTILES: dict.fromkeys(QUANTILE_COUNTS, 1)}
     return Study(
         name="meanfield_flow_full",
         title="Mean field: rates through the flow",
         key=("model", "start", "N"),
         runs=tuple(runs),
         run=rows_of,
-        fingerprint=cases.made_by(
-            "flow_rates.py", "exact.py", repeats={kind: list(each.items()) for kind, each in repeats.items()}
-        ),
     )
 
 
@@ -110,7 +106,7 @@ def fitted(averages: pd.DataFrame) -> pd.DataFrame:
 def main() -> None:
     """Make all runs and write their rows to a file."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    pd.DataFrame([row for key in study().runs for row in rows_of(key)]).to_parquet(file, index=False)
+    keep(pd.DataFrame([row for key in study().runs for row in rows_of(key)]), file, main)
 
 
 if __name__ == "__main__":

@@ -9,12 +9,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import GridMotion, Moments, carry_density, solve_characteristics, solve_moments, solve_pde, w1
 from meanfield.solvers.carried import origins
 from meanfield.solvers.grid.cells import CellGrid
 from verification.order import estimate, order_text
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]
@@ -73,7 +72,6 @@ def study(full: bool) -> Study:
         key=("model", "cells"),
         runs=tuple(runs),
         run=_row,
-        fingerprint=cases.made_by("grid_order.py", "exact.py", end=T.tolist(), boxes=BOXES),
     )
 
 

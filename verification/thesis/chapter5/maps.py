@@ -11,6 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.errors import StepFailure
+from dincl.study import Key, Row, Study
 from meanfield import (
     LinearFibre,
     Model,
@@ -24,11 +25,9 @@ from meanfield import (
     solve_rattle,
 )
 from meanfield.solvers.rattle import SUBSTEPS
-from verification.study import Key, Study
-from verification.table import Row
-from verification.thesis.chapter2.stability.outcome import ERROR, FAR, Outcome
+from verification.outcome import FAR, Outcome
+from verification.thesis.chapter2.stability.outcome import ERROR
 from verification.thesis.chapter2.stability.plane import Axis, Line, Plane, geometric
-from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.methods import LABELS
 from verification.thesis.chapter5.naive import solve_naive_rk4
 from verification.thesis.chapter5.provoked import SINGULAR
@@ -144,7 +143,6 @@ PLANES = (
         y=Axis("stiffness k0", geometric(1.0, 1e4, 5), geometric(1.0, 1e4, 30)),
         methods={"rattle2": LABELS["rattle2"], "rattle4": LABELS["rattle4"], "rk4": "naive, RK4"},
         cell=stiff,
-        sources=(),
         lines=tuple(Line(f"dt ω = {limit(method):.3g}", (method,), partial(longest_step, method)) for method in STIFF),
     ),
     Plane(
@@ -155,7 +153,6 @@ PLANES = (
         y=Axis("stiffness k0", geometric(0.5, 8.0, 5), geometric(0.3, 8.0, 20)),
         methods={method: LABELS[method] for method in PUSHED},
         cell=pushed,
-        sources=(),
         lines=(Line("y reaches 0", tuple(PUSHED), least_speed),),
     ),
 )
@@ -169,7 +166,6 @@ def study(plane: Plane, full: bool) -> Study:
         key=("method", "y"),
         runs=tuple({"method": method, "y": y} for y in plane.y.values(full)[::-1] for method in plane.methods),
         run=partial(_row, plane.cell, plane.x.values(full)),
-        fingerprint=cases.made_by("maps.py", "naive.py", "provoked.py", x=plane.x.values(full)),
     )
 
 

@@ -21,11 +21,11 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
+from dincl.study import Key, Row, Study
 from meanfield import Density
 from verification.order import CONFIDENCE
 from verification.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from verification.thesis.kept import keep
 
 FILE = Path(__file__).parent.parent / "data" / "w1_rates.parquet"
 KEY = ("d", "start", "N", "repeat")
@@ -107,7 +107,6 @@ def study(full: bool) -> Study:
         key=KEY,
         runs=tuple(reversed(keys(full))),
         run=value,
-        fingerprint=fingerprint("meanfield/sampling.py", packages=("meanfield",)),
     )
 
 
@@ -164,13 +163,14 @@ def laws(found: pd.DataFrame) -> pd.DataFrame:
 def main() -> None:
     """Make the runs of the complete form that the file lacks; it is written whenever a size or a long run is done."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    rows: list[Row] = pd.read_parquet(file).to_dict("records") if file.exists() else []
+    before = [pd.read_parquet(file)] if file.exists() else []
+    rows: list[Row] = [row for table in before for row in table.to_dict("records")]
     done = {tuple(row[name] for name in KEY) for row in rows}
     runs = [key for key in keys(True) if tuple(key[name] for name in KEY) not in done]
     for k, key in enumerate(runs, 1):
         rows += value(key)
         if k == len(runs) or runs[k]["N"] != key["N"] or rows[-1]["seconds"] > LONG:
-            pd.DataFrame(rows).sort_values(list(KEY)).to_parquet(file, index=False)
+            keep(pd.DataFrame(rows).sort_values(list(KEY)), file, main, before)
             print(f"{k} of {len(runs)} runs, last {key}, {rows[-1]['seconds']:.1f} s", flush=True)
 
 

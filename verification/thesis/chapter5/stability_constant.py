@@ -19,11 +19,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.study import Key, Row, Study
 from meanfield import Model, Motion, State, StraightFibre, solve_ode, w1
 from meanfield.solvers.index import consistent
 from verification.lines import slope
-from verification.study import Key, Study
-from verification.table import Row
 from verification.thesis.chapter5 import cases
 
 Floats = NDArray[np.float64]
@@ -54,7 +53,6 @@ def study(full: bool) -> Study:
         key=("model", "kind"),
         runs=runs,
         run=_full if full else _short,
-        fingerprint=cases.made_by("stability_constant.py", pairs=FULL_PAIRS if full else PAIRS),
     )
 
 

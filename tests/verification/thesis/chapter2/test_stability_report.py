@@ -6,8 +6,9 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
+from dincl import study
 from tests.verification.thesis.shortened import FEW_CASES, Here, shorten_stability
-from verification import cli, study
+from verification import cli
 from verification.page import sheet
 from verification.page.report import Context, write_report
 from verification.thesis.chapter2.stability import catalogue

@@ -155,7 +155,7 @@ def test_study_names_each_run_once():
     for study in studies:
         assert len({(run["scene"], run["method"]) for run in study.runs}) == len(study.runs)
         assert len(study.runs) == len(CHARTED) * len(work_references.SCENES)
-    assert studies[0].fingerprint != studies[1].fingerprint
+    assert studies[0].provenance() != studies[1].provenance()
 
 
 # The chapter

@@ -1,5 +1,7 @@
 """The studies of the tissue: substeps, disturbances, growth measure what they say, seen by other means."""
 
+import json
+
 import numpy as np
 import pandas as pd
 import pytest
@@ -8,7 +10,7 @@ from scipy.stats import t as student
 from tests.tissue.states import tissue
 from tests.verification.thesis.shortened_tissue import simulated
 from tissue.model.observables import height
-from verification import table
+from verification.thesis.chapter2 import large_steps
 from verification.thesis.chapter3 import bench, disturbed, growing, growth, substeps
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, THROWN
 from verification.thesis.chapter3.intervals import over_seeds
@@ -64,19 +66,12 @@ def test_extent_and_distance():
     assert growing.rms(x, np.zeros((2, 2))) == pytest.approx(np.sqrt(25 / 2))
 
 
-def test_rows_of_the_tissue_depend_on_its_code_and_presets_and_others_do_not(tmp_path, monkeypatch):
-    monkeypatch.setattr(table, "ROOT", tmp_path)
-    for name in ("dincl/a.py", "tissue/b.py", "tissue/presets/c.toml"):
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text("1")
-    both, one = table.fingerprint(packages=growing.PACKAGES), table.fingerprint()
-    for name in ("tissue/b.py", "tissue/presets/c.toml"):
-        (tmp_path / name).write_text("2")
-        assert table.fingerprint() == one
-        assert table.fingerprint(packages=growing.PACKAGES) != both
-        both = table.fingerprint(packages=growing.PACKAGES)
-    (tmp_path / "dincl/a.py").write_text("2")
-    assert table.fingerprint() != one
+def test_rows_of_the_tissue_depend_on_its_code_and_presets_and_others_do_not():
+    made, other = substeps.study(full=False).provenance(), large_steps.study().provenance()
+    assert {"tissue.kernels.advance", "tissue.numbers", "dincl.compile"} <= json.loads(made["code"]).keys()
+    assert {"tissue/presets/thesis.toml", "tissue/presets/published.toml"} <= json.loads(made["data"]).keys()
+    assert not any(name.startswith("tissue") for name in json.loads(other["code"]) | json.loads(other["data"]))
+    assert {"dincl.time_stepping", "verification.thesis.chapter2.methods"} <= json.loads(other["code"]).keys()
 
 
 # Substeps

@@ -69,6 +69,5 @@ PLANE = Plane(
     y=Axis("part of the box filled", (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1), even(0.45, 1.1, 14), logarithmic=False),
     methods=named(*METHODS),
     cell=cell,
-    sources=("stability/box.py", "stability/jaws.py"),
     lines=(Line("all that fits", METHODS, height=1.0),),
 )

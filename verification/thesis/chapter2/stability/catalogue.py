@@ -5,10 +5,10 @@ from __future__ import annotations
 import pkgutil
 from importlib import import_module
 
-from verification.study import Study
+from dincl.study import Study
 from verification.thesis.chapter2 import stability
 from verification.thesis.chapter2.stability.case import Case, study
-from verification.thesis.chapter2.stability.plane import COMMON, Plane
+from verification.thesis.chapter2.stability.plane import Plane
 
 # This module and the page, which reads it, state none.
 FAMILIES = tuple(
@@ -24,5 +24,4 @@ CASES: tuple[Case, ...] = tuple(case for family in FAMILIES for case in getattr(
 
 def cases() -> Study:
     """All cases; there is one form only."""
-    files = [f"stability/{family.__name__.rpartition('.')[2]}.py" for family in FAMILIES]
-    return study(CASES, (*COMMON, "stability/case.py", *files))
+    return study(CASES)

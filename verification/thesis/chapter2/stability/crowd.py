@@ -143,7 +143,6 @@ SWEEPS = Plane(
     y=Axis("sweeps", (1, 2, 4, 8, 16), (1, 2, 4, 8, 16, 32, 64)),
     methods=named("pbd"),
     cell=by_sweeps,
-    sources=("stability/crowd.py",),
     lines=(Line("dt R²/2 = 0.1 · sweeps", ("pbd",), _sweeps_line),),
 )
 NUMBERS = Plane(
@@ -155,7 +154,6 @@ NUMBERS = Plane(
     y=Axis("discs n", (4, 16, 64, 256), (4, 8, 16, 32, 64, 128, 256, 512)),
     methods=named("pbd", "pbd_16", "penalty_tied", "penalty_100", "penalty_printed"),
     cell=by_number,
-    sources=("stability/crowd.py",),
     lines=(Line("dt R²/2 = 0.1", ("pbd",), limit_line),),
 )
 CASES = (

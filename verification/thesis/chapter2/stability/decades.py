@@ -7,12 +7,10 @@ from typing import Any
 import numpy as np
 
 import dincl
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
+from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.stability.case import Case, Found
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.outcome import FAR, measured
-from verification.thesis.chapter2.stability.plane import COMMON
 
 # A bounded drift: with F = -x explicit Euler itself is unstable beyond dt = 2 (see ``drift``).
 DISCS = 6
@@ -57,7 +55,6 @@ def study(full: bool) -> Study:
         key=("method", "dt"),
         runs=tuple({"method": method, "dt": dt} for dt in (FULL if full else SHORT) for method in METHODS),
         run=one,
-        fingerprint=fingerprint(*COMMON, "stability/decades.py"),
     )
 
 

@@ -86,7 +86,6 @@ PLANE = Plane(
     y=Axis("rate k", geometric(0.1, 100.0, 10), geometric(0.1, 100.0, 19)),
     methods=named("pbd", "linearised_daqp", "midpoint_daqp", "second_order"),
     cell=cell,
-    sources=("stability/drift.py",),
     lines=(
         Line("dt k = 2", ("pbd", "linearised_daqp", "midpoint_daqp"), _first),
         Line("dt √k = 2", ("second_order",), _second),

@@ -157,7 +157,6 @@ PLANE = Plane(
         "penalty_printed",
     ),
     cell=cell,
-    sources=("stability/jaws.py",),
     lines=(
         Line("S̃ empty in the first step", ("catch_up_daqp", "linearised_daqp", "linearised_clarabel"), _empty_line),
     ),

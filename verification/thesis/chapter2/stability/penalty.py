@@ -132,7 +132,6 @@ PLANE = Plane(
     y=Axis("strength", geometric(0.5, 500.0, 15), geometric(0.5, 1000.0, 37)),
     methods={"penalty_springs": "springs", "penalty_push": "force as printed"},
     cell=cell,
-    sources=("stability/penalty.py",),
     lines=(
         Line("dt · strength = 2", ("penalty_springs",), _stable),
         Line("1/strength = 0.1", ("penalty_springs",), height=1 / OVERLAP),

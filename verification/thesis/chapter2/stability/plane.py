@@ -9,11 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.study import Key, Study
-from verification.table import Row, fingerprint
-
-# Files that every plane depends on.
-COMMON = tuple(f"stability/{name}.py" for name in ("boundary", "contestants", "outcome", "plane"))
+from dincl.study import Key, Row, Study
 
 
 @dataclass(frozen=True)
@@ -52,8 +48,6 @@ class Plane:
         Names of the methods and their labels.
     cell
         (method, x, y) -> the row of one run; a function of a module, so that it can be sent to other processes.
-    sources
-        Files of verification that the cells depend on.
     """
 
     name: str
@@ -63,7 +57,6 @@ class Plane:
     y: Axis
     methods: Mapping[str, str]
     cell: Callable[[str, float, float], dict[str, Any]]
-    sources: tuple[str, ...]
     lines: tuple[Line, ...] = ()
 
     def study(self, full: bool) -> Study:
@@ -75,7 +68,6 @@ class Plane:
             key=("method", "y"),
             runs=tuple({"method": method, "y": y} for y in heights for method in self.methods),
             run=_Rows(self.cell, self.x.values(full)),
-            fingerprint=fingerprint(*COMMON, *self.sources, methods=list(self.methods), x=self.x.values(full)),
         )
 
 

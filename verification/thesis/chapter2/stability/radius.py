@@ -154,7 +154,6 @@ PLANE = Plane(
         "penalty_printed",
     ),
     cell=cell,
-    sources=("stability/radius.py",),
     lines=(
         Line("step = η", ("pbd", "pbd_16"), _one),
         Line("step = 2η", ("catch_up_ipopt", "catch_up_daqp"), _two),

@@ -171,7 +171,6 @@ PLANE = Plane(
         "penalty_printed",
     ),
     cell=cell,
-    sources=("stability/rows.py",),
     lines=(Line("PBD, one sweep: error 0.02", ("pbd",), _pbd_line),),
 )
 CASES = (

@@ -114,7 +114,6 @@ PLANE = Plane(
     y=Axis("β", geometric(0.03, 30.0, 11), geometric(0.03, 30.0, 17)),
     methods=METHODS,
     cell=cell,
-    sources=("stability/saddle.py",),
     lines=(
         Line("α (2 + β) = 4", ("arrow_hurwicz",), _simple),
         Line("β dτ = 1", ("damped",), height=1.0),

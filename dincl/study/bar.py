@@ -11,7 +11,6 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 MAKES_NO_NUMBERS = True
-
 # Seconds between two lines where there is no terminal.
 INTERVAL = 5.0
 
@@ -35,7 +34,6 @@ def progress(title: str, total: float, unit: str, console: Console | None = None
     first: tuple[float, float] | None = None
 
     def done(amount: float) -> None:
-        """Show that ``amount`` is done."""
         nonlocal first, last
         now = time.monotonic()
         first = first or (amount, now)

@@ -10,11 +10,15 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from verification.study import Key, Study
-from verification.table import Row, Table, fingerprint
+from dincl.provenance import provenance
+from dincl.study import Key, Row, Study, Table
 
 RUNS = tuple({"method": name, "dt": dt} for name in ("b", "a") for dt in (0.1, 0.025, 0.05))
-MADE_BY = {"code": "1"}
+
+
+def made_by(**settings: str) -> dict[str, str]:
+    """What the tables of these tests are made by."""
+    return provenance(two_rows, **settings)
 
 
 class Inline(Executor):
@@ -38,8 +42,8 @@ def two_rows(key: Key) -> list[Row]:
     ]
 
 
-def study(run: Callable[[Key], list[Row]] = two_rows, runs: tuple[Key, ...] = RUNS, **made_by: str) -> Study:
-    return Study("runs", "Runs", ("method", "dt"), runs, run, made_by or MADE_BY)
+def study(run: Callable[[Key], list[Row]] = two_rows, runs: tuple[Key, ...] = RUNS, **settings: str) -> Study:
+    return Study("runs", "Runs", ("method", "dt"), runs, run, settings)
 
 
 def test_rows_of_all_runs_sorted_by_key(tmp_path: Path) -> None:
@@ -69,7 +73,7 @@ def test_interrupted_study_ends_as_if_it_had_not_been(at: int, tmp_path: Path) -
 
     with pytest.raises(KeyboardInterrupt):
         study(stops).complete(tmp_path / "broken", Inline())
-    table = Table(tmp_path / "broken" / "runs.parquet", ("method", "dt"), MADE_BY)
+    table = Table(tmp_path / "broken" / "runs.parquet", ("method", "dt"), made_by())
     kept = table.done()
     again: list[Key] = []
 
@@ -100,7 +104,7 @@ def test_only_the_runs_asked_for_come_back(tmp_path: Path) -> None:
 
 
 def test_write_that_breaks_off_leaves_the_old_table(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    table = Table(tmp_path / "runs.parquet", ("method", "dt"), MADE_BY)
+    table = Table(tmp_path / "runs.parquet", ("method", "dt"), made_by())
     table.append(two_rows(RUNS[0]))
 
     def breaks(*_: object) -> None:
@@ -113,22 +117,17 @@ def test_write_that_breaks_off_leaves_the_old_table(tmp_path: Path, monkeypatch:
 
 
 def test_rows_of_other_making_are_refused(tmp_path: Path) -> None:
-    Table(tmp_path / "runs.parquet", ("method", "dt"), {"code": "1", "numpy": "2"}).append(two_rows(RUNS[0]))
-    other = Table(tmp_path / "runs.parquet", ("method", "dt"), {"code": "9", "numpy": "2"})
-    with pytest.raises(ValueError, match=r"runs\.parquet was made with other values of code: "):
+    Table(tmp_path / "runs.parquet", ("method", "dt"), made_by(code="1", other="2")).append(two_rows(RUNS[0]))
+    other = Table(tmp_path / "runs.parquet", ("method", "dt"), made_by(code="9", other="2"))
+    with pytest.raises(ValueError, match=r"runs\.parquet was made by something else \(setting code: 1 -> 9\): "):
         other.append(two_rows(RUNS[1]))
 
 
 def test_stale_table_is_set_aside_and_starts_anew(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study(runs=RUNS[:1]).complete(tmp_path, Inline())
     rows = study(runs=RUNS[1:3], code="2").complete(tmp_path, Inline())
-    assert "starts anew" in capsys.readouterr().out
+    told = capsys.readouterr().out
+    assert "starts anew" in told
+    assert "setting code is new" in told
     assert rows["dt"].tolist() == [0.025, 0.025, 0.05, 0.05]
     assert pd.read_parquet(tmp_path / "superseded" / "runs.parquet")["dt"].tolist() == [0.1, 0.1]
-
-
-def test_fingerprint_tells_parameters_sources_and_versions_apart() -> None:
-    plain = fingerprint("runs.py", steps=[1, 2])
-    assert plain == fingerprint("runs.py", steps=[1, 2])
-    assert plain != fingerprint("runs.py", steps=[1, 3])
-    assert {"numpy", "casadi", "daqp"} <= plain.keys()

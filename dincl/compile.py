@@ -1,0 +1,82 @@
+"""How loops are compiled to machine code, and when anew: if the code that they can reach has changed, and only then."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import textwrap
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar, cast
+
+import numba
+from numba.core.caching import CacheImpl, _CacheLocator
+
+from dincl.provenance import closure, libraries
+from dincl.provenance.source import read_source, source
+
+Function = TypeVar("Function", bound=Callable[..., Any])
+# Of each file, what it was when it was first looked at: the functions that are compiled in this process.
+_DIGESTS: dict[Path, str] = {}
+# By module.
+_STAMPS: dict[str, str] = {}
+
+
+def kernel(function: Function, *, references: bool = True) -> Function:
+    """Compile on first use, free of the interpreter lock; division by zero gives inf as in NumPy.
+
+    No fastmath and no parallel: the order of operations is part of the result. The machine code is kept on the disk,
+    where numba keeps it. It is used again as long as no module of ``closure(function)`` says something else, and the
+    libraries have the same versions; a docstring or a remark is nothing to it.
+
+    Parameters
+    ----------
+    function
+        At top level of a file.
+    references
+        Whether to count the references to arrays: not needed by a kernel that makes none.
+    """
+    config: Any = numba.config
+    options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": references}
+    before = config.CACHE_LOCATOR_CLASSES
+    config.CACHE_LOCATOR_CLASSES = f"{__name__}.{ByClosure.__name__}"
+    try:
+        return cast("Function", numba.njit(**options)(function))
+    finally:
+        config.CACHE_LOCATOR_CLASSES = before
+
+
+class ByClosure(_CacheLocator):
+    """Machine code in the folder of numba, under the closure of the function in place of the text of its file."""
+
+    def __init__(self, function: Callable[..., Any], place: Any) -> None:
+        self._function, self._place = function, place
+        self._py_file = place._py_file
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> ByClosure | None:
+        """Take the first place that numba would."""
+        classes: list[Any] = CacheImpl._locator_classes
+        found = (standard.from_function(py_func, py_file) for standard in classes)
+        return next((cls(py_func, place) for place in found if place is not None), None)
+
+    def get_cache_path(self) -> str:
+        """The folder."""
+        return str(self._place.get_cache_path())
+
+    def get_source_stamp(self) -> str:
+        """What the machine code is made of."""
+        return _stamp(self._function.__module__, self._function)
+
+    def get_disambiguator(self) -> str:
+        """Tell functions of one name in one file apart by their text: lines shift with every remark."""
+        return source(textwrap.dedent(inspect.getsource(self._function))).digest
+
+
+def _stamp(module: str, function: Callable[..., Any]) -> str:
+    """The code that the functions of a module can reach, and the versions of the libraries."""
+    if module not in _STAMPS:
+        reached = closure(function)
+        code = {name: _DIGESTS.setdefault(path, read_source(path).digest) for name, path in reached.modules.items()}
+        _STAMPS[module] = json.dumps([code, libraries(reached)])
+    return _STAMPS[module]

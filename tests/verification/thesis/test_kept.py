@@ -1,0 +1,48 @@
+"""The tables that come with the repository know what makes them, and say what has changed since."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from verification.thesis import kept
+from verification.thesis.chapter2 import pile_reference
+from verification.thesis.chapter5 import sampling
+
+TABLE = pd.DataFrame({"N": [10, 100], "w1": [0.5, 0.1]})
+FILES = sorted(kept.DATA.glob("*.parquet"))
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_each_kept_table_names_the_command_that_makes_it(file: Path) -> None:
+    module = pd.read_parquet(file).attrs[kept.MAKER]
+    assert f"python -m {module}" in kept.import_module(module).__doc__
+
+
+def test_tables_of_before_their_provenance_was_kept_say_so() -> None:
+    found = kept.all_changes()
+    assert found.keys() == {file.stem for file in FILES}
+    assert found["pile_1000"] == ["nothing is noted of what it was made by"]
+
+
+def test_a_table_knows_whether_its_code_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "table.parquet"
+    kept.keep(TABLE, file, sampling.main)
+    pd.testing.assert_frame_equal(pd.read_parquet(file), TABLE)
+    assert kept.changes(file) == []
+    table = pd.read_parquet(file)
+    code = table.attrs[kept.PROVENANCE]["code"]
+    assert '"meanfield.wasserstein"' in code
+    table.attrs[kept.PROVENANCE]["code"] = code.replace('"meanfield.wasserstein": "', '"meanfield.wasserstein": "0')
+    table.to_parquet(file)
+    assert kept.changes(file) == ["module meanfield.wasserstein has changed"]
+
+
+@pytest.mark.parametrize(("main", "known"), [(sampling.main, True), (pile_reference.main, False)])
+def test_provenance_is_noted_only_if_all_rows_have_it(main: Callable[[], None], known: bool, tmp_path: Path) -> None:
+    before, after = tmp_path / "before.parquet", tmp_path / "after.parquet"
+    kept.keep(TABLE, before, main)
+    kept.keep(TABLE, after, sampling.main, [pd.read_parquet(before)])
+    assert (kept.PROVENANCE in pd.read_parquet(after).attrs) is known
+    assert bool(kept.changes(after)) is not known

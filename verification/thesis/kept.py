@@ -1,0 +1,59 @@
+"""The tables that come with the repository: what each was made by, and what has changed since."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable
+from importlib import import_module
+from pathlib import Path
+
+import pandas as pd
+
+from dincl.provenance import differences, provenance
+
+MAKES_NO_NUMBERS = True
+DATA = Path(__file__).parent / "data"
+# In the attributes of a table, which Parquet keeps: the module whose ``main`` makes it, and what that was then.
+MAKER, PROVENANCE = "made_by", "provenance"
+
+
+def keep(table: pd.DataFrame, file: Path, main: Callable[..., None], before: Iterable[pd.DataFrame] = ()) -> None:
+    """Write a table with the provenance of the command that makes it.
+
+    Parameters
+    ----------
+    table
+        All rows.
+    file
+        The Parquet file.
+    main
+        The command, a function named ``main`` at top level of its module.
+    before
+        Tables some of whose rows go on in this one: where their provenance is another one, none is noted.
+    """
+    module, now = _module(main), provenance(main)
+    same = all(other.attrs.get(PROVENANCE) == now for other in before)
+    kept = table.copy()
+    kept.attrs = {MAKER: module} | ({PROVENANCE: now} if same else {})
+    kept.to_parquet(file, index=False)
+
+
+def changes(file: Path) -> list[str]:
+    """What differs in the code, data and libraries that a kept table is made by since it was made; a line for each."""
+    noted = pd.read_parquet(file).attrs
+    return differences(noted.get(PROVENANCE, {}), provenance(import_module(noted[MAKER]).main))
+
+
+def files() -> list[Path]:
+    """The Parquet files."""
+    return sorted(DATA.glob("*.parquet"))
+
+
+def all_changes() -> dict[str, list[str]]:
+    """``changes`` of each kept table, by its name."""
+    return {file.stem: changes(file) for file in files()}
+
+
+def _module(main: Callable[..., None]) -> str:
+    spec = sys.modules[main.__module__].__spec__
+    return main.__module__ if spec is None else spec.name
