@@ -16,7 +16,7 @@ from meanfield.forces.interaction import forces
 from meanfield.model.state import FullState, State, oriented
 from meanfield.solvers.arguments import times
 from meanfield.solvers.index import FINE, MOST_CORRECTIONS, accelerations, solved
-from meanfield.solvers.motion import Motion, Work
+from meanfield.solvers.motion import Motion, SolverWork
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -172,7 +172,7 @@ class _Run:
             weights=None,
             status=status,
             detail=detail,
-            work=Work(2 * (ny + shape[0] * shape[1]), self._steps, evaluations, self._newton),
+            work=SolverWork(2 * (ny + shape[0] * shape[1]), self._steps, evaluations, self._newton),
         )
 
     def _stepped(self, old: _Point, h: float) -> _Point:
