@@ -51,7 +51,7 @@ class Model:
     InvalidModel
         at construction, if a number or a function cannot be right.
 
-    Source: Section 2.1, (5.4)-(5.8).
+    Source: Section 2.1 of chapter 5, (5.4)-(5.8).
     """
 
     g: Any

@@ -17,3 +17,9 @@ def run(page: Path) -> dict:
     for block in blocks(page.read_text("utf-8"), "python"):
         exec(compile(block, str(page), "exec"), scope)
     return scope
+
+
+def links(page: Path) -> list[Path]:
+    """The files of the repository that a page links to or shows."""
+    targets = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text("utf-8"))
+    return [(page.parent / target).resolve() for target in targets if "://" not in target]

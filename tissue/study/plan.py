@@ -51,7 +51,10 @@ class Study:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each scenario in which [P] may come before [B], for which it waits (section 2.2.4)."""
+        """One sentence for each scenario in which [P] may come before [B], for which it waits.
+
+        Source: section 2.2.4 of chapter 4.
+        """
         found = {name: waits(parameters.emt.p, parameters.emt.b) for name, parameters in self.scenarios.items()}
         return in_scenarios({name: [line] if line else [] for name, line in found.items()})
 

@@ -1,4 +1,4 @@
-"""Figures 11 and 16: pictures of single runs, from the stored trajectories."""
+"""Figures 11 and 16 of chapter 4: pictures of single runs, from the stored trajectories."""
 
 from __future__ import annotations
 
