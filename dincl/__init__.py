@@ -1,8 +1,9 @@
 """Differential inclusions x' in F(t, x) - N(S, x): problems, schemes, projections."""
 
-from dincl import geometry, scenes
+from dincl import checks, constraints, geometry, projection, scenes, shapes
 from dincl.constraints import (
     Constraint,
+    DifferentiableConstraint,
     HalfSpace,
     InsideBall,
     MaxDistance,
@@ -12,7 +13,7 @@ from dincl.constraints import (
     OutsideBall,
     Smooth,
 )
-from dincl.errors import InvalidProblem, ProjectionFailed
+from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.minimise import (
     ArrowHurwicz,
     DampedArrowHurwicz,
@@ -39,7 +40,19 @@ from dincl.projection import (
     Projection,
 )
 from dincl.projection.project import project
-from dincl.schemes import PBD, CatchUp, EventDriven, LinearisedCatchUp, MidpointCatchUp, Penalty, Scheme, SecondOrderPBD
+from dincl.run.bound import State, Stepper
+from dincl.run.outcome import Between, Event, RunOutcome
+from dincl.schemes import (
+    PBD,
+    CatchUp,
+    EventDriven,
+    FixedStep,
+    LinearisedCatchUp,
+    MidpointCatchUp,
+    Penalty,
+    Scheme,
+    SecondOrderPBD,
+)
 from dincl.solve import solve
 from dincl.status import Status
 from dincl.trajectory import StepFailed, Trajectory
@@ -48,6 +61,7 @@ from dincl.work import Work
 __all__ = [
     "PBD",
     "ArrowHurwicz",
+    "Between",
     "CatchUp",
     "Clarabel",
     "ClosedForm",
@@ -55,7 +69,10 @@ __all__ = [
     "CvxpyQP",
     "DampedArrowHurwicz",
     "Daqp",
+    "DifferentiableConstraint",
+    "Event",
     "EventDriven",
+    "FixedStep",
     "GaussSeidel",
     "HalfSpace",
     "InsideBall",
@@ -79,19 +96,36 @@ __all__ = [
     "Projection",
     "ProjectionFailed",
     "RelativeMove",
+    "RunOutcome",
     "Scheme",
     "SecondOrderPBD",
     "Smooth",
+    "State",
     "Stationary",
     "Status",
     "StepFailed",
+    "StepFailure",
+    "Stepper",
     "Stop",
     "Trajectory",
     "Uzawa",
     "Work",
+    "checks",
+    "constraints",
     "geometry",
     "minimise",
     "project",
+    "projection",
     "scenes",
+    "shapes",
     "solve",
 ]
+
+
+def __getattr__(name: str) -> str:
+    """``dincl.__version__`` of the installed package, looked up on use."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("dincl-testbed")
+    raise AttributeError(f"module 'dincl' has no attribute {name!r}")

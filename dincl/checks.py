@@ -48,6 +48,16 @@ def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> 
     return checked
 
 
+def shaped(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> NDArray[np.float64]:
+    """As ``array``, not empty and of a shape; None in ``shape`` is any length > 0, fewer axes are not filled up."""
+    allowed = "finite real numbers of shape (" + ", ".join("n" if s is None else str(s) for s in shape) + ")"
+    checked = array(name, value, allowed)
+    fits = checked.ndim == len(shape) and checked.size > 0
+    if not fits or any(s not in (None, n) for s, n in zip(shape, checked.shape, strict=True)):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    return checked
+
+
 def number(name: str, value: Any, *, positive: bool = False, non_negative: bool = False) -> float:
     """A finite float, on request > 0 or >= 0."""
     allowed = "a finite number" + (" > 0" if positive else " >= 0" if non_negative else "")
@@ -61,10 +71,12 @@ def number(name: str, value: Any, *, positive: bool = False, non_negative: bool 
     return checked
 
 
-def integer(name: str, value: Any, *, least: int) -> int:
-    """An int that is at least ``least``."""
-    if isinstance(value, (bool, np.bool_)) or not isinstance(value, (int, np.integer)) or value < least:
-        raise InvalidProblem(f"{name} = {describe(value)}: must be an integer >= {least}")
+def integer(name: str, value: Any, *, least: int, most: int | None = None) -> int:
+    """An int that is at least ``least`` and at most ``most``."""
+    is_integer = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not is_integer or value < least or (most is not None and value > most):
+        allowed = f"an integer >= {least}" if most is None else f"an integer from {least} to {most}"
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return int(value)
 
 

@@ -20,10 +20,10 @@ class ProjectionFailed(RuntimeError):
         self.status = status
 
 
-class StepFailure(Exception):
-    """Why a single step could not be made; ``solve`` turns it into the Status of the Trajectory."""
+class StepFailure(RuntimeError):
+    """Why a single step could not be made; a solver turns it into the Status of its result."""
 
     def __init__(self, status: Status, detail: str) -> None:
-        super().__init__(detail)
+        super().__init__(f"{status.value} {detail}".rstrip())
         self.status = status
         self.detail = detail

@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import call, numbers
 from dincl.checks import array, describe
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import RowsTogether
+from dincl.constraints.rows import RowsOfOneKind, RowsTogether
 from dincl.errors import InvalidProblem, StepFailure
+from dincl.pickles import check_pickles
 from dincl.status import Status
 
 # A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
@@ -59,6 +60,20 @@ class Problem:
         sets = ", ".join(type(constraint).__name__ for constraint in self.constraints)
         return f"{type(self).__name__}(N = {n}, d = {d}, constraints = [{sets}])"
 
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled; PicklingError names the part that cannot be."""
+        check_pickles("drift", self.drift)
+        for k, constraint in enumerate(self.constraints):
+            check_pickles(f"constraints[{k}]", constraint)
+        return self.__dict__
+
+    def __copy__(self) -> Problem:
+        return self
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> Problem:
+        """Itself, as nothing in it changes: a drift that does not pickle can still be copied."""
+        return self
+
     def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """F(t, x), checked: shape (N, d), finite; StepFailure otherwise."""
         seen = x.view()
@@ -81,6 +96,7 @@ class Problem:
         try:
             for constraint in self.constraints:
                 constraint.check(*self.x0.shape)
+                _check_rows(constraint, self.x0)
                 _check_feasible(constraint, self.x0)
             self.velocity(0.0, self.x0)
         except StepFailure as failure:
@@ -100,6 +116,15 @@ def _families(constraints: Sequence[Constraint]) -> tuple[Constraint, ...]:
     if not isinstance(constraints, Iterable) or not all(isinstance(family, Constraint) for family in families):
         raise InvalidProblem(f"constraints = {describe(constraints)}: must be a list of dincl constraints")
     return families
+
+
+def _check_rows(constraint: Constraint, x: NDArray[np.float64]) -> None:
+    rows: Any = constraint.near(0.0, x, 0.0)
+    if not isinstance(rows, RowsOfOneKind):
+        name = type(constraint).__name__
+        raise InvalidProblem(
+            f"constraints: {name}.select returned {describe(rows)}: must be AffineRows, DistanceRows or SmoothRows"
+        )
 
 
 def _check_feasible(constraint: Constraint, x: NDArray[np.float64]) -> None:

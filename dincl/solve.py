@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,6 +10,7 @@ import numpy as np
 from dincl.checks import array, describe
 from dincl.errors import InvalidProblem
 from dincl.problem import Problem
+from dincl.run.outcome import RunOutcome
 from dincl.schemes.base import Scheme
 from dincl.trajectory import StepFailed, Trajectory
 
@@ -40,7 +42,11 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
         raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
     if not isinstance(scheme, Scheme):
         raise InvalidProblem(f"scheme = {describe(scheme)}: must be a scheme such as PBD(dt=1e-3)")
-    trajectory = scheme.run(problem, _times(t))
+    outcome = scheme.run(problem, _times(t))
+    if not isinstance(outcome, RunOutcome):
+        raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
+    parts = {part.name: getattr(outcome, part.name) for part in fields(outcome)}
+    trajectory = Trajectory(problem=problem, scheme=scheme, **parts)
     if throw and not trajectory.status:
         raise StepFailed(trajectory)
     return trajectory

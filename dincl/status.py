@@ -10,13 +10,16 @@ class Status(Enum):
 
     SUCCESS = "The run reached its last time."
     NOT_CONVERGED = (
-        "The projection, or the estimated error, did not reach its tolerance: use a smaller dt, a looser tol, or "
-        "another projection."
+        "The projection, an iteration or the estimated error did not reach its tolerance: use a smaller dt, a looser "
+        "tol, fewer points or another projection."
     )
     INFEASIBLE = (
         "The set to project onto is empty: use a smaller dt, or check that the constraints can be met together."
     )
-    NON_FINITE = "The state left the finite numbers: use a smaller dt, or a smaller strength of the penalty."
+    NON_FINITE = (
+        "A force, an energy or the state left the finite numbers: use a smaller dt or strength of the penalty, "
+        "bound the forces, or end the run earlier."
+    )
     DRIFT_FAILED = (
         "The drift could not be evaluated: it must return finite numbers of shape (N, d) at every state it meets; "
         "correct it, or use a smaller dt."
@@ -26,6 +29,17 @@ class Status(Enum):
     )
     CROWDED = "Particles lie on top of each other in such numbers that their pairs cannot be listed: use a smaller dt."
     COINCIDENT_CENTRES = "Two centres coincide, so no direction separates them: use a smaller dt."
+
+    SINGULAR = (
+        "dg/dX lost its full rank (5.5), so that y no longer determines the particles: start elsewhere, or end the run "
+        "earlier."
+    )
+    STEP_TOO_SMALL = (
+        "The step needed for the tolerance fell below the spacing of numbers, as near a singularity: use a looser tol, "
+        "or end the run earlier."
+    )
+    TOO_MANY_STEPS = "The run needs more steps than allowed: use a looser tol, softer springs or a shorter run."
+    LEFT_GRID = "The density reached the boundary of the grid: give wider bounds."
 
     def __bool__(self) -> bool:
         return self is Status.SUCCESS

@@ -2,55 +2,27 @@
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.checks import array
+from dincl.checks import array, integer
 from dincl.errors import InvalidProblem
+from dincl.pickles import check_pickles
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from numpy.typing import ArrayLike, NDArray
 
+    from dincl.frame import DataFrame
+    from dincl.plotting import Axes, Film
     from dincl.problem import Problem
+    from dincl.run.outcome import Between, Event
     from dincl.schemes.base import Scheme
     from dincl.status import Status
     from dincl.work import Work
-
-
-class Event(NamedTuple):
-    """A change of the contacts.
-
-    Attributes
-    ----------
-    t
-        When [time].
-    kind
-        "contact": a gap closes; "release": a multiplier reaches zero and the gap opens.
-    constraint
-        Index into the constraints of the problem.
-    row
-        The row of that constraint in words, e.g. "particle 3 and 1".
-    """
-
-    t: float
-    kind: str
-    constraint: int
-    row: str
-
-
-class Between(ABC):
-    """What a run knows about the times between those that it keeps."""
-
-    @abstractmethod
-    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """x at increasing times (K,) within the run, shape (K, N, d)."""
-
-    @abstractmethod
-    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
-        """dist(x' - F, -N^g) at the kept times, shape (K,); infinite where it is not defined."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -83,6 +55,11 @@ class Trajectory:
     between: Between
     events: tuple[Event, ...] = ()
     error: NDArray[np.float64] | None = None
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is pickled; PicklingError names the part that cannot be."""
+        check_pickles("scheme", self.scheme)
+        return self.__dict__
 
     @property
     def final(self) -> NDArray[np.float64]:
@@ -117,6 +94,50 @@ class Trajectory:
         values = np.empty((times.size, *self.problem.x0.shape))
         values[order] = self.between.states(times.ravel()[order])
         return values.reshape(*times.shape, *self.problem.x0.shape)
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """The last state to scale, the start in outline, the paths through the kept states, walls and obstacles.
+
+        Drawn on ``ax`` (for d = 3 one with projection="3d"), or on a new figure; for d = 1 places over time. Moving
+        sets are drawn at the last time. Paths are straight between kept times: keep more times for finer ones. Needs
+        matplotlib. Raises InvalidProblem for d > 3.
+        """
+        from dincl.plotting import plot
+
+        return plot(self._film(self.t, self.x), ax)
+
+    def animate(self, file: str | Path, frames: int = 100, fps: float = 20.0) -> Path:
+        """Write a movie, .gif or (with the program ffmpeg) .mp4, of ``frames`` equally spaced times; returns the file.
+
+        Needs matplotlib. Raises InvalidProblem for another ending, a missing program, d > 3.
+        """
+        from dincl.plotting import animate
+
+        times = np.linspace(0.0, float(self.t[-1]), integer("frames", frames, least=2))
+        return animate(self._film(times, self(times)), file, fps)
+
+    def to_frame(self) -> DataFrame:
+        """A pandas table: one row per kept time and particle with t, particle, x, y, z, and radius if it is known.
+
+        From d = 4 on the columns are x0, x1, ... Needs pandas.
+        """
+        from dincl.frame import to_frame
+
+        return to_frame(self.problem, self.t, self.x)
+
+    def _repr_html_(self) -> str:
+        """Status and picture, for notebooks; words alone without matplotlib or for d > 3."""
+        from dincl.plotting import to_html
+
+        return to_html(self._film(self.t, self.x))
+
+    def _film(self, times: NDArray[np.float64], states: NDArray[np.float64]) -> Film:
+        from dincl.plotting import Film
+
+        name = getattr(self.problem, "title", type(self.scheme).__name__)
+        ending = "" if self.status else f", {self.status.name}"
+        words = f"{self!r}. {self.status.value} {self.detail}".strip()
+        return Film(self.problem, times, states, f"{name}, t = {times[-1]:.3g}{ending}", words)
 
     def __repr__(self) -> str:
         n, d = self.problem.x0.shape

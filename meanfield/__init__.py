@@ -1,22 +1,27 @@
-"""Constrained particles coupled to a macroscopic component: DAE, reduced ODE, mean-field limit, moments, W1."""
+"""Constrained particles coupled to a macroscopic component: DAE, reduced ODE, mean-field limit, moments, W1.
 
-from meanfield.characteristics import Flow, solve_characteristics
-from meanfield.dae import solve_dae
-from meanfield.density import Density
-from meanfield.errors import InvalidModel, NotClosed, SolveFailed
-from meanfield.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
-from meanfield.grid_motion import GridMotion
-from meanfield.model import Model
-from meanfield.moments import MomentMotion, Moments, sample_moments, solve_moments
-from meanfield.motion import Motion, Work
-from meanfield.ode import solve_ode
-from meanfield.panels import Panels
-from meanfield.pde import solve_pde
-from meanfield.rattle import solve_rattle
-from meanfield.reduction import Positions, Reduction, reduce
-from meanfield.state import State
-from meanfield.status import Status
-from meanfield.wasserstein import Weighted, w1
+``InvalidModel`` and ``Status`` are the classes of dincl: what is wrong, and how a run ended, is said in one way.
+"""
+
+from dincl.errors import InvalidProblem as InvalidModel
+from dincl.status import Status
+from meanfield.density.density import Density
+from meanfield.density.panels import Panels
+from meanfield.errors import NotClosed, SolveFailed
+from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
+from meanfield.model.model import Model
+from meanfield.model.state import State
+from meanfield.solvers.carried import carry_density
+from meanfield.solvers.characteristics import Flow, solve_characteristics
+from meanfield.solvers.dae import solve_dae
+from meanfield.solvers.grid.motion import GridMotion
+from meanfield.solvers.grid.pde import solve_pde
+from meanfield.solvers.moments import MomentMotion, Moments, sample_moments, solve_moments
+from meanfield.solvers.motion import Motion, Work
+from meanfield.solvers.ode import solve_ode
+from meanfield.solvers.rattle import solve_rattle
+from meanfield.solvers.reduction import Positions, Reduction, reduce
+from meanfield.transport.wasserstein import Weighted, w1
 
 __all__ = [
     "Density",
@@ -40,6 +45,7 @@ __all__ = [
     "WavyFibre",
     "Weighted",
     "Work",
+    "carry_density",
     "reduce",
     "sample_moments",
     "solve_characteristics",

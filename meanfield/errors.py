@@ -1,18 +1,16 @@
-"""The errors of this package."""
+"""The errors that only this package has; bad input raises dincl's InvalidProblem."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from dincl.errors import InvalidProblem
+
 if TYPE_CHECKING:
-    from meanfield.status import Status
+    from dincl.status import Status
 
 
-class InvalidModel(ValueError):
-    """Input that cannot be right; the message names the argument, its value and what is allowed."""
-
-
-class NotClosed(InvalidModel):
+class NotClosed(InvalidProblem):
     """A reduction asked for that does not hold for this model; the message says what stands against it."""
 
 
@@ -25,11 +23,6 @@ class SolveFailed(RuntimeError):
         self.detail = detail
         self.result = result
 
-
-class Breakdown(RuntimeError):
-    """Why a single step could not be made; a solver turns it into the Status of its result."""
-
-    def __init__(self, status: Status, detail: str) -> None:
-        super().__init__(f"{status.value} {detail}".rstrip())
-        self.status = status
-        self.detail = detail
+    def __reduce__(self) -> tuple[Any, ...]:
+        # As it is made: an exception is otherwise made anew from its message alone, which fails between processes.
+        return type(self), (self.status, self.detail, self.result)

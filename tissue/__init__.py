@@ -6,21 +6,22 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters, load, preset
     from tissue.first_order import simulate
     from tissue.many import simulate_many
-    from tissue.parameters import Parameters, load, preset
-    from tissue.run import Frame, Run, RunFailed
+    from tissue.model.frame import Frame
+    from tissue.run import Run, RunFailed
     from tissue.study.run import run_study
 
 __all__ = ["Frame", "Parameters", "Run", "RunFailed", "load", "preset", "run_study", "simulate", "simulate_many"]
 
 _HOMES = {
-    "Frame": "run",
-    "Parameters": "parameters",
+    "Frame": "model.frame",
+    "Parameters": "files.parameters",
     "Run": "run",
     "RunFailed": "run",
-    "load": "parameters",
-    "preset": "parameters",
+    "load": "files.parameters",
+    "preset": "files.parameters",
     "run_study": "study.run",
     "simulate": "first_order",
     "simulate_many": "many",

@@ -6,15 +6,16 @@ from collections.abc import Callable, Iterator
 from itertools import count, takewhile
 
 from dincl.status import Status
+from tissue.files.parameters import Parameters
 from tissue.kernels.advance import CROWDED, DONE, FULL, NON_FINITE, advance, find_lost
 from tissue.kernels.neighbours import LOST
 from tissue.kernels.scratch import COUNTERS
 from tissue.kernels.store import CELLS, Store, contents, grown
-from tissue.numbers import Numbers
-from tissue.parameters import Parameters
-from tissue.run import Frame, Run, RunFailed
+from tissue.model.frame import Frame
+from tissue.model.numbers import Numbers
+from tissue.model.streams import Streams, streams
+from tissue.run import Run, RunFailed
 from tissue.start import started
-from tissue.streams import Streams, streams
 
 # Makes the steps ``made`` to ``steps``: the store, how many are made then, how it went, and the particulars in words.
 Advance = Callable[[Store, int, int, Numbers, Streams], tuple[Store, int, Status, str]]

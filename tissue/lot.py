@@ -7,6 +7,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from dincl.status import Status
+from tissue.files.parameters import Parameters
 from tissue.first_order import failed_at, kept_steps
 from tissue.kernels.advance import FULL
 from tissue.kernels.batch.advance import advance
@@ -15,10 +16,10 @@ from tissue.kernels.batch.group import grouped, grown_group, replicate
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import DIVISIONS
 from tissue.kernels.store import Store, contents
-from tissue.parameters import Parameters
-from tissue.run import Frame, Run
+from tissue.model.frame import Frame
+from tissue.model.streams import streams
+from tissue.run import Run
 from tissue.start import started
-from tissue.streams import streams
 
 
 class Lot:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from tissue.files.parameters import Parameters
 from tissue.kernels.lanes import WIDTH
 from tissue.lot import Lot
-from tissue.parameters import Parameters
-from tissue.run import Frame, Run, RunFailed
+from tissue.model.frame import Frame
+from tissue.run import Run, RunFailed
 
 
 def simulate_many(parameters: Parameters, seeds: Iterable[int], *, throw: bool = True) -> tuple[Run, ...]:

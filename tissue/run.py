@@ -2,25 +2,29 @@
 
 from __future__ import annotations
 
+from base64 import b64encode
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from html import escape
+from os import PathLike
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.cells import Cells, Layers
+from tissue.model.frame import Frame
+from tissue.model.observables import measurable
 from tissue.start import Parted
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from tissue.parameters import Parameters
+    from tissue.files.parameters import Parameters
+    from tissue.pictures.sheet import Axes
 
 
-class Frame(NamedTuple):
-    """The tissue at one time; lengths in R_soft, times in hours."""
-
-    t: float
-    cells: Cells
-    layers: Layers
+# Of the summary in a notebook.
+MOST_ROWS = 10
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -59,13 +63,68 @@ class Run:
         """One row for each kept time and cell: phase, age, positions in um; the columns of ``tissue.tables``."""
         from tissue.tables import cell_table
 
-        return cell_table(self)
+        return cell_table(self.frames, self.parameters)
 
     def summary(self) -> pd.DataFrame:
         """One row for each kept time: cells, height, widths, extrusions; the columns of ``tissue.tables``."""
         from tissue.tables import summary_table
 
-        return summary_table(self)
+        return summary_table(self.frames, self.parameters)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The same as ``table``."""
+        return self.table()
+
+    def plot(self, ax: Axes | None = None, *, t: float | None = None) -> Axes:
+        """Draw one kept state to scale, in um.
+
+        Parameters
+        ----------
+        ax
+            Where to draw; None: in a figure of its own with a legend, as ``run.plot().figure.savefig("tissue.png")``.
+        t
+            A kept time [h]; None: the last one with finite coordinates.
+
+        Raises
+        ------
+        InvalidProblem
+            If no state is kept at this time, or its coordinates are not finite.
+        """
+        from tissue.pictures.picture import draw_frame, drawing
+
+        frame = self._kept(t)
+        if ax is None:
+            return drawing([frame], self.parameters).axes[0]
+        draw_frame(ax, frame, self.parameters)
+        return ax
+
+    def animate(self, file: str | PathLike[str]) -> None:
+        """Write a movie of the kept states; ``file`` ends in .gif or .webp, InvalidProblem is raised for another."""
+        from tissue.pictures.movie import movie
+
+        movie(measurable(self.frames), self.parameters, file)
+
+    def _kept(self, t: float | None) -> Frame:
+        """The state kept at time t."""
+        if t is None:
+            return measurable(self.frames)[-1]
+        for frame in self.frames:
+            if np.isclose(frame.t, t, rtol=1e-9, atol=1e-9):
+                return frame
+        times = ", ".join(f"{frame.t:g}" for frame in self.frames)
+        raise InvalidProblem(f"t = {t:g} h: must be a kept time: {times}")
+
+    def _repr_html_(self) -> str:
+        """How the run ended, its last state and its summary."""
+        from tissue.pictures.picture import drawing
+        from tissue.pictures.sheet import png
+
+        image = b64encode(png(drawing([self._kept(None)], self.parameters))).decode()
+        return (
+            f"<p>{escape(repr(self))} {escape(self.detail)}</p>"
+            f'<img src="data:image/png;base64,{image}" style="max-width: 100%">'
+            f"{self.summary().to_html(index=False, max_rows=MOST_ROWS, float_format='%.4g')}"
+        )
 
     def __repr__(self) -> str:
         return f"Run({self.status.name}, t = {self.final.t:g} h, {len(self.final.cells.x)} cells, seed {self.seed})"
@@ -77,3 +136,6 @@ class RunFailed(RuntimeError):
     def __init__(self, run: Run) -> None:
         super().__init__(f"{run.status.value} {run.detail}")
         self.run = run
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return RunFailed, (self.run,)

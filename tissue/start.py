@@ -8,17 +8,17 @@ import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.cells import Cells, Emt, Flags, Floats, no_emt
+from tissue.files.scenario import drawn
 from tissue.kernels.cycle import set_phases
 from tissue.kernels.store import Store, stored
 from tissue.kernels.sweeps import part
-from tissue.numbers import Numbers
-from tissue.numbers_start import Start
-from tissue.scenario import drawn
+from tissue.model.cells import Cells, Emt, Flags, Floats, no_emt
+from tissue.model.numbers import Numbers
+from tissue.model.numbers_start import StartNumbers
 
 if TYPE_CHECKING:
-    from tissue.parameters import Parameters
-    from tissue.streams import Streams
+    from tissue.files.parameters import Parameters
+    from tissue.model.streams import Streams
 
 NOBODY = np.zeros(0, np.bool_)
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
@@ -40,9 +40,9 @@ def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
 
 
 def first_state(
-    start: Start, numbers: Numbers, draws: Generator, group: tuple[Emt, Flags] | None = None
+    start: StartNumbers, numbers: Numbers, draws: Generator, group: tuple[Emt, Flags] | None = None
 ) -> tuple[Store, Parted]:
-    """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.scenario.drawn``.
+    """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.files.scenario.drawn``.
 
     Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle].
     Drawn nuclei overlap: sweeps of (C1) part them, so that the hard discs do not overlap by more than 1e-10. Neighbours
@@ -68,10 +68,10 @@ def _choose_middle(cells: Cells, moves: Flags) -> None:
     cells.emt[group], cells.moves[group], cells.divides[group] = np.arange(m), moves, False
 
 
-def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
+def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator) -> Cells:
     """Cells with the drawn positions, ages and cycles."""
     n = start.cells
-    places = np.arange(n) - (n - 1) / 2
+    places: Floats = np.arange(n, dtype=np.float64) - (n - 1) / 2
     apical, basal = start.apical_spacing * places, start.basal_spacing * places
     cycle = draws.uniform(numbers.min_cycle, numbers.max_cycle, n)
     age = draws.uniform(0.0, 1.0, n) * cycle
@@ -101,7 +101,7 @@ def _drawn(start: Start, numbers: Numbers, draws: Generator) -> Cells:
     )
 
 
-def _columns(start: Start, basal: Floats, draws: Generator) -> Floats:
+def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
     """x of the nuclei: in the box at random, in the order of the cells; near even places; or above the basal points."""
     n, width = start.cells, start.width
     if start.nuclei == "own_basal":

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
 
 from tissue.events import bits
-from tissue.observables import (
+from tissue.model.observables import (
     PHASES,
     ab_positions,
     extruded,
@@ -22,7 +22,8 @@ from tissue.observables import (
 )
 
 if TYPE_CHECKING:
-    from tissue.run import Frame, Run
+    from tissue.files.parameters import Parameters
+    from tissue.model.frame import Frame
 
 # Columns that are lengths, and the array of Cells each one is taken from.
 LENGTHS = {
@@ -42,7 +43,7 @@ LETTERS = {"A": bits.A, "B": bits.B, "S": bits.S, "P": bits.P}
 EVENTS = ["".join(name for name, bit in LETTERS.items() if events & bit) for events in range(sum(LETTERS.values()) + 1)]
 
 
-def cell_table(run: Run) -> pd.DataFrame:
+def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     """One row for each kept time and cell, by time, then along the tissue.
 
     A state that is not finite, the last one of a run that left the finite numbers, has no rows.
@@ -65,13 +66,12 @@ def cell_table(run: Run) -> pd.DataFrame:
     ``events``                                              str       EMT events that have begun: "", "A", ..., "ABSP"
     ======================================================  ========  ===============================================
     """
-    frames = measurable(run.frames)
-    columns = [dict(_of_cells(frame, run)) for frame in frames]
+    columns = [dict(_of_cells(frame, parameters)) for frame in measurable(frames)]
     return pd.DataFrame({name: _joined([part[name] for part in columns]) for name in columns[0]})
 
 
-def summary_table(run: Run) -> pd.DataFrame:
-    """One row for each kept time; what is measured is defined in ``tissue.observables``.
+def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
+    """One row for each kept time; what is measured is defined in ``tissue.model.observables``.
 
     A state that is not finite has no row.
 
@@ -87,21 +87,21 @@ def summary_table(run: Run) -> pd.DataFrame:
     ``apically_extruded``, ``basally_extruded``             int64     cells with y_AB > 1, with y_AB < 0  (4.3)
     ======================================================  ========  ===============================================
     """
-    return pd.DataFrame([_of_tissue(frame, _um(run)) for frame in measurable(run.frames)])
+    return pd.DataFrame([_of_tissue(frame, _um(parameters)) for frame in measurable(frames)])
 
 
-def _um(run: Run) -> float:
+def _um(parameters: Parameters) -> float:
     """R_soft in um."""
-    return run.parameters.cell.soft_radius.value
+    return parameters.cell.soft_radius.value
 
 
-def _of_cells(frame: Frame, run: Run) -> Iterator[tuple[str, Any]]:
+def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]:
     cells, layers, each = frame.cells, frame.layers, np.arange(len(frame.cells.x))
     yield "time_h", np.full(len(each), frame.t)
     yield from (("id", cells.id), ("mother", cells.mother))
-    yield "phase", pd.Categorical.from_codes(phases(frame, run.parameters.numbers()), PHASES, ordered=True)
+    yield "phase", pd.Categorical.from_codes(phases(frame, parameters.numbers()), PHASES, ordered=True)
     yield from (("age_h", frame.t - cells.birth), ("cycle_h", cells.cycle))
-    yield from ((column, _um(run) * getattr(cells, name)) for column, name in LENGTHS.items())
+    yield from ((column, _um(parameters) * getattr(cells, name)) for column, name in LENGTHS.items())
     yield "y_ab", ab_positions(frame)
     yield from (("in_apical_layer", np.isin(each, layers.apical)), ("in_basal_layer", np.isin(each, layers.basal)))
     yield from (("migrates", cells.moves), ("divides", cells.divides))

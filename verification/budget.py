@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
@@ -113,6 +112,6 @@ def counted(problem: Any, budget: Budget | None) -> tuple[Any, CountedDrift | No
     if not isinstance(problem, Problem):
         return problem, None
     drift = CountedDrift(problem.drift, budget)
-    same = copy.copy(problem)
-    object.__setattr__(same, "drift", drift)  # checked already, with the drift inside
+    same = object.__new__(type(problem))
+    vars(same).update(vars(problem) | {"drift": drift})  # checked already, with the drift inside
     return same, drift

@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
 # An error below this many times the stated error of the reference is not counted as an accuracy reached.
 RESOLVED = 2.0
@@ -19,7 +20,7 @@ NOT_TRIED = ("LEFT_OUT", "REFUSED")
 TIE, AT_THE_LIMIT, NOT_REACHED = "tie", "at the limit", "not reached"
 
 
-class Cost(NamedTuple):
+class Price(NamedTuple):
     """What an accuracy costs; infinite: it is not reached.
 
     ``spread`` is the ratio that separates two such costs; ``dearest`` the cost of the dearest run that it rests on.
@@ -35,7 +36,7 @@ def accuracy(rows: pd.DataFrame, error: str) -> pd.Series:
     return rows[error].clip(lower=RESOLVED * rows["reference_error"])
 
 
-def cost_of(rows: pd.DataFrame, target: float, error: str, cost: str) -> Cost:
+def cost_of(rows: pd.DataFrame, target: float, error: str, cost: str) -> Price:
     """What one method needs to reach ``target``, from its runs on one problem.
 
     Runs go from coarse to fine. After the last one that misses the target the next one has it, and so have all finer
@@ -47,22 +48,25 @@ def cost_of(rows: pd.DataFrame, target: float, error: str, cost: str) -> Cost:
     spreads = _spreads(done, cost)
     missing = np.flatnonzero(~(reached <= target))
     if len(done) == 0 or (len(missing) and missing[-1] == len(done) - 1):
-        return Cost(math.inf, 1.0, math.inf)
+        return Price(math.inf, 1.0, math.inf)
     if len(missing) == 0:
         least = int(np.argmin(costs))
-        return Cost(float(costs[least]), float(spreads[least]), float(costs[least]))
+        return Price(float(costs[least]), float(spreads[least]), float(costs[least]))
     last = int(missing[-1])
     pair = slice(last, last + 2)
     x, y = np.log(np.maximum(reached[pair], np.finfo(float).tiny)), np.log(np.maximum(costs[pair], 1e-300))
     value = float(np.exp(np.interp(np.log(target), x[::-1], y[::-1])))
-    return Cost(value, float(spreads[pair].max()), float(costs[pair].max()))
+    return Price(value, float(spreads[pair].max()), float(costs[pair].max()))
 
 
-def _spreads(rows: pd.DataFrame, cost: str) -> np.ndarray:
+def _spreads(rows: pd.DataFrame, cost: str) -> NDArray[np.float64]:
     """Counted work has no spread; times have that of their repeats, LEAST_SPREAD at least."""
     if cost != "cpu_seconds":
         return np.ones(len(rows))
-    return np.maximum(np.nan_to_num(rows["spread"].to_numpy(float), nan=LEAST_SPREAD), LEAST_SPREAD)
+    spreads: NDArray[np.float64] = np.maximum(
+        np.nan_to_num(rows["spread"].to_numpy(float), nan=LEAST_SPREAD), LEAST_SPREAD
+    )
+    return spreads
 
 
 def costs(table: pd.DataFrame, targets: Sequence[float], error: str, cost: str) -> pd.DataFrame:

@@ -70,8 +70,9 @@ def _list_claims(table: pd.DataFrame) -> None:
     from verification.thesis.decide import differing
 
     shown = Table(show_lines=True)
-    for heading, options in (("claim", {"min_width": 20}), ("verdict", {"max_width": 12}), ("measured", {"ratio": 1})):
-        shown.add_column(heading, **options)
+    shown.add_column("claim", min_width=20)
+    shown.add_column("verdict", max_width=12)
+    shown.add_column("measured", ratio=1)
     for row in table.itertuples():
         verdict = Text(row.verdict, style=COLOURS[Kind(row.verdict)])
         shown.add_row(Text(f"{row.id}\n{row.source}"), verdict, Text(row.measured))

@@ -12,8 +12,8 @@ from dincl.checks import describe
 from verification.budget import CpuSeconds
 from verification.order import MIN_STEPS
 from verification.order_study import order_study
+from verification.page.results import save
 from verification.reference import reference
-from verification.result import save
 from verification.work_precision import work_precision
 
 NEEDED = ("problem", "methods", "settings", "t")
@@ -37,10 +37,9 @@ def compare(file: Path, out: Path) -> Path:
     if not file.is_file():
         raise InvalidProblem(f"file = {str(file)!r}: there is no such file")
     named = runpy.run_path(str(file))
-    given = [named.get(name) for name in NEEDED]
-    if missing := [name for name, value in zip(NEEDED, given, strict=True) if value is None]:
+    if missing := [name for name in NEEDED if named.get(name) is None]:
         raise InvalidProblem(f"{file.name} does not name {', '.join(missing)}: it must name {', '.join(NEEDED)}")
-    problem, methods, settings, t = given
+    problem, methods, settings, t = (named[name] for name in NEEDED)
     known = named.get("reference") or _reference(problem, file)
     budget = named.get("budget", BUDGET)
     chart = work_precision(problem, methods, settings, t, known, budget)
@@ -53,6 +52,6 @@ def compare(file: Path, out: Path) -> Path:
 def _reference(problem: object, file: Path) -> Any:
     if not isinstance(problem, Problem):
         raise InvalidProblem(
-            f"{file.name} names a problem, {describe(problem)}, that is no dincl.Problem: it must name a reference, too"
+            f"problem = {describe(problem)}: {file.name} names no dincl.Problem: it must name a reference, too"
         )
     return reference(problem, TOL)

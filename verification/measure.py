@@ -37,7 +37,7 @@ FAILURES = (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError)
 
 
 @dataclass
-class Trial:
+class Attempt:
     """One setting of one method: its row, and the CPU times of its runs; ``waited`` says how long they waited."""
 
     setting: float
@@ -70,20 +70,24 @@ def measure(
     Repeats are interleaved: all settings, and then all again. ``status`` is that of the Trajectory, or REFUSED (the
     method cannot serve the problem), FAILED (it raised), OUT_OF_BUDGET, LEFT_OUT (after a setting that was).
     """
-    trials = [Trial(setting, {"method": method.label, "setting": setting} | _nothing(errors)) for setting in settings]
-    for index, trial in enumerate(trials):
-        why = _left_out(problem, method) if index == 0 else _after(trials[index - 1], budget)
+    attempts = [
+        Attempt(setting, {"method": method.label, "setting": setting} | _nothing(errors)) for setting in settings
+    ]
+    for index, attempt in enumerate(attempts):
+        why = _left_out(problem, method) if index == 0 else _after(attempts[index - 1], budget)
         if why:
-            trial.row |= {"status": "LEFT_OUT", "detail": why}
+            attempt.row |= {"status": "LEFT_OUT", "detail": why}
             continue
         if index == 0:
-            _warm_up(problem, method, trial.setting, known.t)
-        trial.row |= _first(problem, method, trial, known, errors, budget)
-    again = [trial for trial in trials if trial.cpu and trial.row["status"] == "SUCCESS" and trial.cpu[0] < BRIEF]
+            _warm_up(problem, method, attempt.setting, known.t)
+        attempt.row |= _first(problem, method, attempt, known, errors, budget)
+    again = [
+        attempt for attempt in attempts if attempt.cpu and attempt.row["status"] == "SUCCESS" and attempt.cpu[0] < BRIEF
+    ]
     for _ in range(repeats - 1):
-        for trial in again:
-            _timed(problem, method, trial, known.t, None)
-    return [trial.finished() for trial in trials]
+        for attempt in again:
+            _timed(problem, method, attempt, known.t, None)
+    return [attempt.finished() for attempt in attempts]
 
 
 def _nothing(errors: Sequence[str]) -> dict[str, Any]:
@@ -101,7 +105,7 @@ def _left_out(problem: Any, method: Method) -> str:
     return f"Made for at most {method.most_unknowns} unknowns; here are {size}."
 
 
-def _after(before: Trial, budget: Budget | None) -> str:
+def _after(before: Attempt, budget: Budget | None) -> str:
     """Why nothing finer is tried after this run; "" if it is."""
     if before.row["status"] == "LEFT_OUT":
         return str(before.row["detail"])
@@ -119,11 +123,11 @@ def _warm_up(problem: Any, method: Method, setting: float, t: Floats) -> None:
 
 
 def _first(
-    problem: Any, method: Method, trial: Trial, known: Known, errors: Sequence[str], budget: Budget | None
+    problem: Any, method: Method, attempt: Attempt, known: Known, errors: Sequence[str], budget: Budget | None
 ) -> dict[str, Any]:
-    """Make the first run of a trial; the columns that say how it came out."""
+    """Make the first run of a attempt; the columns that say how it came out."""
     try:
-        outcome = _timed(problem, method, trial, known.t, budget)
+        outcome = _timed(problem, method, attempt, known.t, budget)
     except dincl.InvalidProblem as refusal:
         return {"status": "REFUSED", "detail": str(refusal)}
     except OutOfBudgetError:
@@ -141,19 +145,19 @@ class _Outcome:
     columns: dict[str, Any]
 
 
-def _timed(problem: Any, method: Method, trial: Trial, t: Floats, budget: Budget | None) -> _Outcome:
-    """Run with the garbage collector at rest; add the times to the trial."""
+def _timed(problem: Any, method: Method, attempt: Attempt, t: Floats, budget: Budget | None) -> _Outcome:
+    """Run with the garbage collector at rest; add the times to the attempt."""
     collecting = gc.isenabled()
     gc.disable()
     try:
         wall, cpu = time.perf_counter(), time.process_time()
-        outcome = _run(problem, method, trial.setting, t, budget)
+        outcome = _run(problem, method, attempt.setting, t, budget)
         cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
     finally:
         if collecting:
             gc.enable()
-    trial.cpu.append(cpu)
-    trial.waited.append(wall / cpu if cpu > RESOLVED_BY_CLOCK else 1.0)
+    attempt.cpu.append(cpu)
+    attempt.waited.append(wall / cpu if cpu > RESOLVED_BY_CLOCK else 1.0)
     return outcome
 
 

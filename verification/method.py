@@ -72,7 +72,7 @@ def as_methods(methods: Methods) -> tuple[Method, ...]:
     """
     if isinstance(methods, Mapping):
         pairs = [(str(label), method) for label, method in methods.items()]
-    elif isinstance(methods, Sequence) and not isinstance(methods, str):
+    elif isinstance(methods, list | tuple):
         pairs = [(getattr(method, "label", ""), method) for method in methods]
     else:
         raise InvalidProblem(f"methods = {describe(methods)}: must map labels to methods, or be a list of Method")

@@ -19,7 +19,7 @@ from verification.reference import known_at
 from verification.result import Result
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from verification.page.sheet import Axes
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,7 +51,9 @@ class OrderStudy(Result):
         """The error against the setting, in logarithms; rows that the fit left out are hollow, failed ones crosses."""
         from verification.page.charts import draw_orders
 
-        return draw_orders(self, error or self.errors[0], ax)
+        panel = draw_orders(self.table, self.fits, self.looks, error or self.errors[0], ax)
+        panel.set_title(self.title)
+        return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
         """The fits."""

@@ -5,14 +5,13 @@ from __future__ import annotations
 import base64
 import io
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import pandas as pd
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from verification.page.sheet import Axes
 
 
 class Result(ABC):
@@ -32,8 +31,9 @@ class Result(ABC):
 
     def png(self) -> bytes:
         """The picture."""
-        file = io.BytesIO()
-        self.plot().figure.savefig(file, format="png")
+        file, figure = io.BytesIO(), self.plot().get_figure(root=True)
+        assert figure is not None  # noqa: S101 - axes of our own have one
+        figure.savefig(file, format="png")
         return file.getvalue()
 
     def _repr_html_(self) -> str:
@@ -51,13 +51,3 @@ class Result(ABC):
         write(self.table, out / f"{self.name}.parquet")
         (out / f"{self.name}.png").write_bytes(self.png())
         return out
-
-
-def save(results: Sequence[Any] | Any, folder: str | Path) -> Path:
-    """Write the tables and pictures of results, and a page ``index.html`` that shows them; return its path.
-
-    Two results of one name get numbers. The page opens offline and links nothing outside of the folder.
-    """
-    from verification.page.results import write_page
-
-    return write_page(results if isinstance(results, Sequence) else [results], Path(folder))

@@ -20,7 +20,7 @@ from verification.reference import known_at
 from verification.result import Result
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from verification.page.sheet import Axes
 
 Axis = tuple[str, Sequence[float]]
 
@@ -48,7 +48,9 @@ class StabilityMap(Result):
         """One colour for each outcome."""
         from verification.page.charts import draw_stability
 
-        return draw_stability(self, ax)
+        panel = draw_stability(self.table, self.x, self.y, ax)
+        panel.set_title(self.title)
+        return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
         """How many cells came out how."""
@@ -118,7 +120,8 @@ class _Cell:
         maker = method.scheme if isinstance(method, Method) else method
         if not callable(maker):
             raise dincl.InvalidProblem(f"method = {describe(method)}: must make a scheme of its arguments")
-        self._maker, self._of_method = maker, _arguments(maker, names)
+        self._maker: Callable[..., Any] = maker
+        self._of_method = _arguments(maker, names)
         self._of_problem = () if isinstance(problem, dincl.Problem) else _arguments(problem, names)
         if not self._of_method and names[0] not in self._of_problem and _takes_one(maker):
             self._of_method, self._positional = (names[0],), True
@@ -129,17 +132,22 @@ class _Cell:
                 raise dincl.InvalidProblem(f"{name!r}: must be an argument of the method or of the problem")
 
     def row(self, values: dict[str, float]) -> dict[str, Any]:
+        """What became of the run with these values."""
         given = {name: values[name] for name in self._of_method}
         try:
             made = {name: values[name] for name in self._of_problem}
             problem = self._problem if isinstance(self._problem, dincl.Problem) else self._problem(**made)
-            scheme = self._maker(*given.values()) if self._positional else self._maker(**given)
+            scheme = self._scheme(given)
             times = self._times(problem)
             path = dincl.solve(problem, scheme, t=times, throw=False)
         except dincl.InvalidProblem as wrong:
             numbers = dict.fromkeys(("error", "overlap", "growth"), np.nan)
             return {"outcome": Outcome.REFUSED.value, "status": "INVALID", "detail": str(wrong)} | numbers
         return self._judged(problem, path, times)
+
+    def _scheme(self, given: dict[str, float]) -> dincl.Scheme:
+        made: dincl.Scheme = self._maker(*given.values()) if self._positional else self._maker(**given)
+        return made
 
     def _times(self, problem: dincl.Problem) -> NDArray[np.float64]:
         if self._t is not None:

@@ -20,7 +20,7 @@ from verification.reference import Known, known_at
 from verification.result import Result
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
+    from verification.page.sheet import Axes
 
 TARGETS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
 COSTS = ("cpu_seconds", *COUNTERS)
@@ -80,7 +80,9 @@ class WorkPrecision(Result):
         """Error against cost in logarithms, families by colour; runs that failed are crosses on the upper edge."""
         from verification.page.charts import draw_work_precision
 
-        return draw_work_precision(self, self._error(error), _checked_cost(cost), ax)
+        panel = draw_work_precision(self.table, self.looks, self._error(error), _checked_cost(cost), ax)
+        panel.set_title(self.title)
+        return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
         """Who is the cheapest, and what each method needs."""

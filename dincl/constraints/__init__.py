@@ -2,15 +2,20 @@
 
 from dincl.constraints.balls import InsideBall, OutsideBall
 from dincl.constraints.base import Constraint
+from dincl.constraints.differentiable import DifferentiableConstraint
 from dincl.constraints.halfspace import HalfSpace
 from dincl.constraints.links import MaxDistance
 from dincl.constraints.moving import Moving
 from dincl.constraints.nonoverlap import NonOverlap
 from dincl.constraints.order import Ordered
+from dincl.constraints.rows import AffineRows, DistanceRows, RowsOfOneKind, SmoothRows
 from dincl.constraints.smooth import Smooth
 
 __all__ = [
+    "AffineRows",
     "Constraint",
+    "DifferentiableConstraint",
+    "DistanceRows",
     "HalfSpace",
     "InsideBall",
     "MaxDistance",
@@ -18,5 +23,7 @@ __all__ = [
     "NonOverlap",
     "Ordered",
     "OutsideBall",
+    "RowsOfOneKind",
     "Smooth",
+    "SmoothRows",
 ]

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.constraints.rows import AffineRows
-from dincl.events.contacts import Contacts, Name, near
+from dincl.events.contacts import ContactRows, Name, near
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
 
@@ -24,10 +24,10 @@ TOUCHING = 1e-13
 ZERO = 1e-10
 
 
-class Choice(NamedTuple):
+class ContactChoice(NamedTuple):
     """The contacts that push, by mask and name, and all that stay closed; the largest speed [length / time]."""
 
-    held: Contacts
+    held: ContactRows
     closed: frozenset[Name]
     speed: float
 
@@ -39,14 +39,14 @@ class Chooser:
         self._problem, self._size, self._spacing, self._work = problem, size, spacing, work
         self._speed = 0.0
 
-    def touching(self, t: float, x: NDArray[np.float64]) -> Contacts:
+    def touching(self, t: float, x: NDArray[np.float64]) -> ContactRows:
         """The rows whose gap is closed."""
         allowed = TOUCHING * self._size
         rows = near(self._problem, t, x, allowed, self._spacing)
         _, length, _ = rows.gradients(t, x)
         return rows.take(rows.values(t, x) <= allowed * length)
 
-    def choose(self, t: float, x: NDArray[np.float64]) -> Choice:
+    def choose(self, t: float, x: NDArray[np.float64]) -> ContactChoice:
         """The contacts from t on.
 
         A contact whose push and opening speed are both zero stays closed without being held. That is watched, and
@@ -57,10 +57,10 @@ class Chooser:
         pushing = push > ZERO * self._speed
         closed = pushing | (opening <= ZERO * self._speed)
         names = frozenset(name for name, stays in zip(contacts.names, closed, strict=True) if stays)
-        return Choice(contacts.take(pushing), names, self._speed)
+        return ContactChoice(contacts.take(pushing), names, self._speed)
 
     def _slide(
-        self, contacts: Contacts, t: float, x: NDArray[np.float64]
+        self, contacts: ContactRows, t: float, x: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Pushes and opening speeds with the nearest velocity to the drift in the tangent cone.
 

@@ -26,7 +26,7 @@ Name = tuple[int, str]
 
 
 @dataclass(frozen=True, eq=False)
-class Contacts:
+class ContactRows:
     """m rows of a problem, in the order of its families.
 
     Attributes
@@ -43,11 +43,11 @@ class Contacts:
     blocks: tuple[RowsOfOneKind, ...]
     spacing: float
 
-    def take(self, keep: NDArray[np.bool_]) -> Contacts:
+    def take(self, keep: NDArray[np.bool_]) -> ContactRows:
         """The rows where ``keep`` (m,) is true."""
         starts = np.cumsum([0, *(len(block) for block in self.blocks)])
         chosen = [block.take(keep[start:][: len(block)]) for block, start in zip(self.blocks, starts, strict=False)]
-        return Contacts(self.problem, tuple(chosen), self.spacing)
+        return ContactRows(self.problem, tuple(chosen), self.spacing)
 
     @cached_property
     def names(self) -> tuple[Name, ...]:
@@ -110,10 +110,10 @@ class Contacts:
         return RowsTogether(tuple(moved), self.problem.x0.size)
 
 
-def near(problem: Problem, t: float, x: NDArray[np.float64], reach: float, spacing: float) -> Contacts:
+def near(problem: Problem, t: float, x: NDArray[np.float64], reach: float, spacing: float) -> ContactRows:
     """All rows that can be violated at time t after every particle moved by at most ``reach`` from x."""
     blocks = []
     for family in problem.constraints:
         shift = family.displacement(t, x.shape[1])
         blocks.append(family.select(x if shift is None else x - shift, reach))
-    return Contacts(problem, tuple(blocks), spacing)
+    return ContactRows(problem, tuple(blocks), spacing)

@@ -12,7 +12,7 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.events.contacts import Contacts
+    from dincl.events.contacts import ContactRows
     from dincl.work import Work
 
 # Newton steps back onto the held contacts; from a state that is off by an integration error one or two are enough.
@@ -21,7 +21,7 @@ MOST_CORRECTIONS = 8
 CLOSED = 2e-15
 
 
-class Motion(NamedTuple):
+class HeldMotion(NamedTuple):
     """Velocity (N d,), pushes (m,) >= 0 along unit gradients while the contacts hold."""
 
     velocity: NDArray[np.float64]
@@ -35,7 +35,7 @@ class Held:
     x' = F + n push, g(t, x) = 0.
     """
 
-    def __init__(self, contacts: Contacts, size: float, work: Work) -> None:
+    def __init__(self, contacts: ContactRows, size: float, work: Work) -> None:
         self.contacts = contacts
         self._size, self._work = size, work
         self._any = any(len(block) for block in contacts.blocks)
@@ -44,17 +44,17 @@ class Held:
         """x' at t and x (N d,), shape (N d,)."""
         return self.motion(t, flat).velocity
 
-    def motion(self, t: float, flat: NDArray[np.float64]) -> Motion:
+    def motion(self, t: float, flat: NDArray[np.float64]) -> HeldMotion:
         """Velocity and pushes at t and x (N d,)."""
         x = flat.reshape(self.contacts.problem.x0.shape)
         self._work.drift_evaluations += 1
         drift = self.contacts.problem.velocity(t, x).ravel()
         if not self._any:
-            return Motion(drift, np.zeros(0))
+            return HeldMotion(drift, np.zeros(0))
         unit, _, least = self.contacts.gradients(t, x)
         q, r = _factors(unit.dense())
         c = _solve(r, least, transposed=True) - q.T @ drift
-        return Motion(drift + q @ c, _solve(r, c))
+        return HeldMotion(drift + q @ c, _solve(r, c))
 
     def corrected(self, t: float, flat: NDArray[np.float64]) -> NDArray[np.float64]:
         """x (N d,) moved back onto g(t, x) = 0 along the gradients."""

@@ -8,21 +8,21 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.errors import StepFailure
-from dincl.events.choice import TOUCHING, Choice, Chooser
+from dincl.events.choice import TOUCHING, Chooser, ContactChoice
 from dincl.events.held import Held
-from dincl.events.pieces import Piece, Pieces
-from dincl.events.watch import Found, Watch
+from dincl.events.pieces import DensePiece, Pieces
+from dincl.events.watch import NextEvent, Watch
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
 from dincl.projection.feasible import FeasibleSet
+from dincl.run.outcome import Event
 from dincl.status import Status
-from dincl.trajectory import Event
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.integrate import DOP853
 
-    from dincl.events.contacts import Contacts, Name
+    from dincl.events.contacts import ContactRows, Name
     from dincl.problem import Problem
     from dincl.work import Work
 
@@ -107,7 +107,7 @@ class March:
         self.t.append(self.now)
         self.x.append(self._state)
 
-    def _record(self, choice: Choice, *, first: bool) -> None:
+    def _record(self, choice: ContactChoice, *, first: bool) -> None:
         """The changes of the closed contacts, but for those at the start."""
         if not first:
             changes = [(name, "contact") for name in sorted(choice.closed - self._closed)]
@@ -115,7 +115,7 @@ class March:
             self.events += [Event(self.now, kind, *name) for name, kind in changes]
         self._closed = choice.closed
 
-    def _piece(self, held: Held, choice: Choice) -> bool:
+    def _piece(self, held: Held, choice: ContactChoice) -> bool:
         """The motion with these contacts until an event; False when it reaches the last time instead."""
         first_step = None
         for bound in self._times[len(self.t) :]:
@@ -146,14 +146,14 @@ class March:
             max_step=longest_step,
         )
 
-    def _step(self, solver: DOP853, held: Held, choice: Choice) -> bool:
+    def _step(self, solver: DOP853, held: Held, choice: ContactChoice) -> bool:
         """One step; when an event lies within, the state at the event instead."""
         self._advance(solver)
         dense = solver.dense_output()
         watch = Watch(held, choice, self._size, dense)
         found = watch.first(solver.t_old, solver.t)
         if found is None:
-            self.between.pieces.append(Piece(solver.t, dense, held))
+            self.between.pieces.append(DensePiece(solver.t, dense, held))
             self.now, self._flat = solver.t, solver.y
             return False
         self._arrive(found, held)
@@ -168,7 +168,7 @@ class March:
         if solver.status == "failed" or not bounded(solver.y):
             raise StepFailure(Status.NOT_CONVERGED, f"The integrator stopped: {message or 'a number overflowed'}.")
 
-    def _arrive(self, found: Found, held: Held) -> None:
+    def _arrive(self, found: NextEvent, held: Held) -> None:
         """Go to the event; for a gap also the way that is left, which is as short as the dense output is accurate."""
         start = self.now
         pieces = self._integrate(held, found.t)
@@ -180,20 +180,20 @@ class March:
         self.between.pieces.extend(pieces[:-1])
         self.between.pieces.extend(piece._replace(end=self.now) for piece in pieces[-1:])
 
-    def _integrate(self, held: Held, end: float) -> list[Piece]:
+    def _integrate(self, held: Held, end: float) -> list[DensePiece]:
         """Steps from here to ``end``, without looking for events."""
-        pieces: list[Piece] = []
+        pieces: list[DensePiece] = []
         if end <= self.now:
             return pieces
         solver = self._solver(held, end, end - self.now)
         while solver.status == "running":
             self._advance(solver)
-            pieces.append(Piece(solver.t, solver.dense_output(), held))
+            pieces.append(DensePiece(solver.t, solver.dense_output(), held))
         self.now, self._flat = end, solver.y
         return pieces
 
 
-def _wait(closing: Contacts, held: Held, t: float, flat: NDArray[np.float64]) -> float:
+def _wait(closing: ContactRows, held: Held, t: float, flat: NDArray[np.float64]) -> float:
     """How long from t until this gap closes, by one Newton step; 0 if it does not close [time]."""
     x = flat.reshape(closing.problem.x0.shape)
     unit, length, least = closing.gradients(t, x)

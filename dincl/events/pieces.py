@@ -11,7 +11,7 @@ import numpy as np
 
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
-from dincl.trajectory import Between
+from dincl.run.outcome import Between
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
-class Piece(NamedTuple):
+class DensePiece(NamedTuple):
     """x on (.., end]: a polynomial, t -> (N d,), and the contacts on which it is held."""
 
     end: float
@@ -34,7 +34,7 @@ class Pieces(Between):
 
     problem: Problem
     near: float
-    pieces: list[Piece] = field(default_factory=list)
+    pieces: list[DensePiece] = field(default_factory=list)
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The polynomials, moved back onto the contacts that are held."""
@@ -44,7 +44,7 @@ class Pieces(Between):
         """With the velocity from before each time, or from after t = 0."""
         return np.array([self._residual(float(t)) for t in times])
 
-    def _piece(self, t: float) -> Piece | None:
+    def _piece(self, t: float) -> DensePiece | None:
         place = bisect_left(self.pieces, t, key=lambda piece: piece.end)
         return self.pieces[min(place, len(self.pieces) - 1)] if self.pieces else None
 

@@ -9,13 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dincl.events.choice import TOUCHING, ZERO
-from dincl.events.contacts import Contacts, near
+from dincl.events.contacts import ContactRows, near
 from dincl.events.roots import first_negative, root
 from dincl.norms import longest
 
 if TYPE_CHECKING:
-    from dincl.events.choice import Choice
-    from dincl.events.held import Held, Motion
+    from dincl.events.choice import ContactChoice
+    from dincl.events.held import Held, HeldMotion
 
 Floats = NDArray[np.float64]
 Dense = Callable[[float], Floats]
@@ -25,11 +25,11 @@ PARTS = 4
 NEGATIVE = 10 * ZERO
 
 
-class Found(NamedTuple):
+class NextEvent(NamedTuple):
     """An event: when, and for a gap that closes its row."""
 
     t: float
-    closing: Contacts | None
+    closing: ContactRows | None
 
 
 class Watch:
@@ -39,13 +39,13 @@ class Watch:
     signs change the choice; the gaps of all others.
     """
 
-    def __init__(self, held: Held, choice: Choice, size: float, dense: Dense) -> None:
+    def __init__(self, held: Held, choice: ContactChoice, size: float, dense: Dense) -> None:
         self._held, self._dense = held, dense
         self._pushing, self._closed = frozenset(held.contacts.names), choice.closed
         self._touching, self._zero = TOUCHING * size, NEGATIVE * choice.speed
-        self._motions: dict[float, Motion] = {}
+        self._motions: dict[float, HeldMotion] = {}
 
-    def first(self, start: float, end: float) -> Found | None:
+    def first(self, start: float, end: float) -> NextEvent | None:
         """The first event in [start, end], or None."""
         nodes = [float(t) for t in np.linspace(start, end, PARTS + 1)]
         found = self._weak_push(nodes)
@@ -59,17 +59,17 @@ class Watch:
                 found += self._closes(row, nodes, gaps[k], speeds[k])
         return min(found, key=lambda event: event.t, default=None)
 
-    def gap(self, rows: Contacts, t: float) -> Floats:
+    def gap(self, rows: ContactRows, t: float) -> Floats:
         """g over the length of its gradient, shape (m,) [length]."""
         x = self._state(t)
         return rows.values(t, x) / rows.gradients(t, x)[1]
 
-    def speed(self, rows: Contacts, t: float) -> Floats:
+    def speed(self, rows: ContactRows, t: float) -> Floats:
         """How fast these gaps open, shape (m,) [length / time]."""
         unit, _, least = rows.gradients(t, self._state(t))
         return unit.times(self._motion(t).velocity) - least
 
-    def _motion(self, t: float) -> Motion:
+    def _motion(self, t: float) -> HeldMotion:
         """The motion at t; pushes and speeds are asked for at the same nodes."""
         if t not in self._motions:
             self._motions[t] = self._held.motion(t, self._dense(t))
@@ -78,23 +78,23 @@ class Watch:
     def _state(self, t: float) -> Floats:
         return self._dense(t).reshape(self._held.contacts.problem.x0.shape)
 
-    def _others(self, nodes: list[float]) -> Contacts:
+    def _others(self, nodes: list[float]) -> ContactRows:
         """The rows that the particles can have met, without those that are held."""
         start, contacts = self._state(nodes[0]), self._held.contacts
         moved = [longest(self._state(t) - start) + contacts.carried(nodes[0], t) for t in nodes]
         rows = near(contacts.problem, nodes[0], start, 2 * max(moved) + self._touching, contacts.spacing)
         return rows.take(np.array([name not in self._pushing for name in rows.names], dtype=bool))
 
-    def _weak_push(self, nodes: list[float]) -> list[Found]:
+    def _weak_push(self, nodes: list[float]) -> list[NextEvent]:
         def least(t: float) -> float:
             return float(self._motion(t).push.min()) + self._zero
 
         return _event(first_negative(least, nodes), None) if self._pushing else []
 
-    def _stirs(self, row: Contacts, nodes: list[float]) -> list[Found]:
+    def _stirs(self, row: ContactRows, nodes: list[float]) -> list[NextEvent]:
         return _event(first_negative(lambda t: self._zero - abs(float(self.speed(row, t)[0])), nodes), None)
 
-    def _closes(self, row: Contacts, nodes: list[float], gap: Floats, speed: Floats) -> list[Found]:
+    def _closes(self, row: ContactRows, nodes: list[float], gap: Floats, speed: Floats) -> list[NextEvent]:
         """A gap that was just released starts at zero up to rounding, so its level is a little lower."""
         level = -self._touching if gap[0] <= self._touching else 0.0
 
@@ -110,5 +110,5 @@ class Watch:
         return []
 
 
-def _event(t: float | None, closing: Contacts | None) -> list[Found]:
-    return [] if t is None else [Found(t, closing)]
+def _event(t: float | None, closing: ContactRows | None) -> list[NextEvent]:
+    return [] if t is None else [NextEvent(t, closing)]

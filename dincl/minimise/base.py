@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.checks import LARGEST, bounded, describe, integer
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.minimise.contacts import Contacts
+from dincl.minimise.contacts import IterationRows
 from dincl.minimise.stop import Stop
 from dincl.norms import longest
 from dincl.status import Status
@@ -52,7 +52,7 @@ class Iteration(ABC):
     def __init__(self, problem: Problem, *, squared: bool = False, ahead: float) -> None:
         self.problem = problem
         self.work = Work(degrees_of_freedom=problem.x0.size)
-        self.contacts = Contacts(problem, self.work, squared=squared, ahead=ahead)
+        self.contacts = IterationRows(problem, self.work, squared=squared, ahead=ahead)
         self.x = problem.x0
         self.contacts.update(self.x, 0.0)
 

@@ -60,7 +60,7 @@ class Point(NamedTuple):
         return max(slope, float(np.max(-self.gaps, initial=0.0)), float(np.max(np.abs(both), initial=0.0)))
 
 
-class Contacts:
+class IterationRows:
     """Rows near the iterate, and rows that are no longer near but still have a multiplier; all others have zero.
 
     ``ahead`` is for how many moves of the present length a list of near rows is made.

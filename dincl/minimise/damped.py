@@ -75,6 +75,7 @@ class _Damped(Iteration):
         self.dtau = method.dtau
 
     def step(self, point: Point) -> None:
+        """One iteration of (3.25) in z and lambda."""
         m = self._method
         drag = m.damping * m.dtau / 2
         weights = point.multipliers * (m.alpha - m.gamma * point.values)

@@ -1,24 +1,40 @@
-"""The projections: one back end per file, whose library is imported when a solver is made."""
+"""The projections: one back end per file, whose library is imported when a solver is made.
 
-from dincl.projection.base import Projected, Projection
+A back end of one's own is a ``Projection`` that makes a ``Solver``. The solver is given ``Rows``, g(x) >= 0 with values
+and Jacobian (a ``Csr`` matrix); a ``QpSolver`` sees only quadratic programs. ``FeasibleSet`` is how a scheme calls it.
+"""
+
+from dincl.constraints.rows import AffineRows, Rows
+from dincl.csr import Csr
+from dincl.projection.base import Projected, Projection, Solver, check_projection
 from dincl.projection.clarabel import Clarabel
 from dincl.projection.closed_form import ClosedForm
 from dincl.projection.cvxpy_qp import CvxpyQP
 from dincl.projection.daqp import Daqp
+from dincl.projection.feasible import FeasibleSet
 from dincl.projection.gauss_seidel import GaussSeidel
 from dincl.projection.ipopt import Ipopt
 from dincl.projection.piqp import Piqp
 from dincl.projection.projected_cg import ProjectedCG
+from dincl.projection.qp import QpAnswer, QpSolver
 
 __all__ = [
+    "AffineRows",
     "Clarabel",
     "ClosedForm",
+    "Csr",
     "CvxpyQP",
     "Daqp",
+    "FeasibleSet",
     "GaussSeidel",
     "Ipopt",
     "Piqp",
     "Projected",
     "ProjectedCG",
     "Projection",
+    "QpAnswer",
+    "QpSolver",
+    "Rows",
+    "Solver",
+    "check_projection",
 ]

@@ -87,7 +87,11 @@ def check_projection(projection: object) -> None:
 
 
 class Solver(ABC):
-    """A back end at work."""
+    """A back end at work, for one run: the nearest point of {x : g(x) >= 0} to y, where g are some ``Rows``.
+
+    A subclass gives its ``name`` and ``compute``, which ends with ``certify``: the answer is judged by residuals that
+    are recomputed from the rows, not by what the back end says of itself.
+    """
 
     name: ClassVar[str]
 
@@ -100,7 +104,7 @@ class Solver(ABC):
         violation = float(np.max(-values, initial=0.0))
         if violation <= NEGLIGIBLE * tolerance:
             return Projected(y, np.zeros(len(values)), violation, 0.0, violation, 0, NO_BACK_END)
-        found = self._nearest(rows, y, guess)
+        found = self.compute(rows, y, guess)
         if not found.residual <= tolerance:
             raise StepFailure(
                 Status.NOT_CONVERGED,
@@ -113,13 +117,16 @@ class Solver(ABC):
         return self.tol
 
     @abstractmethod
-    def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
-        """The same for a y that violates a row; the certificate may miss ``tol``, which the caller then reports."""
+    def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        """The same for a y that violates a row, as ``certify`` gives it.
+
+        The certificate may miss ``tol``: ``nearest`` then raises StepFailure(NOT_CONVERGED).
+        """
 
     def certify(
         self, linear: AffineRows, y: NDArray[np.float64], x: NDArray[np.float64], lam: NDArray[np.float64], work: int
     ) -> Projected:
-        """The certificate of x with multipliers ``lam``, from the linearisation of the rows at x itself."""
+        """The certificate of x with multipliers ``lam`` (m,), from ``rows.linearised(x)`` and ``work`` iterations."""
         values = linear.values(x)
         misfit = (x - y).ravel() - linear.matrix.transposed_times(lam)
         return Projected(

@@ -61,6 +61,7 @@ class _ClarabelSolver(InteriorPointSolver):
         settings.reduced_tol_feas = settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = REDUCED_TOLERANCE
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """By Clarabel: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         from scipy.sparse import eye_array
 
         n, m = matrix.columns, matrix.rows

@@ -63,7 +63,8 @@ class _ClosedFormSolver(Solver):
         lengths = [block.length.max(initial=0.0) for block in blocks_of(rows) if isinstance(block, DistanceRows)]
         return self.tol * float(max([np.abs(y).max(), *lengths]))
 
-    def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+    def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        """Spheres by their lines, then planes one after another."""
         x = y.copy()
         multipliers = np.concatenate([_onto_spheres(block, x) for block in blocks_of(rows)])
         flat = np.concatenate(

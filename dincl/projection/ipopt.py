@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from dincl.errors import StepFailure
 from dincl.projection.base import Projected, Projection, Solver, blocks_of
-from dincl.projection.kept import Kept
+from dincl.projection.program_cache import ProgramCache
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -54,9 +54,9 @@ class _IpoptSolver(Solver):
         from dincl.projection.nlp import Program
 
         self._compile = Program
-        self._programs: Kept[Program] = Kept(MOST_PROGRAMS)
+        self._programs: ProgramCache[Program] = ProgramCache(MOST_PROGRAMS)
 
-    def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+    def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         blocks = blocks_of(rows)
         scale = float(-rows.values(y).min())
         program = self._programs.get(rows.structure, lambda: self._compile(blocks, y.shape))

@@ -43,7 +43,7 @@ OPTIONS = {
 LIMITED_MEMORY = {"ipopt.hessian_approximation": "limited-memory"}
 
 
-class Answer(NamedTuple):
+class NlpAnswer(NamedTuple):
     """Point x (N, d), multipliers (m,) of g, iterations, and the word of Ipopt on how it ended."""
 
     x: NDArray[np.float64]
@@ -80,7 +80,7 @@ class Program:
 
     def solve(
         self, blocks: Sequence[RowsOfOneKind], y: NDArray[np.float64], guess: NDArray[np.float64], scale: float
-    ) -> Answer:
+    ) -> NlpAnswer:
         """The program with the numbers of ``blocks`` around y, searched from ``guess``."""
         parameters = [np.zeros(0)]
         for k, block in enumerate(blocks):
@@ -98,7 +98,7 @@ class Program:
         # CasADi gives multipliers <= 0 to lower bounds.
         multipliers = np.maximum(-scale * np.array(found["lam_g"]).ravel() * steep, 0.0)
         stats = self._solver.stats()
-        return Answer(x, multipliers, int(stats["iter_count"]), str(stats["return_status"]))
+        return NlpAnswer(x, multipliers, int(stats["iter_count"]), str(stats["return_status"]))
 
 
 def _numbers(rows: Any, y: NDArray[np.float64], scale: float) -> list[NDArray[np.float64]]:

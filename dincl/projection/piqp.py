@@ -53,6 +53,7 @@ class _PiqpSolver(InteriorPointSolver):
         self._library: Any = piqp
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """By PIQP: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         from scipy.sparse import csc_matrix, eye_array
 
         n = matrix.columns

@@ -58,6 +58,7 @@ class _ProjectedCGSolver(QpSolver):
         self._ties = np.zeros(0, dtype=np.int64)
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """By conjugate gradients on the dual: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         mu = multipliers.copy()
         self._ties = _ties(matrix)
         allowed = SHARE * tol

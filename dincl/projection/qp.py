@@ -50,7 +50,8 @@ class QpSolver(Solver):
         self._places = np.zeros(0, dtype=np.int64)
         self._multipliers = np.zeros(0)
 
-    def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+    def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
+        """x <- P_{S~(x)}(y) until the certificate holds; for affine rows once."""
         linear = rows.linearised(guess)
         iterations = 0
         for _ in range(MOST_RELINEARISATIONS):

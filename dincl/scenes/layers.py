@@ -20,7 +20,7 @@ PERIOD = 2 * (RADIUS + SPREAD + JITTER)
 GAP = 1e-3
 
 
-class Layers(NamedTuple):
+class LooseLayers(NamedTuple):
     """Centres (n, d), radii (n,), and the width of the box around them along each horizontal axis [length]."""
 
     x: NDArray[np.float64]
@@ -28,7 +28,7 @@ class Layers(NamedTuple):
     width: float
 
 
-def layers(n: int, d: int, rng: np.random.Generator) -> Layers:
+def layers(n: int, d: int, rng: np.random.Generator) -> LooseLayers:
     """n discs or balls without overlap above the floor x_d = 0, numbered layer by layer from below.
 
     Each layer is a jittered lattice, shifted by half a period against the one below; its heights are the lowest that
@@ -44,7 +44,7 @@ def layers(n: int, d: int, rng: np.random.Generator) -> Layers:
     gap = GAP * rng.uniform(0, 1, shape)
     height = _heights(lateral, radius, gap)
     x = np.concatenate((lateral, height[..., None]), axis=-1).reshape(-1, d)
-    return Layers(x[:n], radius.reshape(-1)[:n], (side + 0.5) * PERIOD)
+    return LooseLayers(x[:n], radius.reshape(-1)[:n], (side + 0.5) * PERIOD)
 
 
 def _side(n: int, d: int) -> int:

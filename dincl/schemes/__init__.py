@@ -1,6 +1,6 @@
 """The schemes, one per file."""
 
-from dincl.schemes.base import Scheme
+from dincl.schemes.base import FixedStep, Scheme
 from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp
 from dincl.schemes.event_driven import EventDriven
 from dincl.schemes.midpoint_catch_up import MidpointCatchUp
@@ -12,6 +12,7 @@ __all__ = [
     "PBD",
     "CatchUp",
     "EventDriven",
+    "FixedStep",
     "LinearisedCatchUp",
     "MidpointCatchUp",
     "Penalty",

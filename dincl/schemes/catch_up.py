@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 from dincl.norms import longest
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
-from dincl.schemes.base import State, Stepper, TimeStepping
+from dincl.run.bound import State, Stepper
+from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
 @dataclass(frozen=True)
-class CatchUp(TimeStepping):
+class CatchUp(FixedStep):
     """x_{k+1} = P_S (x_k + dt F(t_k, x_k)), with S = S(t_{k+1}) where it moves  (1.39).
 
     Parameters

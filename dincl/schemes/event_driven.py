@@ -10,9 +10,9 @@ import numpy as np
 from dincl.checks import number
 from dincl.errors import StepFailure
 from dincl.norms import longest
+from dincl.run.outcome import RunOutcome
 from dincl.schemes.base import Scheme
 from dincl.status import Status
-from dincl.trajectory import Trajectory
 from dincl.work import Work
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class EventDriven(Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
-    def run(self, problem: Problem, times: NDArray[np.float64]) -> Trajectory:
+    def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
         """Two runs or more, each compared with the one before it."""
         from dincl.events.march import March
 
@@ -70,14 +70,14 @@ class EventDriven(Scheme):
             except StepFailure as failure:
                 march.keep_last()
                 detail = f"{failure.detail} This was after t = {march.now:.6g}."
-                return _trajectory(self, march, work, failure.status, detail)
+                return _outcome(march, work, failure.status, detail)
             if before is not None:
                 error = _error(before, march, times)
                 if error.max() <= self.tol:
-                    return _trajectory(self, march, work, Status.SUCCESS, "", error)
+                    return _outcome(march, work, Status.SUCCESS, "", error)
             before = march
         detail = f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}."
-        return _trajectory(self, march, work, Status.NOT_CONVERGED, detail, error)
+        return _outcome(march, work, Status.NOT_CONVERGED, detail, error)
 
 
 def _error(coarse: March, fine: March, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -97,22 +97,19 @@ def _distance(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.floa
     return np.array([longest(a - b) for a, b in zip(x, y, strict=True)])
 
 
-def _trajectory(
-    scheme: EventDriven,
+def _outcome(
     march: March,
     work: Work,
     status: Status,
     detail: str,
     error: NDArray[np.float64] | None = None,
-) -> Trajectory:
-    return Trajectory(
+) -> RunOutcome:
+    return RunOutcome(
         t=np.array(march.t),
         x=np.array(march.x),
         status=status,
         detail=detail,
         stats=work,
-        problem=march.problem,
-        scheme=scheme,
         between=march.between,
         events=tuple(march.events),
         error=error,

@@ -9,14 +9,15 @@ from typing import TYPE_CHECKING
 from dincl.norms import longest
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
-from dincl.schemes.base import State, Stepper, TimeStepping
+from dincl.run.bound import State, Stepper
+from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
 @dataclass(frozen=True)
-class MidpointCatchUp(TimeStepping):
+class MidpointCatchUp(FixedStep):
     r"""x_{k+1} = P_{S~(m)} (x_k + dt F(t_k + dt/2, m)), S~(m) = {z : g(m) + dg/dx (m) (z - m) >= 0}.
 
     The midpoint rule, with the inner convex approximation of section 1.1.2 of chapter 2 made at m = (x_k + x^)/2, where

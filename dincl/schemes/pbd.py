@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.checks import integer
-from dincl.schemes.base import State, Stepper, TimeStepping
+from dincl.run.bound import State, Stepper
+from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     import numpy as np
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class PBD(TimeStepping):
+class PBD(FixedStep):
     """x_{k+1} = P_{S_M} ... P_{S_1} (x_k + dt F(t_k, x_k))  (Method 2.3).
 
     Parameters

@@ -10,14 +10,15 @@ import numpy as np
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.near import Near
-from dincl.schemes.base import State, Stepper, TimeStepping
+from dincl.run.bound import State, Stepper
+from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
 @dataclass(frozen=True)
-class Penalty(TimeStepping):
+class Penalty(FixedStep):
     """x_{k+1} = x_k + dt (F + strength sum_k max(0, -g_k)^(exponent - 1) grad g_k), explicit Euler for (2.2).
 
     Parameters
@@ -55,6 +56,7 @@ class _PenaltyStepper(Stepper):
         self._scheme = scheme
 
     def step(self, t: float, h: float, state: State) -> State:
+        """x_k + dt (F + penalty force), both at t_k."""
         velocity = self.velocity(t, state.x)
         reach = h * float(np.abs(velocity).max())
         rows = self._near.rows(t, state.x, reach)

@@ -9,7 +9,8 @@ import numpy as np
 
 from dincl.checks import array, integer
 from dincl.errors import InvalidProblem
-from dincl.schemes.base import State, Stepper, TimeStepping
+from dincl.run.bound import State, Stepper
+from dincl.schemes.base import FixedStep
 from dincl.schemes.pbd import SweepThrough
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class SecondOrderPBD(TimeStepping):
+class SecondOrderPBD(FixedStep):
     """v~ = v_k + dt F(t_k, x_k), x~ = x_k + dt v~, x_{k+1} = P_{S_M} ... P_{S_1} x~, v_{k+1} = (x_{k+1} - x_k)/dt.
 
     Method 2.2 for x'' = F(t, x), x in S, with unit masses: the drift of the problem is an acceleration here

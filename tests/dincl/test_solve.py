@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.stepping import Grid, grid
+from dincl.run.grid import TimeGrid, divide_time
 
 
 def decay(x0=((1.0, -2.0),), constraints=()):
@@ -59,14 +59,14 @@ def test_the_path_of_a_second_order_run_knows_its_velocity():
     [(1.0, 0.1, 10), (1.0, 0.3, 4), (3.0, 1e-3, 3000), (0.7, 0.1, 7), (1.0, 5.0, 1), (0.0, 0.1, 0)],
 )
 def test_equal_steps_no_longer_than_dt(t_end, dt, steps):
-    made = grid(t_end, dt)
+    made = divide_time(t_end, dt)
     assert made.steps == steps
     assert made.h <= dt * (1 + 1e-12)
     assert made.time(steps) == t_end
 
 
 def test_grid_times_come_from_their_number():
-    made = Grid(0.7, 7)
+    made = TimeGrid(0.7, 7)
     assert [made.before(made.time(k)) for k in range(1, 8)] == list(range(7))
     assert made.before(0.0) == 0
     assert made.before(0.05) == 0

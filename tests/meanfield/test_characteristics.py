@@ -8,15 +8,10 @@ from numpy.polynomial import Legendre
 from numpy.typing import NDArray
 
 import meanfield
-from meanfield import characteristics
-from meanfield.characteristics import solve_characteristics
-from meanfield.density import Density
-from meanfield.errors import InvalidModel, SolveFailed
-from meanfield.ode import solve_ode, solve_weighted
-from meanfield.pde import solve_pde
-from meanfield.state import State
-from meanfield.status import Status
-from meanfield.wasserstein import w1
+from dincl import InvalidProblem, Status
+from meanfield import Density, SolveFailed, State, solve_characteristics, solve_ode, solve_pde, w1
+from meanfield.solvers import characteristics
+from meanfield.solvers.ode import solve_weighted
 
 Array = NDArray[np.float64]
 SPRINGS = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
@@ -140,5 +135,5 @@ GOOD = {"model": WAVY, "density": BUMP, "y0": [0.2], "v0": [0.5], "t": [1.0], "t
     ],
 )
 def test_bad_input(change: dict[str, object], message: str) -> None:
-    with pytest.raises(InvalidModel, match=message):
+    with pytest.raises(InvalidProblem, match=message):
         solve_characteristics(**(GOOD | change))

@@ -15,12 +15,12 @@ from meanfield import (
     Status,
     StraightFibre,
     WavyFibre,
-    dae,
+    solve_dae,
     solve_ode,
 )
-from meanfield.dae import solve_dae
-from meanfield.index import accelerations
-from meanfield.interaction import forces
+from meanfield.forces.interaction import forces
+from meanfield.solvers import dae
+from meanfield.solvers.index import accelerations
 from tests.meanfield.exact import CLOSED, FIBRE, K0, K1, PLAIN, REST, TIMES, M, fibre_start, start_of, straight, worst
 from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4
 

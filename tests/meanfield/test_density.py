@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from meanfield.density import Density
-from meanfield.errors import InvalidModel
-from meanfield.panels import Panels
+from dincl import InvalidProblem
+from meanfield import Density, Panels
 
 NORMAL = Density.normal(1.0, 2.0)
 BUMP = Density.bump(0.5, 2.0)
@@ -49,7 +48,7 @@ def test_samples_on_a_line_pass_the_test_of_kolmogorov(rng):
 
 
 def test_rejection_draws_from_the_density_even_where_its_first_bound_is_too_low(rng, monkeypatch):
-    monkeypatch.setattr("meanfield.density.CHECK_NODES", 2)  # there f is below a tenth of its largest value
+    monkeypatch.setattr("meanfield.density.density.CHECK_NODES", 2)  # there f is below a tenth of its largest value
     bump = MOMENTS["bump 3"][0]
     x = bump.sample(rng, 20_000) - [0, 0, 1]
     np.testing.assert_allclose(x.T @ x / len(x), np.eye(3) / 11, rtol=0, atol=0.004)
@@ -131,5 +130,5 @@ BAD = {
 
 @pytest.mark.parametrize("message", BAD)
 def test_bad_input_is_refused_by_name(message):
-    with pytest.raises(InvalidModel, match=message):
+    with pytest.raises(InvalidProblem, match=message):
         BAD[message]()

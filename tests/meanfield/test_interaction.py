@@ -5,8 +5,8 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield.chebyshev import line
-from meanfield.interaction import MANY, forces, is_quadratic, pair_energy
+from meanfield.forces.chebyshev import line
+from meanfield.forces.interaction import MANY, forces, is_quadratic, pair_energy
 from tests.meanfield.models import MODELS, start
 
 

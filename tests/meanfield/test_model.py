@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import meanfield
-from meanfield.field import field, field_by_numpy
-from meanfield.interaction import FEW
+from meanfield.forces.field import field, field_by_numpy
+from meanfield.forces.interaction import FEW
 from meanfield.kernels import trig
-from meanfield.symbolic import program
-from meanfield.translate import TEMPLATES, vectorised
+from meanfield.model.symbolic import program
+from meanfield.model.translate import TEMPLATES, vectorised
 from tests.meanfield.models import EVERY, MODELS, start
 
 STEP = 1e-5

@@ -12,17 +12,13 @@ from scipy.linalg import expm
 from scipy.optimize import brentq
 
 import meanfield
-from meanfield import grid_run
-from meanfield.characteristics import solve_characteristics
-from meanfield.density import Density
-from meanfield.errors import InvalidModel, SolveFailed
-from meanfield.grid import Grid
-from meanfield.grid_run import Run
-from meanfield.grid_step import GridState, Stepper
+from dincl import InvalidProblem, Status
+from meanfield import Density, SolveFailed, solve_characteristics, solve_pde, w1
 from meanfield.kernels import finite_volume, twins
-from meanfield.pde import solve_pde
-from meanfield.status import Status
-from meanfield.wasserstein import w1
+from meanfield.solvers.grid import run as grid_run
+from meanfield.solvers.grid.cells import CellGrid
+from meanfield.solvers.grid.run import GridRun
+from meanfield.solvers.grid.step import GridState, GridSystem
 
 Array = NDArray[np.float64]
 SPRINGS = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
@@ -31,7 +27,7 @@ BUMP, BOX = Density.bump(0.3, 1.0), Density.uniform(0.0, 1.0)
 ROUNDING = 1e-14
 
 
-def exact_averages(grid: Grid, density: Callable[[Array], Array]) -> Array:
+def exact_averages(grid: CellGrid, density: Callable[[Array], Array]) -> Array:
     """Cell averages of a smooth density on the whole space."""
     far = np.full(len(grid.edges), np.inf)
     return grid.averages(SimpleNamespace(density=density, lower=-far, upper=far, breaks=()))
@@ -82,14 +78,14 @@ def test_a_larger_step_can_lose_the_sign() -> None:
 
 
 def test_a_step_that_is_too_long_is_void() -> None:
-    grid = Grid((np.linspace(-1.0, 3.0, 41),))
+    grid = CellGrid((np.linspace(-1.0, 3.0, 41),))
     z = GridState(grid.averages(BUMP)[:, None], np.array([0.0]), np.array([0.5]))
-    stepper = Stepper(LINEAR, grid, orientation=1.0)
+    stepper = GridSystem(LINEAR, grid, orientation=1.0)
     for dt, void in ((0.095, False), (0.101, True)):  # 2 v dt / h > 1 from dt = 0.1 on, and v grows
         trial = stepper.tried(z, stepper.rate(z)._replace(a=np.array([0.0])), dt)
         assert (trial.share > 1) == void
         assert (trial.state is z) == void
-    run = Run(stepper, z, stepper.rate(z), end=1.0, dt=1.0)
+    run = GridRun(stepper, z, stepper.rate(z), end=1.0, dt=1.0)
     run.go_to(0.5)
     assert run.now == 0.5
     assert run.state.f.min() >= 0
@@ -120,7 +116,7 @@ def test_straight_fibre_scales_with_second_order() -> None:
     errors: dict[str, list[float]] = {"y": [], "f": [], "second": [], "energy": []}
     for n in cells:
         grid = solve_pde(STRAIGHT, BUMP, [1.0], [0.4], t, cells=n, bounds=(-1.2, 2.0))
-        exact = exact_averages(Grid(grid.edges), lambda x: BUMP.density(x / y[-1]) / y[-1])
+        exact = exact_averages(CellGrid(grid.edges), lambda x: BUMP.density(x / y[-1]) / y[-1])
         errors["f"].append(np.abs(grid.f[-1] - exact).sum() * 3.2 / n)
         errors["y"].append(np.abs(grid.y[:, 0] - y).max())
         errors["second"].append(np.abs(grid.second_moment()[:, 0, 0] - second * y**2).max())
@@ -143,7 +139,7 @@ def test_wavy_fibre_meets_its_characteristics_with_second_order() -> None:
     errors: dict[str, list[float]] = {"y": [], "v": [], "f": []}
     for n in cells:
         grid = solve_pde(WAVY, BUMP, y0, [0.5], t, cells=n, bounds=(-1.0, 3.0))
-        exact = exact_averages(Grid(grid.edges), carried)
+        exact = exact_averages(CellGrid(grid.edges), carried)
         errors["f"].append(np.abs(grid.f[-1] - exact).sum() * 4 / n)
         errors["y"].append(np.abs(grid.y - flow.y).max())
         errors["v"].append(np.abs(grid.v - flow.v).max())
@@ -185,13 +181,13 @@ def test_tissue_element_in_the_plane() -> None:
     y = tissue_element(density, np.array(start), np.array(velocity), t)
     grid = solve_pde(element, density, start, velocity, [t], cells=40, bounds=[(-1.4, -1.2), (2.0, 1.4)])
     back = stretch(np.array(start)) @ np.linalg.inv(stretch(y))
-    exact = exact_averages(Grid(grid.edges), lambda x: density.density(x @ back.T) * np.linalg.det(back))
+    exact = exact_averages(CellGrid(grid.edges), lambda x: density.density(x @ back.T) * np.linalg.det(back))
     np.testing.assert_allclose(grid.y[0], y, atol=4e-4)
-    assert np.abs(grid.f[0] - exact).sum() * Grid(grid.edges).volume < 1e-2
+    assert np.abs(grid.f[0] - exact).sum() * CellGrid(grid.edges).volume < 1e-2
     assert grid.f.min() == 0.0
     assert grid.mass()[0] == pytest.approx(1.0, abs=ROUNDING)
     np.testing.assert_allclose(grid.mean()[0], np.linalg.solve(back, [0.3, 0.1]), atol=1e-3)
-    with pytest.raises(InvalidModel, match="two axes"):
+    with pytest.raises(InvalidProblem, match="two axes"):
         grid.density(0)
 
 
@@ -267,5 +263,5 @@ GOOD = {"model": LINEAR, "density": BUMP, "y0": [0.0], "v0": [0.5], "t": [1.0], 
     ],
 )
 def test_bad_input(change: dict[str, object], message: str) -> None:
-    with pytest.raises(InvalidModel, match=message):
+    with pytest.raises(InvalidProblem, match=message):
         solve_pde(**(GOOD | change))

@@ -8,9 +8,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pytest
 
-from meanfield import InvalidModel, Model, SolveFailed, State, Status, StraightFibre, TissueElement, WavyFibre
-from meanfield.dae import solve_dae
-from meanfield.rattle import SUBSTEPS, solve_rattle
+from meanfield import (
+    InvalidModel,
+    Model,
+    SolveFailed,
+    State,
+    Status,
+    StraightFibre,
+    TissueElement,
+    WavyFibre,
+    solve_dae,
+    solve_rattle,
+)
+from meanfield.solvers.rattle import SUBSTEPS
 from tests.meanfield.exact import CLOSED, FIBRE, PLAIN, element_start, fibre_start, start_of, worst
 
 if TYPE_CHECKING:

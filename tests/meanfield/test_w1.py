@@ -12,11 +12,10 @@ from hypothesis.extra import numpy as arrays
 from scipy.optimize import linear_sum_assignment
 from scipy.stats import wasserstein_distance
 
-from meanfield import transport
-from meanfield.density import Density
-from meanfield.errors import InvalidModel, SolveFailed
-from meanfield.panels import Panels
-from meanfield.wasserstein import Weighted, w1
+from dincl import InvalidProblem
+from meanfield import Density, Panels, SolveFailed, Weighted, w1
+from meanfield.transport import discrete
+from verification.rates import IID, PAIR, QUANTILES
 from verification.thesis.chapter5 import sampling
 
 UNIFORM, NORMAL = Density.uniform(0.0, 1.0), Density.normal(0.0, 1.0)
@@ -26,7 +25,7 @@ HALVES = Panels.steps([0.0, 0.5, 1.0], [0.4, 1.6])
 @pytest.fixture
 def few_pairs(monkeypatch):
     """Let three levels of points guide each other already for few points."""
-    monkeypatch.setattr(transport, "ALL_PAIRS", 2000)
+    monkeypatch.setattr(discrete, "ALL_PAIRS", 2000)
 
 
 def equal(n):
@@ -122,10 +121,10 @@ def test_few_pairs_give_the_distance_of_all_pairs(d, rng):
     x, y = rng.random((2, 500, d))
     costs = np.linalg.norm(x[:, None] - y, axis=2)
     exact = costs[linear_sum_assignment(costs)].mean()
-    found = transport.bounds(x, equal(500), y, equal(500))
+    found = discrete.bounds(x, equal(500), y, equal(500))
     assert found.upper == pytest.approx(exact, rel=1e-13)
     assert found.lower == pytest.approx(exact, rel=1e-9)
-    rough = transport.bounds(x, equal(500), y, equal(500), 0.05)
+    rough = discrete.bounds(x, equal(500), y, equal(500), 0.05)
     assert exact * 0.95 <= rough.lower <= exact * (1 + 1e-12)
     assert exact * (1 - 1e-12) <= rough.upper
 
@@ -162,13 +161,13 @@ def test_clouds_far_apart(rng):
 
 @pytest.mark.usefixtures("few_pairs")
 def test_rounds_that_are_not_enough_are_an_error(rng, monkeypatch):
-    monkeypatch.setattr(transport, "MOST_ROUNDS", 1)
+    monkeypatch.setattr(discrete, "MOST_ROUNDS", 1)
     with pytest.raises(SolveFailed, match="not all pairs"):
         w1(*rng.random((2, 500, 2)))
 
 
 def test_a_simplex_method_that_stops_early_is_an_error(rng, monkeypatch):
-    monkeypatch.setattr(transport, "MOST_PIVOTS", 10)
+    monkeypatch.setattr(discrete, "MOST_PIVOTS", 10)
     with pytest.raises(SolveFailed, match="numItermax"):
         w1(rng.random((50, 2)), rng.random((50, 2)))
 
@@ -177,7 +176,7 @@ def made_up(d, law):
     """40 values for each size, 10 % above and below the law in turn."""
     counts = np.repeat([10, 100, 300, 1000, 3000], 40)
     values = law(counts) * (1 + 0.1 * np.tile([-1, 1], 100))
-    rows = {"d": d, "start": sampling.PAIR, "N": counts, "w1": values, "seconds": 0.0}
+    rows = {"d": d, "start": PAIR, "N": counts, "w1": values, "seconds": 0.0}
     return sampling.means(pd.DataFrame(rows))
 
 
@@ -207,9 +206,9 @@ def test_kept_rates():
     assert (table["upper"] - table["lower"] <= sampling.GAP * table["upper"]).all()
     means = sampling.means(table)
     rates = sampling.exponents(means).set_index(["d", "start"])
-    assert rates.loc[(1, sampling.IID), "low"] < -0.5 < rates.loc[(1, sampling.IID), "high"]
-    assert abs(rates.loc[(1, sampling.QUANTILES), "exponent"] + 1) < 1e-12
-    assert rates.loc[(2, sampling.PAIR), "low"] > -0.5  # slower than without logarithm
+    assert rates.loc[(1, IID), "low"] < -0.5 < rates.loc[(1, IID), "high"]
+    assert abs(rates.loc[(1, QUANTILES), "exponent"] + 1) < 1e-12
+    assert rates.loc[(2, PAIR), "low"] > -0.5  # slower than without logarithm
     laws = sampling.laws(means).set_index("law")
     assert abs(laws["a"].iloc[0] - np.sqrt(np.pi / 32)) < laws["a_half"].iloc[0]
     fits = laws[["d", "misfit"]].groupby("d")["misfit"]
@@ -217,7 +216,7 @@ def test_kept_rates():
     assert fits.idxmin().loc[[2, 3]].tolist() == ["((a + b log N) / N)^1/2", "a N^-1/3 + b N^-1/2"]
 
 
-@pytest.mark.parametrize(("d", "start"), [(1, sampling.IID), (1, sampling.QUANTILES), (2, sampling.PAIR)])
+@pytest.mark.parametrize(("d", "start"), [(1, IID), (1, QUANTILES), (2, PAIR)])
 def test_a_kept_rate_is_made_again(d, start):
     key = {"d": d, "start": start, "N": 100, "repeat": 0}
     kept = pd.read_parquet(sampling.FILE).set_index(list(sampling.KEY)).loc[tuple(key.values())]
@@ -240,5 +239,5 @@ BAD = {
 
 @pytest.mark.parametrize("message", BAD)
 def test_bad_input_is_refused_by_name(message):
-    with pytest.raises(InvalidModel, match=message):
+    with pytest.raises(InvalidProblem, match=message):
         w1(*BAD[message])

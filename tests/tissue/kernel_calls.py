@@ -6,15 +6,15 @@ import numpy as np
 import pytest
 
 from tests.tissue import states as tissue_states
-from tissue import twins
-from tissue.cells import Emt, emt_cells
-from tissue.energy import Forces
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
 from tissue.kernels import advance, scale, store, substeps, sweeps
 from tissue.kernels.batch import board as boards
 from tissue.kernels.batch.advance import advance as batch_advance
 from tissue.kernels.batch.group import grouped, replicate
 from tissue.kernels.lanes import WIDTH
-from tissue.twins import Tissue
+from tissue.model.cells import Emt, emt_cells
+from tissue.model.energy import Forces
 
 COORDINATES = Forces._fields
 MOBILE = COORDINATES[:5]  # by is 0 on the basal line

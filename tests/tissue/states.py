@@ -4,8 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tissue.cells import Cells, Layers, empty
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells, empty
+from tissue.model.numbers import Numbers
 
 # The thesis, with what it leaves open taken from the published program.
 THESIS = Numbers(
@@ -63,7 +63,7 @@ def numbers(**changes):
 def layers(n, apical=None, basal=None):
     """All n cells in both layers, or just those named."""
     everyone = np.arange(n, dtype=np.int64)
-    return Layers(*(everyone if named is None else np.array(named, dtype=np.int64) for named in (apical, basal)))
+    return CellLayers(*(everyone if named is None else np.array(named, dtype=np.int64) for named in (apical, basal)))
 
 
 def tissue(x, a, b, **fields):

@@ -12,12 +12,12 @@ from rich.console import Console
 from typer.testing import CliRunner
 
 import tissue
-import tissue.progress
+import tissue.cli.progress
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.cli import app
-from tissue.picture import picture
-from tissue.progress import progress
+from tissue.cli.app import app
+from tissue.cli.progress import progress
+from tissue.pictures.picture import picture
 
 HOME = import_module("tissue.first_order")  # the commands import from it
 FILES = ["parameters.toml", "picture.png", "summary.csv", "table.parquet"]
@@ -38,8 +38,8 @@ PARAMETERS = tissue.preset("published").changed(CHANGES)
 def folder(tmp_path, monkeypatch):
     """An own folder to work in, with a parameter file."""
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("tissue.picture.DPI", 20)
-    monkeypatch.setattr("tissue.picture.MOVIE_DPI", 20)
+    monkeypatch.setattr("tissue.pictures.picture.DPI", 20)
+    monkeypatch.setattr("tissue.pictures.picture.MOVIE_DPI", 20)
     Path("small.toml").write_text(SMALL, "utf-8")
     return tmp_path
 
@@ -262,7 +262,7 @@ def test_a_bad_seed(seed):
 
 
 def test_progress_is_told_in_lines_where_there_is_no_terminal(monkeypatch):
-    monkeypatch.setattr(tissue.progress, "INTERVAL", -1.0)
+    monkeypatch.setattr(tissue.cli.progress, "INTERVAL", -1.0)
     result = call("run", "small.toml", "--out", "x")
     lines = result.stderr.splitlines()
     assert [line.split(" h,")[0] for line in lines] == [f"growing: {t} of 1" for t in (0.25, 0.5, 0.75, 1)]

@@ -8,13 +8,13 @@ import pytest
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, distance, same_events, together, upright, with_emt
 from tests.tissue.states import layers
-from tissue import twins
-from tissue.cells import emt_cells
+from tests.twins.tissue import steps as twins
 from tissue.events import bits
+from tissue.files.parameters import preset
 from tissue.kernels.lanes import WIDTH
-from tissue.observables import ab_positions
-from tissue.parameters import preset
-from tissue.run import Frame
+from tissue.model.cells import emt_cells
+from tissue.model.frame import Frame
+from tissue.model.observables import ab_positions
 
 NEVER = math.inf
 RELAX = STILL._replace(rate_ax=5.0, rate_bx=2.0, rate_aa=1.0)

@@ -9,14 +9,14 @@ import dincl
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
-from tissue.energy import Forces
+from tests.twins.tissue.state import Tissue
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels import advance
 from tissue.kernels.neighbours import LOST
 from tissue.kernels.scratch import COUNTERS
-from tissue.parameters import preset
+from tissue.model.energy import Forces
 from tissue.run import RunFailed
-from tissue.twins import Tissue
 
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"}) for name in ("thesis", "published")}
 # Every cell divides in these hours, so that a run has many events.

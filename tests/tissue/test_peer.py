@@ -3,7 +3,7 @@
 import numpy as np
 
 from tests.tissue.states import PEER_CONTROL
-from tissue.parameters import load
+from tissue.files.parameters import load
 from tissue.study.outcomes import outcomes
 
 RUNS = range(160)

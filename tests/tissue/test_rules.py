@@ -12,9 +12,9 @@ from scipy import stats
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, both, upright
 from tests.tissue.states import layers, tissue
-from tissue import twins
-from tissue.energy import forces
-from tissue.twins import Tissue
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
+from tissue.model.energy import forces
 
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.
 RARE = 1e-3

@@ -5,10 +5,10 @@ import pytest
 from scipy import stats
 
 import dincl
+from tissue.files.parameters import preset
 from tissue.kernels.scratch import COUNTERS
 from tissue.kernels.store import contents
-from tissue.numbers_start import Start
-from tissue.parameters import preset
+from tissue.model.numbers_start import StartNumbers
 from tissue.start import first_state
 
 RARE = 1e-3
@@ -122,7 +122,7 @@ def test_no_hard_discs_overlap(name, nuclei):
 
 def test_parting_says_what_it_did():
     """Two discs of 1/3 drawn 0.2 apart at one height: one sweep moves each by (2/3 - 0.2) / 2."""
-    start = Start(2, 8.0, 10.0, 0.3, 0.2, "own_basal", 3.0, 3.0, 1.5, 0.3)
+    start = StartNumbers(2, 8.0, 10.0, 0.3, 0.2, "own_basal", 3.0, 3.0, 1.5, 0.3)
     cells, _, parted = started(start, preset("thesis").numbers(), 1)
     assert (cells.radius == 1 / 3).all()
     np.testing.assert_allclose(cells.x, [-1 / 3, 1 / 3], rtol=1e-14)

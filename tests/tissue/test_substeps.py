@@ -9,7 +9,7 @@ from scipy import stats
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import COORDINATES, STILL, both, upright
 from tests.tissue.states import layers, tissue
-from tissue.twins import Tissue
+from tests.twins.tissue.state import Tissue
 
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.
 RARE = 1e-3

@@ -9,9 +9,9 @@ import pytest
 
 from dincl.status import Status
 from tissue.events import bits
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import PHASES, height, nuclear_layers, phases
-from tissue.parameters import preset
+from tissue.model.observables import PHASES, height, nuclear_layers, phases
 from tissue.run import Run
 from tissue.tables import EVENTS, cell_table, summary_table
 

@@ -11,12 +11,12 @@ import pytest
 
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import upright, with_emt
-from tissue import twins
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
+from tissue.files.messages import known_keys
+from tissue.files.parameters import Parameters, preset
 from tissue.kernels.store import contents
-from tissue.messages import known_keys
-from tissue.parameters import Parameters, preset
 from tissue.start import first_state
-from tissue.twins import Tissue
 
 BASE = preset("published")
 MODELS = {"kernels": kernels, "twins": twins}

@@ -16,7 +16,7 @@ TISSUE = (PAGES / "tissue.md").read_text("utf-8")
 PRINTED = {
     "solve.md": ("SUCCESS", "LinearisedCatchUp", "contact, particle", "smaller dt"),
     "tissue.md": ("SUCCESS", "height_um"),
-    "meanfield.md": ("Work", "reduced"),
+    "meanfield.md": ("g is affine in X", "Work("),
 }
 
 

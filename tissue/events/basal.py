@@ -7,7 +7,7 @@ import math
 from tissue.events.layer import find, remove
 from tissue.kernels._numba import kernel
 from tissue.kernels.store import BASAL, Store
-from tissue.numbers import Numbers
+from tissue.model.numbers import Numbers
 
 
 @kernel

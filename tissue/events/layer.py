@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from tissue.cells import Integers
 from tissue.kernels._numba import kernel
+from tissue.model.cells import Integers
 
 
 @kernel

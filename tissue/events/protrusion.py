@@ -6,7 +6,7 @@ import math
 
 from tissue.kernels._numba import kernel
 from tissue.kernels.store import Store
-from tissue.numbers import Numbers
+from tissue.model.numbers import Numbers
 
 
 @kernel

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tissue.kernels._numba import kernel
 from tissue.kernels.store import Store
-from tissue.numbers import Numbers
+from tissue.model.numbers import Numbers
 
 
 @kernel

@@ -6,7 +6,7 @@ from tissue.events import apical, basal, bits, protrusion, straightness
 from tissue.kernels._numba import kernel
 from tissue.kernels.scale import ab_position
 from tissue.kernels.store import CELLS, Store
-from tissue.numbers import Numbers
+from tissue.model.numbers import Numbers
 
 
 @kernel

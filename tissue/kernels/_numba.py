@@ -16,4 +16,5 @@ def kernel(function: Function) -> Function:
     The kernels take dozens of arrays and allocate none, so nobody counts references to arrays (``_nrt``): counting took
     as long as computing.
     """
-    return cast("Function", numba.njit(cache=True, nogil=True, error_model="numpy", _nrt=False)(function))
+    options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": False}
+    return cast("Function", numba.njit(**options)(function))

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from numpy.random import Generator
 
-from tissue.cells import Cells
 from tissue.events.together import begin_events
 from tissue.kernels._numba import kernel
 from tissue.kernels.cycle import adapt_rest_lengths, set_phases
@@ -14,7 +13,8 @@ from tissue.kernels.normals import draw_key
 from tissue.kernels.scale import watch_sides
 from tissue.kernels.store import CELLS, Store
 from tissue.kernels.substeps import add_noise, make_substeps
-from tissue.numbers import Numbers
+from tissue.model.cells import Cells
+from tissue.model.numbers import Numbers
 
 # How a call ended: all steps made; no room for the daughters that may come; no room in the lists of close pairs;
 # a cell that is lost.

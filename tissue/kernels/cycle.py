@@ -9,12 +9,12 @@ import math
 
 from numpy.random import Generator
 
-from tissue.cells import Cells
 from tissue.events.together import last_events
 from tissue.kernels._numba import kernel
 from tissue.kernels.scratch import STALE
 from tissue.kernels.store import CELLS, Store
-from tissue.numbers import Numbers
+from tissue.model.cells import Cells
+from tissue.model.numbers import Numbers
 
 
 @kernel
@@ -26,7 +26,8 @@ def draw_cycle(numbers: Numbers, draws: Generator) -> float:
 @kernel
 def in_g2(cells: Cells, i: int, t: float, numbers: Numbers) -> bool:
     """Whether t_age >= t_G2 = t_cycle - T_G2 - T_mitosis: the active part of G2, or mitosis."""
-    return t - cells.birth[i] >= cells.cycle[i] - numbers.g2 - numbers.mitosis
+    late: bool = t - cells.birth[i] >= cells.cycle[i] - numbers.g2 - numbers.mitosis
+    return late
 
 
 @kernel

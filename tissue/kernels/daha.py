@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import numpy as np
 
-from tissue.cells import Cells, Floats
 from tissue.kernels._numba import kernel
 from tissue.kernels.advance import CROWDED, DONE, NON_FINITE
 from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
@@ -22,15 +21,16 @@ from tissue.kernels.multipliers import (
 from tissue.kernels.neighbours import LOST, make_lists
 from tissue.kernels.scratch import Scratch
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
-from tissue.numbers import Numbers
-from tissue.numbers_daha import Daha
+from tissue.model.cells import Cells, Floats
+from tissue.model.numbers import Numbers
+from tissue.model.numbers_daha import Daha
 
 # How a call ended, beside DONE, CROWDED and NON_FINITE: all iterations made, and the rule does not hold yet.
 UNFINISHED = 1 + max(DONE, CROWDED, NON_FINITE)
 # Bound of |z_n|^2 + |z_{n+1} - z_n|^2: below it |z_{n+1}| is below LOST.
 TOO_FAR = LOST**2 / 2
 # The first fields of Cells are the coordinates x, y, ax, ay, bx, by.
-COORDINATES = Cells._fields.index("by") + 1
+COORDINATES: Final = 6
 BX = Cells._fields.index("bx")
 
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from numpy.random import Generator
 
-from tissue.cells import Cells, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.cycle import draw_cycle
 from tissue.kernels.scratch import DIVISIONS, STALE
 from tissue.kernels.store import APICAL, BASAL, CELLS, NEXT_ID, Store
-from tissue.numbers import Numbers
+from tissue.model.cells import Cells, Integers
+from tissue.model.numbers import Numbers
 
 # The first fields of Cells are numbers, the others flags and ids.
 NUMBERS = Cells._fields.index("moves")

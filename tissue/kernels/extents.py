@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import math
 
-from tissue.cells import Floats
 from tissue.kernels._numba import kernel
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
+from tissue.model.cells import Floats
 
 
 @kernel
 def measure_extents(store: Store, extents: Floats) -> None:
     """Mean height of the apical layer and of the nuclei; extent in x of the apical layer, the basal layer, the nuclei.
 
-    As ``height``, ``nucleus_height`` and ``widths`` of ``tissue.observables``; (5,).
+    As ``height``, ``nucleus_height`` and ``widths`` of ``tissue.model.observables``; (5,).
     """
     cells, layers, n = store.cells, store.layers, store.sizes[CELLS]
     apical, basal = layers.apical[: store.sizes[APICAL]], layers.basal[: store.sizes[BASAL]]

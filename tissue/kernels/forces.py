@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-from tissue.cells import Cells, Layers
 from tissue.kernels._numba import kernel
 from tissue.kernels.lanes import WIDTH, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.scratch import SOFT_PAIRS, Scratch
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells
+from tissue.model.numbers import Numbers
 
 Lane = Any  # a value of type Lanes
 Plane = tuple[Lane, Lane]
@@ -17,7 +17,7 @@ Spring = tuple[Lane, Lane]
 
 @kernel
 def prepare(
-    cells: Cells, n: int, layers: Layers, apical: int, numbers: Numbers, scale: float, scratch: Scratch
+    cells: Cells, n: int, layers: CellLayers, apical: int, numbers: Numbers, scale: float, scratch: Scratch
 ) -> None:
     """Coefficients that stay the same until the rules change again; ``scale`` = h / mu.
 
@@ -75,7 +75,7 @@ def repulsion(cells: Cells, n: int, strength: float, scratch: Scratch) -> None:
 
 
 @kernel
-def junctions(cells: Cells, layers: Layers, apical: int, scratch: Scratch) -> None:
+def junctions(cells: Cells, layers: CellLayers, apical: int, scratch: Scratch) -> None:
     """Pull k (d - eta) of the junction behind each point of the apical layer towards the next, for the layer."""
     for k in range(apical):
         i = layers.apical[k]
@@ -130,7 +130,7 @@ def move_by_springs(cells: Cells, n: int, scratch: Scratch) -> None:
 
 
 @kernel
-def move_by_neighbours(cells: Cells, n: int, layers: Layers, apical: int, scratch: Scratch) -> None:
+def move_by_neighbours(cells: Cells, n: int, layers: CellLayers, apical: int, scratch: Scratch) -> None:
     """Add the pushes between nuclei and the pulls of the junctions to the positions."""
     for s in range(n):
         cells.x[scratch.order[s]] += scratch.push_x[s]

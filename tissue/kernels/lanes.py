@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any
+from typing import Any, cast
 
 from llvmlite import ir
 from numba import types
@@ -44,7 +44,7 @@ LANES = LanesType()
 @register_model(LanesType)
 class _Model(models.PrimitiveModel):
     def __init__(self, dmm: Any, fe_type: Any) -> None:
-        super().__init__(dmm, fe_type, _VECTOR)
+        super().__init__(dmm, fe_type, _VECTOR)  # type: ignore[no-untyped-call]
 
 
 def _constant(value: float) -> ir.Constant:
@@ -68,7 +68,12 @@ def _place(context: Any, builder: Any, signature: Any, values: Any) -> Any:
     return builder.bitcast(builder.gep(array.data, [index]), _VECTOR.as_pointer())
 
 
-@intrinsic
+def instruction(define: Callable[..., Any]) -> Callable[..., Any]:
+    """An intrinsic of numba: a kernel calls it without the first argument of ``define``, the context of its types."""
+    return cast("Callable[..., Any]", intrinsic(define))
+
+
+@instruction
 def load(typing: Any, a: Any, i: Any) -> Any:
     """a[i : i + 8]; the array must be that long."""
 
@@ -80,7 +85,7 @@ def load(typing: Any, a: Any, i: Any) -> Any:
     return LANES(a, i), generate
 
 
-@intrinsic
+@instruction
 def store(typing: Any, a: Any, i: Any, v: Any) -> Any:
     """a[i : i + 8] = v."""
 
@@ -99,7 +104,7 @@ def load_words(context: Any, builder: Any, kind: Any, array: Any, index: Any) ->
     return builder.trunc(loaded, _PLACES)
 
 
-@intrinsic
+@instruction
 def spread(typing: Any, number: Any) -> Any:
     """The same number in all lanes."""
 
@@ -109,14 +114,14 @@ def spread(typing: Any, number: Any) -> Any:
     return LANES(number), generate
 
 
-def _define(function: Callable[..., Any], instruction: str) -> None:
+def _define(function: Callable[..., Any], operation: str) -> None:
     """Let an operator of Python work on lanes, and on lanes and numbers."""
 
-    @intrinsic
+    @instruction
     def apply(typing: Any, a: Any, b: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
             left, right = (_spread(context, builder, *pair) for pair in zip(values, signature.args, strict=True))
-            return getattr(builder, instruction)(left, right)
+            return getattr(builder, operation)(left, right)
 
         return LANES(a, b), generate
 
@@ -129,11 +134,11 @@ def _define(function: Callable[..., Any], instruction: str) -> None:
 
 
 ARITHMETIC = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
-for _function, _instruction in ARITHMETIC.items():
-    _define(_function, _instruction)
+for _function, _operation in ARITHMETIC.items():
+    _define(_function, _operation)
 
 
-@intrinsic
+@instruction
 def where_positive(typing: Any, condition: Any, v: Any) -> Any:
     """v where ``condition`` > 0, else 0; a NaN of v stays where the condition holds."""
 
@@ -144,7 +149,7 @@ def where_positive(typing: Any, condition: Any, v: Any) -> Any:
     return LANES(condition, v), generate
 
 
-@intrinsic
+@instruction
 def either(typing: Any, condition: Any, v: Any, otherwise: Any) -> Any:
     """v where ``condition`` > 0, else ``otherwise``, in each lane."""
 
@@ -154,7 +159,7 @@ def either(typing: Any, condition: Any, v: Any, otherwise: Any) -> Any:
     return LANES(condition, v, otherwise), generate
 
 
-@intrinsic
+@instruction
 def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
     """a b + c in one instruction, where the processor has one."""
 
@@ -166,7 +171,7 @@ def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
     return LANES(a, b, c), generate
 
 
-@intrinsic
+@instruction
 def maximum(typing: Any, a: Any, b: Any) -> Any:
     """The larger number in each lane; b where one is NaN."""
 
@@ -176,7 +181,7 @@ def maximum(typing: Any, a: Any, b: Any) -> Any:
     return LANES(a, b), generate
 
 
-@intrinsic
+@instruction
 def twice_rsqrt(typing: Any, v: Any) -> Any:
     """2 / sqrt(v) to 2e-13: y (3 - v y^2) for a quick estimate y in single precision, one Newton step.
 
@@ -196,7 +201,7 @@ def twice_rsqrt(typing: Any, v: Any) -> Any:
     return LANES(v), generate
 
 
-@intrinsic
+@instruction
 def binary_parts(typing: Any, v: Any) -> Any:
     """m and e of v = m 2^e, 1 <= m < 2; v must be positive and normal."""
 
@@ -210,7 +215,7 @@ def binary_parts(typing: Any, v: Any) -> Any:
     return types.UniTuple(LANES, 2)(v), generate
 
 
-@intrinsic
+@instruction
 def positive_bits(typing: Any, v: Any) -> Any:
     """An integer with bit k set where v > 0 in lane k."""
 
@@ -221,7 +226,7 @@ def positive_bits(typing: Any, v: Any) -> Any:
     return types.int64(v), generate
 
 
-@intrinsic
+@instruction
 def lowest_bit(typing: Any, bits: Any) -> Any:
     """The place of the lowest bit that is set; there must be one."""
 

@@ -7,14 +7,15 @@ As functions g >= 0 ("the square of (C1) to (C4)"): |X_i - X_j|^2 - (R_i + R_j)^
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tissue.cells import Cells, Floats, Integers, Layers
 from tissue.kernels._numba import kernel
 from tissue.kernels.scratch import Scratch
-from tissue.numbers_daha import Daha
+from tissue.model.cells import CellLayers, Cells, Floats, Integers
+from tissue.model.numbers_daha import Daha
 
 # Pairs of hard discs per cell that may overlap soon, or did and still push: more mean that the tissue has collapsed.
 MOST = 32
@@ -42,7 +43,7 @@ def multipliers_for(cells: Cells) -> Multipliers:
     capacity = len(cells.x)
     lengths = {"pairs": 1, "order": capacity, "distance": capacity, "last": capacity}
     floats = {"square", "discs", "order", "distance"}
-    arrays = {
+    arrays: dict[str, NDArray[Any]] = {
         name: np.zeros(lengths.get(name, MOST * capacity), np.float64 if name in floats else np.int64)
         for name in Multipliers._fields
     }
@@ -71,7 +72,7 @@ def hold_discs(
 @kernel
 def hold_basal(
     cells: Cells,
-    layers: Layers,
+    layers: CellLayers,
     basal: int,
     largest: float,
     daha: Daha,
@@ -138,7 +139,7 @@ def _add(multipliers: Multipliers, i: int, j: int, square: float, multiplier: fl
 @kernel
 def _is_held(multipliers: Multipliers, i: int, j: int) -> bool:
     """Whether the pair is listed."""
-    k = multipliers.last[i]
+    k: int = multipliers.last[i]
     while k >= 0 and multipliers.j[k] != j:
         k = multipliers.previous[k]
     return k >= 0

@@ -5,10 +5,10 @@ The lists hold as long as no nucleus moved by more than SKIN / 2 from where it w
 
 from __future__ import annotations
 
-from tissue.cells import Cells, Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.lanes import WIDTH, load, lowest_bit, positive_bits
 from tissue.kernels.scratch import CLOSE_PAIRS, FAR, LISTS, MOVED, NEAR, STALE, Scratch
+from tissue.model.cells import Cells, Floats, Integers
 
 # Longer lists against fewer of them [R_soft].
 SKIN = 0.8

@@ -11,10 +11,8 @@ from typing import Any
 
 from llvmlite import ir
 from numba import types
-from numba.extending import intrinsic
 from numpy.random import Generator
 
-from tissue.cells import Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.lanes import (
     LANES,
@@ -22,12 +20,14 @@ from tissue.kernels.lanes import (
     binary_parts,
     either,
     fma,
+    instruction,
     load,
     load_words,
     spread,
     store,
     twice_rsqrt,
 )
+from tissue.model.cells import Floats, Integers
 
 # Of Threefry-2x32: its rounds, how far each of eight rounds in turn rotates, and the parity of the key.
 ROUNDS, ROTATIONS, PARITY = 20, (13, 15, 26, 6, 17, 29, 16, 24), 0x1BD11BDA
@@ -51,7 +51,7 @@ def draw_key(noise: Generator, key: Integers) -> None:
         key[lane], key[WIDTH + lane] = first, second
 
 
-@intrinsic
+@instruction
 def threefry(typing: Any, key: Any, counter: Any, place: Any, number: Any) -> Any:
     """Two words of each lane, as doubles: a function of its key and of its counter (counter[place + lane], number).
 
@@ -59,6 +59,7 @@ def threefry(typing: Any, key: Any, counter: Any, place: Any, number: Any) -> An
     """
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        """The rounds, written out."""
         zero, width = ir.Constant(ir.IntType(64), 0), ir.Constant(ir.IntType(64), WIDTH)
         keys = [load_words(context, builder, signature.args[0], values[0], at) for at in (zero, width)]
         at = context.cast(builder, values[2], signature.args[2], types.intp)

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 
-from tissue.cells import Floats
 from tissue.kernels._numba import kernel
 from tissue.kernels.store import APICAL, CELLS, Store
+from tissue.model.cells import Floats
 
 
 @kernel
@@ -25,7 +25,8 @@ def ab_position(store: Store, i: int) -> float:
         away_x, away_y = away_x - part * along_x, away_y - part * along_y
         if away_x * away_x + away_y * away_y < nearest:
             nearest, reference = away_x * away_x + away_y * away_y, from_y + part * along_y
-    return y / reference
+    position: float = y / reference
+    return position
 
 
 @kernel

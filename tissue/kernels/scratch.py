@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from tissue.cells import Cells, Floats, Integers
 from tissue.kernels.lanes import WIDTH
+from tissue.model.cells import Cells, Floats, Integers
 
 # Far from every cell, and from each other: the end of the sorted arrays.
 FAR = 1e6
@@ -74,7 +75,7 @@ def scratch_for(cells: Cells) -> Scratch:
         "counts": len(COUNTERS),
     }
     whole = {"order", "low", "high", "near", "near_count", "moved", "noise_key", "flags", "counts"}
-    arrays = {
+    arrays: dict[str, NDArray[Any]] = {
         name: np.zeros(lengths.get(name, capacity + WIDTH), np.int64 if name in whole else np.float64)
         for name in Scratch._fields
     }

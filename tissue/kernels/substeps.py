@@ -6,14 +6,14 @@ import math
 
 from numpy.random import Generator
 
-from tissue.cells import Cells
 from tissue.kernels._numba import kernel
 from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
 from tissue.kernels.normals import shake
 from tissue.kernels.scratch import STALE, SUBSTEPS
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
 from tissue.kernels.sweeps import order_basal, refresh, separate
-from tissue.numbers import Numbers
+from tissue.model.cells import Cells
+from tissue.model.numbers import Numbers
 
 
 @kernel

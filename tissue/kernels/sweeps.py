@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from tissue.cells import Cells, Floats, Layers
 from tissue.kernels._numba import kernel
 from tissue.kernels.neighbours import SKIN, list_again, make_lists
 from tissue.kernels.scratch import BASAL_CORRECTIONS, CORRECTIONS, NEAR, STALE, Scratch
+from tissue.model.cells import CellLayers, Cells, Floats
 
 
 @kernel
@@ -71,7 +71,7 @@ def refresh(cells: Cells, n: int, scratch: Scratch) -> bool:
 
 
 @kernel
-def order_basal(cells: Cells, layers: Layers, basal: int, largest: float, scratch: Scratch) -> None:
+def order_basal(cells: Cells, layers: CellLayers, basal: int, largest: float, scratch: Scratch) -> None:
     """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= largest (C2) likewise."""
     x, layer = cells.bx, layers.basal
     corrections = 0

@@ -12,6 +12,7 @@ import pandas as pd
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.model.cells import Floats
 
 EVENTS = ("A", "B", "S", "P")  # in this order where times are equal, so that [AB] has T_A <= T_B
 NO_EVENT = "none"
@@ -19,6 +20,7 @@ NO_INM = " no INM"
 NEVER = "never"
 WINDOW = 1.0  # [h], over which a nucleus is below 0 on average to be extruded by the published rule
 
+Edges = Sequence[float] | Floats
 What = Literal["basal", "apical", "below"]
 Rule = Literal["thesis", "published"]
 
@@ -79,7 +81,7 @@ def by_order(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series
     return _named(cells, np.where(joined == "", "", "[" + joined + "]"), inm=inm)
 
 
-def interval_names(edges: Sequence[float]) -> list[str]:
+def interval_names(edges: Edges) -> list[str]:
     """Names of the intervals that edges make of the line, with the rest: "<= 0", "(0, 0.5]", "(0.5, 1]", "> 1".
 
     Raises
@@ -95,7 +97,7 @@ def interval_names(edges: Sequence[float]) -> list[str]:
     return [f"<= {texts[0]}", *between, f"> {texts[-1]}"]
 
 
-def by_interval(values: pd.Series, edges: Sequence[float]) -> pd.Series:
+def by_interval(values: pd.Series, edges: Edges) -> pd.Series:
     """In which interval (a, b] an event time [h], or a position at the onset, lies (3.3.4).
 
     Parameters

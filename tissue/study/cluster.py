@@ -35,7 +35,7 @@ def cluster(address: str) -> Iterator[Executor]:
         At the end of the block, if the scheduler is lost, or a piece brought down one worker after the other.
     """
     from distributed import KilledWorker
-    from distributed.comm import CommClosedError
+    from distributed.comm.core import CommClosedError
 
     logging.getLogger("distributed").setLevel(logging.CRITICAL)  # what happens is told in one message
     with _connected(address) as client:

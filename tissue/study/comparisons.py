@@ -225,7 +225,7 @@ def agrees(difference: Difference, level: float = PRINTED_LEVEL) -> bool:
 
 
 @dataclass(frozen=True)
-class Claim:
+class RatioClaim:
     """A statement that one ratio is larger than another, or like it, and whether it holds.
 
     Attributes
@@ -244,24 +244,24 @@ class Claim:
     needed: int | None = None
 
 
-def more(text: str, difference: Difference, runs: int) -> Claim:
+def more(text: str, difference: Difference, runs: int) -> RatioClaim:
     """The claim that the first ratio is larger; ``runs`` is how many replicates there were of each kind."""
     low, high = difference.interval(CLAIM_LEVEL)
     verdict: Verdict = "holds" if low > 0 else "does not hold" if high < 0 else "not decided"
     first, second = difference.first, difference.second
     each = min(first.size, second.size) / runs
     needed = runs_needed(first.value, second.value, level=CLAIM_LEVEL, cells_per_run=each)
-    return Claim(_sentence(text, difference), verdict, needed if verdict == "not decided" else None)
+    return RatioClaim(_sentence(text, difference), verdict, needed if verdict == "not decided" else None)
 
 
-def alike(text: str, difference: Difference, runs: int) -> Claim:
+def alike(text: str, difference: Difference, runs: int) -> RatioClaim:
     """The claim that two ratios differ by less than ``ALIKE``."""
     low, high = difference.interval(CLAIM_LEVEL)
     if low > -ALIKE and high < ALIKE:
-        return Claim(_sentence(text, difference), "holds")
+        return RatioClaim(_sentence(text, difference), "holds")
     if low > ALIKE or high < -ALIKE:
-        return Claim(_sentence(text, difference), "does not hold")
-    return Claim(_sentence(text, difference), "not decided", _runs_for_margin(difference, runs))
+        return RatioClaim(_sentence(text, difference), "does not hold")
+    return RatioClaim(_sentence(text, difference), "not decided", _runs_for_margin(difference, runs))
 
 
 def _runs_for_margin(difference: Difference, runs: int) -> int | None:

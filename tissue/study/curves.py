@@ -5,13 +5,12 @@ Source: Figures 10 to 14, 20 and 21 of chapter 4.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import get_args
 
 import numpy as np
 import pandas as pd
 
-from tissue.study.categories import Rule, What, by_interval, interval_names, kept_times, outcome
+from tissue.study.categories import Edges, Rule, What, by_interval, interval_names, kept_times, outcome
 from tissue.study.ratios import COLUMNS, LEVEL, ratios
 
 
@@ -45,9 +44,7 @@ def over_time(cells: pd.DataFrame, rule: Rule = "thesis", level: float = LEVEL) 
     return pd.concat(parts, ignore_index=True)[names] if parts else pd.DataFrame(columns=names)
 
 
-def given(
-    hits: pd.Series, replicate: pd.Series, values: pd.Series, edges: Sequence[float], level: float = LEVEL
-) -> pd.DataFrame:
+def given(hits: pd.Series, replicate: pd.Series, values: pd.Series, edges: Edges, level: float = LEVEL) -> pd.DataFrame:
     """E[delta | value in (a, b]] of 3.3.4 for each interval, with bands.
 
     Parameters

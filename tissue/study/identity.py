@@ -15,8 +15,8 @@ from tissue.study.plan import PART, Study
 from tissue.study.wording import in_scenarios
 
 HOME = Path(__file__).parent.parent
-# Sources that no number of a run depends on; of the studies only one file makes numbers.
-ASIDE = ("cli*.py", "movie.py", "picture.py", "progress.py", "sheet.py")
+# Folders of sources that numbers of a run depend on; of the studies only one file makes numbers.
+ROOMS = ("events", "files", "kernels", "model", "quasi_steady")
 MOST_DIFFERENCES = 12
 IDENTITY = ("replicates", "seed", "trajectories", "part", "scenarios", "code")
 SETTINGS = {"replicates": "replicates", "seed": "seed", "trajectories": "trajectories", "part": "replicates of a part"}
@@ -42,8 +42,8 @@ def fingerprint(what: Mapping[str, Any]) -> str:
 @cache
 def code() -> dict[str, str]:
     """The version of the program: of its sources, and of the libraries that make numbers."""
-    files = [file for file in HOME.glob("*.py") if not any(file.match(pattern) for pattern in ASIDE)]
-    files += [*HOME.glob("kernels/**/*.py"), *HOME.glob("events/**/*.py"), HOME / "study" / "outcomes.py"]
+    files = [*HOME.glob("*.py"), *(file for room in ROOMS for file in HOME.glob(f"{room}/**/*.py"))]
+    files.append(HOME / "study" / "outcomes.py")
     sources = sha256()
     for file in sorted(file for file in files if file.exists()):
         sources.update(f"{file.relative_to(HOME).as_posix()}\n".encode() + file.read_bytes())

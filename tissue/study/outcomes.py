@@ -9,13 +9,13 @@ import numpy as np
 import pyarrow as pa
 
 from dincl.status import Status
-from tissue.cells import Flags, Floats
+from tissue.files.parameters import Parameters
 from tissue.kernels.batch.board import RUNNING
 from tissue.kernels.batch.measure import measure_all
 from tissue.kernels.lanes import WIDTH
 from tissue.lot import Lot
-from tissue.parameters import Parameters
-from tissue.run import Frame
+from tissue.model.cells import Flags, Floats
+from tissue.model.frame import Frame
 
 if TYPE_CHECKING:
     import pandas as pd

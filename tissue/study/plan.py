@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from dincl.errors import InvalidProblem
-from tissue.messages import refuse
-from tissue.parameter_files import merged, read
-from tissue.parameters import NoBase, Parameters, based_on
+from tissue.files.messages import refuse
+from tissue.files.parameter_files import merged, read
+from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.study.shape import checked
 from tissue.study.wording import in_scenarios, waits
 
@@ -25,12 +25,12 @@ class Piece(NamedTuple):
 
     scenario: str
     first: int
-    count: int
+    runs: int
 
     @property
     def replicates(self) -> range:
         """The numbers of its replicates."""
-        return range(self.first, self.first + self.count)
+        return range(self.first, self.first + self.runs)
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import pandas as pd
 
 from tissue.study.categories import NO_INM, by_order, by_selection, happened, kept_times, outcome, time_column
-from tissue.study.comparisons import CLAIM_LEVEL, Claim, Difference, Verdict, alike, more, within
+from tissue.study.comparisons import CLAIM_LEVEL, Difference, RatioClaim, Verdict, alike, more, within
 from tissue.study.ranking import FEWEST, by_importance
 from tissue.study.ratios import Ratio, ratio
 
@@ -41,12 +41,12 @@ class Question(NamedTuple):
 
     text: str
     thesis: str
-    claims: Callable[[Tables], Iterator[Claim]]
+    claims: Callable[[Tables], Iterator[RatioClaim]]
     mostly: bool = False
 
 
 @dataclass(frozen=True)
-class Answer:
+class QuestionAnswer:
     """A question of the thesis with its answer and with what the runs say.
 
     Attributes
@@ -69,7 +69,7 @@ class Answer:
     needed: int | None
 
 
-def answers(tables: Tables) -> dict[str, Answer]:
+def answers(tables: Tables) -> dict[str, QuestionAnswer]:
     """The answers to Q1 to Q8.
 
     Parameters
@@ -87,12 +87,12 @@ def answers(tables: Tables) -> dict[str, Answer]:
     return {name: _answer(question, list(question.claims(tables))) for name, question in QUESTIONS.items()}
 
 
-def _answer(question: Question, claims: list[Claim]) -> Answer:
+def _answer(question: Question, claims: list[RatioClaim]) -> QuestionAnswer:
     verdict = _together([claim.verdict for claim in claims], mostly=question.mostly)
     runs = [claim.needed for claim in claims if claim.needed is not None]
     measured = tuple(f"{claim.text}: {claim.verdict}." for claim in claims)
     needed = max(runs, default=None) if verdict == "not decided" else None
-    return Answer(question.text, question.thesis, measured, verdict, needed)
+    return QuestionAnswer(question.text, question.thesis, measured, verdict, needed)
 
 
 def _together(verdicts: list[Verdict], *, mostly: bool) -> Verdict:
@@ -120,7 +120,7 @@ def _runs(*tables: pd.DataFrame) -> int:
     return min(int(table["replicate"].nunique()) for table in tables)
 
 
-def _between(claim: Callable[..., Claim], text: str, *sides: Side) -> Iterator[Claim]:
+def _between(claim: Callable[..., RatioClaim], text: str, *sides: Side) -> Iterator[RatioClaim]:
     """A claim about cells of different replicates, if there are enough."""
     first, second = (_of(*side) for side in sides)
     if first is not None and second is not None:
@@ -128,8 +128,8 @@ def _between(claim: Callable[..., Claim], text: str, *sides: Side) -> Iterator[C
 
 
 def _inside(
-    claim: Callable[..., Claim], text: str, cells: pd.DataFrame, first: pd.Series, second: pd.Series
-) -> Iterator[Claim]:
+    claim: Callable[..., RatioClaim], text: str, cells: pd.DataFrame, first: pd.Series, second: pd.Series
+) -> Iterator[RatioClaim]:
     """A claim about two kinds of cells of the same replicates, if there are enough."""
     if min(first.sum(), second.sum()) >= FEW:
         yield claim(text, within(_hits(cells), cells["replicate"], first, second), _runs(cells))
@@ -151,12 +151,12 @@ def _own_and_mixed(tables: Tables, suffix: str) -> Iterator[tuple[str, Side, Sid
                     yield f"{kind} against those of {population}", (own, those), (cells, orders == kind)
 
 
-def _q1(tables: Tables) -> Iterator[Claim]:
+def _q1(tables: Tables) -> Iterator[RatioClaim]:
     for text, own, mixed in _own_and_mixed(tables, ""):
         yield from _between(more, f"{text}, alone more", own, mixed)
 
 
-def _q2(tables: Tables) -> Iterator[Claim]:
+def _q2(tables: Tables) -> Iterator[RatioClaim]:
     for name, cells in _populations(tables):
         selection = by_selection(cells, _end(cells), inm=True)
         for events in ("A", "B", "BP"):
@@ -178,7 +178,7 @@ def _timed(tables: Tables) -> Iterator[tuple[str, pd.DataFrame, str, pd.Series]]
                 yield name, tables[name], event, tables[name]["replicate"] >= 0
 
 
-def _q3(tables: Tables) -> Iterator[Claim]:
+def _q3(tables: Tables) -> Iterator[RatioClaim]:
     for name, cells, event, kind in _timed(tables):
         times = cells[time_column(event)]
         early, late = kind & (times <= EARLY), kind & (times > LATE) & (times < _end(cells))
@@ -186,7 +186,7 @@ def _q3(tables: Tables) -> Iterator[Claim]:
         yield from _inside(more if event == "A" else alike, text, cells, early, late)
 
 
-def _q4(tables: Tables) -> Iterator[Claim]:
+def _q4(tables: Tables) -> Iterator[RatioClaim]:
     isolated = (f"[A] and [B]{ANY_TIME}{inm}" for inm in ("", NO_INM))
     for name in (*POPULATIONS, *isolated):
         if (cells := tables.get(name)) is None:
@@ -197,7 +197,7 @@ def _q4(tables: Tables) -> Iterator[Claim]:
             yield from _inside(alike, f"{name}: {first} like {second}", cells, orders == first, orders == second)
 
 
-def _q5(tables: Tables) -> Iterator[Claim]:
+def _q5(tables: Tables) -> Iterator[RatioClaim]:
     for group in (name for name in tables if name.endswith(GROUP)):
         if (name := group.removesuffix(GROUP)) in tables:
             yield from _between(
@@ -206,20 +206,20 @@ def _q5(tables: Tables) -> Iterator[Claim]:
     for text, own, mixed in _own_and_mixed(tables, GROUP):
         yield from _between(more, f"{text}, mixed more", mixed, own)
     for inm in ("", NO_INM):
-        mixed, same_time = f"[A] and [B]{ANY_TIME}{inm}{GROUP}", f"[AB]{inm}{GROUP}"
-        if mixed in tables and same_time in tables:
+        any_time, same_time = f"[A] and [B]{ANY_TIME}{inm}{GROUP}", f"[AB]{inm}{GROUP}"
+        if any_time in tables and same_time in tables:
             yield from _between(
-                more, f"{mixed} more than {same_time}", (tables[mixed], None), (tables[same_time], None)
+                more, f"{any_time} more than {same_time}", (tables[any_time], None), (tables[same_time], None)
             )
 
 
-def _q6(tables: Tables) -> Iterator[Claim]:
+def _q6(tables: Tables) -> Iterator[RatioClaim]:
     for without in (name for name in tables if "B" in name and "P" not in name and NO_INM in name):
         if (name := without.replace(NO_INM, "")) in tables:
             yield from _between(more, f"{without} more than {name}", (tables[without], None), (tables[name], None))
 
 
-def _q7(tables: Tables) -> Iterator[Claim]:
+def _q7(tables: Tables) -> Iterator[RatioClaim]:
     for name, table in _populations(tables):
         cells = table[~happened(table, _end(table))["P"] & table["onset_ab"].notna()]
         low = (cells["onset_ab"] <= MOST_BASAL).astype(bool)
@@ -227,7 +227,7 @@ def _q7(tables: Tables) -> Iterator[Claim]:
         yield from _onset_first(name, cells)
 
 
-def _onset_first(name: str, cells: pd.DataFrame) -> Iterator[Claim]:
+def _onset_first(name: str, cells: pd.DataFrame) -> Iterator[RatioClaim]:
     """The claim that the position at the onset tells more than any event and any event time."""
     hits = _hits(cells)
     if min(hits.sum(), (~hits).sum()) < FEWEST:
@@ -240,10 +240,10 @@ def _onset_first(name: str, cells: pd.DataFrame) -> Iterator[Claim]:
     verdict: Verdict = "holds" if onset["low"] > others["high"].max() else "not decided"
     verdict = "does not hold" if onset["high"] < others["low"].max() else verdict
     text = f"{name}: importance of the onset {onset['value']:.3f} nats, of {best.name} {best['value']:.3f} nats"
-    yield Claim(text, verdict)
+    yield RatioClaim(text, verdict)
 
 
-def _q8(tables: Tables) -> Iterator[Claim]:
+def _q8(tables: Tables) -> Iterator[RatioClaim]:
     if POPULATIONS[0] not in tables or POPULATIONS[-1] not in tables:
         return
     strong, weak = tables[POPULATIONS[0]], tables[POPULATIONS[-1]]

@@ -113,7 +113,7 @@ def shuffled(part: pd.DataFrame, factor: Factor, test: NDArray[np.intp], rng: np
     """
     rows = np.flatnonzero(factor.among[test])
     columns = [part.columns.get_loc(name) for name in factor.columns]
-    values = part.to_numpy(copy=True)
+    values: Floats = part.to_numpy(copy=True)
     values[np.ix_(rows, columns)] = values[np.ix_(rng.permutation(rows), columns)]
     return values
 
@@ -216,7 +216,7 @@ def _losses(
 
 def _log_loss(model: Any, x: Floats, y: NDArray[np.int64]) -> Floats:
     """- log of the probability that the model gave to what happened [nats]."""
-    right = model.predict_proba(x)[np.arange(len(y)), y]
+    right: Floats = model.predict_proba(x)[np.arange(len(y)), y]
     return -np.log(np.maximum(right, LEAST_PROBABILITY))
 
 

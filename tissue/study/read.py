@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from html import escape
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
@@ -12,13 +13,15 @@ import pyarrow.dataset as ds
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
-from tissue.parameters import Parameters, preset
+from tissue.files.parameters import Parameters, preset
 from tissue.study.layout import scenario_folder, trajectory
 from tissue.study.plan import flat
 from tissue.study.store import about
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from tissue.pictures.sheet import Axes
 
 
 class About(NamedTuple):
@@ -54,8 +57,8 @@ class Results:
         if noted is None:
             raise InvalidProblem(f"{self.folder}: must be the folder of a study, of which it lacks the notes")
         self._noted = noted
-        settings = (noted[key] for key in ("title", "replicates", "seed"))
-        self.study = About(*settings, tuple(noted["trajectories"]), tuple(noted["scenarios"]))
+        title, trajectories = noted["title"], tuple(noted["trajectories"])
+        self.study = About(title, noted["replicates"], noted["seed"], trajectories, tuple(noted["scenarios"]))
 
     @property
     def complete(self) -> bool:
@@ -114,6 +117,61 @@ class Results:
             stored = list(self.study.trajectories)
             raise InvalidProblem(f"replicate = {describe(replicate)}: must be stored, as may be {stored}")
         return self._read([path])
+
+    def summary(self) -> pd.DataFrame:
+        """One row for each scenario: ``scenario``, and how many ``runs`` are stored, of which ``failed``."""
+        import pandas as pd
+
+        found = {name: self._statuses(name) for name in self.study.scenarios}
+        rows = [(name, len(statuses), sum(one != "SUCCESS" for one in statuses)) for name, statuses in found.items()]
+        return pd.DataFrame(rows, columns=["scenario", "runs", "failed"])
+
+    def to_frame(self) -> pd.DataFrame:
+        """``cells`` of all scenarios of which something is stored, with a column ``scenario`` before the others."""
+        import pandas as pd
+
+        stored = [name for name in self.study.scenarios if self._parts("cells", name)]
+        if not stored:
+            raise InvalidProblem(f"{self.folder}: nothing is stored yet")
+        tables = {name: self.cells(name) for name in stored}
+        whole = pd.concat(tables, names=["scenario", None], sort=False)
+        return whole.reset_index("scenario").reset_index(drop=True)
+
+    def plot(self, ax: Axes | None = None, *, scenario: str | None = None) -> Axes:
+        """Draw the ratios of extruded EMT cells (4.7) against time, with their bands.
+
+        Parameters
+        ----------
+        ax
+            Where to draw; None: in a figure of its own, as ``results.plot().figure.savefig("ratios.png")``.
+        scenario
+            Of which; None: of the first one.
+
+        Raises
+        ------
+        InvalidProblem
+            As the other methods, and for a scenario without EMT cells.
+        """
+        from tissue.study.figures.course import plot_course
+
+        name = self.study.scenarios[0] if scenario is None else scenario
+        cells = self.cells(name)
+        if cells.empty:
+            raise InvalidProblem(f"scenario = {describe(name)}: must have EMT cells in runs that did not fail")
+        return plot_course(ax, name, cells, self.runs(name))
+
+    def __repr__(self) -> str:
+        state = "complete" if self.complete else "not complete"
+        plan = f"{len(self.study.scenarios)} scenarios of {self.study.replicates} runs"
+        return f"Results({self.study.title!r}, {plan}, {state}, {str(self.folder)!r})"
+
+    def _repr_html_(self) -> str:
+        """What is stored of each scenario."""
+        return f"<p>{escape(repr(self))}</p>{self.summary().to_html(index=False)}"
+
+    def _statuses(self, scenario: str) -> list[str]:
+        """How the stored runs of a scenario ended."""
+        return list(self.runs(scenario, ["status"])["status"]) if self._parts("runs", scenario) else []
 
     def _table(self, kind: str, scenario: str, columns: Sequence[str] | None) -> pd.DataFrame:
         self._check(scenario)

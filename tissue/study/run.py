@@ -80,7 +80,7 @@ def carry_out(
 def _compute(store: Store, executor: Executor, watch: Watch) -> None:
     """Compute and store what is missing."""
     todo = store.missing()
-    done = store.study.runs - sum(piece.count for piece in todo)
+    done = store.study.runs - sum(piece.runs for piece in todo)
     watch(done)
     at_once = AHEAD * getattr(executor, "_max_workers", WORKERS_UNTOLD)
     under_way: dict[Future[Outcomes], Piece] = {}
@@ -93,7 +93,7 @@ def _compute(store: Store, executor: Executor, watch: Watch) -> None:
             finished = wait(under_way, return_when=FIRST_COMPLETED).done
             for future in [future for future in under_way if future in finished]:
                 store.write(under_way[future], future.result())
-                done += under_way.pop(future).count
+                done += under_way.pop(future).runs
                 watch(done)
     except BrokenExecutor as error:
         raise StudyStopped(f"the workers are lost: {error}") from error

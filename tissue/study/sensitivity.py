@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dincl.checks import describe, integer
 from dincl.errors import InvalidProblem
-from tissue.parameters import Parameters
+from tissue.files.parameters import Parameters
 from tissue.study.ratios import LEVEL, Ratio, quantile
 
 RESAMPLES = 200  # of the bootstrap
@@ -182,7 +182,8 @@ def sobol_points(bounds: Sequence[tuple[float, float]], n: int, seed: int) -> Fl
         raise InvalidProblem(f"n = {n}: must be a power of 2, as 64 or 128")
     names = [str(k) for k in range(len(bounds))]
     problem = {"num_vars": len(bounds), "names": names, "bounds": [list(pair) for pair in bounds]}
-    return sample(problem, n, calc_second_order=False, seed=integer("seed", seed, least=0))
+    points: Floats = sample(problem, n, calc_second_order=False, seed=integer("seed", seed, least=0))
+    return points
 
 
 def indices(

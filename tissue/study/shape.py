@@ -1,15 +1,15 @@
-"""The keys of a study file and what each may be, as ``tissue.fields`` does it for parameter files."""
+"""The keys of a study file and what each may be, as ``tissue.files.fields`` does it for parameter files."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeGuard
 from urllib.parse import quote
 
 from dincl.checks import describe
-from tissue.fields import Count
-from tissue.messages import unknown
+from tissue.files.fields import Count
+from tissue.files.messages import unknown
 
 MOST_REPLICATES = 10_000_000
 # Bytes of the name of a folder, of which "scenario=" is part, that file systems take.
@@ -27,7 +27,7 @@ class Check(Protocol):
 
 
 @dataclass(frozen=True)
-class Text:
+class OneLine:
     """One line that says something."""
 
     allowed: str = "a text of one line"
@@ -39,7 +39,7 @@ class Text:
 
 
 @dataclass(frozen=True)
-class Numbers:
+class ReplicateNumbers:
     """Replicates, each once."""
 
     allowed: str = "a list of different replicates, which count from 0"
@@ -63,8 +63,7 @@ class Tables:
     least: int = 0
 
     def __call__(self, raw: Any) -> dict[str, dict[str, Any]]:
-        tables = isinstance(raw, dict) and all(isinstance(table, dict) for table in raw.values())
-        if not tables or len(raw) < self.least:
+        if not _is_of_tables(raw) or len(raw) < self.least:
             raise ValueError(f"must be {self.allowed}")
         for name in raw:
             if not name or not name.isprintable() or len(quote(name, safe="")) > LONGEST_NAME:
@@ -72,12 +71,16 @@ class Tables:
         return raw
 
 
+def _is_of_tables(raw: Any) -> TypeGuard[dict[str, dict[str, Any]]]:
+    return isinstance(raw, dict) and all(isinstance(table, dict) for table in raw.values())
+
+
 SHAPE: dict[str, Check] = {
-    "title": Text(),
-    "base": Text("a preset or the path of a parameter file, relative to this one"),
+    "title": OneLine(),
+    "base": OneLine("a preset or the path of a parameter file, relative to this one"),
     "replicates": Count(MOST_REPLICATES),
     "seed": Count(2**63 - 1, least=0),
-    "trajectories": Numbers(),
+    "trajectories": ReplicateNumbers(),
     "overrides": Tables("sections of parameters, such as [overrides.numerics]"),
     "scenarios": Tables('at least one table, such as [scenarios."[A]"], of sections of parameters', least=1),
 }

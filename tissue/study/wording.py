@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from dincl.checks import describe
 
 if TYPE_CHECKING:
-    from tissue.timing import Timing
+    from tissue.files.timing import Timing
 
 
 def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
@@ -22,7 +22,9 @@ def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
 
 def waits(protrusions: Timing, detachment: Timing) -> str | None:
     """How [P] waits for [B] where it may come first, or None."""
-    if not protrusions.ever or protrusions.low.value >= detachment.high.value:
+    if not protrusions.ever or protrusions.low is None or detachment.high is None:
+        return None
+    if protrusions.low.value >= detachment.high.value:
         return None
     if protrusions.fixed is not None and detachment.fixed is not None:
         return f"[P] at {protrusions.low} waits for [B] at {detachment.low}"

@@ -2,21 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
 from verification.cheapest import NOT_TRIED, RESOLVED, accuracy
+from verification.outcome import COLOURS as OUTCOME_COLOURS
 from verification.page.sheet import GREY, Axes, own_axes
 
-if TYPE_CHECKING:
-    from verification.order_study import OrderStudy
-    from verification.stability import StabilityMap
-    from verification.work_precision import WorkPrecision
-
+Looks = Mapping[str, Mapping[str, Any]]
 Floats = NDArray[np.float64]
 # One colour for each family (Okabe and Ito's palette, apart from yellow, which is too light for lines).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#6f6f6f")
@@ -32,7 +30,7 @@ NAMES = {
 LOWEST = 1e-16
 
 
-def styles(looks: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
+def styles(looks: Looks) -> dict[str, dict[str, Any]]:
     """label -> keywords of a line: a colour for each family, a marker for each of its methods."""
     families = list(dict.fromkeys(look["family"] for look in looks.values()))
     colours = dict(zip(families, cycle(COLOURS), strict=False))
@@ -47,29 +45,29 @@ def styles(looks: dict[str, dict[str, Any]]) -> dict[str, dict[str, Any]]:
     return found
 
 
-def draw_orders(study: OrderStudy, error: str, ax: Axes | None) -> Axes:
+def draw_orders(table: pd.DataFrame, fits: pd.DataFrame, looks: Looks, error: str, ax: Axes | None) -> Axes:
     """Error against setting; the fitted line of each method, rows outside of the fit hollow, failures crosses."""
     panel = own_axes(ax)
-    for label, look in styles(study.looks).items():
-        rows = study.table[study.table["method"] == label]
-        fit = study.fits[(study.fits["method"] == label) & (study.fits["error"] == error)].iloc[0]
+    for label, look in styles(looks).items():
+        rows = table[table["method"] == label]
+        fit = fits[(fits["method"] == label) & (fits["error"] == error)].iloc[0]
         _line(panel, rows, "setting", rows[error], look, f"{label}: {fit['order']}")
         _failures(panel, rows, "setting", look)
-    _floor(panel, study.table, error)
-    panel.set(xlabel=NAMES["setting"], ylabel=NAMES[error], title=study.title)
+    _floor(panel, table, error)
+    panel.set(xlabel=NAMES["setting"], ylabel=NAMES[error])
     panel.legend(fontsize="small")
     return panel
 
 
-def draw_work_precision(chart: WorkPrecision, error: str, cost: str, ax: Axes | None) -> Axes:
+def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str, ax: Axes | None) -> Axes:
     """Error against cost, coarse settings left."""
     panel = own_axes(ax)
-    for label, look in styles(chart.looks).items():
-        rows = chart.table[chart.table["method"] == label].sort_values("setting", ascending=False)
+    for label, look in styles(looks).items():
+        rows = table[table["method"] == label].sort_values("setting", ascending=False)
         _line(panel, rows, cost, accuracy(rows, error), look, label)
         _failures(panel, rows, cost, look)
-    _floor(panel, chart.table, error)
-    panel.set(xlabel=NAMES.get(cost, cost.replace("_", " ")), ylabel=NAMES[error], title=chart.title)
+    _floor(panel, table, error)
+    panel.set(xlabel=NAMES.get(cost, cost.replace("_", " ")), ylabel=NAMES[error])
     panel.legend(fontsize="small")
     return panel
 
@@ -106,22 +104,20 @@ def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
     panel.set_ylim(low, high)
 
 
-def draw_stability(found: StabilityMap, ax: Axes | None) -> Axes:
+def draw_stability(table: pd.DataFrame, across: str, up: str, ax: Axes | None) -> Axes:
     """The outcome of every cell, one colour for each word."""
-    from verification.outcome import COLOURS as COLOUR_OF
-
     panel = own_axes(ax)
-    x, y = (np.array(sorted(found.table[name].unique())) for name in (found.x, found.y))
-    words = found.table.pivot(index=found.y, columns=found.x, values="outcome").loc[y, x].to_numpy()
-    colours = np.array([[rgb(COLOUR_OF[word]) for word in line] for line in words])
-    across, up = is_geometric(x), is_geometric(y)
-    panel.pcolormesh(edges(x, across), edges(y, up), colours, edgecolors="white", linewidth=0.3)
-    panel.set(xlabel=found.x, ylabel=found.y, title=found.title)
-    panel.set_xscale("log" if across else "linear")
-    panel.set_yscale("log" if up else "linear")
+    x, y = (np.array(sorted(table[name].unique())) for name in (across, up))
+    words = table.pivot(index=up, columns=across, values="outcome").loc[y, x].to_numpy()
+    colours = np.array([[rgb(OUTCOME_COLOURS[word]) for word in line] for line in words])
+    wide, high = is_geometric(x), is_geometric(y)
+    panel.pcolormesh(edges(x, wide), edges(y, high), colours, edgecolors="white", linewidth=0.3)
+    panel.set(xlabel=across, ylabel=up)
+    panel.set_xscale("log" if wide else "linear")
+    panel.set_yscale("log" if high else "linear")
     panel.grid(visible=False)
-    for word in dict.fromkeys(found.table["outcome"]):
-        panel.plot([], [], "s", color=COLOUR_OF[word], label=word)
+    for word in dict.fromkeys(table["outcome"]):
+        panel.plot([], [], "s", color=OUTCOME_COLOURS[word], label=word)
     panel.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return panel
 

@@ -28,13 +28,22 @@ class _Shown:
     grids: list[Grid]
 
 
-def write_page(results: Sequence[Result], folder: Path) -> Path:
-    """Save every result into ``folder`` and write the page; InvalidProblem for an object that is no result."""
-    for result in results:
+def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
+    """Write the tables and pictures of results, and a page ``index.html`` that shows them; return its path.
+
+    Two results of one name get numbers. The page opens offline and links nothing outside of the folder.
+
+    Raises
+    ------
+    InvalidProblem
+        For an object that is no result.
+    """
+    given = [results] if isinstance(results, Result) else list(results)
+    for result in given:
         if not isinstance(result, Result):
             raise InvalidProblem(f"results holds {describe(result)}: must be results of the instruments")
-    named = _named(results)
-    shown = [_shown(result, result.save(folder)) for result in named]
+    out = Path(folder)
+    shown = [_shown(result, result.save(out)) for result in _named(given)]
     environment = Environment(
         loader=PackageLoader("verification.page"),
         autoescape=select_autoescape(),
@@ -44,7 +53,7 @@ def write_page(results: Sequence[Result], folder: Path) -> Path:
     )
     made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
     page = environment.get_template("results.html").render(results=shown, facts=list(machine()), made=made)
-    path, new = folder / "index.html", folder / ".index.html.new"
+    path, new = out / "index.html", out / ".index.html.new"
     new.write_text(page, "utf-8")
     os.replace(new, path)
     return path

@@ -22,7 +22,7 @@ Floats = NDArray[np.float64]
 WIDTH = 9.2  # inches; the page shows figures at this width, with twice the dots
 DPI = 200
 GREY = "#8a8a8a"
-STYLE: dict[str, Any] = {
+STYLE: Any = {  # the names are those of matplotlib
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
     "axes.titlesize": 9.5,

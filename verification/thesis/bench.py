@@ -19,9 +19,10 @@ import dincl
 from dincl.errors import StepFailure
 from dincl.near import Near
 from dincl.projection import Projection
+from dincl.run.grid import TimeGrid
+from dincl.run.segments import Segment, make_segments
 from dincl.scenes import pile
 from dincl.scenes.scene import Scene
-from dincl.stepping import Grid, Step, iterate
 from dincl.work import Work
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter4 import bench as emt_bench
@@ -79,7 +80,7 @@ def _pbd_row(name: str, problem: dincl.Problem, warm_up: int) -> dict[str, Any]:
     n = len(problem.x0)
     count = max(20, DISC_STEPS // n)
     stepper = dincl.PBD(DT).stepper(problem)
-    steps = iterate(stepper, Grid(DT * 10**9, 10**9), 0, stepper.start())
+    steps = make_segments(stepper, TimeGrid(DT * 10**9, 10**9), 0, stepper.start())
     _run(steps, warm_up)
     before = replace(stepper.work)
     seconds = np.array([_timed(lambda: _run(steps, count)) for _ in range(REPEATS)])
@@ -95,7 +96,7 @@ def _pbd_row(name: str, problem: dincl.Problem, warm_up: int) -> dict[str, Any]:
     }
 
 
-def _run(steps: Iterator[Step], count: int) -> None:
+def _run(steps: Iterator[Segment], count: int) -> None:
     for _ in range(count):
         next(steps)
 

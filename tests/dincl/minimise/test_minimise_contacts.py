@@ -8,7 +8,7 @@ from dincl.constraints.rows import AffineRows
 from dincl.csr import uniform
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from dincl.minimise.carry import left_over, row_names
-from dincl.minimise.contacts import Contacts
+from dincl.minimise.contacts import IterationRows
 from dincl.work import Work
 
 DISCS = dincl.NonOverlap(0.5)
@@ -76,7 +76,7 @@ def test_point_against_differences(rng, squared):
         lambda t, z: -z,
         [DISCS, dincl.HalfSpace(normal=(3, 4), offset=-20.0), dincl.InsideBall(centre=(0, 0), distance=30.0)],
     )
-    contacts = Contacts(problem, Work(), squared=squared, ahead=1.0)
+    contacts = IterationRows(problem, Work(), squared=squared, ahead=1.0)
     contacts.update(x, 100.0)
     weights = rng.uniform(0.5, 1.0, len(contacts.multipliers))
     assert len(weights) == 10 + 5 + 5
@@ -99,7 +99,7 @@ def test_point_against_differences(rng, squared):
 def test_multipliers_outlive_a_change_of_the_list():
     """Two discs pushed apart by a multiplier, and so far that their pair leaves the list: it must go on pushing."""
     problem = dincl.Problem(line(0.0, 1.0), lambda t, x: 0 * x, [DISCS])
-    contacts = Contacts(problem, Work(), squared=False, ahead=4.0)
+    contacts = IterationRows(problem, Work(), squared=False, ahead=4.0)
     contacts.update(problem.x0, 0.0)
     contacts.set(np.array([2.0]))
     far = line(0.0, 50.0)

@@ -8,7 +8,7 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue import states as tissue_states
 from tests.tissue.kernel_calls import STILL, both
 from tests.tissue.states import layers, numbers, tissue
-from tissue.twins import Tissue
+from tests.twins.tissue.state import Tissue
 
 ALWAYS = STILL._replace(two_daughters=1.0)
 RARE = 1e-3

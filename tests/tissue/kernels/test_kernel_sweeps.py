@@ -8,9 +8,9 @@ from hypothesis import strategies as st
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import heap
 from tests.tissue.states import cells, layers, numbers, tissue
-from tissue import twins
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
 from tissue.kernels import advance, sweeps
-from tissue.twins import Tissue
 
 seeds = st.integers(0, 2**32 - 1)
 

@@ -6,9 +6,9 @@ import pytest
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import SUBSTEP, aged, compared, distance, freed, heap, same_events
 from tests.tissue.states import THESIS, cells, layers, numbers, tissue
-from tissue import twins
-from tissue.parameters import preset
-from tissue.twins import Tissue
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
+from tissue.files.parameters import preset
 
 SIZES = (1, 2, 7, 8, 9, 60, 200)
 each_preset = pytest.mark.parametrize("name", ["thesis", "published"])

@@ -8,7 +8,9 @@ from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import RUNNING, aged, distance, freed, heap, same_events, together
 from tests.tissue.states import layers, numbers
-from tissue import twins
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels.advance import FULL
 from tissue.kernels.batch import board as boards
@@ -18,9 +20,7 @@ from tissue.kernels.batch.forces import repulsion
 from tissue.kernels.batch.group import grouped, replicate
 from tissue.kernels.lanes import WIDTH
 from tissue.many import simulate_many
-from tissue.parameters import preset
 from tissue.run import RunFailed
-from tissue.twins import Tissue
 
 # Cells divide all the time, so that replicates soon differ in their numbers of cells.
 LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}

@@ -6,12 +6,12 @@ from scipy import stats
 
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
-from tissue import twins_normals
+from tests.twins.tissue import normals as twins_normals
+from tests.twins.tissue.state import Tissue
+from tissue.files.parameters import preset
 from tissue.kernels._numba import kernel
 from tissue.kernels.lanes import WIDTH, store
 from tissue.kernels.normals import draw_key, normals, shake, threefry
-from tissue.parameters import preset
-from tissue.twins import Tissue
 
 RARE = 1e-3
 ALL = 0xFFFFFFFF

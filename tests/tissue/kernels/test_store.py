@@ -6,10 +6,10 @@ import pytest
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import COORDINATES, aged, distance, heap, same_events
 from tests.tissue.states import layers, numbers
+from tests.twins.tissue.state import Tissue
+from tissue.files.parameters import preset
 from tissue.kernels import advance, store, substeps
 from tissue.kernels.neighbours import LOST
-from tissue.parameters import preset
-from tissue.twins import Tissue
 
 each_preset = pytest.mark.parametrize("name", ["thesis", "published"])
 

@@ -9,9 +9,9 @@ import pandas as pd
 import pyarrow as pa
 from matplotlib.colors import to_hex
 
+from tissue.files.parameters import preset
+from tissue.files.scenario import drawn
 from tissue.first_order import simulate
-from tissue.parameters import preset
-from tissue.scenario import drawn
 from tissue.study.outcomes import Outcomes
 from tissue.study.plan import load_study
 from tissue.study.ratios import ratio

@@ -6,9 +6,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-import tissue.progress
+import tissue.cli.progress
 from tests.tissue.study.stand_in import outcomes, study_file
-from tissue.cli import app
+from tissue.cli.app import app
 from tissue.study.read import Results
 from tissue.study.stopped import StudyStopped
 
@@ -35,7 +35,7 @@ def test_a_study_ends_with_one_line_on_what_was_done():
 
 
 def test_progress_is_told_with_rate_and_remaining_time(monkeypatch):
-    monkeypatch.setattr(tissue.progress, "INTERVAL", -1.0)
+    monkeypatch.setattr(tissue.cli.progress, "INTERVAL", -1.0)
     lines = call("small.toml", "--out", "out").stderr.splitlines()
     assert re.fullmatch(r"small: 0 of 600 runs, \d+ s", lines[0])
     assert all(
@@ -46,9 +46,9 @@ def test_progress_is_told_with_rate_and_remaining_time(monkeypatch):
 
 
 def test_the_pace_leaves_out_what_was_there_before():
-    assert tissue.progress.pace(10, 4, 100, "runs") == "2.5 runs/s, 0:00:40 left"
-    assert tissue.progress.pace(0, 4, 100, "runs") == ""
-    assert tissue.progress.pace(3, 0, 100, "runs") == ""
+    assert tissue.cli.progress.pace(10, 4, 100, "runs") == "2.5 runs/s, 0:00:40 left"
+    assert tissue.cli.progress.pace(0, 4, 100, "runs") == ""
+    assert tissue.cli.progress.pace(3, 0, 100, "runs") == ""
 
 
 def test_remarks_come_first():

@@ -19,9 +19,9 @@ from tests.tissue.study.figures_stand_in import (
     outcomes,
     whole,
 )
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import phases
-from tissue.parameters import preset
+from tissue.model.observables import phases
 from tissue.study.curves import over_time
 from tissue.study.figures.catalogue import FIGURES, found
 from tissue.study.figures.conditional import MOST

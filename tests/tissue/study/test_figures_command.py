@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from dincl.errors import InvalidProblem
 from tests.tissue.study.figures_stand_in import made, outcomes
-from tissue.cli import app
+from tissue.cli.app import app
 from tissue.study.figures.catalogue import FIGURES, draw_all, found
 
 
@@ -16,7 +16,7 @@ def quick(monkeypatch, tmp_path):
     """Studies that take no time, in a folder of their own; drawings of few dots."""
     monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
     monkeypatch.setattr("tissue.study.figures.style.DPI", 30)
-    monkeypatch.setattr("tissue.picture.DPI", 30)
+    monkeypatch.setattr("tissue.pictures.picture.DPI", 30)
     monkeypatch.chdir(tmp_path)
     return tmp_path
 

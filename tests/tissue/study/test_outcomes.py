@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 from tissue.events import bits
+from tissue.files.parameters import preset
 from tissue.many import simulate_many
-from tissue.observables import ab_positions
-from tissue.parameters import preset
+from tissue.model.observables import ab_positions
 from tissue.study.outcomes import EXTENTS, SIDES, outcomes
 
 SEEDS, REPLICATES = [7, 3, 11, 5, 2, 13, 17, 19, 23, 29], range(40, 50)

@@ -10,7 +10,7 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tests.tissue.study.stand_in import outcomes, stored, study_file
-from tissue.parameters import preset
+from tissue.files.parameters import preset
 from tissue.study.plan import load_study
 from tissue.study.read import Results
 from tissue.study.run import AHEAD

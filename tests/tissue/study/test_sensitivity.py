@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from dincl.errors import InvalidProblem
-from tissue.parameters import preset
+from tissue.files.parameters import preset
 from tissue.study.ratios import Ratio
 from tissue.study.sensitivity import analyse, indices, plan_sensitivity, point_name, sobol_points
 

@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import pytest
 
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.parameters import preset
 from verification.thesis.chapter3 import (
     bench,
     beyond,
@@ -33,14 +33,16 @@ def simulated(name, seed, end, **changes):
 def shorten_tissue(patch: pytest.MonkeyPatch) -> None:
     """Two seeds, few substeps, coarse references, maps of four cells."""
     few = {"thesis": (5, 10, 15, 20, 30), "published": (2, 5, 10, 20, 40)}
-    form = substeps.Form(few, {"thesis": 120, "published": 100}, 2, (0.1, 1.0, 2.0, 10.0))
+    form = substeps.SubstepsForm(few, {"thesis": 120, "published": 100}, 2, (0.1, 1.0, 2.0, 10.0))
     patch.setattr(substeps, "SHORT", form)
     patch.setattr(substeps, "HEIGHTS", (2.0, 10.0))
-    patch.setattr(disturbed, "SHORT", disturbed.Form((("thesis", 20), ("published", 40)), 2, (0.1, 1.0, 2.0, 10.0)))
-    patch.setattr(growth, "SHORT", growth.Form(2, 1 / 30))
+    patch.setattr(
+        disturbed, "SHORT", disturbed.DisturbedForm((("thesis", 20), ("published", 40)), 2, (0.1, 1.0, 2.0, 10.0))
+    )
+    patch.setattr(growth, "SHORT", growth.GrowthForm(2, 1 / 30))
     patch.setattr(growth, "DAMPINGS", (0.2, 0.05))
     patch.setattr(growth, "END", 12.0)
-    patch.setattr(beyond, "SHORT", beyond.Form({"thesis": (10, 20), "published": (20, 40)}, 2, (1.0, 5.0)))
+    patch.setattr(beyond, "SHORT", beyond.BeyondForm({"thesis": (10, 20), "published": (20, 40)}, 2, (1.0, 5.0)))
     patch.setattr(limits, "CASES", tuple(case for case in limits.CASES if case.id in FEW_LIMITS))
     patch.setattr(frozen, "AGE", 1.0)
     shorten_maps(patch)
@@ -67,10 +69,10 @@ def shorten_daha(patch: pytest.MonkeyPatch) -> None:
         (daha.PRINTED, 1e-6): 1,
         (daha.PRINTED, 1e-7): 1,
     }
-    patch.setattr(daha, "SHORT", daha.Form(seeds, (0.14,)))
+    patch.setattr(daha, "SHORT", daha.DahaForm(seeds, (0.14,)))
     patch.setattr(daha, "END", 1.0)
-    patch.setattr(judged, "SHORT", judged.Form(2, (1.0,)))
-    patch.setattr(catch_up, "SHORT", catch_up.Form(1, (20, 40, 160), (40, 80), 160))
+    patch.setattr(judged, "SHORT", judged.JudgedForm(2, (1.0,)))
+    patch.setattr(catch_up, "SHORT", catch_up.CatchUpForm(1, (20, 40, 160), (40, 80), 160))
     planes = []
     for plane in daha_limits.PLANES:
         x, y = (replace(axis, short=(1.0, 1e3)) for axis in (plane.x, plane.y))

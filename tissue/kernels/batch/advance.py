@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from numpy.random import Generator
 
-from tissue.cells import Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.advance import DONE, FULL, apply_rules, find_lost
 from tissue.kernels.batch.board import RUNNING, Board, copy_in, copy_out
@@ -16,7 +15,8 @@ from tissue.kernels.lanes import WIDTH
 from tissue.kernels.normals import shake
 from tissue.kernels.scale import watch_sides
 from tissue.kernels.store import CELLS, Store
-from tissue.numbers import Numbers
+from tissue.model.cells import Integers
+from tissue.model.numbers import Numbers
 
 Generators = tuple[Generator, ...]
 

@@ -7,14 +7,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.batch.rows import row
 from tissue.kernels.forces import prepare
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import FAR
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
-from tissue.numbers import Numbers
+from tissue.model.cells import Floats, Integers
+from tissue.model.numbers import Numbers
 
 # What ``ended`` says of a replicate, if not the number of the step that failed.
 RUNNING, EMPTY = 0, -1

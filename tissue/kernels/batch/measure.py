@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from tissue.cells import Floats, Integers
 from tissue.kernels._numba import kernel
 from tissue.kernels.batch.board import RUNNING
 from tissue.kernels.batch.rows import row
@@ -10,6 +9,7 @@ from tissue.kernels.extents import measure_extents
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scale import measure
 from tissue.kernels.store import Store
+from tissue.model.cells import Floats, Integers
 
 
 @kernel

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, TypeVar
+from typing import Any, TypeVar, cast
 
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic
 from numba.np.arrayobj import populate_array
+
+from tissue.kernels.lanes import instruction
 
 Tree = TypeVar("Tree")
 
@@ -16,20 +17,24 @@ Tree = TypeVar("Tree")
 def mapped(function: Callable[..., Any], *trees: Tree) -> Tree:
     """The named tuple whose arrays are function(array of the first, array of the second, ...)."""
     if not isinstance(trees[0], tuple):
-        return function(*trees)
-    parts = [mapped(function, *parts) for parts in zip(*trees, strict=True)]  # type: ignore[arg-type]
+        return cast("Tree", function(*trees))
+    parts = [mapped(function, *parts) for parts in zip(*trees, strict=True)]
     return type(trees[0])(*parts)
 
 
+def _is_named_tuple(kind: Any) -> bool:
+    return isinstance(kind, types.BaseNamedTuple)
+
+
 def _row_type(kind: Any) -> Any:
-    if isinstance(kind, types.BaseNamedTuple):
+    if _is_named_tuple(kind):
         return types.BaseTuple.from_types([_row_type(part) for part in kind], kind.instance_class)
     return types.Array(kind.dtype, 1, "C")
 
 
 def _row(context: Any, builder: Any, kind: Any, value: Any, index: Any) -> Any:
     result = _row_type(kind)
-    if isinstance(kind, types.BaseNamedTuple):
+    if _is_named_tuple(kind):
         parts = [_row(context, builder, part, builder.extract_value(value, k), index) for k, part in enumerate(kind)]
         return context.make_tuple(builder, result, parts)
     whole, line = context.make_array(kind)(context, builder, value), context.make_array(result)(context, builder)
@@ -39,7 +44,7 @@ def _row(context: Any, builder: Any, kind: Any, value: Any, index: Any) -> Any:
     return line._getvalue()
 
 
-@intrinsic
+@instruction
 def row(typing: Any, tree: Any, index: Any) -> Any:
     """The named tuple of the rows ``index`` of all arrays, which have two axes and are contiguous.
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from tissue.sheet import Axes, Figure, Line2D, Patch
+from tissue.pictures.sheet import Axes, Figure, Line2D, Patch
 from tissue.study.categories import NO_INM, What, kept_times, outcome
 from tissue.study.figures.in_time import ALONE, ALONE_NO_INM
 from tissue.study.figures.needs import Studies, cells_of, needs, ratio_of
@@ -30,6 +30,8 @@ from tissue.study.ratios import Ratio
 
 if TYPE_CHECKING:
     from tissue.study.read import Results
+
+MAKES_NO_NUMBERS = True
 
 EVENTS = ("[A]", "[B]", "[S]", "[BP]", "no EMT")
 PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")

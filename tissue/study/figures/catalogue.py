@@ -8,8 +8,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from dincl.errors import InvalidProblem
-from tissue.parameter_files import read
-from tissue.sheet import write
+from tissue.files.parameter_files import read
+from tissue.pictures.sheet import write
 from tissue.study.figures.at_end import figure_13, figure_15
 from tissue.study.figures.conditional import figure_20, figure_21, figure_22
 from tissue.study.figures.environments import figure_17, figure_18, figure_19
@@ -20,6 +20,8 @@ from tissue.study.figures.style import caption
 from tissue.study.plan import FOLDER, shipped
 from tissue.study.read import Results
 from tissue.study.store import about
+
+MAKES_NO_NUMBERS = True
 
 # By their numbers in chapter 4.
 FIGURES: dict[int, Draw] = {

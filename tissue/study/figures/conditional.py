@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tissue.sheet import GREY, Axes, Figure, Line2D, Patch
+from tissue.pictures.sheet import GREY, Axes, Figure, Line2D, Patch
 from tissue.study.categories import by_selection, happened, kept_times, outcome, time_column
 from tissue.study.curves import given
 from tissue.study.figures.needs import POPULATIONS, Studies, needs, population
@@ -25,6 +25,8 @@ from tissue.study.figures.style import (
     page,
     percent_axis,
 )
+
+MAKES_NO_NUMBERS = True
 
 ONE = "table5_35"
 GROUP = "Heterogeneous groups, 35 % of the cells with [P]"

@@ -6,10 +6,12 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from tissue.sheet import Axes, Figure, Patch
+from tissue.pictures.sheet import Axes, Figure, Patch
 from tissue.study.categories import NO_INM, by_order, kept_times, outcome
 from tissue.study.figures.needs import POPULATIONS, Studies, cells_of, needs, population, ratio_of
 from tissue.study.figures.style import ENVIRONMENTS, INTERVALS, bars, caption, counted, legend, page, percent_axis
+
+MAKES_NO_NUMBERS = True
 
 STUDIES = ("figure15", *POPULATIONS)
 WIDE = 0.75

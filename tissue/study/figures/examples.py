@@ -9,17 +9,19 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
-from tissue.cells import Cells, Layers, empty
-from tissue.picture import Box, drawing
-from tissue.run import Frame
-from tissue.sheet import Figure
+from tissue.model.cells import CellLayers, Cells, empty
+from tissue.model.frame import Frame
+from tissue.pictures.picture import Box, drawing
+from tissue.pictures.sheet import Figure
 from tissue.study.figures.needs import Studies, needs
 from tissue.study.figures.style import POSITION, caption
 from tissue.tables import EVENTS, LENGTHS
 
 if TYPE_CHECKING:
-    from tissue.parameters import Parameters
+    from tissue.files.parameters import Parameters
     from tissue.study.read import Results
+
+MAKES_NO_NUMBERS = True
 
 ASIDE, ROOM = 55.0, 8.0  # um: shown on either side of the EMT cells; around points above and below
 STILLS = 3  # of each run
@@ -82,7 +84,7 @@ def _frame(rows: pd.DataFrame, t: float, soft_radius: float) -> Frame:
     codes = {"events": rows["events"].map(EVENTS.index)}
     plain = {name: column.to_numpy() for name, column in (others | codes).items()}
     cells: Cells = empty(len(rows))._replace(**lengths, **plain)
-    return Frame(t, cells, Layers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in Layers._fields)))
+    return Frame(t, cells, CellLayers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in CellLayers._fields)))
 
 
 def _stored(study: Results, scenario: str) -> list[Example]:

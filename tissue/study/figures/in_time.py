@@ -2,40 +2,32 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-import numpy as np
 import pandas as pd
 
-from tissue.sheet import GREY, Axes, Figure, Line2D
-from tissue.study.categories import EVENTS, kept_times, time_column
-from tissue.study.curves import over_time
+from tissue.pictures.sheet import GREY, Axes, Figure
+from tissue.study.figures.course import RATIO, TIME, course_lines, draw_course
 from tissue.study.figures.needs import Studies, cells_of, needs
 from tissue.study.figures.style import (
     INTERVALS,
-    OUTCOMES,
     band,
     caption,
     counted,
     legend,
-    outcome_lines,
     page,
-    percent_axis,
 )
 
 if TYPE_CHECKING:
     from tissue.study.read import Results
 
+MAKES_NO_NUMBERS = True
+
 ALONE = ("[A]", "[B]", "[S]", "[BP]")
 ALONE_NO_INM = ("[A] no INM", "[B] no INM", "[S] no INM", "no EMT no INM")
 # Shades of the colour of basal positioning, to tell the scenarios apart.
 TWICE = {"[AxB]": ("#e0a100", "-"), "[AB]": ("#8f6400", "--"), "[BxA]": ("#3f2c00", ":")}
-HOURS = 12.0  # between two ticks
-CONTROLS = "control cells, apical extrusion"
-TIME = "time [h]"
-RATIO = "ratio of EMT cells [%]"
 CAPTION = f"Isolated EMT cell, {{n}} in each panel; bands: {INTERVALS}, for each time; dotted: time of an event."
 
 
@@ -66,7 +58,7 @@ def figure_14(results: Studies) -> Figure:
     places["since"].set(title="Basal positioning", xlabel="time since [A] [h]", ylabel=RATIO, ylim=(-2, 102))
     places["since"].axvline(0.0, color=GREY, linestyle=":", linewidth=1.0)
     places["since"].legend(loc="upper left")
-    legend(figure, outcome_lines() | {CONTROLS: _thin()})
+    legend(figure, course_lines())
     caption(figure, CAPTION.format(n=counted(runs, "runs")) + " x: a longer delay.")
     return figure
 
@@ -79,43 +71,17 @@ def _row(study: Results, scenarios: Sequence[str], more: str) -> Figure:
         runs.append(_panel(panel, study, name)[0]["replicate"].nunique())
         panel.set(xlabel=TIME)
         panel.label_outer()
-    legend(figure, outcome_lines() | {CONTROLS: _thin()})
+    legend(figure, course_lines())
     caption(figure, CAPTION.format(n=counted(runs, "runs")) + more)
     return figure
 
 
 def _panel(panel: Axes, study: Results, scenario: str) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """Three outcomes against time, and apical extrusion of the control cells. The cells, and their ratios."""
+    """The course of a scenario. The cells, and their ratios."""
     cells = cells_of(study, scenario)
-    table = over_time(cells)
-    for what, (colour, line, _) in OUTCOMES.items():
-        mine = table[table["what"] == what]
-        band(panel, mine["time_h"], mine, color=colour, linestyle=line)
-    times = kept_times(cells)
-    panel.plot(times, _of_controls(study.runs(scenario), times), color=GREY, linewidth=0.8)
-    _mark(panel, cells)
-    panel.set(title=scenario, xlim=(times[0], times[-1]), xticks=np.arange(0.0, times[-1] + 1.0, HOURS))
-    percent_axis(panel, RATIO)
+    table = draw_course(panel, cells, study.runs(scenario))
+    panel.set(title=scenario)
     return cells, table
-
-
-def _of_controls(runs: pd.DataFrame, times: Sequence[float]) -> list[float]:
-    """Control cells that are extruded apically, of all [%]."""
-    counts = [(runs[f"controls_apical_{t:g}h"].sum(), runs[f"controls_{t:g}h"].sum()) for t in times]
-    return [100 * float(apical) / float(every) for apical, every in counts]
-
-
-def _mark(panel: Axes, cells: pd.DataFrame) -> None:
-    """A line at each time of events that is the same for all cells, and not never."""
-    found: dict[float, str] = {}
-    for event in EVENTS:
-        times = cells[time_column(event)]
-        first = float(times.iloc[0])
-        if math.isfinite(first) and (times == first).all():
-            found[first] = found.get(first, "") + event
-    for t, events in found.items():
-        panel.axvline(t, color=GREY, linestyle=":", linewidth=1.0)
-        panel.annotate(f"[{events}]", (t, 1), (2, -1), ("data", "axes fraction"), "offset points", va="top")
 
 
 def _since(panel: Axes, cells: pd.DataFrame, table: pd.DataFrame, scenario: str) -> None:
@@ -124,7 +90,3 @@ def _since(panel: Axes, cells: pd.DataFrame, table: pd.DataFrame, scenario: str)
     since = mine["time_h"] - float(cells["t_a_h"].iloc[0])
     colour, line = TWICE[scenario]
     band(panel, since, mine, color=colour, linestyle=line, label=scenario)
-
-
-def _thin() -> Line2D:
-    return Line2D([], [], color=GREY, linewidth=0.8)

@@ -7,7 +7,7 @@ from functools import wraps
 from typing import TYPE_CHECKING
 
 from dincl.errors import InvalidProblem
-from tissue.sheet import Figure, style
+from tissue.pictures.sheet import Figure, style
 from tissue.study.figures.style import LOOK
 from tissue.study.ratios import Ratio, ratio
 
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from tissue.study.read import Results
+
+MAKES_NO_NUMBERS = True
 
 # The studies of Table 5 of chapter 4, and the scenario of each.
 POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
@@ -41,7 +43,8 @@ def needs(*studies: str) -> Callable[[Draw], Draw]:
 
 def needed(draw: Draw) -> tuple[str, ...]:
     """The studies that a figure is drawn from."""
-    return draw.__dict__["needs"]
+    studies: tuple[str, ...] = draw.__dict__["needs"]
+    return studies
 
 
 def cells_of(results: Results, scenario: str, *, last_only: bool = False) -> pd.DataFrame:

@@ -4,13 +4,17 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pandas as pd
 
-from tissue.sheet import EMT_COLOURS, Axes, Figure, Line2D, Patch
+from tissue.model.cells import Floats
+from tissue.pictures.sheet import EMT_COLOURS, Axes, Figure, Line2D, Patch
+from tissue.study.categories import What
 from tissue.study.ratios import LEVEL, Ratio
+
+MAKES_NO_NUMBERS = True
 
 WIDTH = 9.2  # inches, as the pictures and the page of the report
 DPI = 200
@@ -25,8 +29,9 @@ LOOK: Any = {
     "hatch.color": "white",
     "hatch.linewidth": 1.2,
 }
+LineStyle = Literal["-", "--", "-."]
 # What becomes of a cell: colour, line, name. Told apart by lightness and line, too.
-OUTCOMES = {
+OUTCOMES: dict[What, tuple[str, LineStyle, str]] = {
     "basal": ("#a31621", "-", "basal extrusion"),
     "apical": ("#3f7fc1", "--", "apical extrusion"),
     "below": ("#e0a100", "-.", "below all control cells"),
@@ -45,7 +50,7 @@ POSITION = "$y_{AB}$"
 PERCENT = f"{100 * LEVEL:g} %"
 INTERVALS = f"{PERCENT} Wilson intervals on the effective number of cells"
 CAPTION_SIZE, CAPTION_LETTERS = 8.0, 155  # points; in a line
-CAP = {"capsize": 2.5, "elinewidth": 1.0, "capthick": 1.0}
+CAP: dict[str, Any] = {"capsize": 2.5, "elinewidth": 1.0, "capthick": 1.0}
 
 
 def page(height: float) -> Figure:
@@ -84,10 +89,11 @@ def bars(panel: Axes, places: Sequence[float], found: Sequence[Ratio], **look: A
     panel.errorbar(places, values, yerr=errors(found), fmt="none", ecolor="#222222", **CAP)
 
 
-def errors(found: Sequence[Ratio]) -> np.ndarray:
+def errors(found: Sequence[Ratio]) -> Floats:
     """How far intervals [%] reach below and above their values, (2, n)."""
     ends = 100 * np.array([(one.value, *one.interval()) for one in found]).T
-    return np.abs(ends[1:] - ends[0])
+    reach: Floats = np.abs(ends[1:] - ends[0])
+    return reach
 
 
 def percent_axis(panel: Axes, text: str) -> None:

@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import dincl
+from dincl import State, Stepper
 from dincl.norms import longest
 from dincl.projection.feasible import FeasibleSet
-from dincl.schemes.base import State, Stepper
 
 
 @dataclass(frozen=True)

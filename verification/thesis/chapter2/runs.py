@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
+from dincl import FixedStep
 from dincl.scenes import Scene
-from dincl.schemes.base import TimeStepping
 from verification.thesis.chapter2.methods import METHODS
 
 # The counters of a run that become columns.
@@ -36,7 +36,7 @@ def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) 
 
     A scheme without time steps is run to the first time that is kept before.
     """
-    warm = 2 * scheme.dt if isinstance(scheme, TimeStepping) else float(t[t > 0][0])
+    warm = 2 * scheme.dt if isinstance(scheme, FixedStep) else float(t[t > 0][0])
     dincl.solve(problem, scheme, t=[min(warm, float(t[-1]))], throw=False)
     start = time.perf_counter()
     path = dincl.solve(problem, scheme, t=t, throw=False)

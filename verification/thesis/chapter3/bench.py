@@ -14,12 +14,12 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.scratch import COUNTERS
 from tissue.many import simulate_many
-from tissue.parameters import Parameters, preset
-from tissue.quasi_steady import simulate_quasi_steady
+from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3.growing import COMMON, PACKAGES, PRESETS, growing_from, until

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tissue.numbers import Numbers
-from tissue.run import Frame
+from tissue.model.frame import Frame
+from tissue.model.numbers import Numbers
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3 import linear
@@ -27,7 +27,7 @@ SETTLED = 5.0
 
 
 @dataclass(frozen=True)
-class Form:
+class BeyondForm:
     """How far the study goes: substeps by preset, number of seeds, times [h]."""
 
     substeps: dict[str, tuple[int, ...]]
@@ -36,8 +36,8 @@ class Form:
 
 
 COARSE = (1, 2, 5, 10, 20, 40)
-SHORT = Form({"thesis": (*COARSE[2:], 80, 160), "published": COARSE}, 5, (1.0, 5.0, 10.0))
-FULL = Form(
+SHORT = BeyondForm({"thesis": (*COARSE[2:], 80, 160), "published": COARSE}, 5, (1.0, 5.0, 10.0))
+FULL = BeyondForm(
     {"thesis": (*COARSE, 80, 160, 320, 640), "published": (*COARSE, 80)},
     20,
     (1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 40.0, 48.0),

@@ -12,9 +12,9 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from dincl.schemes.base import Scheme
-from tissue.frozen import frozen_problem, made_feasible, particles
-from tissue.parameters import Parameters
+from dincl import Scheme
+from tissue.files.parameters import Parameters
+from tissue.quasi_steady.frozen import frozen_problem, made_feasible, particles
 from verification.order import estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
@@ -37,7 +37,7 @@ SCHEMES: dict[str, Callable[[float], Scheme]] = {
 
 
 @dataclass(frozen=True)
-class Form:
+class CatchUpForm:
     """How far the study goes: number of seeds, steps in dt of PBD, of catch-up, and of the reference."""
 
     seeds: int
@@ -47,8 +47,8 @@ class Form:
 
 
 SUBSTEPS = (1, 2, 5, 10, 20, 40, 80, 160, 320, 640)
-SHORT = Form(2, SUBSTEPS, (20, 40, 80, 160), 320)
-FULL = Form(5, (*SUBSTEPS, 1280, 2560), (20, 40, 80, 160, 320, 640), 2560)
+SHORT = CatchUpForm(2, SUBSTEPS, (20, 40, 80, 160), 320)
+FULL = CatchUpForm(5, (*SUBSTEPS, 1280, 2560), (20, 40, 80, 160, 320, 640), 2560)
 
 
 def study(full: bool) -> Study:
@@ -70,7 +70,7 @@ def study(full: bool) -> Study:
     )
 
 
-def moved(key: Key, form: Form, parameters: Parameters) -> list[Row]:
+def moved(key: Key, form: CatchUpForm, parameters: Parameters) -> list[Row]:
     """One row for each method and number of steps in dt: error of the nuclei and seconds.
 
     The reference is MidpointCatchUp with its error of h^2 taken out; it is off by no more than what was taken out.

@@ -11,11 +11,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import binomtest
 
-from tissue.cells import Cells
-from tissue.observables import height, widths
-from tissue.parameters import Parameters, preset
-from tissue.quasi_steady import QuasiSteadyRun, simulate_quasi_steady
-from tissue.run import Frame
+from tissue.files.parameters import Parameters, preset
+from tissue.model.cells import Cells
+from tissue.model.frame import Frame
+from tissue.model.observables import height, widths
+from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3 import linear
@@ -52,14 +52,14 @@ PBD_SUBSTEPS = (20, 200)
 
 
 @dataclass(frozen=True)
-class Form:
+class DahaForm:
     """Number of seeds by case and tolerance, and the dampings that are tried with the most substeps, too."""
 
     seeds: dict[tuple[str, float], int]
     fine: tuple[float, ...]
 
 
-SHORT = Form(
+SHORT = DahaForm(
     {
         (TERMINATING, 1e-6): 5,
         (DOUBLED_CASE, 1e-6): 4,
@@ -71,7 +71,7 @@ SHORT = Form(
     (COMPARED, 0.2667),
 )
 # With 1e-7 a run takes ten times as long as with 1e-6, and shows nothing but its iterations.
-FULL = Form({(case, eps): 20 if eps >= OWN else 3 for case in CASES for eps in TOLERANCES}, DAMPINGS)
+FULL = DahaForm({(case, eps): 20 if eps >= OWN else 3 for case in CASES for eps in TOLERANCES}, DAMPINGS)
 
 
 def study(full: bool) -> Study:

@@ -11,7 +11,7 @@ import numpy as np
 import pandas as pd
 
 from dincl.status import Status
-from tissue.daha import DampedArrowHurwicz
+from tissue.quasi_steady.daha import TissueArrowHurwicz
 from verification.study import Study
 from verification.thesis.chapter2.stability.plane import Axis, Plane
 from verification.thesis.chapter3 import linear, maps
@@ -41,7 +41,7 @@ def steepest(seed: int) -> float:
     """The largest eigenvalue of D^2 W where DAHA of Table 4 stops in the step of the maps."""
     parameters = floored()
     state = begun(parameters, seed, AGE)
-    reached = DampedArrowHurwicz(parameters.daha_numbers()).minimise(*state).cells
+    reached = TissueArrowHurwicz(parameters.daha_numbers()).minimise(*state).cells
     return float(linear.largest(linear.hessian(reached, state.layers, state.numbers)))
 
 
@@ -51,7 +51,7 @@ def stepped(seed: str, **factors: float) -> dict[str, Any]:
     own = parameters.daha_numbers()
     changed = {name: getattr(own, name) * factor for name, factor in factors.items()}
     numbers = own._replace(most_iterations=MOST, **changed)
-    found = DampedArrowHurwicz(numbers).minimise(*begun(parameters, int(seed), AGE))
+    found = TissueArrowHurwicz(numbers).minimise(*begun(parameters, int(seed), AGE))
     return {
         "outcome": _outcome(found.status, found.violation),
         "iterations": found.iterations,

@@ -24,7 +24,7 @@ OTHER = 1_000_000
 
 
 @dataclass(frozen=True)
-class Form:
+class DisturbedForm:
     """How far the study goes: pairs of preset and substeps, number of seeds, times [h]."""
 
     runs: tuple[tuple[str, int], ...]
@@ -34,8 +34,8 @@ class Form:
 
 TIMES = (0.1, 0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0)
 FEW = (("thesis", 20), ("thesis", 160), ("published", 40))
-SHORT = Form(FEW, 4, TIMES)
-FULL = Form((*FEW, ("thesis", 640), ("published", 640)), 20, (*TIMES, 30.0, 40.0, 48.0))
+SHORT = DisturbedForm(FEW, 4, TIMES)
+FULL = DisturbedForm((*FEW, ("thesis", 640), ("published", 640)), 20, (*TIMES, 30.0, 40.0, 48.0))
 
 
 def study(full: bool) -> Study:

@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tissue.cells import Cells, Layers, first
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells, first
+from tissue.model.numbers import Numbers
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.growing import growing
 from verification.thesis.chapter3.jitter import substepped
@@ -26,7 +26,7 @@ class Frozen(NamedTuple):
     """A state at rest."""
 
     cells: Cells
-    layers: Layers
+    layers: CellLayers
     numbers: Numbers
 
 

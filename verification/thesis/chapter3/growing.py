@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dincl.status import Status
-from tissue.cells import COORDINATES, Cells
+from tissue.files.parameters import Parameters, preset
 from tissue.first_order import STATUS, advance_to
 from tissue.kernels.store import CELLS, Store, contents
-from tissue.numbers import Numbers
-from tissue.parameters import Parameters, preset
-from tissue.run import Frame
+from tissue.model.cells import COORDINATES, Cells
+from tissue.model.frame import Frame
+from tissue.model.numbers import Numbers
+from tissue.model.streams import Streams, streams
 from tissue.start import started
-from tissue.streams import Streams, streams
 
 Floats = NDArray[np.float64]
 PRESETS = ("thesis", "published")

@@ -8,8 +8,8 @@ from functools import partial
 import numpy as np
 import pandas as pd
 
-from tissue.observables import height
-from tissue.parameters import preset
+from tissue.files.parameters import preset
+from tissue.model.observables import height
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3.growing import COMMON, PACKAGES, PRESETS, SUCCESS, growing
@@ -24,15 +24,15 @@ DOUBLED = 2.0
 
 
 @dataclass(frozen=True)
-class Form:
+class GrowthForm:
     """How far the study goes: number of seeds, largest h / mu of the fine runs."""
 
     seeds: int
     fine: float
 
 
-SHORT = Form(5, 1 / 60)
-FULL = Form(24, 1 / 240)
+SHORT = GrowthForm(5, 1 / 60)
+FULL = GrowthForm(24, 1 / 240)
 
 
 def study(full: bool) -> Study:

@@ -11,7 +11,7 @@ from scipy.special import stdtrit
 CONFIDENCE = 0.95
 
 
-class Interval(NamedTuple):
+class MeanInterval(NamedTuple):
     """A mean with the interval that covers it; NaN for fewer than two values."""
 
     mean: float
@@ -19,10 +19,10 @@ class Interval(NamedTuple):
     high: float
 
 
-def over_seeds(values: ArrayLike) -> Interval:
+def over_seeds(values: ArrayLike) -> MeanInterval:
     """mean +- t_{n-1} s / sqrt(n): Student's 95 % interval of the mean of values (n,), one for each seed."""
     kept = np.asarray(values, dtype=np.float64)
     if kept.size < 2:
-        return Interval(float(kept.mean()) if kept.size else np.nan, np.nan, np.nan)
+        return MeanInterval(float(kept.mean()) if kept.size else np.nan, np.nan, np.nan)
     half = float(stdtrit(kept.size - 1, 0.5 + 0.5 * CONFIDENCE) * kept.std(ddof=1) / np.sqrt(kept.size))
-    return Interval(float(kept.mean()), float(kept.mean()) - half, float(kept.mean()) + half)
+    return MeanInterval(float(kept.mean()), float(kept.mean()) - half, float(kept.mean()) + half)

@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import COORDINATES, Cells, Layers
 from tissue.kernels.store import contents, stored
 from tissue.kernels.substeps import make_substeps
-from tissue.numbers import Numbers
+from tissue.model.cells import COORDINATES, CellLayers, Cells
+from tissue.model.numbers import Numbers
 
 Floats = NDArray[np.float64]
 
@@ -23,14 +23,14 @@ class Swing(NamedTuple):
     middle: Cells  # the cells at (Z_{k+1} + 2 Z_k + Z_{k-1})/4, where the swing is gone
 
 
-def substepped(cells: Cells, layers: Layers, numbers: Numbers, scale: float, substeps: int) -> Cells | None:
+def substepped(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float, substeps: int) -> Cells | None:
     """The cells after so many substeps of h = scale mu, with rules that stand still and no noise; None if lost."""
     held = stored(cells, layers, capacity=len(cells.x))
     still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
     return contents(held)[0] if make_substeps(held, still) else None
 
 
-def swing(cells: Cells, layers: Layers, numbers: Numbers, scale: float) -> Swing | None:
+def swing(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float) -> Swing | None:
     """The swing of the state and the two after it; None if one of them is lost."""
     now = substepped(cells, layers, numbers, scale, 1)
     after = None if now is None else substepped(now, layers, numbers, scale, 1)

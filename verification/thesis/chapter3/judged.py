@@ -11,18 +11,18 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import nnls
 
-from tissue.cells import Cells
-from tissue.daha import DampedArrowHurwicz, violation
-from tissue.energy import energy, forces
+from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
-from tissue.frozen import constraints, particles
-from tissue.judge import local_minimum
 from tissue.kernels.advance import apply_rules
 from tissue.kernels.store import contents
-from tissue.minimiser import Judge
-from tissue.observables import height
-from tissue.parameters import Parameters, preset
-from tissue.quasi_steady import simulate_quasi_steady
+from tissue.model.cells import Cells
+from tissue.model.energy import energy, forces
+from tissue.model.observables import height
+from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
+from tissue.quasi_steady.frozen import constraints, particles
+from tissue.quasi_steady.judge import local_minimum
+from tissue.quasi_steady.minimiser import Judge
+from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 from verification.thesis.chapter3.frozen import Frozen
@@ -40,15 +40,15 @@ WHOLE, END = 5, 10.0
 
 
 @dataclass(frozen=True)
-class Form:
+class JudgedForm:
     """How far the study goes: number of seeds, times of the steps [h]."""
 
     seeds: int
     times: tuple[float, ...]
 
 
-SHORT = Form(2, (1.0, 5.0))
-FULL = Form(20, (0.1, 1.0, 2.0, 5.0, 10.0))
+SHORT = JudgedForm(2, (1.0, 5.0))
+FULL = JudgedForm(20, (0.1, 1.0, 2.0, 5.0, 10.0))
 
 
 def study(full: bool) -> Study:
@@ -89,7 +89,7 @@ def judged(key: Key, parameters: Parameters) -> list[Row]:
     """One row for the start, DAHA, PBD over dt, and the minima from the start and from where DAHA stopped."""
     state = begun(parameters, key["seed"], key["t"])
     cells, layers, numbers = state
-    minimiser = DampedArrowHurwicz(parameters.daha_numbers())
+    minimiser = TissueArrowHurwicz(parameters.daha_numbers())
     minimiser.minimise(*state)  # loading and compiling
     began = time.perf_counter()
     daha = minimiser.minimise(*state)

@@ -9,9 +9,9 @@ from functools import partial
 
 import numpy as np
 
-from tissue.cells import Layers, empty
-from tissue.numbers import Numbers
-from tissue.parameters import preset
+from tissue.files.parameters import preset
+from tissue.model.cells import CellLayers, empty
+from tissue.model.numbers import Numbers
 from verification.study import Study
 from verification.table import fingerprint
 from verification.thesis.chapter2.stability.boundary import boundary
@@ -46,7 +46,7 @@ def standing(u: float, v: float, count: int = 1, spacing: float = 4.0, **stiffne
     given = {"x": place, "y": v, "ax": place, "ay": u + v, "bx": place, "rest_ax": u - 1, "rest_bx": v - 1}
     for name, value in (given | {"rest_aa": spacing} | stiffness).items():
         getattr(cells, name)[:] = value
-    return Frozen(cells, Layers(np.arange(count), np.arange(count)), numbers)
+    return Frozen(cells, CellLayers(np.arange(count), np.arange(count)), numbers)
 
 
 def holds(state: Frozen, scale: float, size: float = SIZE) -> bool:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.cells import Cells, Layers
-from tissue.energy import Forces, forces
-from tissue.numbers import Numbers
+from tissue.model.cells import CellLayers, Cells
+from tissue.model.energy import Forces, forces
+from tissue.model.numbers import Numbers
 
 Floats = NDArray[np.float64]
 # Unknowns of a cell whose basal point is on its line.
@@ -17,7 +17,7 @@ STEP = 1e-20
 LIMIT = 2.0
 
 
-def hessian(cells: Cells, layers: Layers, numbers: Numbers) -> Floats:
+def hessian(cells: Cells, layers: CellLayers, numbers: Numbers) -> Floats:
     """d^2 W/dZ dZ for Z = (x_1 ... x_n, y_1 ..., ax_1 ..., ay_1 ..., bx_1 ...), shape (5n, 5n), by complex steps."""
     n = len(cells.x)
     columns = []
@@ -32,7 +32,7 @@ def hessian(cells: Cells, layers: Layers, numbers: Numbers) -> Floats:
 
 def own_hessians(cells: Cells, numbers: Numbers) -> Floats:
     """The same for each cell by itself, without junctions and repulsion, shape (n, 5, 5)."""
-    alone, nobody = numbers._replace(repulsion=0.0), Layers(np.zeros(0, np.int64), np.zeros(0, np.int64))
+    alone, nobody = numbers._replace(repulsion=0.0), CellLayers(np.zeros(0, np.int64), np.zeros(0, np.int64))
     columns = []
     for name in UNKNOWNS:
         moved = _complex(cells)

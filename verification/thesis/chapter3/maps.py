@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tissue.numbers import Numbers
-from tissue.parameters import preset
-from tissue.run import Frame
+from tissue.files.parameters import preset
+from tissue.model.frame import Frame
+from tissue.model.numbers import Numbers
 from verification.study import Study
 from verification.table import fingerprint
 from verification.thesis.chapter2.stability.plane import Axis, Plane, geometric

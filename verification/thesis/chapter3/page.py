@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.parameters import preset
-from tissue.quasi_steady import simulate_quasi_steady
+from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.study.outcomes import outcomes
 from verification.page.report import Chapter, Context, Section
 from verification.thesis.chapter3.growing import until

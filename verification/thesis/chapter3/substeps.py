@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tissue.observables import height
-from tissue.run import Frame
+from tissue.model.frame import Frame
+from tissue.model.observables import height
 from verification.order import Order, estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
@@ -34,7 +34,7 @@ SAFETY = 2.5
 
 
 @dataclass(frozen=True)
-class Form:
+class SubstepsForm:
     """How far the study goes: substeps and those of the reference by preset, number of seeds, times [h]."""
 
     substeps: Mapping[str, tuple[int, ...]]
@@ -45,8 +45,8 @@ class Form:
 
 FEW, MANY = (1, 2, 5, 10, 20, 40, 80), (160, 320, 640)
 # The step dt of the published preset is half as long.
-SHORT = Form({"thesis": (*FEW, 160), "published": FEW}, {"thesis": 640, "published": 320}, 4)
-FULL = Form(dict.fromkeys(PRESETS, (*FEW, *MANY)), dict.fromkeys(PRESETS, 2560), 20)
+SHORT = SubstepsForm({"thesis": (*FEW, 160), "published": FEW}, {"thesis": 640, "published": 320}, 4)
+FULL = SubstepsForm(dict.fromkeys(PRESETS, (*FEW, *MANY)), dict.fromkeys(PRESETS, 2560), 20)
 
 
 def study(full: bool) -> Study:
@@ -62,7 +62,7 @@ def study(full: bool) -> Study:
     )
 
 
-def compared(key: Key, form: Form) -> list[Row]:
+def compared(key: Key, form: SubstepsForm) -> list[Row]:
     """One row for each number of substeps and time: distance of the nuclei to the reference, and both heights.
 
     The reference is made first, so that loading and compiling are not in the seconds of the others.
@@ -78,7 +78,7 @@ def compared(key: Key, form: Form) -> list[Row]:
     return rows
 
 
-def _states(run: Growing, form: Form) -> list[tuple[Frame | None, str, float]]:
+def _states(run: Growing, form: SubstepsForm) -> list[tuple[Frame | None, str, float]]:
     """The states at the times of the form, None where the run is lost, with its status and the time taken so far."""
     return [(run.frame() if run.to(t) else None, run.status, run.seconds) for t in form.times]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from tissue.sheet import write
+from tissue.pictures.sheet import write
 from tissue.study.figures.catalogue import FIGURES
 from tissue.study.figures.needs import needed
 from tissue.study.read import Results

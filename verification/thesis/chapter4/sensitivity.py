@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import pandas as pd
 
-from tissue.parameters import preset
+from tissue.files.parameters import preset
 from tissue.study.categories import kept_times, outcome
 from tissue.study.plan import Study, flat
 from tissue.study.ratios import ratio

@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Motion
-from meanfield.rattle import solve_rattle
+from meanfield import Motion, solve_rattle
+from verification.meanfield_methods import RATTLES, SOLVERS
 from verification.order import estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
-from verification.thesis.chapter5.methods import RATTLES, SOLVERS, applies
+from verification.thesis.chapter5.methods import applies
 
 Floats = NDArray[np.float64]
 MODELS = ("straight", "linear", "wavy", "element", "interacting")
@@ -40,10 +40,10 @@ FULL_STEPS = {
 }
 
 
-class Reference(NamedTuple):
+class TrueMotion(NamedTuple):
     """The true motion, and how far off it may be in each of ``QUANTITIES``."""
 
-    path: exact.Path
+    path: exact.ExactMotion
     error: dict[str, float]
 
 
@@ -98,24 +98,24 @@ def _rows(key: Key, tolerances: dict[str, Any], steps: dict[int, Any]) -> list[R
 
 
 @cache
-def reference(name: str) -> Reference:
+def reference(name: str) -> TrueMotion:
     """The closed form where there is one, else the ODE to rounding; its distance to the other way is its error."""
     model, start = cases.model(name), cases.few(name, PARTICLES)
     if name in HARMONIC:
         path = exact.harmonic(name, np.asarray(start.X), TIMES)
         rounding = {quantity: float(np.spacing(np.abs(getattr(path, quantity)).max())) for quantity in QUANTITIES}
-        return Reference(path, rounding)
+        return TrueMotion(path, rounding)
     best = SOLVERS["ode"](model, start, TIMES, TIGHTEST)
     other = solve_rattle(model, start, TIMES, FINEST, 8)
-    path = exact.Path(best.y, best.v, best.X, best.multipliers)
-    return Reference(path, {quantity: _apart(other, path, quantity) for quantity in QUANTITIES})
+    path = exact.ExactMotion(best.y, best.v, best.X, best.multipliers)
+    return TrueMotion(path, {quantity: _apart(other, path, quantity) for quantity in QUANTITIES})
 
 
-def _apart(motion: Motion, path: exact.Path, quantity: str) -> float:
+def _apart(motion: Motion, path: exact.ExactMotion, quantity: str) -> float:
     return float(np.abs(getattr(motion, quantity) - getattr(path, quantity)).max())
 
 
-def _measured(motion: Motion, known: Reference) -> dict[str, Any]:
+def _measured(motion: Motion, known: TrueMotion) -> dict[str, Any]:
     energy = motion.energy()
     return (
         # Below its own error the reference does not tell.

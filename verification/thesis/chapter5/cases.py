@@ -9,9 +9,8 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from meanfield import LinearFibre, Model, State, StraightFibre, TissueElement, WavyFibre
-from meanfield.density import Density
-from meanfield.symbolic import library
+from meanfield import Density, LinearFibre, Model, State, StraightFibre, TissueElement, WavyFibre
+from meanfield.model.symbolic import library
 from verification.table import fingerprint
 
 Floats = NDArray[np.float64]

@@ -11,15 +11,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Moments, solve_moments
-from meanfield.characteristics import solve_characteristics
-from meanfield.field import field, field_by_numpy
-from meanfield.interaction import forces
-from meanfield.pde import solve_pde
+from meanfield import solve_characteristics
+from meanfield.forces.field import field, field_by_numpy
+from meanfield.forces.interaction import forces
+from verification.meanfield_methods import DensityProblem, prepared
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases, exact
-from verification.thesis.chapter5.methods import SOLVERS
 
 Floats = NDArray[np.float64]
 T = np.array([4.0])
@@ -40,8 +38,6 @@ SETTINGS: dict[str, Sequence[float]] = {
     "moments": TOLERANCES,
     "pde": CELLS,
 }
-# Of N quantiles, whose y has an error of about 1/(30 N): a tenth of that for the solver, or its step of order 4.
-QUANTILE_ERROR, LEAST_TOLERANCE = 0.003, 1e-12
 # Finer settings are left out after a run that takes longer [s]; of the others the best of so many.
 ENOUGH, FULL_ENOUGH, REPEATS = 0.2, 3.0, 4
 # One right-hand side: particles, and with all pairs.
@@ -91,17 +87,9 @@ def _rows(enough: float, stride: int, key: Key) -> list[Row]:
 
 def question(name: str, method: str, setting: float) -> Callable[[], Any]:
     """y(T) from the density, as a call that is timed; particles are at the quantiles, found before."""
-    model, law, case = cases.model(name), cases.law(name), cases.CASES[name]
-    start = case.y0, case.v0, T
-    if method == "pde":
-        return partial(solve_pde, model, law, *start, int(setting))
-    if method == "characteristics":
-        return partial(solve_characteristics, model, law, *start, setting)
-    if method == "moments":
-        return partial(solve_moments, model, Moments(*law.moments()), *start, setting)
-    wanted = max(QUANTILE_ERROR / setting, LEAST_TOLERANCE)
-    fine = wanted**0.25 if method == "rattle4" else wanted
-    return partial(SOLVERS[method], model, cases.state(name, law.quantiles(int(setting))), T, fine)
+    case = cases.CASES[name]
+    problem = DensityProblem(cases.model(name), cases.law(name), case.y0, case.v0)
+    return prepared(method, problem, setting if method in TOLERATED else 1 / setting, T)
 
 
 @cache

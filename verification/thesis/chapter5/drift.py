@@ -11,11 +11,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from meanfield import Motion
+from verification.lines import slope
+from verification.meanfield_methods import SOLVERS
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases
-from verification.thesis.chapter5.lines import slope
-from verification.thesis.chapter5.methods import LABELS, SOLVERS
+from verification.thesis.chapter5.methods import LABELS
 from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4
 
 Floats = NDArray[np.float64]

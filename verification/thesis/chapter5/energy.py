@@ -9,16 +9,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Moments, solve_moments
-from meanfield.characteristics import solve_characteristics
-from meanfield.pde import solve_pde
+from meanfield import Moments, solve_characteristics, solve_moments, solve_pde
+from verification.lines import slope
+from verification.meanfield_methods import SOLVERS
 from verification.order import estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.agreement import TIMES
-from verification.thesis.chapter5.lines import slope
-from verification.thesis.chapter5.methods import SOLVERS
 
 Floats = NDArray[np.float64]
 # Of the solvers of the mean-field equations; exponents of ten, and numbers of cells.

@@ -1,4 +1,4 @@
-"""Closed forms: y is harmonic for Examples 5.2 and 5.3 with linear forces, and a density is carried by g = const."""
+"""Closed forms: y is harmonic for Examples 5.2 and 5.3 with linear forces, as are averages of densities."""
 
 from __future__ import annotations
 
@@ -7,15 +7,14 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from meanfield import Model
-from meanfield.density import Density
-from meanfield.index import consistent
+from meanfield import Density, Model
+from meanfield.solvers.carried import origins
 from verification.thesis.chapter5.cases import CASES, FIBRE
 
 Floats = NDArray[np.float64]
 
 
-class Path(NamedTuple):
+class ExactMotion(NamedTuple):
     """y, v (K, ny), X and multipliers (K, N, nx) at K times."""
 
     y: Floats
@@ -24,7 +23,7 @@ class Path(NamedTuple):
     multipliers: Floats
 
 
-def harmonic(name: str, X: Floats, t: Floats) -> Path:
+def harmonic(name: str, X: Floats, t: Floats) -> ExactMotion:
     """The motion of particles X (N, 1) with StraightFibre ("straight") or LinearFibre ("linear")::
 
     straight: (1 + m s) y'' = -k0 (y - y_rest) - k1 s y,  s = <X^2>/y^2;  lambda = -y (k1 X + m X y''/y)
@@ -41,26 +40,9 @@ def harmonic(name: str, X: Floats, t: Floats) -> Path:
     a = -(rate**2) * (y - middle)
     if name == "straight":
         moved, pushed = X * y[:, None] / y0, X * a[:, None] / y0
-        return Path(y, v, moved, -y[:, None] * (k1 * moved + m * pushed))
+        return ExactMotion(y, v, moved, -y[:, None] * (k1 * moved + m * pushed))
     moved = X + y[:, None] - y0
-    return Path(y, v, moved, -(k1 * moved + m * a[:, None]))
-
-
-def origins(model: Model, x: Floats, y: Floats, y0: Floats) -> Floats:
-    """Where particles at x (n, nx), when the macroscopic state is y, were when it was y0: g(., y0) = g(x, y)."""
-    return consistent(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
-
-
-def carried(model: Model, start: Density, y0: Floats, y: Floats) -> Density:
-    """The density at macroscopic state y in one dimension: f(x) = f0(x0) |g_X(x, y)| / |g_X(x0, y0)|."""
-
-    def pdf(x: Floats) -> Floats:
-        before = origins(model, x, y, y0)
-        ratio = model.jacobians(x, y)[0] / model.jacobians(before, y0)[0]
-        return start.density(before) * np.abs(ratio[:, 0, 0])
-
-    ends = np.sort(origins(model, np.array([start.lower, start.upper]), y0, y)[:, 0])
-    return Density(pdf, ends[:1], ends[1:])
+    return ExactMotion(y, v, moved, -(k1 * moved + m * a[:, None]))
 
 
 def averages(model: Model, start: Density, y0: Floats, y: Floats, edges: Floats) -> Floats:

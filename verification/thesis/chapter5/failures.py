@@ -17,7 +17,7 @@ from verification.thesis.chapter5.methods import LABELS
 from verification.thesis.chapter5.provoked import (
     KERNELS,
     PARTICLE_SOLVERS,
-    Found,
+    Provoked,
     blow_up,
     flat_element,
     fold,
@@ -36,7 +36,7 @@ class Failure:
 
     title: str
     solver: str
-    look: Callable[[], Found]
+    look: Callable[[], Provoked]
 
 
 FAILURES = {

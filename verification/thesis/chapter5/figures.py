@@ -10,11 +10,11 @@ import numpy as np
 import pandas as pd
 
 from verification.page.sheet import GREY, Axes, sheet
+from verification.rates import QUANTILES
 from verification.thesis.chapter5 import flow_rates, grid_order, stability_constant
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.drift import TITLES as DRIFTERS
 from verification.thesis.chapter5.methods import METHODS
-from verification.thesis.chapter5.sampling import QUANTILES
 
 # Errors below this are rounding, and drawn there.
 LOWEST = 1e-16
@@ -45,7 +45,7 @@ def agreement(table: pd.DataFrame, name: str, path: Path) -> Path:
         for method, one in table[table["model"] == name].groupby("method", sort=False):
             panel = panels[int(METHODS[method].setting == "dt")]
             _line(panel, one["setting"], one["error_y"], method)
-            panel.loglog(one["setting"], one["error_multipliers"], color=METHODS[method].colour, linestyle=":")
+            panel.loglog(one["setting"], one["error_multipliers"], color=METHODS[method].look["color"], linestyle=":")
         tols = np.array([1e-11, 1e-3])
         panels[0].loglog(tols, tols, color=GREY, linewidth=0.9, linestyle=(0, (1, 1.2)))
         panels[0].set(xlabel="tol", ylabel=f"error, {TITLES[name]}")
@@ -63,7 +63,7 @@ def _decades_only(panel: Axes) -> None:
 
 def _line(panel: Axes, x: Any, y: Any, method: str, **look: Any) -> None:
     one = METHODS[method]
-    given = {"label": one.label, "color": one.colour, "marker": one.marker} | look
+    given = {"label": one.label} | dict(one.look) | look
     panel.loglog(x, np.maximum(y, LOWEST), **given)
 
 

@@ -19,14 +19,11 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Motion, solve_ode
-from meanfield.characteristics import Flow, solve_characteristics
-from meanfield.density import Density
-from meanfield.wasserstein import w1
+from verification.rates import IID, PAIR, QUANTILES, Limit, distance, draw, mean_field_limit, through_flow
 from verification.study import Key, Study
 from verification.table import Row
-from verification.thesis.chapter5 import cases, exact
-from verification.thesis.chapter5.sampling import IID, PAIR, QUANTILES, exponents, means
+from verification.thesis.chapter5 import cases
+from verification.thesis.chapter5.sampling import exponents, means
 
 Floats = NDArray[np.float64]
 T = np.array([4.0])
@@ -66,49 +63,27 @@ def rows_of(key: Key) -> list[Row]:
     """The repeats of one model, kind of start and N."""
     name, n = key["model"], key["N"]
     if key["start"] == QUANTILES:
-        return [dict(key) | {"repeat": 0} | _beside_law(name, cases.law(name).quantiles(n), FINER)]
+        return [dict(key) | {"repeat": 0} | _compared(name, cases.law(name).quantiles(n), None, FINER)]
     rows: list[Row] = []
     for k in range(REPEATS[key["start"] == PAIR][n]):
         rng = cases.stream("rates", list(cases.CASES).index(name), n, k)
-        X = cases.law(name).sample(rng, n)
-        found = (
-            _beside_law(name, X, FINE)
-            if key["start"] == IID
-            else _beside_other(name, X, cases.law(name).sample(rng, n))
-        )
-        rows.append(dict(key) | {"repeat": k} | found)
+        X, other = draw(cases.law(name), key["start"], n, rng)
+        rows.append(dict(key) | {"repeat": k} | _compared(name, X, other, FINE))
     return rows
 
 
 @cache
-def limit(name: str) -> Flow:
+def limit(name: str) -> Limit:
     """The mean-field limit at the end."""
     case = cases.CASES[name]
     tol = EXACT if name in LINE else EXACT_IN_SPACE
-    return solve_characteristics(cases.model(name), cases.law(name), case.y0, case.v0, T, tol)
+    return mean_field_limit(cases.model(name), cases.law(name), case.y0, case.v0, T, tol, FINE)
 
 
-@cache
-def law_at_end(name: str) -> Density:
-    """mu^T in one dimension."""
-    return exact.carried(cases.model(name), cases.law(name), np.array(cases.CASES[name].y0), limit(name).y[0])
-
-
-def _end(name: str, X: Floats, tol: float) -> Motion:
-    return solve_ode(cases.model(name), cases.state(name, X), T, tol)
-
-
-def _beside_law(name: str, X: Floats, tol: float) -> dict[str, float]:
-    motion = _end(name, X, tol)
-    error = np.linalg.norm(motion.y[0] - limit(name).y[0])
-    ends = w1(motion.X[0], law_at_end(name))
-    return {"start_w1": w1(X, cases.law(name)), "end_w1": ends, "error_y": float(error)}
-
-
-def _beside_other(name: str, X: Floats, other: Floats) -> dict[str, float]:
-    one, two = _end(name, X, FINE), _end(name, other, FINE)
-    error = np.linalg.norm(one.y[0] - limit(name).y[0])
-    return {"start_w1": w1(X, other), "end_w1": w1(one.X[0], two.X[0]), "error_y": float(error)}
+def _compared(name: str, X: Floats, other: Floats | None, tol: float) -> dict[str, float]:
+    (end,) = through_flow(limit(name)._replace(tol=tol), X, other, None)
+    start, _ = distance(cases.law(name), X, other, None)
+    return {"start_w1": start, "end_w1": end["w1"], "error_y": end["error_y"]}
 
 
 def averaged(table: pd.DataFrame) -> pd.DataFrame:

@@ -9,12 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Moments, solve_moments
-from meanfield.characteristics import solve_characteristics
-from meanfield.grid import Grid
-from meanfield.grid_motion import GridMotion
-from meanfield.pde import solve_pde
-from meanfield.wasserstein import w1
+from meanfield import GridMotion, Moments, carry_density, solve_characteristics, solve_moments, solve_pde, w1
+from meanfield.solvers.carried import origins
+from meanfield.solvers.grid.cells import CellGrid
 from verification.order import estimate, order_text
 from verification.study import Key, Study
 from verification.table import Row
@@ -38,7 +35,7 @@ QUANTITIES = {"error_f": "f in L1", "error_w1": "W1", "error_y": "y at the end"}
 
 
 class Carried(NamedTuple):
-    """f0(x0) |det g_X(x)| / |det g_X(x0)|: a density that the flow carried, as ``Grid.averages`` takes it."""
+    """f0(x0) |det g_X(x)| / |det g_X(x0)|: a density that the flow carried, as ``CellGrid.averages`` takes it."""
 
     name: str
     y: Floats
@@ -49,7 +46,7 @@ class Carried(NamedTuple):
     def density(self, x: Floats) -> Floats:
         """f at points (n, nx)."""
         model, y0 = cases.model(self.name), np.array(cases.CASES[self.name].y0)
-        before = exact.origins(model, x, self.y, y0)
+        before = origins(model, x, self.y, y0)
         now, then = (np.linalg.det(model.jacobians(*at)[0]) for at in ((x, self.y), (before, y0)))
         return np.asarray(cases.law(self.name).density(before) * np.abs(now / then))
 
@@ -100,16 +97,16 @@ def _row(key: Key) -> list[Row]:
     name = key["model"]
     case, known = cases.CASES[name], limit(name)
     motion = solve_pde(cases.model(name), cases.law(name), case.y0, case.v0, T, key["cells"], bounds=BOXES[name])
-    return [dict(key) | _errors(name, motion, known) | {"width": float(Grid(motion.edges).spacing.max())}]
+    return [dict(key) | _errors(name, motion, known) | {"width": float(CellGrid(motion.edges).spacing.max())}]
 
 
 def _errors(name: str, motion: GridMotion, known: Limit) -> dict[str, Any]:
-    grid, model, law = Grid(motion.edges), cases.model(name), cases.law(name)
+    grid, model, law = CellGrid(motion.edges), cases.model(name), cases.law(name)
     y0 = np.array(cases.CASES[name].y0)
     distance = np.nan
     if model.nx == 1:
         true = exact.averages(model, law, y0, known.y, grid.edges[0])
-        distance = w1(motion.density(0), exact.carried(model, law, y0, known.y))
+        distance = w1(motion.density(0), carry_density(model, law, y0, known.y))
     else:
         low, high = np.asarray(BOXES[name])
         true = grid.averages(Carried(name, known.y, low, high))  # type: ignore[arg-type]

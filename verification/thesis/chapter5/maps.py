@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from dincl.errors import StepFailure
 from meanfield import (
     LinearFibre,
     Model,
@@ -22,8 +23,7 @@ from meanfield import (
     solve_ode,
     solve_rattle,
 )
-from meanfield.errors import Breakdown
-from meanfield.rattle import SUBSTEPS
+from meanfield.solvers.rattle import SUBSTEPS
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter2.stability.outcome import ERROR, FAR, Outcome
@@ -104,7 +104,7 @@ def stiff(method: str, dt: float, k0: float) -> dict[str, Any]:
     end = STEPS * dt
     try:
         motion = STIFF[method](model, start, [end], dt)
-    except (SolveFailed, Breakdown) as failure:
+    except (SolveFailed, StepFailure) as failure:
         return {"outcome": Outcome.UNSTABLE.value, "status": failure.status.name}
     if not abs(motion.y[-1, 0] - middle) <= FAR * AWAY:
         return {"outcome": Outcome.UNSTABLE.value, "status": motion.status.name}

@@ -1,61 +1,12 @@
-"""The ways from a start to y(t) that the studies compare: a setting from coarse to fine, and a name with a look."""
+"""The ways from a start to y(t) that the studies compare."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
-from functools import partial
+from meanfield import Model, Positions, reduce
+from verification.meanfield_methods import density_methods, particle_methods
 
-import numpy as np
-from numpy.typing import NDArray
-
-from meanfield import Model, Motion, State, reduce, solve_ode
-from meanfield.dae import solve_dae
-from meanfield.rattle import solve_rattle
-from meanfield.reduction import Positions
-
-Floats = NDArray[np.float64]
-Solve = Callable[[Model, State, Floats, float], Motion]
-
-
-@dataclass(frozen=True)
-class Method:
-    """How to name and draw a method; ``setting`` says what makes it finer."""
-
-    label: str
-    setting: str
-    colour: str
-    marker: str
-
-
-def _reduced(model: Model, start: State, t: Floats, tol: float) -> Motion:
-    return solve_ode(reduce(model), start, t, tol)
-
-
-def _rattle(order: int, model: Model, start: State, t: Floats, dt: float) -> Motion:
-    return solve_rattle(model, start, t, dt, order)
-
-
-RATTLES = (2, 4, 6, 8)
-METHODS = {
-    "dae": Method("DAE (IDAS)", "tol", "#b8443c", "s"),
-    "rattle2": Method("RATTLE, order 2", "dt", "#e59a54", "v"),
-    "rattle4": Method("RATTLE, order 4", "dt", "#c9a227", "^"),
-    "rattle6": Method("RATTLE, order 6", "dt", "#8a7a1f", "<"),
-    "rattle8": Method("RATTLE, order 8", "dt", "#5f5310", ">"),
-    "ode": Method("ODE (DOP853)", "tol", "#2f6db0", "o"),
-    "reduced": Method("ODE, reduced", "tol", "#86a7cf", "D"),
-    "characteristics": Method("Characteristics", "tol", "#4f9a5f", "P"),
-    "moments": Method("Moments", "tol", "#7b52a1", "X"),
-    "pde": Method("PDE", "cells", "#5b5b66", "h"),
-}
-# Those that follow given particles: (model, start, times, setting) -> Motion.
-SOLVERS: dict[str, Solve] = {
-    "dae": solve_dae,
-    "ode": solve_ode,
-    "reduced": _reduced,
-    **{f"rattle{order}": partial(_rattle, order) for order in RATTLES},
-}
+# By their names in tables; with the settings for given particles where there are any.
+METHODS = density_methods() | particle_methods()
 LABELS = {name: method.label for name, method in METHODS.items()}
 
 

@@ -12,18 +12,19 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from meanfield.checks import number, times, tolerance
-from meanfield.index import accelerations
-from meanfield.motion import Motion, Work
-from meanfield.status import Status
+from dincl import Status
+from dincl.checks import number
+from meanfield import Motion, Work
+from meanfield.solvers.arguments import times, tolerance
+from meanfield.solvers.index import accelerations
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import ArrayLike, NDArray
 
-    from meanfield.model import Model
-    from meanfield.state import Start, State
+    from meanfield import Model, State
+    from meanfield.model.state import FullState
 
 
 def solve_naive(model: Model, start: State, t: ArrayLike, tol: float) -> Motion:
@@ -45,7 +46,7 @@ def solve_naive(model: Model, start: State, t: ArrayLike, tol: float) -> Motion:
     ------
     InvalidModel
         if t, tol or the start cannot be right.
-    Breakdown
+    StepFailure
         if dg/dX is singular or a force not finite on the way.
     """
     from scipy.integrate import solve_ivp
@@ -91,18 +92,18 @@ def _stepped(
     return z + h / 6 * (a + 2 * b + 2 * c + d)
 
 
-def _packed(start: Start) -> NDArray[np.float64]:
+def _packed(start: FullState) -> NDArray[np.float64]:
     return np.concatenate([start.X.ravel(), start.y, start.U.ravel(), start.v])
 
 
-def _split(start: Start, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+def _split(start: FullState, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
     """X, y, U, v of one vector."""
     ends = np.cumsum([start.X.size, start.y.size, start.X.size])
     X, y, U, v = np.split(z, ends)
     return X.reshape(start.X.shape), y, U.reshape(start.X.shape), v
 
 
-def _derivative(model: Model, start: Start) -> Callable[[float, NDArray[np.float64]], NDArray[np.float64]]:
+def _derivative(model: Model, start: FullState) -> Callable[[float, NDArray[np.float64]], NDArray[np.float64]]:
     def derivative(_: float, z: NDArray[np.float64]) -> NDArray[np.float64]:
         X, y, U, v = _split(start, z)
         found = accelerations(model, X, U, y, v)
@@ -113,7 +114,7 @@ def _derivative(model: Model, start: Start) -> Callable[[float, NDArray[np.float
 
 def _motion(
     model: Model,
-    start: Start,
+    start: FullState,
     kept: NDArray[np.float64],
     rows: list[NDArray[np.float64]],
     status: Status,

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from meanfield import (
+    Density,
     InvalidModel,
     LinearFibre,
     Model,
@@ -19,18 +20,17 @@ from meanfield import (
     Status,
     StraightFibre,
     reduce,
+    solve_characteristics,
+    solve_dae,
     solve_moments,
     solve_ode,
+    solve_pde,
+    solve_rattle,
 )
-from meanfield.characteristics import solve_characteristics
-from meanfield.dae import solve_dae
-from meanfield.density import Density
-from meanfield.pde import solve_pde
-from meanfield.rattle import solve_rattle
-from meanfield.symbolic import library
+from meanfield.model.symbolic import library
+from verification.meanfield_methods import SOLVERS
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter5 import cases, exact
-from verification.thesis.chapter5.methods import SOLVERS
 
 Floats = NDArray[np.float64]
 # The setting of each solver, where failures are looked for.
@@ -45,7 +45,7 @@ OFF = 1e-3
 KERNELS = ("1/r²", "log|r|", "√|r|")
 
 
-class Found(NamedTuple):
+class Provoked(NamedTuple):
     """What was predicted and found, in words, and whether they agree."""
 
     predicted: str
@@ -53,7 +53,7 @@ class Found(NamedTuple):
     agrees: bool
 
 
-def off_constraint(name: str, solver: str) -> Found:
+def off_constraint(name: str, solver: str) -> Provoked:
     """A start whose U or level is off by OFF is refused, and the message says by how much."""
     model, start = cases.model("wavy"), cases.few("wavy", 5)
     true = start.checked(model, 1e-8)
@@ -64,11 +64,11 @@ def off_constraint(name: str, solver: str) -> Found:
         )
     except InvalidModel as error:
         said = str(error)
-        return Found(f"InvalidModel, off by {OFF:g}", said.partition(" for ")[0], f" = {OFF:.3g} for " in said)
-    return Found(f"InvalidModel, off by {OFF:g}", "accepted", False)
+        return Provoked(f"InvalidModel, off by {OFF:g}", said.partition(" for ")[0], f" = {OFF:.3g} for " in said)
+    return Provoked(f"InvalidModel, off by {OFF:g}", "accepted", False)
 
 
-def through_zero(solver: str) -> Found:
+def through_zero(solver: str) -> Provoked:
     """StraightFibre whose y is driven to 0, when all particles are in one point; the time is known."""
     model, law = StraightFibre(**cases.FIBRE), cases.law("straight")
     y0, v0 = [1.0], [-3.0]
@@ -96,7 +96,7 @@ def _straight(X: Floats, y0: float, v0: float, t: float) -> float:
     return float(middle + (y0 - middle) * np.cos(rate * t) + v0 / rate * np.sin(rate * t))
 
 
-def flat_element(solver: str) -> Found:
+def flat_element(solver: str) -> Provoked:
     """TissueElement whose first stretch is driven to 0: det F(y) = 0, where its last values point."""
     model, law = cases.model("element"), cases.law("element")
     start = State(X=law.sample(cases.stream("start", 20), 20), y=[1.0, 1.0, 0.0], v=[-3.0, 0.0, 0.0])
@@ -108,14 +108,14 @@ def flat_element(solver: str) -> Found:
     return stopped(motion, float(-rate[1] / rate[0]))
 
 
-def fold(solver: str) -> Found:
+def fold(solver: str) -> Provoked:
     """g = X + 1.5 sin X - y, driven over the fold cos X = -2/3, where X' = y'/(1 + 1.5 cos X) has no limit."""
     ca = library()
     model = Model(g=lambda X, y: X + 1.5 * ca.sin(X) - y, W0=lambda y: (y - 8) ** 2 / 2, W1=lambda X: 0.05 * X**2)
     motion = _tried(solver, model, State(X=[[0.5], [0.8], [1.0]], y=[1.0], v=[0.5]), np.linspace(0.0, 4.0, KEPT))
     at, reached = float(np.arccos(-2 / 3)), float(motion.X[-1].max())
     agrees = motion.status in SINGULAR and 0.9 * at < reached < at and _finite(motion)
-    return Found(f"X reaches {at:.4g}", f"{motion.status.name} after X = {reached:.4g}", agrees)
+    return Provoked(f"X reaches {at:.4g}", f"{motion.status.name} after X = {reached:.4g}", agrees)
 
 
 def _tried(solver: str, model: Model, start: State, t: Floats) -> Any:
@@ -125,11 +125,11 @@ def _tried(solver: str, model: Model, start: State, t: Floats) -> Any:
     return calls[solver](model, start, t, SETTINGS[solver], throw=False)
 
 
-def stopped(motion: Any, at: float) -> Found:
+def stopped(motion: Any, at: float) -> Provoked:
     """Whether a run ended with a Status that names singularity, just before a time."""
     last = float(motion.t[-1]) if len(motion.t) else 0.0
     agrees = motion.status in SINGULAR and (1 - NEAR) * at < last < at * (1 + NEAR / 10) and _finite(motion)
-    return Found(f"ends at t = {at:.4g}", f"{motion.status.name} after t = {last:.4g}", agrees)
+    return Provoked(f"ends at t = {at:.4g}", f"{motion.status.name} after t = {last:.4g}", agrees)
 
 
 def _finite(motion: Any) -> bool:
@@ -137,7 +137,7 @@ def _finite(motion: Any) -> bool:
     return bool(np.isfinite(motion.y).all() and np.isfinite(motion.v).all())
 
 
-def stiff_steps() -> Found:
+def stiff_steps() -> Provoked:
     """Steps of an explicit method over a fixed time grow with the frequency sqrt(k0)."""
     stiffness = np.array([1e2, 1e3, 1e4, 3e4])
     steps = []
@@ -145,12 +145,12 @@ def stiff_steps() -> Found:
         model = LinearFibre(m=1.0, k0=float(k), y_rest=1.5, k1=0.5)
         steps.append(solve_ode(model, State(X=[[1.0], [1.3]], y=[1.0], v=[0.0]), [1.0], SETTINGS["ode"]).work.steps)
     slope = float(np.polyfit(np.log(stiffness[1:]), np.log(steps[1:]), 1)[0])
-    return Found(
+    return Provoked(
         "steps ~ k^0.5", f"steps ~ k^{slope:.3f}, {steps[-1]} at k = {stiffness[-1]:g}", abs(slope - 0.5) < 0.05
     )
 
 
-def rattle_limit() -> Found:
+def rattle_limit() -> Provoked:
     """RATTLE of order 2 is the Verlet scheme for LinearFibre, unstable beyond dt sqrt((k0 + k1)/(1 + m)) = 2."""
     k0, k1, m, steps = 100.0, 0.5, 1.0, 200
     model = LinearFibre(m=m, k0=k0, y_rest=1.5, k1=k1)
@@ -162,10 +162,10 @@ def rattle_limit() -> Found:
 
     expected = 2 * np.sqrt((1 + m) / (k0 + k1))
     found = boundary(bounded, expected / 2, 2 * expected, 1e-3)
-    return Found(f"dt = {expected:.4g}", f"dt = {found:.4g}", abs(found / expected - 1) < 0.01)
+    return Provoked(f"dt = {expected:.4g}", f"dt = {found:.4g}", abs(found / expected - 1) < 0.01)
 
 
-def unbounded_kernel(kind: str) -> Found:
+def unbounded_kernel(kind: str) -> Provoked:
     """Kernels without a finite value or force at distance 0 are refused when the model is made, or end the run."""
     ca = library()
     V = {
@@ -178,24 +178,24 @@ def unbounded_kernel(kind: str) -> Found:
         model = Model(g=lambda X, y: X / y, W0=lambda y: y**2, W1=lambda X: X**2, V=V)
         motion = solve_ode(model, State(X=[[1.0], [1.2]], y=[1.0], v=[0.0]), [0.1], 1e-6, throw=False)
     except InvalidModel as error:
-        return Found(predicted, f"InvalidModel: {str(error).rpartition(': ')[2][:80]}", True)
-    return Found(predicted, motion.status.name, motion.status is Status.NON_FINITE)
+        return Provoked(predicted, f"InvalidModel: {str(error).rpartition(': ')[2][:80]}", True)
+    return Provoked(predicted, motion.status.name, motion.status is Status.NON_FINITE)
 
 
-def blow_up(solver: str) -> Found:
+def blow_up(solver: str) -> Provoked:
     """W0 = -y^4 drives y to infinity in finite time int dy/v, known from the energy (LinearFibre, no other force)."""
     model = Model(g=lambda X, y: X - y, W0=lambda y: -(y**4), W1=lambda X: 0 * X)
     # (1 + m)/2 v^2 - y^4 = 0 from y = v = 1: 1/y(t) = 1 - t.
     motion = _tried(solver, model, State(X=[[1.0]], y=[1.0], v=[1.0]), np.linspace(0.0, 1.5, KEPT))
     last = float(motion.t[-1])
-    return Found(
+    return Provoked(
         "ends at t = 1",
         f"{motion.status.name} after t = {last:.4g}",
         not motion.status and abs(last - 1) < 0.05 and _finite(motion),
     )
 
 
-def left_grid() -> Found:
+def left_grid() -> Provoked:
     """The density of LinearFibre is shifted with y until it meets the end of the grid, at a known time."""
     name, law = "linear", Density.uniform(0.4, 1.6)
     case, end = cases.CASES[name], 1.8
@@ -210,4 +210,4 @@ def left_grid() -> Found:
     )
     last = float(motion.t[-1])
     agrees = motion.status is Status.LEFT_GRID and abs(last / at - 1) < 0.15 and _finite(motion)
-    return Found(f"reached at t = {at:.4g}", f"{motion.status.name} after t = {last:.4g}", agrees)
+    return Provoked(f"reached at t = {at:.4g}", f"{motion.status.name} after t = {last:.4g}", agrees)

@@ -19,16 +19,15 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import ndtri, stdtrit
+from scipy.special import ndtri
 
-from meanfield import transport
-from meanfield.density import Density
-from meanfield.wasserstein import w1
+from meanfield import Density
+from verification.order import CONFIDENCE
+from verification.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
 from verification.study import Key, Study
 from verification.table import Row, fingerprint
 
 FILE = Path(__file__).parent.parent / "data" / "w1_rates.parquet"
-IID, PAIR, QUANTILES = "iid against density", "iid against iid", "quantiles against density"
 KEY = ("d", "start", "N", "repeat")
 # A run of the complete form that is kept at once [s].
 LONG = 5.0
@@ -47,11 +46,8 @@ FULL = {
 GAP = 1e-4
 # Random numbers: stream (d, N, repeat) of this seed.
 SEED = 20260105
-CONFIDENCE = 0.95
 # Fits begin where the faces of the cube no longer touch most particles.
 FIRST = 100
-# With fewer repeats, the deviation of one value is taken from the next smaller N; its relative size falls with N.
-ENOUGH = 8
 Floats = NDArray[np.float64]
 
 
@@ -88,12 +84,7 @@ def value(key: Key) -> list[Row]:
     density = Density.uniform(np.zeros(d), np.ones(d))
     rng = np.random.default_rng(np.random.SeedSequence(SEED, spawn_key=(d, count, key["repeat"])))
     began = time.perf_counter()
-    if key["start"] == PAIR:
-        equal = np.full(count, 1 / count)
-        lower, upper = transport.bounds(density.sample(rng, count), equal, density.sample(rng, count), equal, GAP)
-    else:
-        points = density.sample(rng, count) if key["start"] == IID else density.quantiles(count)
-        lower = upper = w1(points, density)
+    lower, upper = distance(density, *draw(density, key["start"], count, rng), GAP)
     seconds = time.perf_counter() - began
     return [dict(key) | {"w1": (lower + upper) / 2, "lower": lower, "upper": upper, "seconds": seconds}]
 
@@ -128,11 +119,8 @@ def means(table: pd.DataFrame) -> pd.DataFrame:
     """
     rows = []
     for (d, start, n), group in table.groupby(["d", "start", "N"]):
-        many, mean = len(group), group["w1"].mean()
-        scatter = 0.0 if start == QUANTILES else float(group["w1"].std())
-        half = float(stdtrit(max(many - 1, 1), (1 + CONFIDENCE) / 2)) * scatter / np.sqrt(many)
-        row = {"d": d, "start": start, "N": n, "repeats": many, "mean": mean, "low": mean - half, "high": mean + half}
-        rows.append(row | {"deviation": scatter / mean, "seconds": group["seconds"].mean()})
+        found = {"d": d, "start": start, "N": n} | mean_of(group["w1"], random=start != QUANTILES)
+        rows.append(found | {"seconds": group["seconds"].mean()})
     return pd.DataFrame(rows)
 
 
@@ -145,12 +133,9 @@ def exponents(found: pd.DataFrame) -> pd.DataFrame:
     """
     rows = []
     for (d, start), group in found[found["N"] >= FIRST].groupby(["d", "start"]):
-        x, y, error = _points(group)
-        slope, half, _, misfit = _line(x, y, error)
-        row = {"d": d, "start": start, "sizes": len(x), "from": group["N"].min(), "to": group["N"].max()}
-        row |= {"exponent": slope, "low": slope - half, "high": slope + half}
-        rows.append(row | {"known": known(d, start), "misfit": misfit})
-    return pd.DataFrame(rows)
+        rows.append({"d": d, "start": start, "known": known(d, start)} | fitted_power(group))
+    columns = ["d", "start", "sizes", "from", "to", "exponent", "low", "high", "known", "misfit"]
+    return pd.DataFrame(rows).rename(columns={"slope": "exponent"})[columns]
 
 
 def laws(found: pd.DataFrame) -> pd.DataFrame:
@@ -162,7 +147,7 @@ def laws(found: pd.DataFrame) -> pd.DataFrame:
     rows = []
     for law in LAWS:
         random = found[(found["d"] == law.d) & (found["start"] != QUANTILES) & (found["N"] >= FIRST)]
-        x, y, error = _points(random)
+        x, y, error = log_points(random)
         target = np.exp(law.power * y)
         basis = np.stack(law.terms(np.exp(x), x), axis=1) / (law.power * target * error)[:, None]
         covariance = np.linalg.inv(basis.T @ basis)
@@ -174,28 +159,6 @@ def laws(found: pd.DataFrame) -> pd.DataFrame:
         largest = np.abs(np.maximum(ratio, 0.0) ** (1 / law.power) - 1).max()
         rows.append({"d": law.d, "law": law.name} | row | {"misfit": misfit, "largest": largest})
     return pd.DataFrame(rows)
-
-
-def _points(group: pd.DataFrame) -> tuple[Floats, Floats, Floats]:
-    """log N, log mean and the standard error of the latter."""
-    group = group.sort_values("N")
-    deviation = group["deviation"].where(group["repeats"] >= ENOUGH).ffill().fillna(group["deviation"])
-    error = (deviation / np.sqrt(group["repeats"])).to_numpy()
-    return np.log(group["N"].to_numpy(float)), np.log(group["mean"].to_numpy()), error
-
-
-def _line(x: Floats, y: Floats, error: Floats) -> tuple[float, float, float, float]:
-    """Slope of the weighted line with half its interval, value at x = 0, and chi^2 per degree of freedom."""
-    exact = not error.any()
-    weight = np.ones(len(x)) if exact else error**-2.0
-    centre = np.average(x, weights=weight)
-    spread = float(weight @ (x - centre) ** 2)
-    slope = float(weight @ ((x - centre) * y)) / spread
-    constant = float(np.average(y, weights=weight)) - slope * centre
-    misfit = float(weight @ (y - constant - slope * x) ** 2) / (len(x) - 2)
-    by_scatter = float(stdtrit(len(x) - 2, (1 + CONFIDENCE) / 2)) * np.sqrt(misfit)
-    by_error = 0.0 if exact else float(ndtri((1 + CONFIDENCE) / 2))
-    return slope, max(by_error, by_scatter) * spread**-0.5, constant, np.nan if exact else misfit
 
 
 def main() -> None:

@@ -19,13 +19,12 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from meanfield import Model, Motion, State, StraightFibre, solve_ode
-from meanfield.index import consistent
-from meanfield.wasserstein import w1
+from meanfield import Model, Motion, State, StraightFibre, solve_ode, w1
+from meanfield.solvers.index import consistent
+from verification.lines import slope
 from verification.study import Key, Study
 from verification.table import Row
 from verification.thesis.chapter5 import cases
-from verification.thesis.chapter5.lines import slope
 
 Floats = NDArray[np.float64]
 T = np.linspace(0.0, 8.0, 17)

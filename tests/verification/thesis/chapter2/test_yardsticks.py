@@ -72,7 +72,7 @@ def test_jacobian_of_the_springs_is_their_derivative():
     problem = a_scene(
         [(0.0, 0.5), (1.0, 0.5)], Constant(np.array([[1.0, -1.0], [-1.0, -1.0]])), [dincl.NonOverlap(0.5), FLOOR]
     )
-    springs = lsoda._Springs(problem, 1e-5, 0.1, Kept(problem, Lsoda(1e-5), np.array([1.0])))
+    springs = lsoda._Springs(problem, 1e-5, 0.1, Kept(problem, np.array([1.0])))
     x = np.array([1e-5, 0.5 - 1e-5, 1.0, 0.5 - 2e-5])
     found, step = springs.jacobian(0.0, x), 1e-8
     differences = [(springs(0.0, x + step * e) - springs(0.0, x - step * e)) / (2 * step) for e in np.eye(4)]

@@ -8,11 +8,11 @@ from scipy.stats import binomtest
 from tests.tissue.states import cells, layers, numbers
 from tests.verification.thesis.shortened import Here
 from tests.verification.thesis.shortened_tissue import shorten_daha
-from tissue.energy import energy
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.judge import local_minimum
-from tissue.parameters import preset
-from tissue.quasi_steady import simulate_quasi_steady
+from tissue.model.energy import energy
+from tissue.quasi_steady.judge import local_minimum
+from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.page import sheet
 from verification.page.report import Context, Grid, Picture, Text
 from verification.thesis.chapter3 import catch_up, daha, daha_fit, daha_limits, judged
@@ -37,7 +37,7 @@ def steps():
 
 @pytest.fixture(scope="module")
 def moved():
-    form = catch_up.Form(1, (20, 40, 640), (40, 80), 160)
+    form = catch_up.CatchUpForm(1, (20, 40, 640), (40, 80), 160)
     return pd.DataFrame(catch_up.moved({"seed": 0}, form, judged.floored()))
 
 

@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from tests.tissue.states import THESIS, cells, layers, tissue
+from tests.twins.tissue.steps import make_substeps
 from tests.verification.thesis.shortened_tissue import simulated
-from tissue.energy import energy, forces
-from tissue.parameters import preset
-from tissue.twins import make_substeps
+from tissue.files.parameters import preset
+from tissue.model.energy import energy, forces
 from verification.thesis.chapter3 import beyond, frozen, growing, limits, linear, maps
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS
 from verification.thesis.chapter3.jitter import substepped, swing

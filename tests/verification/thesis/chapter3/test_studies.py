@@ -7,7 +7,7 @@ from scipy.stats import t as student
 
 from tests.tissue.states import tissue
 from tests.verification.thesis.shortened_tissue import simulated
-from tissue.observables import height
+from tissue.model.observables import height
 from verification import table
 from verification.thesis.chapter3 import bench, disturbed, growing, growth, substeps
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, THROWN
@@ -91,7 +91,7 @@ def test_interval_is_that_of_student():
 
 
 def test_errors_are_distances_to_the_same_run_with_many_substeps():
-    form = substeps.Form({"published": (10,)}, {"published": 80}, 1, (1.0, 2.0))
+    form = substeps.SubstepsForm({"published": (10,)}, {"published": 80}, 1, (1.0, 2.0))
     rows = pd.DataFrame(substeps.compared({"preset": "published", "seed": 4}, form))
     assert rows[["substeps", "t"]].to_numpy().tolist() == [[10, 1], [10, 2], [40, 1], [40, 2]]
     few, many = (simulated("published", 4, 2, **{"numerics.substeps": count}).final for count in (10, 80))

@@ -4,9 +4,9 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from meanfield import State, solve_ode
-from meanfield.density import Density
-from meanfield.wasserstein import w1
+from meanfield import Density, State, carry_density, solve_ode, w1
+from meanfield.solvers.carried import origins
+from verification.rates import IID, PAIR, QUANTILES
 from verification.thesis.chapter5 import (
     agreement,
     cases,
@@ -21,7 +21,6 @@ from verification.thesis.chapter5 import (
     provoked,
     stability_constant,
 )
-from verification.thesis.chapter5.sampling import IID, PAIR, QUANTILES
 from verification.thesis.chapter5.sections import words
 
 T = np.array([0.0, 1.0, 2.5])
@@ -45,8 +44,8 @@ def test_the_closed_form_solves_the_equations_of_motion(name):
 
 def test_a_density_is_carried_as_its_points_are():
     model, law, y0, y = cases.model("wavy"), cases.law("wavy"), np.array([1.0]), np.array([1.6])
-    moved = exact.carried(model, law, y0, y)
-    points = exact.origins(model, law.quantiles(400), y0, y)  # forwards: from y0 to y
+    moved = carry_density(model, law, y0, y)
+    points = origins(model, law.quantiles(400), y0, y)  # forwards: from y0 to y
     assert np.abs(model.level(points, y) - model.level(law.quantiles(400), y0)).max() < 1e-14
     assert w1(points, moved) < 1.5e-3  # 400 quantiles of a law of width 1.2, stretched
     edges = np.linspace(0.2, 3.0, 30)

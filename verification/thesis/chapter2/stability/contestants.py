@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import dincl
-from dincl.schemes.base import TimeStepping
+from dincl import FixedStep
 from verification.thesis.chapter2 import methods
 from verification.thesis.chapter2.methods import NamedMethod
 
@@ -22,12 +22,12 @@ class Contestant:
     """A label for readers, dt [time] -> the scheme, and the look, that of the same method elsewhere."""
 
     label: str
-    scheme: Callable[[float], TimeStepping]
+    scheme: Callable[[float], FixedStep]
     colour: str
     marker: str | tuple[int, int, int]
 
 
-def _as(method: NamedMethod, label: str, scheme: Callable[[float], TimeStepping]) -> Contestant:
+def _as(method: NamedMethod, label: str, scheme: Callable[[float], FixedStep]) -> Contestant:
     return Contestant(label, scheme, method.colour, method.marker)
 
 

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
+from dincl import FixedStep
 from dincl.scenes.drifts import towards_origin
-from dincl.schemes.base import TimeStepping
 from verification.thesis.chapter2.stability.case import Case, Found
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, named
 from verification.thesis.chapter2.stability.outcome import row
@@ -64,7 +64,7 @@ def radius(n: int) -> float:
     return math.sqrt(n * math.sqrt(12) / (4 * math.pi))
 
 
-def seen(problem: dincl.Problem, scheme: TimeStepping) -> dict[str, Any]:
+def seen(problem: dincl.Problem, scheme: FixedStep) -> dict[str, Any]:
     """Judged by overlap and by the radius of gyration, since equilibria are many."""
     end = scheme.dt * max(LEAST, math.ceil(END / scheme.dt))
     path = dincl.solve(problem, scheme, t=end, throw=False)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 import dincl
 from dincl.checks import describe, integer, number
 from dincl.errors import StepFailure
+from dincl.run.grid import TimeGrid, divide_time
 from dincl.scenes import Scene
-from dincl.stepping import Grid, grid
 from verification.thesis.chapter2.yardsticks.kept import Kept
 
 Floats = NDArray[np.float64]
@@ -49,20 +49,20 @@ class Chipmunk(dincl.Scheme):
         object.__setattr__(self, "dt", number("dt", self.dt, positive=True))
         object.__setattr__(self, "iterations", integer("iterations", self.iterations, least=1))
 
-    def run(self, problem: dincl.Problem, times: Floats) -> dincl.Trajectory:
+    def run(self, problem: dincl.Problem, times: Floats) -> dincl.RunOutcome:
         """Equal steps of at most dt, as the schemes of dincl take them; between two of them a straight line."""
-        on = grid(float(times[-1]), self.dt)
+        on = divide_time(float(times[-1]), self.dt)
         space = _Space(problem, self, on)
-        kept = Kept(problem, self, times)
+        kept = Kept(problem, times)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 _march(problem, space, on, kept)
         except StepFailure as failure:
-            return kept.trajectory(failure)
-        return kept.trajectory()
+            return kept.outcome(failure)
+        return kept.outcome()
 
 
-def _march(problem: dincl.Problem, space: _Space, on: Grid, kept: Kept) -> None:
+def _march(problem: dincl.Problem, space: _Space, on: TimeGrid, kept: Kept) -> None:
     for t in kept.due(0.0):
         kept.keep(float(t), problem.x0)
     if not on.steps:
@@ -79,7 +79,7 @@ def _march(problem: dincl.Problem, space: _Space, on: Grid, kept: Kept) -> None:
 class _Space:
     """A space of Chipmunk with the shapes of a problem; positions and forces go in and out all at once."""
 
-    def __init__(self, problem: dincl.Problem, scheme: Chipmunk, on: Grid) -> None:
+    def __init__(self, problem: dincl.Problem, scheme: Chipmunk, on: TimeGrid) -> None:
         if find_spec("pymunk") is None:
             raise dincl.InvalidProblem("Chipmunk: needs the package pymunk, which is not installed")
         import pymunk

@@ -1,4 +1,4 @@
-"""The kept states of a program of others, as a Trajectory."""
+"""The kept states of a program of others, as the outcome of a run."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
+from dincl import Between
 from dincl.checks import LARGEST, bounded
 from dincl.errors import StepFailure
-from dincl.trajectory import Between
 
 Floats = NDArray[np.float64]
 
@@ -32,11 +32,11 @@ class _Lines(Between):
 
 
 class Kept:
-    """Takes the states of a run at increasing times, and makes the Trajectory of them."""
+    """Takes the states of a run at increasing times, and makes the outcome of them."""
 
-    def __init__(self, problem: dincl.Problem, scheme: dincl.Scheme, times: Floats) -> None:
+    def __init__(self, problem: dincl.Problem, times: Floats) -> None:
         self.work = dincl.Work(degrees_of_freedom=problem.x0.size)
-        self._problem, self._scheme, self._times = problem, scheme, times
+        self._problem, self._times = problem, times
         self._t: list[float] = []
         self._x: list[Floats] = []
 
@@ -58,17 +58,15 @@ class Kept:
         self._t.append(t)
         self._x.append(x)
 
-    def trajectory(self, failure: StepFailure | None = None) -> dincl.Trajectory:
+    def outcome(self, failure: StepFailure | None = None) -> dincl.RunOutcome:
         """The run so far, and how it ended; a run that kept nothing still has its start."""
         t, x = np.array([0.0, *self._t]), np.array([self._problem.x0, *self._x])
         first = 1 if self._t else 0
-        return dincl.Trajectory(
+        return dincl.RunOutcome(
             t=t[first:],
             x=x[first:],
             status=dincl.Status.SUCCESS if failure is None else failure.status,
             detail="" if failure is None else failure.detail,
             stats=self.work,
-            problem=self._problem,
-            scheme=self._scheme,
             between=_Lines(t, x),
         )

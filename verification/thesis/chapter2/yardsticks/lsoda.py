@@ -47,15 +47,15 @@ class Lsoda(dincl.Scheme):
     def __post_init__(self) -> None:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
-    def run(self, problem: dincl.Problem, times: Floats) -> dincl.Trajectory:
+    def run(self, problem: dincl.Problem, times: Floats) -> dincl.RunOutcome:
         """From step to step of LSODA; kept states from its dense output."""
-        kept = Kept(problem, self, times)
+        kept = Kept(problem, times)
         try:
             with np.errstate(over="ignore", invalid="ignore"):
                 _integrate(problem, self.tol, float(times[-1]), kept)
         except StepFailure as failure:
-            return kept.trajectory(failure)
-        return kept.trajectory()
+            return kept.outcome(failure)
+        return kept.outcome()
 
 
 def _integrate(problem: dincl.Problem, tol: float, end: float, kept: Kept) -> None:

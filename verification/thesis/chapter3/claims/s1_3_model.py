@@ -10,11 +10,10 @@ import numpy as np
 import pandas as pd
 from scipy.special import stdtrit
 
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import ab_positions
-from tissue.parameters import preset
+from tissue.model.observables import ab_positions
 from tissue.study.ratios import Ratio
-from tissue.tables import cell_table
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import over_seeds
@@ -40,7 +39,7 @@ NO_PUSHING = (
 def grown(seed: int, name: str = "thesis", g2: str = "30 min", mitosis: str = "30 min") -> pd.DataFrame:
     """All cells of a run of 16 h, every 0.1 h."""
     changes = {"numerics.t_end": "16 h", "numerics.keep": "0.1 h", "cell.g2": g2, "cell.mitosis": mitosis}
-    return cell_table(simulate(preset(name).changed(changes), seed))
+    return simulate(preset(name).changed(changes), seed).table()
 
 
 def nuclei(seed: int, g2: str = "30 min", mitosis: str = "30 min") -> pd.DataFrame:

@@ -11,11 +11,13 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
-from tissue.cells import Cells
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.parameters import preset
-from tissue.run import Frame
-from tissue.twins import Tissue, adapt_rest_lengths, divide
+from tissue.kernels.cycle import adapt_rest_lengths
+from tissue.kernels.division import divide
+from tissue.kernels.store import contents, stored
+from tissue.model.cells import Cells
+from tissue.model.frame import Frame
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import grown, runs_for
@@ -104,7 +106,9 @@ def _adaptation(_: Tables) -> Evidence:
     """A step of the simulation against the equations."""
     frame = _settled()
     young = frame.cells._replace(birth=np.full(len(frame.cells.x), frame.t))
-    after = adapt_rest_lengths(young, frame.t, preset("thesis").numbers())
+    held = stored(young, frame.layers, capacity=len(young.x))
+    adapt_rest_lengths(held, frame.t, preset("thesis").numbers())
+    after, _ = contents(held)
     off = max(
         float(np.abs(solved(getattr(young, name), wanted, RATE[name]) - getattr(after, name)).max())
         for name, wanted in passive_rest_lengths(young).items()
@@ -175,10 +179,12 @@ def _division(_: Tables) -> Evidence:
     for mother in range(n):
         due = np.where(np.arange(n) == mother, 100.0, 0.0)
         cells = frame.cells._replace(birth=frame.t - due, cycle=np.full(n, 50.0), id=np.arange(n))
-        after = divide(Tissue(cells, frame.layers, n), frame.t, numbers, np.random.default_rng(0))
-        chain = after.cells.id[after.layers.apical].tolist()
+        held = stored(cells, frame.layers, capacity=n + 1)
+        divide(held, frame.t, numbers, np.random.default_rng(0))
+        after, layers = contents(held)
+        chain = after.id[layers.apical].tolist()
         edges = printed_edges({(k, k + 1) for k in range(n - 1)}, mother, n)
-        places = dict(zip(after.cells.id.tolist(), after.cells.bx.tolist(), strict=True))
+        places = dict(zip(after.id.tolist(), after.bx.tolist(), strict=True))
         crossed += places[mother] >= places[n]
         different += edges != set(pairwise(chain))
     return Evidence(

@@ -8,15 +8,15 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from tissue.cells import COORDINATES, Cells
-from tissue.energy import forces
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import height
-from tissue.parameters import preset
-from tissue.run import Frame
+from tissue.model.cells import COORDINATES, Cells
+from tissue.model.energy import forces
+from tissue.model.frame import Frame
+from tissue.model.observables import height
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter3.intervals import Interval, over_seeds
+from verification.thesis.chapter3.intervals import MeanInterval, over_seeds
 from verification.thesis.chapter3.terms import STEP, bending, junction, repulsion, slope, spring
 
 # Table 2; lengths in R_soft.
@@ -97,7 +97,7 @@ def terms(unit: float, *, squared: bool) -> np.ndarray:
     return values / [unit + eta, 2 * unit, 2 * unit] if squared else values
 
 
-def grown(changes: dict[str, object]) -> Interval:
+def grown(changes: dict[str, object]) -> MeanInterval:
     """Height after 48 h over that at the start, with the damping that is said to give the height of Figure 14."""
     parameters = preset("thesis").changed({"numerics.mu": "0.2 h", "numerics.keep": "48 h"} | changes)
     runs = [simulate(parameters, seed) for seed in SEEDS]

@@ -6,13 +6,15 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from tissue.cells import COORDINATES, Cells
-from tissue.energy import energy
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.frozen import constraints, particles
-from tissue.parameters import preset
-from tissue.run import Frame
-from tissue.twins import adapt_rest_lengths, make_substeps
+from tissue.kernels.cycle import adapt_rest_lengths
+from tissue.kernels.store import contents, stored
+from tissue.kernels.substeps import make_substeps
+from tissue.model.cells import COORDINATES, Cells
+from tissue.model.energy import energy
+from tissue.model.frame import Frame
+from tissue.quasi_steady.frozen import constraints, particles
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter3.terms import slope, spring
@@ -29,8 +31,10 @@ def next_state(frame: Frame, rest: float) -> Cells:
     """One step of the model without noise after all cytoskeleton springs are lengthened by ``rest``."""
     numbers = preset("thesis").numbers()._replace(variance=0.0)
     longer = frame.cells._replace(rest_ax=frame.cells.rest_ax + rest, rest_bx=frame.cells.rest_bx + rest)
-    cells = adapt_rest_lengths(longer, frame.t, numbers)
-    return make_substeps(cells, frame.layers, numbers, np.random.default_rng(0))
+    held = stored(longer, frame.layers, capacity=len(longer.x))
+    adapt_rest_lengths(held, frame.t, numbers)
+    make_substeps(held, numbers)
+    return contents(held)[0]
 
 
 def apart(one: Cells, other: Cells) -> float:

@@ -8,11 +8,11 @@ from itertools import pairwise
 
 import numpy as np
 
-from tissue.cells import COORDINATES
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.judge import local_minimum
-from tissue.observables import nuclear_layers
-from tissue.parameters import preset
+from tissue.model.cells import COORDINATES
+from tissue.model.observables import nuclear_layers
+from tissue.quasi_steady.judge import local_minimum
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for

@@ -8,9 +8,9 @@ from collections.abc import Callable
 
 import numpy as np
 
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import widths
-from tissue.parameters import preset
+from tissue.model.observables import widths
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, equal
 from verification.thesis.chapter3.claims.s1_3_model import grown

@@ -38,18 +38,18 @@ def scaling() -> float:
     return DT / USUAL
 
 
-class Path(NamedTuple):
+class SlopePath(NamedTuple):
     """Times (K,) and states (K, 3)."""
 
     t: Floats
     z: Floats
 
 
-def followed(rate: float, end: float) -> Path:
+def followed(rate: float, end: float) -> SlopePath:
     """dz/dt = -rate grad W from START, at 201 times."""
     t = np.linspace(0.0, end, 201)
     flow = solve_ivp(lambda _t, z: -rate * slope(z), (0.0, end), START, t_eval=t, rtol=1e-10, atol=1e-10)
-    return Path(t, flow.y.T)
+    return SlopePath(t, flow.y.T)
 
 
 def _scaled(_: Tables) -> Evidence:

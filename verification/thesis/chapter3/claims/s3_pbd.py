@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize
 
-from tissue.cells import empty
-from tissue.parameters import preset
+from tissue.files.parameters import preset
+from tissue.model.cells import empty
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import apart

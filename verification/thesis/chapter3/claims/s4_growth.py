@@ -7,9 +7,9 @@ import math
 
 import numpy as np
 
+from tissue.files.parameters import PRESETS, preset
 from tissue.first_order import simulate
-from tissue.observables import ab_positions
-from tissue.parameters import PRESETS, preset
+from tissue.model.observables import ab_positions
 from verification.claim import Claim, Cost, Tables
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for

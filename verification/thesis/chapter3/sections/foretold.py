@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from tissue.parameters import preset
+from tissue.files.parameters import preset
 from verification.page.report import Context, Grid, Picture, Section, Text, number
 from verification.thesis.chapter3 import disturbed
 from verification.thesis.chapter3 import figures as figures_tissue

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tissue.parameters import preset
+from tissue.files.parameters import preset
 from verification.page.report import Context, Grid, Picture, Section, Text, number
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import substeps

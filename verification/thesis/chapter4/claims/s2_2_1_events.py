@@ -7,9 +7,10 @@ from itertools import permutations
 
 import numpy as np
 
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.parameters import preset
-from tissue.run import Frame, Run
+from tissue.model.frame import Frame
+from tissue.run import Run
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 

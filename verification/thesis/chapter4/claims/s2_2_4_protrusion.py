@@ -8,7 +8,7 @@ import math
 import numpy as np
 from scipy.optimize import brentq
 
-from tissue.cells import Floats
+from tissue.model.cells import Floats
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 

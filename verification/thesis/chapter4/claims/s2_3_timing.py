@@ -7,11 +7,11 @@ from itertools import chain, combinations
 
 import numpy as np
 
-from tissue.cells import Floats
-from tissue.scenario import Scenario, drawn
+from tissue.files.scenario import Scenario, drawn
+from tissue.files.timing import timing
+from tissue.model.cells import Floats
 from tissue.study.plan import load_study
 from tissue.study.ratios import wilson
-from tissue.timing import timing
 from verification.claim import Claim, Tables
 from verification.evidence import Comparison, Evidence, at_most, equal
 from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4

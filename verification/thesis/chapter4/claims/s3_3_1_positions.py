@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
-from tissue.cells import Cells, Floats, Layers, empty
-from tissue.observables import ab_positions
-from tissue.run import Frame
+from tissue.model.cells import CellLayers, Cells, Floats, empty
+from tissue.model.frame import Frame
+from tissue.model.observables import ab_positions
 from tissue.study.comparisons import POWER
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_most
@@ -42,7 +42,7 @@ def _drawn(rng: np.random.Generator) -> tuple[Frame, Floats]:
     y = rng.uniform(-2.0, 12.0, CELLS)
     y[:3] = top[:3]
     cells: Cells = empty(CELLS)._replace(x=x, y=y, ax=path_x, ay=path_y)
-    return Frame(0.0, cells, Layers(np.arange(CELLS), np.arange(CELLS))), top
+    return Frame(0.0, cells, CellLayers(np.arange(CELLS), np.arange(CELLS))), top
 
 
 def _scale(_: Tables) -> Evidence:

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from tissue.cells import Floats
-from tissue.scenario import Scenario, drawn
-from tissue.timing import timing
+from tissue.files.scenario import Scenario, drawn
+from tissue.files.timing import timing
+from tissue.model.cells import Floats
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.frequencies import CATEGORIES, RATIOS

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from tissue.cells import Floats, Layers, empty
-from tissue.energy import forces
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.observables import ab_positions
-from tissue.parameters import preset
+from tissue.model.cells import CellLayers, Floats, empty
+from tissue.model.energy import forces
+from tissue.model.observables import ab_positions
 from verification.claim import Claim, Tables
 from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter4.studies import PRESETS
@@ -59,7 +59,7 @@ def on_points(freed: str) -> tuple[float, float]:
         getattr(cells, name)[:] = value
     cells.stiff_ax[:], cells.stiff_bx[:] = numbers.alpha_ax, numbers.alpha_bx
     getattr(cells, f"rest_{freed}x")[:] = 0.0
-    found = forces(cells, Layers(np.zeros(1, np.int64), np.zeros(1, np.int64)), numbers)
+    found = forces(cells, CellLayers(np.zeros(1, np.int64), np.zeros(1, np.int64)), numbers)
     return float(found.y[0]), float(getattr(found, f"{freed}y")[0])
 
 

@@ -7,9 +7,9 @@ from collections import Counter
 
 import numpy as np
 
+from tissue.files.timing import timing
 from tissue.study.plan import load_study
 from tissue.study.ratios import wilson
-from tissue.timing import timing
 from verification.claim import Claim, Correction, Effect, Tables
 from verification.evidence import Comparison, Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.frequencies import most_runs, runs_for_bound

@@ -6,10 +6,10 @@ from __future__ import annotations
 import pandas as pd
 
 from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.rates import QUANTILES
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, flow_rates, sampling
 from verification.thesis.chapter5.cases import TITLES
-from verification.thesis.chapter5.sampling import QUANTILES
 from verification.thesis.chapter5.sections.words import listed, named
 
 EXPONENTS = {

@@ -1,0 +1,1 @@
+"""Densities of the particles: given by a function, or piecewise polynomial."""

@@ -1,0 +1,262 @@
+"""Probability densities of the particles at the start: f on a box of R^nx, nx = 1, 2, 3, and 0 outside."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dincl import checks
+from dincl.errors import InvalidProblem
+from meanfield.density.panels import Panels, resolved
+from meanfield.density.shapes import BumpShape, NormalShape, UniformShape
+
+Floats = NDArray[np.float64]
+Pdf = Callable[[Floats], Floats]
+Sampler = Callable[[np.random.Generator, int], Floats]
+
+MOST_AXES = 3
+# The integral must be 1 to this accuracy; in d >= 2 it is that of so many Gauss points per axis.
+MASS_TOLERANCE, CHECK_NODES = 1e-10, 64
+# A normal density is cut at so many deviations: the mass outside, 1e-16 for each axis, is below rounding.
+CUT = 8.3
+# Rejection: room above the largest value at the Gauss points; the tries of one round, to stay in memory.
+HEADROOM, MOST_TRIES = 1.25, 1_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class Density:
+    """f(x) >= 0 with int f = 1, smooth on the box [lower, upper] except at ``breaks``, and 0 outside.
+
+    Parameters
+    ----------
+    pdf
+        f: points (n, nx) in the box -> values (n,).
+    lower, upper
+        Corners of the box (nx,), nx = 1, 2 or 3.
+    breaks
+        In one dimension: points inside where f or a derivative jumps; quadrature stops there.
+    sampler
+        (rng, n) -> (n, nx) independent points of this density. None: quantiles in one dimension, else rejection.
+
+    Raises
+    ------
+    InvalidProblem
+        If a value of f is negative or not finite, or the integral is not 1 to 1e-10. In two and three dimensions it is
+        that of 64 Gauss points per axis, so that a density that these do not resolve is refused, too.
+    """
+
+    pdf: Pdf
+    lower: Floats
+    upper: Floats
+    breaks: tuple[float, ...] = ()
+    sampler: Sampler | None = None
+
+    def __post_init__(self) -> None:
+        lower, upper = _corners(self.lower, self.upper)
+        if not callable(self.pdf):
+            raise InvalidProblem(f"pdf = {checks.describe(self.pdf)}: must be a function of points (n, nx)")
+        for name, value in (("lower", lower), ("upper", upper), ("breaks", _breaks(self.breaks, lower, upper))):
+            object.__setattr__(self, name, value)
+        if self.nx == 1:
+            edges, coefficients = self._resolved
+            found = float(np.diff(edges) @ coefficients[:, 0])
+        else:
+            points, volumes = _gauss(self._pieces(), CHECK_NODES)
+            found = float(self._values(points) @ volumes)
+        if abs(found - 1.0) > MASS_TOLERANCE:
+            raise InvalidProblem(f"pdf: its integral over the box is {found:.12g}: must be 1 to {MASS_TOLERANCE:g}")
+
+    @classmethod
+    def uniform(cls, lower: ArrayLike, upper: ArrayLike) -> Density:
+        """f = 1 / volume on the box."""
+        low, high = _corners(lower, upper)
+        shape = UniformShape(low, high)
+        return cls(shape, low, high, sampler=shape.sample)
+
+    @classmethod
+    def normal(cls, mean: ArrayLike, deviation: ArrayLike) -> Density:
+        """f = exp(-|L^-1 (x - mean)|^2 / 2) / ((2 pi)^(nx/2) det L), cut at 8.3 deviations on each axis.
+
+        Parameters
+        ----------
+        mean
+            (nx,), or a number.
+        deviation
+            > 0, of each component (nx,): they are independent; or the covariance L L^T (nx, nx).
+        """
+        centre = checks.shaped("mean", np.atleast_1d(mean), (None,))
+        factor, deviations = _factor(deviation, len(centre))
+        low, high = centre - CUT * deviations, centre + CUT * deviations
+        shape = NormalShape(centre, factor, low, high)
+        return cls(shape, low, high, sampler=shape.sample)
+
+    @classmethod
+    def bump(cls, centre: ArrayLike, radius: ArrayLike) -> Density:
+        """f = prod_k 315 / (256 r_k) (1 - s_k^2)^4, s_k = (x_k - centre_k) / r_k, on |s_k| <= 1: f is of class C^3.
+
+        Parameters
+        ----------
+        centre
+            (nx,), or a number.
+        radius
+            r > 0 of each axis (nx,), or one for all.
+        """
+        middle = checks.shaped("centre", np.atleast_1d(centre), (None,))
+        given = checks.shaped("radius", np.atleast_1d(radius), (None,))
+        if len(given) not in (1, len(middle)) or (given <= 0).any():
+            raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
+        r = np.broadcast_to(given, middle.shape)
+        return cls(BumpShape(middle, r), middle - r, middle + r)
+
+    def __getstate__(self) -> dict[str, Any]:
+        for name in ("pdf", "sampler"):
+            try:
+                pickle.dumps(getattr(self, name))
+            except (pickle.PicklingError, AttributeError, TypeError) as error:
+                raise pickle.PicklingError(
+                    f"{name} = {checks.describe(getattr(self, name))}: a Density pickles if its pdf and sampler do; "
+                    "give functions that are defined at the top of a module"
+                ) from error
+        return self.__dict__
+
+    @property
+    def nx(self) -> int:
+        """Dimension of the space."""
+        return len(self.lower)
+
+    @cached_property
+    def panels(self) -> Panels:
+        """The density as a piecewise polynomial, to rounding; in one dimension."""
+        self._needs_line("panels")
+        return Panels(*self._resolved)
+
+    @cached_property
+    def _resolved(self) -> tuple[Floats, Floats]:
+        return resolved(lambda x: self._values(x[:, None]), self._pieces()[0])
+
+    def density(self, x: ArrayLike) -> Floats:
+        """f at points (n, nx), 0 outside the box."""
+        points = checks.shaped("x", x, (None, self.nx))
+        values = np.zeros(len(points))
+        inside = ((self.lower <= points) & (points <= self.upper)).all(axis=1)
+        if inside.any():
+            values[inside] = self._values(points[inside])
+        return values
+
+    def sample(self, rng: np.random.Generator, n: int) -> Floats:
+        """Independent points (n, nx)."""
+        n = checks.integer("n", n, least=1)
+        if self.sampler is not None:
+            return self.sampler(rng, n)
+        return self.panels.quantile(rng.random(n))[:, None] if self.nx == 1 else self._rejected(rng, n)
+
+    def quantiles(self, n: int) -> Floats:
+        """Points (n, 1) of the probabilities (i - 1/2) / n, i = 1 ... n: of all n points those with the least W1."""
+        n = checks.integer("n", n, least=1)
+        self._needs_line("quantiles")
+        return self.panels.quantile((np.arange(n) + 0.5) / n)[:, None]
+
+    def nodes(self, n: int) -> tuple[Floats, Floats]:
+        """Gauss-Legendre points (Q, nx), n for each axis and smooth piece, and weights (Q,) with f, which sum to 1."""
+        points, volumes = _gauss(self._pieces(), checks.integer("n", n, least=1))
+        weights = volumes * self._values(points)
+        total = weights.sum()
+        if not total > 0.0:
+            raise InvalidProblem(f"n = {n}: the density is 0 at all Gauss points: must be more")
+        return points, weights / total
+
+    def moments(self) -> tuple[Floats, Floats]:
+        """Mean (nx,) and second moment int x x^T f (nx, nx), to rounding where the density is resolved."""
+        pieces = self._pieces() if self.nx > 1 else [self.panels.edges]
+        points, volumes = _gauss(pieces, CHECK_NODES if self.nx > 1 else 16)
+        weights = volumes * self._values(points)
+        weights /= weights.sum()
+        return weights @ points, np.einsum("q,qi,qj->ij", weights, points, points, optimize=True)
+
+    def _needs_line(self, what: str) -> None:
+        if self.nx != 1:
+            raise InvalidProblem(f"nx = {self.nx}: {what} need one dimension; use sample() or nodes()")
+
+    def _pieces(self) -> list[Floats]:
+        """For each axis the ends of the smooth pieces."""
+        return [np.array([a, *self.breaks, b]) for a, b in zip(self.lower, self.upper, strict=True)]
+
+    def _values(self, points: Floats) -> Floats:
+        values = np.asarray(self.pdf(points))
+        if values.dtype.kind not in "fiu" or values.shape != (len(points),):
+            raise InvalidProblem(
+                f"pdf returned {checks.describe(values)} for points {points.shape}: must be numbers ({len(points)},)"
+            )
+        wrong = ~((values >= 0) & (values <= checks.LARGEST))
+        if wrong.any():
+            where = int(np.flatnonzero(wrong)[0])
+            raise InvalidProblem(f"pdf = {values[where]} at x = {points[where]}: must be finite and >= 0")
+        return values.astype(np.float64, copy=False)
+
+    def _rejected(self, rng: np.random.Generator, n: int) -> Floats:
+        """Points under the graph of f; where f is above the assumed bound, all begins anew with a higher one."""
+        points, _ = _gauss(self._pieces(), CHECK_NODES)
+        bound = HEADROOM * float(self._values(points).max())
+        volume = float(np.prod(self.upper - self.lower))
+        kept: list[Floats] = []
+        while sum(map(len, kept)) < n:
+            tries = min(MOST_TRIES, int(HEADROOM * (n - sum(map(len, kept))) * max(bound * volume, 1.0)) + 1)
+            x = rng.uniform(self.lower, self.upper, (tries, self.nx))
+            f = self._values(x)
+            if f.max() > bound:
+                kept, bound = [], HEADROOM * float(f.max())
+            else:
+                kept.append(x[rng.random(tries) * bound < f])
+        return np.concatenate(kept)[:n]
+
+
+def _corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
+    low = checks.shaped("lower", np.atleast_1d(lower), (None,))
+    high = checks.shaped("upper", np.atleast_1d(upper), (len(low),))
+    if len(low) > MOST_AXES:
+        raise InvalidProblem(f"lower = {checks.describe(low)}: must have 1, 2 or 3 components")
+    if not (low < high).all():
+        raise InvalidProblem(f"upper = {checks.describe(high)}: must be > lower = {checks.describe(low)}")
+    return low, high
+
+
+def _breaks(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[float, ...]:
+    """Breaks as increasing numbers inside the box."""
+    found = tuple(sorted({checks.number("breaks", value) for value in breaks}))
+    if found and (len(lower) > 1 or not lower[0] < found[0] or not found[-1] < upper[0]):
+        raise InvalidProblem(f"breaks = {found}: must lie inside the box, in one dimension")
+    return found
+
+
+def _factor(deviation: ArrayLike, nx: int) -> tuple[Floats, Floats]:
+    """The Cholesky factor L of the covariance, and the deviation of each component."""
+    shape = (nx, nx) if np.ndim(deviation) == 2 else (nx,)
+    given = checks.shaped("deviation", np.atleast_1d(deviation), shape)
+    if given.ndim == 1:
+        if (given <= 0).any():
+            raise InvalidProblem(f"deviation = {checks.describe(given)}: must be > 0")
+        return np.diag(given), given
+    try:
+        factor: Floats = np.linalg.cholesky(given).astype(np.float64)
+    except np.linalg.LinAlgError:
+        factor = np.zeros((nx, nx))
+    if not np.array_equal(given, given.T) or not factor.any():
+        raise InvalidProblem(f"deviation = {checks.describe(given)}: must be symmetric and positive definite")
+    return factor, np.sqrt(np.diag(given))
+
+
+def _gauss(pieces: list[Floats], n: int) -> tuple[Floats, Floats]:
+    """Points (Q, nx) and volumes (Q,) of the product of composite Gauss-Legendre rules."""
+    s, share = np.polynomial.legendre.leggauss(n)
+    half = [np.diff(ends)[:, None] / 2 for ends in pieces]
+    axes = [((ends[1:] + ends[:-1])[:, None] / 2 + h * s).ravel() for ends, h in zip(pieces, half, strict=True)]
+    volume = np.array(1.0)
+    for h in half:
+        volume = np.multiply.outer(volume, (h * share).ravel())
+    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(pieces)), volume.ravel()

@@ -1,0 +1,1 @@
+"""What defines a model, its derivatives, and the state it starts from."""

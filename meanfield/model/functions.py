@@ -1,0 +1,64 @@
+"""The derivatives of a model as NumPy functions of all particles at once."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from meanfield.model.symbolic import program
+from meanfield.model.translate import vectorised
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from numpy.typing import NDArray
+
+    from meanfield.model.symbolic import Expressions
+
+# What each function is of, and the expressions it gives; W0 and F0 are of one row X that is not read.
+SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+    "level": (("X", "y"), ("level",)),
+    "jacobians": (("X", "y"), ("gX", "gy")),
+    "phi": (("X", "y"), ("phi",)),
+    "omega": (("X", "y", "v"), ("omega",)),
+    "curvature": (("X", "y", "U", "v"), ("curvature",)),
+    "F0": (("X", "y"), ("F0",)),
+    "F1": (("X",), ("F1",)),
+    "K": (("r",), ("K",)),
+    "W0": (("X", "y"), ("W0",)),
+    "W1": (("X",), ("W1",)),
+    "V": (("r",), ("V",)),
+}
+PARTICLE = {"X", "U", "r"}
+MATRICES = {"gX", "gy", "phi"}
+
+
+def function(expressions: Expressions, name: str) -> Callable[..., list[NDArray[np.float64]]]:
+    """One function of SIGNATURES: arrays (Q, n) of particles and (n,) of y, v in; (Q, n) or (Q, n, m) out."""
+    inputs, outputs = SIGNATURES[name]
+    parts = [getattr(expressions, output) for output in outputs]
+    made = program([getattr(expressions, i) for i in inputs], parts)
+    elements = vectorised(made, inputs, [i in PARTICLE for i in inputs])
+    shapes = [part.shape if output in MATRICES else part.shape[:1] for output, part in zip(outputs, parts, strict=True)]
+
+    def evaluated(*values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        with np.errstate(all="ignore"):
+            return _stacked(elements(*values), shapes, len(values[0]))
+
+    return evaluated
+
+
+def _stacked(
+    elements: list[NDArray[np.float64]], shapes: list[tuple[int, ...]], rows: int
+) -> list[NDArray[np.float64]]:
+    """Elements, listed column by column, as arrays with the particles first."""
+    found = []
+    begin = 0
+    for shape in shapes:
+        part = np.empty((rows, *shape))
+        for k in range(int(np.prod(shape))):
+            part[:, k % shape[0], *((k // shape[0],) if len(shape) == 2 else ())] = elements[begin + k]
+        begin += int(np.prod(shape))
+        found.append(part)
+    return found

@@ -1,0 +1,172 @@
+"""The derivatives of a model by CasADi's differentiation; the only file of this package that imports CasADi."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from meanfield.model.translate import Instruction
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
+
+def library() -> Any:
+    """CasADi, loaded on first use."""
+    import casadi
+
+    return casadi
+
+
+class Expressions(NamedTuple):
+    """Symbols X (nx), y, v (ny), U, r (nx), and what follows from the Lagrangian (5.8) in them.
+
+    gX = dg/dX, gy = dg/dy, phi = -gX^{-1} gy (5.9), omega = Omega[v, v] (5.10), determinant = det gX,
+    curvature = D^2 g[(U, v), (U, v)], F0 = -grad W0(y), F1 = -grad W1(X), K = grad V(r) with r = X_k - X_i (5.4).
+    Without interaction V = K = 0.
+    """
+
+    X: Any
+    y: Any
+    v: Any
+    U: Any
+    r: Any
+    level: Any
+    gX: Any
+    gy: Any
+    phi: Any
+    omega: Any
+    determinant: Any
+    curvature: Any
+    F0: Any
+    F1: Any
+    K: Any
+    W0: Any
+    W1: Any
+    V: Any
+
+
+def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
+    """Differentiate the functions g, W0, W1 and V of a model, given by these names; V is None without interaction.
+
+    Raises
+    ------
+    InvalidProblem
+        if a function of the model is no expression of its arguments of the right shape.
+    """
+    ca = library()
+    X, U, r = (ca.SX.sym(name, nx) for name in ("X", "U", "r"))
+    y, v = (ca.SX.sym(name, ny) for name in ("y", "v"))
+    level = _shaped(_expression("g", functions["g"], {"X": X, "y": y}), "g", nx)
+    W0 = _shaped(_expression("W0", functions["W0"], {"y": y}), "W0", 1)
+    W1 = _shaped(_expression("W1", functions["W1"], {"X": X}), "W1", 1)
+    V = ca.SX(0) if functions["V"] is None else _shaped(_expression("V", functions["V"], {"r": r}), "V", 1)
+    gX, gy = ca.jacobian(level, X), ca.jacobian(level, y)
+    phi = affine(-gy / gX if nx == 1 else -ca.mtimes(ca.inv_minor(gX), gy), X)
+    flow = ca.mtimes(phi, v)
+    return Expressions(
+        X=X,
+        y=y,
+        v=v,
+        U=U,
+        r=r,
+        level=level,
+        gX=gX,
+        gy=gy,
+        phi=phi,
+        omega=affine(_along(flow, (X, y), (flow, v)), X),
+        determinant=ca.det(gX),
+        curvature=_along(_along(level, (X, y), (U, v)), (X, y), (U, v)),
+        F0=-ca.gradient(W0, y),
+        F1=-ca.gradient(W1, X),
+        K=ca.gradient(V, r),
+        W0=W0,
+        W1=W1,
+        V=V,
+    )
+
+
+def functions(e: Expressions) -> dict[str, Any]:
+    """g, W0, W1 and V of some expressions as CasADi functions, which pickle whatever they were made from."""
+    ca = library()
+    parts = {"g": ([e.X, e.y], e.level), "W0": ([e.y], e.W0), "W1": ([e.X], e.W1), "V": ([e.r], e.V)}
+    return {name: ca.Function(name, symbols, [value]) for name, (symbols, value) in parts.items()}
+
+
+def affine(expression: Any, X: Any) -> Any:
+    """An expression whose second derivative in X vanishes as value at 0 plus slope times X, others as they are.
+
+    So written, a particle needs a product for each of its coordinates, whatever the coefficients in y cost.
+    """
+    ca = library()
+    column = ca.vec(expression)
+    slope = ca.jacobian(column, X)
+    if ca.jacobian(slope, X).nnz() > 0:
+        return expression
+    at_zero = ca.substitute(ca.vertcat(column, ca.vec(slope)), X, ca.SX.zeros(X.numel()))
+    value, slope = at_zero[: column.numel()], at_zero[column.numel() :]
+    straight = value + ca.mtimes(ca.reshape(slope, column.numel(), X.numel()), X)
+    return ca.densify(ca.reshape(straight, *expression.shape))
+
+
+def _along(value: Any, symbols: tuple[Any, Any], direction: tuple[Any, Any]) -> Any:
+    """The derivative of an expression in (X, y) along a direction in both."""
+    ca = library()
+    return sum(ca.jtimes(value, symbol, part) for symbol, part in zip(symbols, direction, strict=True))
+
+
+def _expression(name: str, given: Any, symbols: dict[str, Any]) -> Any:
+    """A callable on symbols, or an expression in symbols of the names used here, as an expression in ours."""
+    ca = library()
+    signature = f"{name}({', '.join(symbols)})"
+    try:
+        made = given(*symbols.values()) if callable(given) else _renamed(name, ca.SX(given), symbols)
+        return ca.SX(ca.vertcat(*made) if isinstance(made, (list, tuple)) else made)
+    except InvalidProblem:
+        raise
+    except (TypeError, ValueError, AttributeError, NotImplementedError, RuntimeError, IndexError) as error:
+        raise InvalidProblem(
+            f"{signature} = {describe(given)}: must be built from CasADi operations ({error})"
+        ) from error
+
+
+def _renamed(name: str, expression: Any, symbols: dict[str, Any]) -> Any:
+    """An expression in the user's symbols X, y (or X_0, X_1, ...) in terms of ours."""
+    ca = library()
+    ours = {}
+    for symbol, vector in symbols.items():
+        ours.update({symbol: vector[0]} if vector.numel() == 1 else {})
+        ours.update({f"{symbol}_{k}": vector[k] for k in range(vector.numel())})
+    found = ca.symvar(expression)
+    strange = sorted({s.name() for s in found} - ours.keys())
+    if strange:
+        raise InvalidProblem(f"{name} contains the symbol {strange[0]}: allowed are {', '.join(sorted(ours))}")
+    return ca.substitute(expression, ca.vertcat(*found), ca.vertcat(*(ours[s.name()] for s in found)))
+
+
+def _shaped(expression: Any, name: str, rows: int) -> Any:
+    """An expression that is a column of so many rows, whichever way it was written."""
+    ca = library()
+    if expression.numel() != rows:
+        raise InvalidProblem(f"{name} has {expression.numel()} components: must have {rows}")
+    return ca.densify(ca.vec(expression))
+
+
+def program(inputs: Sequence[Any], outputs: Sequence[Any]) -> tuple[Instruction, ...]:
+    """The elementary operations that compute outputs from inputs, common ones once, in an order that can be run."""
+    ca = library()
+    function = ca.Function("f", list(inputs), ca.cse([ca.densify(e) for e in outputs]))
+    names = {getattr(ca, n): n.removeprefix("OP_").lower() for n in dir(ca) if re.fullmatch(r"OP_[A-Z0-9_]+", n)}
+    made = []
+    for k in range(function.n_instructions()):
+        operation = names[function.instruction_id(k)]
+        result, arguments = function.instruction_output(k), tuple(function.instruction_input(k))
+        if operation == "output":
+            made.append(Instruction(operation, result[1], arguments, place=result[0]))
+        elif operation == "const":
+            made.append(Instruction(operation, result[0], (), constant=function.instruction_constant(k)))
+        else:
+            made.append(Instruction(operation, result[0], arguments))
+    return tuple(made)

@@ -1,0 +1,1 @@
+"""The mean-field PDE on a grid that stays where it is."""

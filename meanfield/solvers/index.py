@@ -1,0 +1,173 @@
+"""The constrained equations (5.6) as a system of index 1: with all constraints, their derivatives and the multipliers.
+
+(5.6) has index 3: the constraint must be differentiated twice until the multipliers appear, and they once more for a
+differential equation of theirs. Here two derivatives are taken and nothing is thrown away for them (dummy derivatives):
+g = c, g' = 0 and g'' = 0 are all equations, and in return X_i and X_i' = U_i are no longer differential unknowns but
+determined by g = c and g' = 0. Only y and v = y' are integrated, so that no error of an integrator can leave the
+constraint or its velocity form. X_i'' is (5.6a) itself.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from dincl.errors import StepFailure
+from dincl.status import Status
+from meanfield.forces.interaction import forces
+from meanfield.model.symbolic import library
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from meanfield.model.model import Model
+
+# Newton's method converges quadratically: after a correction of this size the next one is below rounding.
+FINE = 1e-9
+MOST_CORRECTIONS = 20
+
+
+class Accelerations(NamedTuple):
+    """X_i'' (N, nx), y'' (ny,) and the multipliers lambda_i (N, nx) of one state."""
+
+    X: NDArray[np.float64]
+    y: NDArray[np.float64]
+    multipliers: NDArray[np.float64]
+
+
+def accelerations(
+    model: Model, X: NDArray[np.float64], U: NDArray[np.float64], y: NDArray[np.float64], v: NDArray[np.float64]
+) -> Accelerations:
+    """Solve (5.6a), (5.6b) and g'' = 0 for the accelerations and multipliers, which enter linearly::
+
+        m X_i'' = F1 + 1/N sum_k K(X_k, X_i) - g_X^T lambda_i
+        y''     = F0 - 1/N sum_j g_y^T lambda_j
+        0       = g_X X_i'' + g_y y'' + D^2 g[(U_i, v), (U_i, v)]
+
+    Each lambda_i depends on y'' alone, so that a system of size ny is left: O(N).
+
+    Raises
+    ------
+    StepFailure
+        if dg/dX is singular or a force not finite.
+    """
+    gX, gy = model.jacobians(X, y)
+    force = model.F1(X) if model.V is None else model.F1(X) + forces(model, X, None)
+    right = np.concatenate((model.curvature(X, y, U, v)[:, :, None], gy), axis=2)
+    with np.errstate(all="ignore"):
+        # lambda = fixed + slope y'' from (5.6a) and g'' = 0
+        part = model.m * solved(gX, right)
+        part[:, :, 0] += force
+        part = solved(gX.transpose(0, 2, 1), part)
+        fixed, slope = part[:, :, 0], part[:, :, 1:]
+        matrix = np.eye(model.ny) + np.einsum("jik,jil->kl", gy, slope) / len(X)
+        w = np.linalg.solve(matrix, model.F0(y) - np.einsum("jik,ji->k", gy, fixed) / len(X))
+        multipliers = fixed + slope @ w
+        found = (force - np.einsum("jik,ji->jk", gX, multipliers)) / model.m
+    if not (np.isfinite(found).all() and np.isfinite(w).all()):
+        raise StepFailure(Status.NON_FINITE, "The accelerations are not finite.")
+    return Accelerations(found, w, multipliers)
+
+
+def consistent(
+    model: Model,
+    X: NDArray[np.float64],
+    y: NDArray[np.float64],
+    v: NDArray[np.float64],
+    level: NDArray[np.float64],
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """X near the given one with g(X_i, y) = level_i, to rounding, and U with g_X U_i + g_y v = 0: shapes (N, nx).
+
+    Raises
+    ------
+    StepFailure
+        if Newton's method, which starts on the constraint to tolerance, does not find them.
+    """
+    for _ in range(MOST_CORRECTIONS):
+        gX, _ = model.jacobians(X, y)
+        step = solved(gX, (level - model.level(X, y))[:, :, None])[:, :, 0]
+        X = X + step
+        if np.abs(step).max() <= FINE * (1 + np.abs(X).max()):
+            gX, gy = model.jacobians(X, y)
+            return X, -solved(gX, (gy @ v)[:, :, None])[:, :, 0]
+    raise StepFailure(Status.NOT_CONVERGED, "No positions on the constraint were found near the start.")
+
+
+def solved(matrices: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Solve one small system per particle, (N, n, n) with (N, n, k); StepFailure if one is singular."""
+    try:
+        with np.errstate(all="ignore"):
+            found = right / matrices if matrices.shape[1] == 1 else np.linalg.solve(matrices, right)
+    except np.linalg.LinAlgError:
+        found = np.full_like(right, np.nan)
+    if not np.isfinite(found).all():
+        raise StepFailure(Status.SINGULAR, "dg/dX of a particle is singular.")
+    return np.asarray(found)
+
+
+class IndexOneSystem(NamedTuple):
+    """The semi-explicit system: ``differential' = rates``, ``0 = residuals``.
+
+    ``flipped`` counts the particles where det g_X has not the sign it had at the start: (5.5) was violated on the way.
+    The columns are y, v and X_1 ... X_N, U_1 ... U_N, lambda_1 ... lambda_N, y'', s_1 ... s_N.
+    """
+
+    differential: Any
+    algebraic: Any
+    rates: Any
+    residuals: Any
+    flipped: Any
+
+
+def system(model: Model, level: NDArray[np.float64], signs: NDArray[np.float64]) -> IndexOneSystem:
+    """(5.6) with g = level, g' = 0 and g'' = 0, and the sum of (5.6b) as a chain of sums s_j.
+
+    The chain, s_j = s_{j-1} + g_y(X_j, y)^T lambda_j / N, keeps every row of the Newton matrix short: with the plain
+    sum the columns of all particles meet in one row, and finding the matrix takes N differentiations instead of some.
+    ``signs`` (N,) are those of det g_X at the start.
+    """
+    ca = library()
+    N, nx, ny = len(level), model.nx, model.ny
+    X, U, multipliers = (ca.SX.sym(name, nx, N) for name in ("X", "U", "multipliers"))
+    y, v, w = (ca.SX.sym(name, ny) for name in ("y", "v", "w"))
+    sums = ca.SX.sym("s", ny, N)
+    spread = [ca.repmat(symbol, 1, N) for symbol in (y, v, w)]
+    g, rate, bend, push, determinant = _particle(model).map(N)(X, U, multipliers, _pulls(model, X), *spread)
+    before = ca.horzcat(ca.SX.zeros(ny, 1), sums[:, : N - 1])
+    F0 = ca.Function("F0", [model.expressions.y], [model.expressions.F0])(y)
+    residuals = [g - ca.DM(level.T), rate, bend, w - F0 + sums[:, N - 1], sums - before - push / N]
+    return IndexOneSystem(
+        differential=ca.vertcat(y, v),
+        algebraic=_stacked([X, U, multipliers, w, sums]),
+        rates=ca.vertcat(v, w),
+        residuals=_stacked(residuals),
+        flipped=ca.sum2(determinant * ca.DM(signs[None]) <= 0),
+    )
+
+
+def _stacked(blocks: list[Any]) -> Any:
+    ca = library()
+    return ca.vertcat(*(ca.vec(ca.densify(block)) for block in blocks))
+
+
+def _particle(model: Model) -> Any:
+    """Of one particle: g, g', g'' with X'' from (5.6a), its share of (5.6b), and det g_X."""
+    ca = library()
+    e = model.expressions
+    multiplier, pull, w = (ca.SX.sym(name, size) for name, size in (("l", model.nx), ("k", model.nx), ("w", model.ny)))
+    acceleration = (e.F1 + pull - ca.mtimes(e.gX.T, multiplier)) / model.m
+    rate = ca.mtimes(e.gX, e.U) + ca.mtimes(e.gy, e.v)
+    bend = ca.mtimes(e.gX, acceleration) + ca.mtimes(e.gy, w) + e.curvature
+    outputs = [e.level, rate, bend, ca.mtimes(e.gy.T, multiplier), e.determinant]
+    return ca.Function("particle", [e.X, e.U, multiplier, pull, e.y, e.v, w], ca.cse([ca.densify(o) for o in outputs]))
+
+
+def _pulls(model: Model, X: Any) -> Any:
+    """1/N sum_k K(X_k, X_i) for each i, by direct sum."""
+    ca = library()
+    N = X.shape[1]
+    if model.V is None:
+        return ca.SX.zeros(model.nx, N)
+    pull = ca.Function("K", [model.expressions.r], [model.expressions.K]).map(N)
+    return ca.horzcat(*(ca.sum2(pull(X - ca.repmat(X[:, i], 1, N))) for i in range(N))) / N

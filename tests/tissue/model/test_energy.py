@@ -1,0 +1,264 @@
+"""The energy against the formulas typed out, the forces against the energy, and what mechanics asks of both."""
+
+import numpy as np
+import pytest
+
+import dincl
+from tests.tissue.states import cells, layers, numbers, tissue
+from tissue.model.energy import Forces, Parts, energy, forces, parts
+
+STEP = 1e-30
+PARTS = Parts._fields
+COORDINATES = Forces._fields
+anywhere = pytest.mark.parametrize("seed", range(6))
+each_part = pytest.mark.parametrize("part", [*PARTS, "all"])
+each_power = pytest.mark.parametrize("power", [1, 2])
+# A cell as it stands at rest: the springs have their lengths, the three points lie on a line.
+UPRIGHT = {"x": [[0.0, 2.5]], "a": [[0.0, 5.0]], "b": [[0.0, 0.0]]}
+
+
+def wild(seed, n=9):
+    """A state like no tissue: points anywhere, layers of some cells in any order."""
+    rng = np.random.default_rng(seed)
+    state = cells(n, seed)._replace(**{name: rng.uniform(-2.0, 2.0, n) for name in COORDINATES})
+    return state, layers(n, apical=rng.permutation(n)[: n - 2], basal=rng.permutation(n)[: n - 3])
+
+
+def only(part, state, given):
+    """The state and the numbers with all stiffnesses zero but those of one part."""
+    if part == "all":
+        return state, given
+    off = {f"stiff_{name}": 0.0 * state.x for name in ("ax", "bx", "axb", "aa") if name != part}
+    return state._replace(**off), given._replace(repulsion=given.repulsion * (part == "xx"))
+
+
+def slope(state, network, given, name, k):
+    """dW/d(coordinate) of cell k by a complex step: exact to rounding, there is no difference to cancel."""
+    moved = getattr(state, name).astype(complex)
+    moved[k] += STEP * 1j
+    return energy(state._replace(**{name: moved}), network, given).imag / STEP
+
+
+def typed_out(state, network, given):
+    """(3.9)-(3.13) in units of R_soft, cell by cell and pair by pair."""
+    n = len(state.x)
+    x, a, b = (np.column_stack(part) for part in ((state.x, state.y), (state.ax, state.ay), (state.bx, state.by)))
+    w = dict.fromkeys(PARTS, 0.0)
+    for i in range(n):
+        l_ax, l_bx = 1 + state.rest_ax[i], 1 + state.rest_bx[i]
+        w["ax"] += state.stiff_ax[i] / l_ax**given.power * (np.linalg.norm(x[i] - a[i]) - l_ax) ** 2
+        w["bx"] += state.stiff_bx[i] / l_bx**given.power * (np.linalg.norm(x[i] - b[i]) - l_bx) ** 2
+        u, v = a[i] - x[i], b[i] - x[i]
+        w["axb"] += state.stiff_axb[i] * (u @ v / (np.linalg.norm(u) * np.linalg.norm(v)) + 1)
+        for j in range(i):
+            d = np.linalg.norm(x[i] - x[j])
+            w["xx"] += given.repulsion / 2 * (d - 2) ** 2 if d <= 2 else 0.0
+    for i, j in zip(network.apical[:-1], network.apical[1:], strict=True):
+        mean = (state.stiff_aa[i] + state.stiff_aa[j]) / 2
+        w["aa"] += given.junction_factor * mean / 2 * (np.linalg.norm(a[i] - a[j]) - state.rest_aa[i]) ** 2
+    return w
+
+
+@anywhere
+@each_power
+def test_energy_is_the_formulas(seed, power):
+    for state, network in (wild(seed), (cells(30, seed), layers(30))):
+        given = numbers(power=power, junction_factor=1.7, repulsion=0.6)
+        expected = typed_out(state, network, given)
+        assert parts(state, network, given)._asdict() == pytest.approx(expected, rel=1e-13)
+        assert energy(state, network, given) == pytest.approx(sum(expected.values()), rel=1e-13)
+        assert min(expected.values()) > 0
+
+
+@anywhere
+@each_power
+@each_part
+def test_forces_are_the_slope_of_the_energy(seed, power, part):
+    for drawn, network in (wild(seed), (cells(9, seed), layers(9))):
+        state, given = only(part, drawn, numbers(power=power, junction_factor=1.7, repulsion=0.6))
+        found = forces(state, network, given)
+        largest = np.abs(found).max()
+        assert largest > 0
+        for name in COORDINATES:
+            exact = [-slope(state, network, given, name, k) for k in range(9)]
+            assert getattr(found, name) == pytest.approx(exact, abs=1e-10 * largest)
+
+
+@anywhere
+@each_power
+@each_part
+def test_no_part_pushes_or_turns_the_tissue_as_a_whole(seed, power, part):
+    drawn, network = wild(seed, 25)
+    state, given = only(part, drawn, numbers(power=power))
+    on = forces(state, network, given)
+    largest = np.abs(on).max()
+    assert largest > 0
+    assert abs(sum(on.x + on.ax + on.bx)) < 1e-12 * largest
+    assert abs(sum(on.y + on.ay + on.by)) < 1e-12 * largest
+    torque = sum(
+        getattr(state, px) * getattr(on, py) - getattr(state, py) * getattr(on, px)
+        for px, py in (("x", "y"), ("ax", "ay"), ("bx", "by"))
+    )
+    assert abs(sum(torque)) < 1e-11 * largest
+
+
+@anywhere
+@each_power
+def test_moved_and_turned_the_energy_is_the_same_and_the_forces_turn_along(seed, power):
+    state, network = wild(seed, 25)
+    given, angle = numbers(power=power), 0.7 + seed
+    c, s = np.cos(angle), np.sin(angle)
+    turned = state
+    for px, py in (("x", "y"), ("ax", "ay"), ("bx", "by")):
+        x, y = getattr(state, px), getattr(state, py)
+        turned = turned._replace(**{px: c * x - s * y + 3.0, py: s * x + c * y - 5.0})
+    before, after = parts(state, network, given), parts(turned, network, given)
+    assert after == pytest.approx(before, rel=1e-12)
+    old, new = forces(state, network, given), forces(turned, network, given)
+    largest = np.abs(old).max()
+    for k in (0, 2, 4):
+        assert new[k] == pytest.approx(c * old[k] - s * old[k + 1], abs=1e-12 * largest)
+        assert new[k + 1] == pytest.approx(s * old[k] + c * old[k + 1], abs=1e-12 * largest)
+
+
+@each_power
+def test_a_straight_cell_with_springs_at_their_lengths_rests(power):
+    state = tissue(**UPRIGHT)
+    assert parts(state, layers(1), numbers(power=power)) == pytest.approx((0, 0, 0, 0, 0), abs=1e-15)
+    assert np.abs(forces(state, layers(1), numbers(power=power))).max() < 1e-14
+
+
+@pytest.mark.parametrize(("power", "tension"), [(1, 2 * 2.0 * 0.5 / 2.5), (2, 2 * 2.0 * 0.5 / 2.5**2)])
+def test_springs_hold_their_length_from_both_sides(power, tension):
+    """alpha = 2, l = 2.5, by 0.5 too long and too short: 2 alpha (d - l) / l^p towards each other, or apart."""
+    for change in (0.5, -0.5):
+        apical = tissue([[0.0, 2.5]], [[0.0, 5.0 + change]], [[0.0, 0.0]])
+        on = forces(apical, layers(1), numbers(power=power))
+        sign = np.sign(change)
+        assert (on.y[0], on.ay[0], on.by[0]) == pytest.approx((sign * tension, -sign * tension, 0.0), abs=1e-14)
+        basal = tissue([[0.0, 2.5]], [[0.0, 5.0]], [[0.0, -change]])
+        on = forces(basal, layers(1), numbers(power=power))
+        assert (on.y[0], on.ay[0], on.by[0]) == pytest.approx((-sign * tension, 0.0, sign * tension), abs=1e-14)
+
+
+def test_junctions_attract_beyond_their_rest_length_and_repel_below():
+    for distance, pull in ((1.0, 5.0 * 0.6), (0.4, 0.0), (0.1, -5.0 * 0.3)):
+        state = tissue(
+            [[0.0, 2.5], [9.0, 2.5]], [[0.0, 5.0], [distance, 5.0]], [[0.0, 0.0], [9.0, 0.0]], rest_aa=[0.4, 7.0]
+        )
+        bare, given = only("aa", state, numbers())
+        assert forces(bare, layers(2), given).ax == pytest.approx([pull, -pull], abs=1e-14)
+        assert parts(bare, layers(2), given).aa == pytest.approx(5.0 / 2 * (distance - 0.4) ** 2)
+
+
+def test_the_rest_length_of_a_junction_is_that_of_its_left_cell():
+    state = cells(3, 0, rest_aa=[0.1, 0.2, 0.3], stiff_aa=5.0)
+    right_to_left = layers(3, apical=[2, 1, 0])
+    a = np.array([state.ax, state.ay])
+    d = np.linalg.norm(np.diff(a), axis=0)
+    assert parts(state, layers(3), numbers()).aa == pytest.approx(2.5 * (((d - [0.1, 0.2]) ** 2).sum()))
+    assert parts(state, right_to_left, numbers()).aa == pytest.approx(2.5 * (((d - [0.2, 0.3]) ** 2).sum()))
+
+
+def test_a_bent_cell_is_straightened():
+    state = tissue([[0.3, 2.5]], [[0.0, 5.0]], [[0.0, 0.0]])
+    bare, given = only("axb", state, numbers())
+    on = forces(bare, layers(1), given)
+    assert on.x[0] < 0 < min(on.ax[0], on.bx[0])
+    assert on.y[0] == pytest.approx(0, abs=1e-14)
+    # alpha (cos gamma + 1) with the half angle arctan(2.5 / 0.3) on either side.
+    assert energy(bare, layers(1), given) == pytest.approx(15.0 * (np.cos(2 * np.arctan2(2.5, 0.3)) + 1))
+
+
+def two_nuclei(distance):
+    far = [[0.0, 50.0], [distance, 50.0]]
+    return only("xx", tissue([[0.0, 2.5], [distance, 2.5]], far, [[0.0, 0.0], [distance, 0.0]]), numbers())
+
+
+def test_soft_discs_repel_only_where_they_overlap_and_gently_at_first():
+    for distance in (2.0, 2.0 + 1e-9, 3.0, 40.0):
+        state, given = two_nuclei(distance)
+        assert energy(state, layers(2), given) == 0
+        assert np.abs(forces(state, layers(2), given)).max() == 0
+    for overlap in (1e-7, 1e-3, 0.5, 1.9):
+        state, given = two_nuclei(2.0 - overlap)
+        assert energy(state, layers(2), given) == pytest.approx(overlap**2 / 2, rel=1e-8)
+        assert forces(state, layers(2), given).x == pytest.approx([-overlap, overlap], rel=1e-8)
+
+
+def test_the_printed_sign_of_the_repulsion_attracts():
+    """(3.13) as printed is the negative of W_xx: its force, minus its slope, pulls overlapping nuclei together."""
+    state, given = two_nuclei(1.5)
+    printed = given._replace(repulsion=-given.repulsion)
+    assert -slope(state, layers(2), printed, "x", 0) == pytest.approx(0.5)
+    assert -slope(state, layers(2), printed, "x", 1) == pytest.approx(-0.5)
+
+
+def test_the_second_form_of_the_straightness_is_another_function():
+    """alpha (cos pi - cos(gamma - pi)) is below alpha (cos gamma + 1) by 2 alpha, and negative."""
+    for gamma in (0.5, 2.0, np.pi):
+        ends = [[0.0, 0.0]], [[0.0, 3.0]], [[3.0 * np.sin(gamma), 3.0 * np.cos(gamma)]]
+        first = parts(tissue(*ends), layers(1), numbers()).axb
+        assert first == pytest.approx(15.0 * (np.cos(gamma) + 1), abs=1e-13)
+        second = 15.0 * (np.cos(np.pi) - np.cos(gamma - np.pi))
+        assert first - second == pytest.approx(2 * 15.0)
+
+
+def test_stiffness_of_one_cell_acts_on_its_own_points():
+    state, network = cells(20, 3), layers(20)
+    for name in ("stiff_ax", "stiff_bx", "stiff_axb"):
+        stiff = getattr(state, name).copy()
+        stiff[7] *= 3
+        change = np.array(forces(state._replace(**{name: stiff}), network, numbers()))
+        change -= np.array(forces(state, network, numbers()))
+        assert np.abs(change[:, 7]).max() > 0.1
+        assert np.abs(np.delete(change, 7, axis=1)).max() == 0
+
+
+def test_stiffness_of_one_cell_acts_on_its_two_junctions():
+    """Three times as stiff, a cell makes the junctions twice as stiff: each of the two pulls twice as much."""
+    state, network = cells(20, 3, stiff_aa=5.0), layers(20)
+    stiff = state.stiff_aa.copy()
+    stiff[7] *= 3
+    change = np.array(forces(state._replace(stiff_aa=stiff), network, numbers()))
+    change -= np.array(forces(state, network, numbers()))
+    gaps = np.hypot(np.diff(state.ax), np.diff(state.ay))
+    pulls = 5.0 * (gaps - state.rest_aa[:-1]) * np.array([np.diff(state.ax), np.diff(state.ay)]) / gaps
+    expected = np.zeros_like(change)
+    for k in (6, 7):  # the junctions on both sides
+        expected[2:4, k] += pulls[:, k]
+        expected[2:4, k + 1] -= pulls[:, k]
+    np.testing.assert_allclose(change, expected, atol=1e-13)
+
+
+def test_cost_does_not_grow_with_the_number_of_all_pairs():
+    """40,000 cells: the table of all pairs would not fit into the memory of a small machine."""
+    row, copies = cells(40, 5), 1000
+    shift = np.repeat(11.0 * np.arange(copies), 40)
+    many = row._replace(**{name: np.tile(array, copies) for name, array in row._asdict().items()})
+    many = many._replace(x=many.x + shift, ax=many.ax + shift, bx=many.bx + shift)
+    bare, given = only("xx", many, numbers())
+    one = parts(row, layers(40), given).xx
+    assert energy(bare, layers(40_000), given) == pytest.approx(copies * one, rel=1e-9)
+
+
+BAD = {
+    "nan": ({"ay": [0.0, np.nan]}, r"cells.ay\[1\] = nan"),
+    "infinite": ({"x": [np.inf, 0.0]}, r"cells.x\[0\] = inf"),
+    "nuclei met": ({"x": [1.0, 1.0], "y": [2.0, 2.0]}, "nuclei of cells 1 and 0 lie on one point"),
+    "apical met": ({"ax": [1.0, 1.0], "ay": [7.0, 7.0]}, "apical points of cells 0 and 1 lie on one point"),
+    "nucleus on apical": ({"x": [0.0, 1.0], "y": [3.0, 5.0]}, "nucleus and apical point of cell 1 lie on one point"),
+    "nucleus on basal": ({"x": [0.0, 3.0], "y": [0.0, 3.0]}, "nucleus and basal point of cell 0 lie on one point"),
+    "no rest length": ({"rest_bx": [0.0, -1.0]}, r"cells.rest_bx\[1\] = -1.0: must be above -1"),
+}
+
+
+@pytest.mark.parametrize("case", BAD)
+@pytest.mark.parametrize("function", [parts, energy, forces])
+def test_bad_states_are_refused(case, function):
+    change, message = BAD[case]
+    good = tissue([[0.0, 2.5], [1.0, 2.5]], [[0.0, 5.0], [1.0, 5.0]], [[0.0, 0.0], [1.0, 0.0]])
+    function(good, layers(2), numbers())
+    bad = good._replace(**{name: np.array(values) for name, values in change.items()})
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        function(bad, layers(2), numbers())

@@ -1,0 +1,167 @@
+"""What is measured of a tissue, on tissues made by hand and against definitions computed another way."""
+
+import numpy as np
+import pytest
+
+import tissue.model.observables
+from dincl.errors import InvalidProblem
+from tests.tissue.states import HEIGHT, cells, layers, numbers
+from tests.tissue.states import tissue as cells_at
+from tissue.files.parameters import preset
+from tissue.first_order import simulate
+from tissue.model.frame import Frame
+from tissue.model.observables import (
+    PHASES,
+    Extruded,
+    Widths,
+    ab_positions,
+    extruded,
+    height,
+    is_measurable,
+    nuclear_layers,
+    phases,
+    widths,
+)
+
+
+def frame(x, a, apical=None, basal=None, t=0.0, **fields):
+    """Cells with nuclei x and apical points a; the basal points below these."""
+    a = np.asarray(a, dtype=float)
+    state = cells_at(x, a, a * (1.0, 0.0), **fields)
+    return Frame(t, state, layers(len(a), apical, basal))
+
+
+def random_frame(seed, n=25):
+    """A tissue whose apical layer goes up and down, back and forth."""
+    rng = np.random.default_rng(seed)
+    state = cells(n, seed)
+    bent = state._replace(ax=state.ax + rng.normal(0.0, 0.6, n), ay=HEIGHT + rng.normal(0.0, 1.5, n))
+    return Frame(0.0, bent, layers(n, apical=np.flatnonzero(rng.uniform(size=n) < 0.7)))
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_reference_is_the_nearest_of_very_many_points_of_the_layer(seed):
+    state = random_frame(seed)
+    c, layer = state.cells, state.layers.apical
+    part = np.linspace(0.0, 1.0, 4001)[:, None]
+    x, y = ((1 - part) * array[layer[:-1]] + part * array[layer[1:]] for array in (c.ax, c.ay))
+    for i, position in enumerate(ab_positions(state)):
+        nearest = np.argmin((x - c.x[i]) ** 2 + (y - c.y[i]) ** 2)
+        assert position == pytest.approx(c.y[i] / y.ravel()[nearest], abs=2e-3)
+        # The reference itself: no sample is nearer to the nucleus.
+        on_layer = c.y[i] / position
+        assert np.abs(y - on_layer).min() < 2e-3
+
+
+def test_under_a_level_layer_it_is_the_part_of_the_height():
+    state = frame([[0.5, 0.0], [1.0, 2.0], [1.5, 8.0], [0.2, 9.0], [0.2, -1.0]], [[k, 8.0] for k in range(5)])
+    positions = ab_positions(state)
+    assert positions.tolist() == pytest.approx([0.0, 0.25, 1.0, 1.125, -0.125], abs=1e-15)
+    assert extruded(positions) == Extruded(apically=1, basally=1)
+
+
+def test_on_the_layers_nothing_is_extruded():
+    assert extruded(np.array([0.0, 1.0])) == Extruded(0, 0)
+
+
+def test_reference_is_the_nearest_point_and_not_the_one_above():
+    state = frame([[3.0, 7.0], [1.0, 5.0], [0.0, 0.5]], [[0.0, 4.0], [2.0, 4.0], [2.0, 8.0]])
+    # On the upright part; 1 above the level part and 1 beside the upright one: the first counts; below the left end.
+    assert ab_positions(state).tolist() == pytest.approx([1.0, 1.25, 0.125])
+
+
+def test_beyond_the_layer_its_end_is_nearest():
+    state = frame([[-5.0, 3.0], [9.0, 3.0]], [[0.0, 6.0], [2.0, 5.0]])
+    assert ab_positions(state).tolist() == [3 / 6, 3 / 5]
+
+
+def test_only_the_cells_of_the_layer_make_it():
+    points = [[0.0, 8.0], [1.0, 3.0], [2.0, 8.0]]
+    nuclei = [[0.0, 2.0], [1.0, 2.0], [2.0, 2.0]]
+    assert ab_positions(frame(nuclei, points, apical=[0, 2])).tolist() == pytest.approx([0.25, 0.25, 0.25])
+    assert ab_positions(frame(nuclei, points))[1] == pytest.approx(2 / 3)
+
+
+def test_points_in_one_place_and_a_layer_of_one_cell():
+    nuclei = [[0.0, 2.0], [3.0, 4.0]]
+    assert ab_positions(frame(nuclei, [[0.0, 8.0], [0.0, 8.0]])).tolist() == [0.25, 0.5]
+    assert ab_positions(frame(nuclei, [[0.0, 8.0], [1.0, 5.0]], apical=[1])).tolist() == [0.4, 0.8]
+
+
+@pytest.mark.parametrize("block", [1, 100, 333])
+def test_blocks_change_nothing(monkeypatch, block):
+    whole = ab_positions(random_frame(1))
+    monkeypatch.setattr(tissue.model.observables, "BLOCK", block)
+    assert ab_positions(random_frame(1)).tolist() == whole.tolist()
+
+
+def test_height_and_widths_are_those_of_the_layers():
+    points = [[-3.0, 50.0], [0.0, 7.0], [4.0, 9.0], [9.0, 50.0]]
+    state = frame([[-6.0, 1.0], [0.0, 1.0], [0.5, 1.0], [1.0, 1.0]], points, apical=[1, 2], basal=[0, 1, 2])
+    assert height(state) == 8.0
+    assert widths(state) == Widths(apical=4.0, basal=7.0, nuclei=7.0)
+
+
+def test_the_height_of_the_thesis_begins_as_in_figure_16():
+    run = simulate(preset("thesis").changed({"numerics.t_end": "0.1 h", "numerics.keep": "0.1 h"}))
+    assert height(run.frames[0]) == 8.0
+
+
+def test_nuclear_layers_are_what_vertical_lines_cross():
+    state = random_frame(2)
+    x = state.cells.x
+    lines = np.linspace(x.min() - 1, x.max() + 1, 20_001)
+    crossed = (np.abs(lines[:, None] - x) <= 1.0).sum(axis=1)
+    assert nuclear_layers(state) == pytest.approx(crossed.mean(), rel=1e-3)
+    assert nuclear_layers(frame([[3.0, 1.0]], [[0.0, 8.0]])) == 1.0
+
+
+def test_phases_begin_on_time():
+    given = numbers(g2=1.0, mitosis=0.5)
+    ages = np.array([0.0, 13.49, 13.5, 14.49, 14.5, 14.99])
+    state = frame(np.zeros((6, 2)), [[k, 8.0] for k in range(6)], t=20.0, birth=20.0 - ages, cycle=15.0)
+    names = [PHASES[k] for k in phases(state, given)]
+    assert names == ["G1/S", "G1/S", "G2", "G2", "mitosis", "mitosis"]
+
+
+@pytest.mark.parametrize("begins", ["mitosis", "G2"])
+def test_phases_are_those_of_the_run(begins):
+    """The discs of a run are enlarged from the phase on that the parameters name."""
+    parameters = preset("thesis").changed(
+        {"rules.enlarge_from": begins, "numerics.t_end": "12 h", "numerics.keep": "0.1 h"}
+    )
+    given, met = parameters.numbers(), set()
+    for state in simulate(parameters, 3).frames:
+        now = phases(state, given)
+        met |= set(now.tolist())
+        late = now >= PHASES.index(begins)
+        assert (state.cells.radius == np.where(late, given.enlarged_radius, given.hard_radius)).all()
+    assert met == {0, 1, 2}
+
+
+@pytest.mark.parametrize("name", ["x", "y", "ax", "ay", "bx", "by"])
+@pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e101])
+def test_what_can_not_be_measured_is_told(name, value):
+    state = random_frame(0)
+    assert is_measurable(state)
+    getattr(state.cells, name)[7] = value
+    assert not is_measurable(state)
+
+
+@pytest.mark.parametrize(
+    ("measure", "apical", "basal", "message"),
+    [
+        (height, [], [0], "layers.apical is empty"),
+        (widths, [], [0], "layers.apical is empty"),
+        (widths, [0], [], "layers.basal is empty"),
+        (ab_positions, [], [0], "layers.apical is empty"),
+    ],
+)
+def test_an_empty_layer_is_refused(measure, apical, basal, message):
+    with pytest.raises(InvalidProblem, match=message):
+        measure(frame([[0.0, 1.0]], [[0.0, 8.0]], apical, basal))
+
+
+def test_a_layer_on_the_basal_line_has_no_scale():
+    with pytest.raises(InvalidProblem, match=r"cell 1: the point of the apical layer .* y = 0"):
+        ab_positions(frame([[0.0, 1.0], [4.0, -1.0]], [[0.0, 8.0], [3.0, 0.0]]))

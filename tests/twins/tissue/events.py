@@ -1,0 +1,106 @@
+"""The EMT events again in plain Python, cell by cell, written to be read and not to be fast.
+
+Source: section 2.2 of chapter 4.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple, TypeVar
+
+import numpy as np
+
+from tests.twins.tissue.state import Tissue
+from tissue.events import bits
+from tissue.model.cells import CellLayers, Cells, Emt, Flags, Floats
+from tissue.model.frame import Frame
+from tissue.model.numbers import Numbers
+from tissue.model.observables import ab_positions
+
+Arrays = TypeVar("Arrays", Cells, Emt)
+
+
+class Motion(NamedTuple):
+    """How the basal points move in a dt."""
+
+    forced: Flags  # by the forces
+    runs: Floats  # how far by themselves in a substep (4.1)
+
+
+def motion(cells: Cells, numbers: Numbers) -> Motion:
+    """By where the basal points are now: what has [P] runs down to the depth, and then rests or follows the forces."""
+    protrudes = (cells.events & bits.P) > 0
+    running = protrudes & (cells.by > -numbers.run_depth)
+    forced = ~protrudes | (~running & numbers.forced_below)
+    return Motion(forced, np.where(running, numbers.run_speed * numbers.dt / numbers.substeps, 0.0))
+
+
+def begin_events(tissue: Tissue, t: float, numbers: Numbers) -> Tissue:
+    """Twin of ``events.together.begin_events``."""
+    cells, (apical, basal), emt = _copied(tissue.cells), tissue.layers, _copied(tissue.emt)
+    positions = ab_positions(Frame(t, *tissue[:2])) if len(emt.side) else None
+    for i in np.flatnonzero(cells.emt >= 0):
+        k = cells.emt[i]
+        times = {bits.A: emt.at_a[k], bits.B: emt.at_b[k], bits.S: emt.at_s[k], bits.P: emt.at_p[k]}
+        new = sum(bit for bit, time in times.items() if t >= time and not cells.events[i] & bit)
+        if new and not cells.events[i] and positions is not None:
+            emt.onset_ab[k] = positions[i]
+        cells.events[i] += new
+        if new & bits.A and i in apical:
+            apical = _without(apical, i, cells, numbers)
+            cells.stiff_ax[i] = numbers.freed_stiffness * numbers.alpha_ax
+        if new & bits.B and i in basal:
+            basal = basal[basal != i]
+            cells.stiff_bx[i] = numbers.freed_stiffness * numbers.alpha_bx
+        if new & bits.S:
+            cells.stiff_axb[i] = numbers.bent_stiffness
+    return tissue._replace(cells=cells, layers=CellLayers(apical, basal), emt=emt)
+
+
+def _without(layer: np.ndarray, i: int, cells: Cells, numbers: Numbers) -> np.ndarray:
+    """The apical layer without cell i, and the junction that bridges the gap."""
+    left, right = layer[layer < i], layer[layer > i]
+    if len(left) and len(right):
+        a, b = left[-1], right[0]
+        gap = math.hypot(cells.ax[a] - cells.ax[b], cells.ay[a] - cells.ay[b])
+        cells.rest_aa[a] = gap if numbers.bridge_present else cells.rest_aa[a] + cells.rest_aa[i]
+    return np.concatenate((left, right))
+
+
+def last_events(cells: Cells, before: Cells, numbers: Numbers) -> Cells:
+    """Twin of ``events.together.last_events``; ``before``: with the rest lengths before this dt."""
+    cells = _copied(cells)
+    for i in np.flatnonzero(cells.events):
+        if cells.events[i] & bits.A:
+            cells.rest_ax[i] = before.rest_ax[i] * math.exp(-numbers.rate_ax * numbers.dt)
+        if cells.events[i] & bits.P:
+            cells.rest_bx[i], cells.stiff_bx[i] = _grip(cells, i, before.rest_bx[i], numbers)
+        elif cells.events[i] & bits.B:
+            cells.rest_bx[i] = before.rest_bx[i] * math.exp(-numbers.rate_bx * numbers.dt)
+    return cells
+
+
+def _grip(cells: Cells, i: int, rest: float, numbers: Numbers) -> tuple[float, float]:
+    """Rest length and stiffness of the basal spring in [P]."""
+    stiffness = numbers.freed_stiffness * numbers.alpha_bx
+    if cells.by[i] <= 0.0:
+        return rest * math.exp(-numbers.dt / numbers.contraction) if numbers.contraction else 0.0, stiffness
+    if numbers.spring_gives:
+        return rest + numbers.run_speed * numbers.dt, stiffness
+    return math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0, 0.0
+
+
+def watch_sides(tissue: Tissue, t: float) -> Tissue:
+    """Twin of ``scale.watch_sides``: since when each EMT cell is where it is (4.3)."""
+    emt = _copied(tissue.emt)
+    positions = ab_positions(Frame(t, *tissue[:2])) if len(emt.side) else None
+    for i in np.flatnonzero(tissue.cells.emt >= 0):
+        k = tissue.cells.emt[i]
+        side = int(positions[i] > 1.0) - int(positions[i] < 0.0) if positions is not None else 0
+        if side != emt.side[k]:
+            emt.side[k], emt.since[k], emt.since_x[k] = side, t, tissue.cells.x[i]
+    return tissue._replace(emt=emt)
+
+
+def _copied(arrays: Arrays) -> Arrays:
+    return type(arrays)(*(array.copy() for array in arrays))

@@ -1,0 +1,66 @@
+"""``verification compare FILE.py``: a file names problem, methods and settings; tables, charts and a page come out."""
+
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+from verification.cli import app
+
+FILE = """
+import numpy as np
+import dincl
+import verification as v
+
+problem = dincl.Problem([[1.0]], lambda t, x: -np.ones_like(x), [dincl.HalfSpace(normal=(1,))])
+methods = {"PBD": dincl.PBD, "springs": lambda dt: dincl.Penalty(dt, 0.5 / dt)}
+settings = [0.3 / 2**k for k in range(6)]
+t = [0.5, 2.0]
+"""
+
+
+def run(tmp_path, text):
+    file = tmp_path / "mine.py"
+    file.write_text(text, "utf-8")
+    return CliRunner().invoke(app, ["compare", str(file), "--out", str(tmp_path / "out")])
+
+
+def test_a_file_becomes_tables_charts_and_a_page(tmp_path):
+    result = run(tmp_path, FILE)
+    assert result.exit_code == 0, result.output
+    assert {path.name for path in (tmp_path / "out").iterdir()} == {"index.html"} | {
+        f"{name}.{suffix}" for name in ("orders", "work_precision") for suffix in ("csv", "parquet", "png")
+    }
+    rows = pd.read_parquet(tmp_path / "out" / "orders.parquet")
+    assert rows.groupby("method").size().to_dict() == {"PBD": 6, "springs": 6}
+
+
+def test_reference_and_budget_of_the_file_are_taken(tmp_path):
+    more = (
+        "reference = lambda t: np.zeros((len(t), 1, 1))\nbudget = v.DriftEvaluations(8)\nsettings = {'dt': settings}\n"
+    )
+    assert run(tmp_path, FILE + more).exit_code == 0
+    rows = pd.read_parquet(tmp_path / "out" / "work_precision.parquet")
+    assert rows["largest"].max() == pytest.approx(0.5, abs=0.3)  # the position at t = 0.5, where the reference is at 0
+    assert "OUT_OF_BUDGET" in set(rows["status"])
+    assert not (tmp_path / "out" / "orders.parquet").exists()
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("problem = 3", "does not name methods, settings, t"),
+        (FILE.replace("dincl.Problem(", "("), "names no dincl.Problem: it must name a reference"),
+        (FILE + "budget = 3", "budget = 3"),
+    ],
+)
+def test_what_is_missing_is_said(tmp_path, text, message):
+    result = run(tmp_path, text)
+    assert result.exit_code == 2
+    flat = " ".join(result.output.replace("│", " ").split())
+    assert message in flat
+
+
+def test_a_missing_file_is_said(tmp_path):
+    result = CliRunner().invoke(app, ["compare", str(tmp_path / "none.py")])
+    assert result.exit_code == 2
+    assert "there is no such" in " ".join(result.output.replace("│", " ").split())

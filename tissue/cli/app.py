@@ -1,0 +1,126 @@
+"""The commands: ``tissue run`` and ``tissue movie``; ``tissue study`` has a file of its own."""
+
+from __future__ import annotations
+
+import platform
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from dincl.errors import InvalidProblem
+from tissue.cli.figures import figures
+from tissue.cli.messages import RUN_FAILED, messages
+from tissue.cli.progress import progress
+from tissue.cli.study import study
+
+if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
+    from tissue.run import Run
+
+MAKES_NO_NUMBERS = True
+
+app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
+app.command()(study)
+app.command()(figures)
+File = Annotated[str, typer.Argument(metavar="FILE", help="A parameter file, or a preset: thesis, published.")]
+Seed = Annotated[int, typer.Option(min=0, help="The run is a function of the parameters and this.")]
+
+
+@app.command()
+def run(
+    file: File,
+    seed: Seed = 0,
+    out: Annotated[Path | None, typer.Option(help="Folder to write to.", show_default="results/FILE_seedSEED")] = None,
+) -> None:
+    """Simulate; write table.parquet, summary.csv, parameters.toml and picture.png.
+
+    The first run on a machine takes longer: the kernels are compiled.
+    """
+    with messages():
+        parameters = _parameters(file)
+        folder = out or Path("results") / f"{Path(file).stem}_seed{seed}"
+        _write_parameters(parameters, file, seed, folder)
+        grown = _simulated(parameters, seed)
+        _write_results(grown, folder)
+    print(f"{folder}: table.parquet, summary.csv, parameters.toml, picture.png")
+    _stop_if_failed(grown)
+
+
+@app.command()
+def movie(
+    file: File,
+    seed: Seed = 0,
+    out: Annotated[Path, typer.Option(help="Where to write; .gif or .webp.")] = Path("movie.gif"),
+    keep: Annotated[str | None, typer.Option(help="Time between two pictures.", show_default="as in FILE")] = None,
+) -> None:
+    """Simulate, and write an animation of the kept states."""
+    from tissue.model.observables import measurable
+    from tissue.pictures import movie as film
+
+    with messages():
+        film.ending(out)
+        parameters = _parameters(file)
+        if keep is not None:
+            parameters = parameters.changed({"numerics.keep": keep})
+        out.parent.mkdir(parents=True, exist_ok=True)
+        out.open("ab").close()  # to find out before the work
+        grown = _simulated(parameters, seed)
+        frames = measurable(grown.frames)
+        with progress("drawing", len(frames), "pictures") as watch:
+            film.movie(frames, parameters, out, watch)
+    print(f"{out}: {len(frames)} pictures, {out.stat().st_size / 1e6:.1f} MB")
+    _stop_if_failed(grown)
+
+
+def _parameters(file: str) -> Parameters:
+    from tissue.files.parameters import BASES, PRESETS, load, preset
+
+    if file in PRESETS:
+        return preset(file)
+    if not Path(file).exists():
+        raise InvalidProblem(f"{file}: there is no such file; must be a TOML file, or a preset, {BASES}")
+    return load(file)
+
+
+def _write_parameters(parameters: Parameters, file: str, seed: int, folder: Path) -> None:
+    """The complete parameters, and what else it takes to repeat the run."""
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / "parameters.toml"
+    if path.exists() and Path(file).exists() and path.samefile(file):
+        raise InvalidProblem(f"{folder}: must be another folder: {path} is read, and would be overwritten")
+    made_by = ", ".join(f"{name} {version(name)}" for name in ("dincl-testbed", "numpy", "numba"))
+    path.write_text(
+        f"# All parameters of: tissue run {file!r} --seed {seed}\n"
+        f"# Made by {made_by}, Python {platform.python_version()} on {platform.machine()}\n\n{parameters.as_toml()}",
+        "utf-8",
+    )
+
+
+def _simulated(parameters: Parameters, seed: int) -> Run:
+    from tissue.first_order import simulate
+
+    start = time.monotonic()
+    with progress("growing", parameters.t_end, "h") as watch:
+        grown = simulate(parameters, seed, throw=False, watch=watch)
+    seconds = time.monotonic() - start
+    counts = f"{len(grown.frames[0].cells.x)} cells became {len(grown.final.cells.x)}"
+    print(f"{grown.final.t:g} h in {seconds:.2f} s, {counts}")
+    return grown
+
+
+def _write_results(grown: Run, folder: Path) -> None:
+    from tissue.model.observables import measurable
+    from tissue.pictures.picture import picture
+
+    grown.table().to_parquet(folder / "table.parquet", index=False)
+    grown.summary().to_csv(folder / "summary.csv", index=False)
+    picture(measurable(grown.frames)[-1:], grown.parameters, folder / "picture.png")
+
+
+def _stop_if_failed(grown: Run) -> None:
+    if not grown.status:
+        typer.echo(f"Failed: {grown.status.value} {grown.detail}", err=True)
+        raise typer.Exit(RUN_FAILED)

@@ -1,0 +1,158 @@
+"""Which values of a parameter file go together: each rule compares a few of them.
+
+A rule that lacks one of its values, because that one is bad by itself, is left out.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from tissue.files.timing import NEVER, Timing
+from tissue.files.units import Measure, reduced
+
+# Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
+ROUNDING = 1e-12
+# Above this a whole number of steps can not be told from a fraction.
+MOST_STEPS = 1e9
+
+
+@dataclass(frozen=True)
+class Rule:
+    """``allowed(*values of keys)`` is None where they go together, else what the first of them must be."""
+
+    keys: tuple[str, ...]
+    allowed: Callable[..., str | None]
+
+
+def broken(values: Mapping[str, Any]) -> list[str]:
+    """One line for each rule that the values break; ``values`` by keys such as "tissue.cells"."""
+    lines = []
+    for rule in RULES:
+        if not all(key in values for key in rule.keys):
+            continue
+        allowed = rule.allowed(*(values[key] for key in rule.keys))
+        if allowed is not None:
+            lines.append(f"{rule.keys[0]} = {show(values[rule.keys[0]])}: must be {allowed}")
+    return lines
+
+
+def show(value: Any) -> str:
+    """A checked value as a file would give it."""
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(show, value))}]"
+    return f'"{value}"' if isinstance(value, (str, Measure, Timing)) else str(value)
+
+
+def _above(value: float, limit: float) -> bool:
+    return value > limit * (1 + ROUNDING)
+
+
+def _within(what: str, least: str = "") -> Callable[[Measure, Measure, Measure], str | None]:
+    """The rule value <= limit for two lengths; ``what`` names the limit."""
+
+    def allowed(value: Measure, limit: Measure, soft_radius: Measure) -> str | None:
+        ok = not _above(reduced(value, soft_radius), reduced(limit, soft_radius))
+        return None if ok else f"at most {what} = {show(limit)}{least}"
+
+    return allowed
+
+
+def _enlarged(enlarged: Measure, hard: Measure, soft: Measure) -> str | None:
+    ok = not _above(reduced(hard, soft), reduced(enlarged, soft))
+    return None if ok else f"at least cell.hard_radius = {show(hard)}"
+
+
+def _cycle(longest: Measure, shortest: Measure) -> str | None:
+    return f"at least cell.min_cycle = {show(shortest)}" if _above(shortest.value, longest.value) else None
+
+
+def _phases(shortest: Measure, g2: Measure, mitosis: Measure) -> str | None:
+    ok = not _above(g2.value + mitosis.value, shortest.value)
+    return None if ok else f"at least cell.g2 + cell.mitosis = {show(g2)} + {show(mitosis)}"
+
+
+def _whole_steps(time: Measure, dt: Measure) -> str | None:
+    steps = time.value / dt.value
+    ok = steps <= MOST_STEPS and abs(steps - round(steps)) <= ROUNDING * steps
+    return None if ok else f"a whole number of steps numerics.dt = {show(dt)}, at most {MOST_STEPS:g} of them"
+
+
+def _kept(keep: Measure | tuple[Measure, ...], dt: Measure) -> str | None:
+    wrong = [_whole_steps(time, dt) for time in (keep if isinstance(keep, tuple) else (keep,))]
+    return next(filter(None, wrong), None)
+
+
+def _before_the_end(keep: Measure | tuple[Measure, ...], end: Measure) -> str | None:
+    ok = not isinstance(keep, tuple) or not _above(keep[-1].value, end.value)
+    return None if ok else f"a list of times up to numerics.t_end = {show(end)}"
+
+
+def _fit(cells: int, nuclei: str, part: tuple[float, float], *lengths: Measure) -> str | None:
+    """Points of mutual distance d in a rectangle w x h: at most 1 + h/d + w (2 h/(sqrt(3) d^2) + 1/d)  (Oler, 1961).
+
+    The rectangle is the box of the nuclei at the start; its width is (cells - 1) spacing where each nucleus begins
+    above its own basal point. Fewer may fit, and cells that start in mitosis need more room; but above this number no
+    start without overlap exists.
+    """
+    height, width, spacing, radius, _ = (reduced(length, lengths[-1]) for length in lengths)
+    up, d = (part[1] - part[0]) * height, 2 * radius
+    per_width = 2 * up / (math.sqrt(3) * d**2) + 1 / d
+    if nuclei == "own_basal":
+        per_cell = spacing * per_width
+        most = 1 + up / d / (1 - per_cell) if per_cell < 1 else math.inf
+    else:
+        most = 1 + up / d + width * per_width
+    if not _above(cells, most):
+        return None
+    return (
+        f"at most {math.floor(most * (1 + ROUNDING))}: more hard discs of radius {radius:.4g} R_soft do not fit where "
+        f"start.nuclei = {show(nuclei)} puts their centres"
+    )
+
+
+def _in_the_middle(group: int, cells: int) -> str | None:
+    """Of n cells at most n - 2 are surrounded by others; without control cells no layer would be left to measure in."""
+    most = max(0, cells - 2)
+    return None if group <= most else f"at most {most}: EMT cells have control cells on both sides"
+
+
+def _possible(protrusions: Timing, detachment: Timing) -> str | None:
+    return (
+        f'"{NEVER}": [P] waits for [B], and emt.b = {show(detachment)}'
+        if (protrusions.ever and not detachment.ever)
+        else None
+    )
+
+
+RULES = (
+    Rule(("emt.cells", "tissue.cells"), _in_the_middle),
+    Rule(("emt.p", "emt.b"), _possible),
+    Rule(("cell.hard_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
+    Rule(("cell.enlarged_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
+    Rule(("cell.enlarged_radius", "cell.hard_radius", "cell.soft_radius"), _enlarged),
+    Rule(("cell.max_cycle", "cell.min_cycle"), _cycle),
+    Rule(("cell.min_cycle", "cell.g2", "cell.mitosis"), _phases),
+    Rule(
+        ("tissue.basal_spacing", "tissue.max_basal_distance", "cell.soft_radius"),
+        _within("tissue.max_basal_distance", ": otherwise the start breaks (C2)"),
+    ),
+    Rule(("numerics.t_end", "numerics.dt"), _whole_steps),
+    Rule(("numerics.keep", "numerics.dt"), _kept),
+    Rule(("numerics.keep", "numerics.t_end"), _before_the_end),
+    Rule(
+        (
+            "tissue.cells",
+            "start.nuclei",
+            "start.nuclei_height",
+            "tissue.height",
+            "tissue.width",
+            "tissue.basal_spacing",
+            "cell.hard_radius",
+            "cell.soft_radius",
+        ),
+        _fit,
+    ),
+)

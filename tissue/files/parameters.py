@@ -1,0 +1,263 @@
+"""All parameters of a tissue: read from TOML files with units, checked as a whole, handed on as plain numbers."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from functools import cache
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from tissue.files.combinations import broken
+from tissue.files.messages import known_keys, problems, refuse, unknown
+from tissue.files.parameter_files import FOLDER, merged, read, written
+from tissue.files.scenario import Scenario
+from tissue.files.sections import (
+    CellSection,
+    DahaSection,
+    DivisionSection,
+    EmtSection,
+    EventsSection,
+    NumericsSection,
+    RulesSection,
+    StartSection,
+    TissueSection,
+)
+from tissue.files.units import reduced
+from tissue.model.numbers import Numbers
+from tissue.model.numbers_daha import Daha
+from tissue.model.numbers_start import StartNumbers
+
+PRESETS = ("thesis", "published")
+BASES = " or ".join(f'"{name}"' for name in PRESETS)
+
+
+class Parameters(BaseModel):
+    """The complete parameters of a run, with units; made by ``load``, ``preset`` and ``changed``, which check them.
+
+    Each section of a file is an attribute, each of its keys an attribute of that: ``parameters.tissue.cells``.
+    Quantities have a ``value`` and a ``unit``, which is um, R_soft, h or made of these.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="forbid")
+
+    tissue: TissueSection
+    cell: CellSection
+    numerics: NumericsSection
+    rules: RulesSection
+    division: DivisionSection
+    start: StartSection
+    emt: EmtSection
+    events: EventsSection
+    daha: DahaSection
+
+    @model_validator(mode="after")
+    def _together(self) -> Parameters:
+        values = {f"{section}.{name}": value for section, fields in self for name, value in fields}
+        if lines := broken(values):
+            raise ValueError("; ".join(lines))
+        return self
+
+    def changed(self, changes: Mapping[str, Any]) -> Parameters:
+        """These parameters with other values for some keys, checked anew as a whole.
+
+        Parameters
+        ----------
+        changes
+            Values as in a file by keys with section: {"numerics.mu": "0.1 h", "tissue.cells": 30}.
+
+        Raises
+        ------
+        InvalidProblem
+            If a key is unknown, a value is bad or does not go with the others; all of it in one message.
+        """
+        if not isinstance(changes, Mapping):
+            raise InvalidProblem(f'changes = {describe(changes)}: must map keys such as "numerics.mu" to their values')
+        keys = known_keys(Parameters)
+        known = {key: value for key, value in changes.items() if key in keys}
+        lines = [unknown(str(key), value, keys) for key, value in changes.items() if key not in keys]
+        tables: dict[str, dict[str, Any]] = {}
+        for key, value in known.items():
+            section, _, name = key.partition(".")
+            tables.setdefault(section, {})[name] = value
+        return _checked(merged(self.as_dict(), tables), "changed parameters", lines)
+
+    def as_dict(self) -> dict[str, Any]:
+        """All sections as in a file, quantities as text in um, R_soft and h: the same dict for equal parameters."""
+        return self.model_dump(mode="json")
+
+    def as_toml(self) -> str:
+        """The text of a file without base that ``load`` makes equal parameters of."""
+        return written(self.as_dict())
+
+    @property
+    def t_end(self) -> float:
+        """The end of the run [h]."""
+        return self.numerics.t_end.value
+
+    def numbers(self) -> Numbers:
+        """What the kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
+        tissue, cell, numerics, rules, events = self.tissue, self.cell, self.numerics, self.rules, self.events
+        return Numbers(
+            dt=numerics.dt.value,
+            substeps=numerics.substeps,
+            mu=numerics.mu.value,
+            variance=2 * reduced(tissue.diffusion, cell.soft_radius),
+            noise_in_substeps=numerics.noise == "substep",
+            power=rules.spring_power,
+            junction_factor=rules.junction_factor,
+            repulsion=rules.repulsion_factor * cell.alpha_xx,
+            max_basal=reduced(tissue.max_basal_distance, cell.soft_radius),
+            alpha_aa=cell.alpha_aa,
+            alpha_ax=cell.alpha_ax,
+            alpha_bx=cell.alpha_bx,
+            alpha_axb=cell.alpha_axb,
+            hard_radius=reduced(cell.hard_radius, cell.soft_radius),
+            enlarged_radius=reduced(cell.enlarged_radius, cell.soft_radius),
+            g2=cell.g2.value,
+            mitosis=cell.mitosis.value,
+            min_cycle=cell.min_cycle.value,
+            max_cycle=cell.max_cycle.value,
+            rate_aa=cell.rate_aa.value,
+            rate_ax=cell.rate_ax.value,
+            rate_bx=cell.rate_bx.value,
+            two_daughters=tissue.two_daughters,
+            division_offset=reduced(self.division.offset, cell.soft_radius),
+            new_junction=reduced(self.division.new_junction, cell.soft_radius),
+            floor_rest=rules.floor_rest_length,
+            enlarge_in_g2=rules.enlarge_from == "G2",
+            g2_stiffening=rules.g2_stiffening,
+            resting_enlarge=rules.resting_cells_enlarge,
+            freed_stiffness=events.freed_stiffness,
+            bridge_present=events.bridge == "distance",
+            bent_stiffness=events.bent_stiffness,
+            run_speed=reduced(events.run_speed, cell.soft_radius),
+            run_depth=reduced(events.run_depth, cell.soft_radius),
+            spring_gives=events.spring_above == "gives way",
+            contraction=events.contraction.value,
+            forced_below=events.at_depth == "forces",
+        )
+
+    def start_numbers(self) -> StartNumbers:
+        """What the first state is made from: lengths over R_soft."""
+        tissue, soft_radius = self.tissue, self.cell.soft_radius
+        height = reduced(tissue.height, soft_radius)
+        low, high = self.start.nuclei_height
+        return StartNumbers(
+            cells=tissue.cells,
+            height=height,
+            width=reduced(tissue.width, soft_radius),
+            apical_spacing=reduced(tissue.apical_spacing, soft_radius),
+            basal_spacing=reduced(tissue.basal_spacing, soft_radius),
+            nuclei=self.start.nuclei,
+            nuclei_low=low * height,
+            nuclei_high=high * height,
+            rest_length=reduced(self.cell.initial_rest_length, soft_radius),
+            junction=reduced(self.division.new_junction, soft_radius),
+        )
+
+    def scenario(self) -> Scenario:
+        """What the EMT cells are drawn from: times in h."""
+        emt = self.emt
+        return Scenario(emt.cells, emt.inm, (emt.a, emt.b, emt.s, emt.p))
+
+    def daha_numbers(self) -> Daha:
+        """The parameters of the quasi-steady model's solver."""
+        return Daha(**dict(self.daha))
+
+
+def load(path: str | PathLike[str]) -> Parameters:
+    """The parameters in a TOML file.
+
+    Parameters
+    ----------
+    path
+        The file. Its top key ``base`` names a preset or another file, relative to this one, of which it changes some
+        values; without it all have to be given, as in the presets themselves.
+
+    Raises
+    ------
+    InvalidProblem
+        If it can not be read, lacks a key, has an unknown one, or a value that is bad or does not go with the others;
+        all of it in one message that names the file, each key, its value and what is allowed.
+    """
+    return _loaded(Path(path), ())
+
+
+def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
+    """The parameters in a file; ``above``: the files that have it as their base."""
+    tables = read(path)
+    base = tables.pop("base", None)
+    if base is None:
+        return _checked(tables, str(path))
+    try:
+        changed = _base(base, path.parent, (*above, path.resolve()))
+    except NoBase as error:
+        return _checked(tables, str(path), [str(error)], missing=False)
+    return _checked(merged(changed.as_dict(), tables), str(path))
+
+
+class NoBase(ValueError):
+    """What a file names as its base is none; the message is a line for the errors of the file."""
+
+
+def based_on(base: Any, folder: Path) -> Parameters:
+    """The preset or the file that a file in ``folder`` names as its base.
+
+    Raises
+    ------
+    NoBase
+        If there is no such preset or file.
+    InvalidProblem
+        If the file is not in order.
+    """
+    return _base(base, folder, ())
+
+
+def _base(base: Any, folder: Path, above: tuple[Path, ...]) -> Parameters:
+    if base in PRESETS:
+        return preset(base)
+    path = folder / base if isinstance(base, str) else folder
+    if not path.is_file():
+        what = "" if path == folder else f"; {path} does not exist"
+        raise NoBase(f"base = {describe(base)}: must be {BASES}, or a parameter file{what}")
+    if path.resolve() in above:
+        raise NoBase(f"base = {describe(base)}: must be another file: {path} is based on this one")
+    return _loaded(path, above)
+
+
+def preset(name: str) -> Parameters:
+    """The parameters called "thesis", as printed with misprints corrected, or "published", as in the published runs.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no preset of this name.
+    """
+    if name not in PRESETS:
+        raise InvalidProblem(f"preset {describe(name)}: must be {BASES}")
+    return _preset(name)
+
+
+@cache
+def _preset(name: str) -> Parameters:
+    return load(FOLDER / f"{name}.toml")
+
+
+def _checked(tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), *, missing: bool = True) -> Parameters:
+    """The parameters in these tables, or one error with ``lines`` and all that is wrong with the tables."""
+    noted: dict[tuple[type[BaseModel], str], Any] = {}
+    found = list(lines)
+    try:
+        parameters = Parameters.model_validate(tables, context=noted)
+    except ValidationError as error:
+        names = {field.annotation: section for section, field in Parameters.model_fields.items()}
+        good = {f"{names[section]}.{name}": value for (section, name), value in noted.items()}
+        found += problems(error, Parameters, missing=missing) + broken(good)
+    if found:
+        raise refuse(source, found)
+    return parameters

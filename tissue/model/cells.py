@@ -1,0 +1,96 @@
+"""The cells of a tissue as a structure of arrays, one entry per cell, in the order of the cells along the tissue."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
+Flags = NDArray[np.bool_]
+
+
+class Cells(NamedTuple):
+    """What there is to know about each cell; lengths in units of R_soft, times in hours.
+
+    All arrays have the same length: the number of cells, or in a running kernel a capacity of which the first n
+    entries are in use. Neighbours in the tissue are neighbours in the arrays.
+    """
+
+    x: Floats  # nucleus X = (x, y)
+    y: Floats
+    ax: Floats  # apical point A
+    ay: Floats
+    bx: Floats  # basal point B; by stays 0 while the point is on the basal line: one unknown, not two
+    by: Floats
+    rest_ax: Floats  # eta_ax (3.2): rest length of the apical spring, without the radius R_soft
+    rest_bx: Floats  # eta_bx (3.3)
+    rest_aa: Floats  # eta_aa (3.6): of the junction to the next cell of the apical layer
+    stiff_ax: Floats  # alpha_ax, alpha_bx, alpha_axb
+    stiff_bx: Floats
+    stiff_axb: Floats
+    stiff_aa: Floats  # alpha_aa: a junction has the mean of its two cells
+    radius: Floats  # R_hard
+    birth: Floats  # t_birth
+    cycle: Floats  # t_cycle (3.1)
+    moves: Flags  # whether the nucleus migrates before mitosis (INM)
+    divides: Flags  # whether the end of the cycle may bring a second daughter
+    id: Integers  # never used again for another cell
+    mother: Integers  # id of the cell it split from, -1 for a cell of the start
+    emt: Integers  # number among the EMT cells, its place in Emt; -1 for a control cell
+    events: Integers  # the EMT events that have begun, a sum of bits of ``tissue.events.bits``
+
+
+# The fields of Cells that are coordinates.
+COORDINATES = Cells._fields[:6]
+
+
+class CellLayers(NamedTuple):
+    """Which cells hold on to which neighbour: indices into Cells, increasing, so from left to right."""
+
+    apical: Integers  # (na,): junctions join consecutive entries (3.5)
+    basal: Integers  # (nb,): consecutive entries are ordered and at most max_basal apart (3.15)
+
+
+class Emt(NamedTuple):
+    """The EMT cells, one entry for each, from left to right: the times of their events and what came of them."""
+
+    at_a: Floats  # when the events begin [h], inf for never
+    at_b: Floats
+    at_s: Floats
+    at_p: Floats  # >= at_b: [P] waits for [B]
+    onset_ab: Floats  # y_AB when the first of [A], [B], [S] began (4.8), inf before
+    side: Integers  # where the nucleus is: -1 below the basal layer, 1 above the apical layer, else 0  (4.3)
+    since: Floats  # since when it has been there [h]; of side 0 not kept
+    since_x: Floats  # x of the nucleus then
+
+
+# The kinds of the fields that are no numbers.
+KINDS = {"moves": np.bool_, "divides": np.bool_, **dict.fromkeys(("id", "mother", "emt", "events"), np.int64)}
+
+
+def empty(capacity: int) -> Cells:
+    """Control cells of length ``capacity``, all else zero."""
+    cells = Cells(**{name: np.zeros(capacity, KINDS.get(name, np.float64)) for name in Cells._fields})
+    cells.emt[:] = -1
+    return cells
+
+
+def emt_cells(at_a: Floats, at_b: Floats, at_s: Floats, at_p: Floats) -> Emt:
+    """EMT cells with events at these times [h], each (m,); [P] waits for [B]  (section 2.2.4 of chapter 4)."""
+    m = len(at_a)
+    return Emt(
+        at_a, at_b, at_s, np.maximum(at_p, at_b), np.full(m, np.inf), np.zeros(m, np.int64), np.zeros(m), np.zeros(m)
+    )
+
+
+def no_emt() -> Emt:
+    """A tissue of control cells alone."""
+    return emt_cells(*np.zeros((4, 0)))
+
+
+def first(cells: Cells, n: int) -> Cells:
+    """A copy of the first n cells."""
+    return Cells._make(array[:n].copy() for array in cells)

@@ -1,0 +1,201 @@
+"""The potential energy of a tissue, and the forces, in plain NumPy; lengths in units of R_soft, energies without unit.
+
+All formulas hold for complex coordinates, too, so that a complex step differentiates them: distances are sqrt(d . d),
+without conjugation, and comparisons look at the real part.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dincl.checks import LARGEST, bounded
+from dincl.errors import InvalidProblem
+from dincl.pairs import near_pairs
+from tissue.model.cells import CellLayers, Cells, Floats, Integers
+from tissue.model.numbers import Numbers
+
+# Soft discs have the radius R_soft = 1, so nuclei push each other below this distance.
+SOFT = 2.0
+
+
+class Parts(NamedTuple):
+    """The terms of (3.14), each summed over the tissue."""
+
+    ax: float  # apical springs (3.9)
+    bx: float  # basal springs (3.10)
+    aa: float  # apical junctions (3.11)
+    axb: float  # straightness (3.12)
+    xx: float  # soft repulsion (3.13)
+
+
+class Forces(NamedTuple):
+    """-grad W for each cell, shape (n,): on the nucleus, the apical point and the basal point [1 / R_soft].
+
+    ``by`` is given for all cells; the caller leaves it out for those that the basal line holds  (C3).
+    """
+
+    x: Floats
+    y: Floats
+    ax: Floats
+    ay: Floats
+    bx: Floats
+    by: Floats
+
+
+def energy(cells: Cells, layers: CellLayers, numbers: Numbers) -> float:
+    """W = sum_i (W_i^ax + W_i^bx + W_i^axb) + sum_{(i, j) in A} W_ij^aa + sum_{j < i} W_ij^xx  (3.14).
+
+    Arguments and errors are those of ``parts``; complex for complex coordinates.
+    """
+    return sum(parts(cells, layers, numbers))
+
+
+def parts(cells: Cells, layers: CellLayers, numbers: Numbers) -> Parts:
+    r"""The terms of W.
+
+        W_i^ax  = alpha_i^ax (|A_i - X_i| - l)^2 / l^p,  l = 1 + eta_i^ax                   (3.9)
+        W_i^bx  = alpha_i^bx (|B_i - X_i| - l)^2 / l^p,  l = 1 + eta_i^bx                   (3.10)
+        W_ij^aa = k_ij/2 (|A_j - A_i| - eta_i^aa)^2  for j next after i in the layer        (3.11)
+        W_i^axb = alpha_i^axb (cos gamma_i + 1),  gamma_i = angle(A_i - X_i, B_i - X_i)     (3.12)
+        W_ij^xx = k_xx/2 (|X_i - X_j| - 2)^2  where |X_i - X_j| < 2, else 0                 (3.13)
+
+    with k_ij = junction_factor (alpha_i^aa + alpha_j^aa)/2. (3.13) is printed with a minus sign, which would attract.
+    The other form of (3.12) that is printed, alpha (cos pi - cos(gamma - pi)), is alpha (cos gamma - 1): smaller by
+    2 alpha, with the same forces.
+
+    Parameters
+    ----------
+    cells
+        Coordinates, rest lengths and stiffnesses of n cells; the coordinates may be complex.
+    layers
+        The apical layer, from left to right.
+    numbers
+        ``power`` p, ``junction_factor`` and ``repulsion`` k_xx.
+
+    Raises
+    ------
+    InvalidProblem
+        For coordinates that are not finite, two points that act on each other in one place, a spring with l <= 0.
+    """
+    arrows = _arrows(cells, layers)
+    l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
+    stiffness, strain = _strained(cells, arrows.aa, numbers)
+    return Parts(
+        ax=np.sum(cells.stiff_ax * (arrows.xa.length - l_ax) ** 2 / l_ax**numbers.power),
+        bx=np.sum(cells.stiff_bx * (arrows.xb.length - l_bx) ** 2 / l_bx**numbers.power),
+        aa=np.sum(stiffness / 2 * strain**2),
+        axb=np.sum(cells.stiff_axb * (_cosine(arrows) + 1)),
+        xx=np.sum(numbers.repulsion / 2 * (arrows.xx.length - SOFT) ** 2),
+    )
+
+
+def forces(cells: Cells, layers: CellLayers, numbers: Numbers) -> Forces:
+    r"""-grad W, with u = (A - X)/|A - X|, v = (B - X)/|B - X|, c = u . v = cos gamma.
+
+        on A_i  -2 alpha^ax (|A - X| - l)/l^p u - alpha^axb (v - c u)/|A - X|  + junctions
+        on B_i  -2 alpha^bx (|B - X| - l)/l^p v - alpha^axb (u - c v)/|B - X|
+        on X_i  the opposite of both sums                                      + repulsion
+
+    A junction pulls A_i towards A_j with k_ij (|A_j - A_i| - eta_i^aa), and A_j the opposite way; the repulsion pulls
+    X_i towards X_j with k_xx (|X_i - X_j| - 2) < 0. Arguments and errors are those of ``parts``.
+    """
+    arrows = _arrows(cells, layers)
+    xa, xb, cosine = arrows.xa, arrows.xb, _cosine(arrows)
+    l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
+    on_a = -2 * cells.stiff_ax * (xa.length - l_ax) / l_ax**numbers.power * xa.unit
+    on_b = -2 * cells.stiff_bx * (xb.length - l_bx) / l_bx**numbers.power * xb.unit
+    on_a -= cells.stiff_axb * (xb.unit - cosine * xa.unit) / xa.length
+    on_b -= cells.stiff_axb * (xa.unit - cosine * xb.unit) / xb.length
+    on_x = -(on_a + on_b)
+    stiffness, strain = _strained(cells, arrows.aa, numbers)
+    _pull(on_a, arrows.aa, stiffness * strain)
+    _pull(on_x, arrows.xx, numbers.repulsion * (arrows.xx.length - SOFT))
+    return Forces(*on_x, *on_a, *on_b)
+
+
+class _Bundle(NamedTuple):
+    """Arrows from points of the cells ``start`` to points of the cells ``end``: length (m,), unit vector (2, m)."""
+
+    start: Integers
+    end: Integers
+    length: Floats
+    unit: Floats
+
+
+class _Arrows(NamedTuple):
+    """All arrows that the energy depends on."""
+
+    xa: _Bundle  # from X_i to A_i
+    xb: _Bundle  # from X_i to B_i
+    aa: _Bundle  # from A_i to A_j, next in the apical layer
+    xx: _Bundle  # from X_i to X_j, j < i, closer than 2
+
+
+def _arrows(cells: Cells, layers: CellLayers) -> _Arrows:
+    x, a, b = _points(cells)
+    each = np.arange(len(cells.x))
+    return _Arrows(
+        xa=_bundle("nucleus and apical point", x, a, each, each),
+        xb=_bundle("nucleus and basal point", x, b, each, each),
+        aa=_bundle("apical points", a, a, layers.apical[:-1], layers.apical[1:]),
+        xx=_bundle("nuclei", x, x, *_soft_pairs(x)),
+    )
+
+
+def _points(cells: Cells) -> tuple[Floats, Floats, Floats]:
+    """X, A, B as arrays of shape (2, n)."""
+    for name in Forces._fields:
+        values = getattr(cells, name)
+        if not bounded(values.real):
+            k = int(np.flatnonzero(~(np.abs(values.real) <= LARGEST))[0])
+            raise InvalidProblem(f"cells.{name}[{k}] = {values[k]}: must be finite, of magnitude at most {LARGEST:g}")
+    return np.stack((cells.x, cells.y)), np.stack((cells.ax, cells.ay)), np.stack((cells.bx, cells.by))
+
+
+def _soft_pairs(x: Floats) -> tuple[Integers, Integers]:
+    """The pairs (i, j < i) of nuclei (2, n) at most 2 apart: at 2 the repulsion begins from zero."""
+    centres = np.ascontiguousarray(x.real.T)
+    start, partner = near_pairs(centres, np.full(len(centres), SOFT / 2))
+    i, j = np.repeat(np.arange(len(centres)), np.diff(start)), partner.astype(np.int64)
+    return i, j
+
+
+def _bundle(what: str, tails: Floats, heads: Floats, start: Integers, end: Integers) -> _Bundle:
+    arrows = heads[:, end] - tails[:, start]
+    length = np.sqrt((arrows * arrows).sum(axis=0))
+    met = np.flatnonzero(length.real == 0)
+    if met.size:
+        i, j = start[met[0]], end[met[0]]
+        cells = f"cell {i}" if i == j else f"cells {i} and {j}"
+        raise InvalidProblem(f"{what} of {cells} lie on one point {heads[:, j]}: must be apart, to have a direction")
+    return _Bundle(start, end, length, arrows / length)
+
+
+def _spring_lengths(name: str, rest: Floats) -> Floats:
+    """l = 1 + eta, shape (n,)."""
+    length = 1 + rest
+    wrong = np.flatnonzero(~(length > 0))
+    if wrong.size:
+        raise InvalidProblem(f"cells.{name}[{wrong[0]}] = {rest[wrong[0]]}: must be above -1, the radius R_soft")
+    return length
+
+
+def _strained(cells: Cells, junctions: _Bundle, numbers: Numbers) -> tuple[Floats, Floats]:
+    """k_ij and |A_j - A_i| - eta_i of the junctions, each of shape (m,)."""
+    i, j = junctions.start, junctions.end
+    return numbers.junction_factor * (cells.stiff_aa[i] + cells.stiff_aa[j]) / 2, junctions.length - cells.rest_aa[i]
+
+
+def _cosine(arrows: _Arrows) -> Floats:
+    """cos gamma, shape (n,)."""
+    cosine: Floats = (arrows.xa.unit * arrows.xb.unit).sum(axis=0)
+    return cosine
+
+
+def _pull(on: Floats, arrows: _Bundle, tension: Floats) -> None:
+    """Add to the forces ``on`` (2, n) that each arrow pulls its ends together with ``tension`` (m,)."""
+    for along, direction in zip(on, arrows.unit, strict=True):
+        np.add.at(along, arrows.start, tension * direction)
+        np.add.at(along, arrows.end, -tension * direction)

@@ -1,0 +1,15 @@
+"""The tissue at one time."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from tissue.model.cells import CellLayers, Cells
+
+
+class Frame(NamedTuple):
+    """The tissue at one time; lengths in R_soft, times in hours."""
+
+    t: float
+    cells: Cells
+    layers: CellLayers

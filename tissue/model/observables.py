@@ -1,0 +1,146 @@
+"""What is measured of a tissue at one time: height, widths, the apical-basal scale, phases; lengths in R_soft."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from dincl.checks import bounded
+from dincl.errors import InvalidProblem
+from tissue.model.cells import CellLayers, Floats, Integers
+
+if TYPE_CHECKING:
+    from tissue.model.frame import Frame
+    from tissue.model.numbers import Numbers
+
+PHASES = ("G1/S", "G2", "mitosis")
+# Soft discs have the radius R_soft = 1.
+SOFT_DIAMETER = 2.0
+# Distances between nuclei and junctions that are computed at once: 2 MB for each array of them.
+BLOCK = 1 << 18
+
+
+class Widths(NamedTuple):
+    """Extents in x, from the leftmost to the rightmost point."""
+
+    apical: float  # of the apical layer
+    basal: float  # of the basal layer
+    nuclei: float  # of the centres of all nuclei
+
+
+class Extruded(NamedTuple):
+    """Numbers of cells outside of the tissue (4.3), counted over all cells."""
+
+    apically: int  # y_AB > 1
+    basally: int  # y_AB < 0
+
+
+def is_measurable(frame: Frame) -> bool:
+    """Whether all coordinates are finite, and small enough for their squares to be so, too."""
+    cells = frame.cells
+    return all(bounded(array) for array in (cells.x, cells.y, cells.ax, cells.ay, cells.bx, cells.by))
+
+
+def measurable(frames: Iterable[Frame]) -> list[Frame]:
+    """The frames that are: all but the last one of a run that left the finite numbers."""
+    return [frame for frame in frames if is_measurable(frame)]
+
+
+def height(frame: Frame) -> float:
+    """Mean of y(A_i) over the cells of the apical layer.
+
+    The thesis plots the height (Figure 16 of chapter 3) without a definition; by this one it begins with the 8 R_soft
+    of the figure.
+    Raises InvalidProblem if the layer is empty.
+    """
+    return float(frame.cells.ay[_inhabited("apical", frame.layers)].mean())
+
+
+def nucleus_height(frame: Frame) -> float:
+    """Mean of y(X_i) over all cells."""
+    return float(frame.cells.y.mean())
+
+
+def widths(frame: Frame) -> Widths:
+    """max x - min x of the apical layer, of the basal layer and of the nuclei.
+
+    Raises InvalidProblem if a layer is empty.
+    """
+    cells = frame.cells
+    apical, basal = (_inhabited(name, frame.layers) for name in CellLayers._fields)
+    return Widths(*(float(np.ptp(x)) for x in (cells.ax[apical], cells.bx[basal], cells.x)))
+
+
+def nuclear_layers(frame: Frame) -> float:
+    """2 N / (max x - min x + 2): how many soft discs a vertical line crosses, on average over all that cross one.
+
+    This counts the layers of nuclei, one above the other, that make the epithelium look stratified
+    (section 2.2.9 of chapter 3).
+    """
+    x = frame.cells.x
+    return float(SOFT_DIAMETER * len(x) / (np.ptp(x) + SOFT_DIAMETER))
+
+
+def phases(frame: Frame, numbers: Numbers) -> Integers:
+    """Index into PHASES for each cell, shape (n,), from its age t - t_birth (section 2.2.1 of chapter 3).
+
+    G2 stands for its active part: t_age >= t_cycle - T_G2 - T_mitosis; mitosis begins at t_cycle - T_mitosis.
+    """
+    age, cycle = frame.t - frame.cells.birth, frame.cells.cycle
+    late = age >= cycle - numbers.g2 - numbers.mitosis
+    return late.astype(np.int64) + (age >= cycle - numbers.mitosis)
+
+
+def ab_positions(frame: Frame) -> Floats:
+    r"""y_AB(X_i) = y(X_i) / y(A_i^ref): 0 at the basal, 1 at the apical layer, shape (n,).
+
+    Source: section 3.3.1 of chapter 4.
+
+    A_i^ref is the point of the apical layer, a path of lines through the apical points, that is nearest to X_i.
+
+    Raises
+    ------
+    InvalidProblem
+        If the apical layer is empty, or its point nearest to a nucleus lies on the basal line.
+    """
+    cells, apical = frame.cells, _inhabited("apical", frame.layers)
+    path_x, path_y = cells.ax[apical], cells.ay[apical]
+    blocks = range(0, len(cells.x), max(1, BLOCK // len(apical)))
+    step = blocks.step
+    parts = [_nearest_height(cells.x[k : k + step], cells.y[k : k + step], path_x, path_y) for k in blocks]
+    reference = np.concatenate(parts)
+    level = np.flatnonzero(reference == 0)
+    if level.size:
+        raise InvalidProblem(
+            f"cell {cells.id[level[0]]}: the point of the apical layer nearest to its nucleus has y = 0: must be off "
+            "the basal line, to measure positions between the two"
+        )
+    return cells.y / reference
+
+
+def extruded(positions: Floats) -> Extruded:
+    """How many of the positions y_AB (n,) are above 1 and below 0  (4.3)."""
+    return Extruded(int((positions > 1).sum()), int((positions < 0).sum()))
+
+
+def _inhabited(name: str, layers: CellLayers) -> Integers:
+    layer: Integers = getattr(layers, name)
+    if not layer.size:
+        raise InvalidProblem(f"layers.{name} is empty: must have a cell, to be measured")
+    return layer
+
+
+def _nearest_height(x: Floats, y: Floats, path_x: Floats, path_y: Floats) -> Floats:
+    """The y of the point of the path (m,) that is nearest to each point x, y (n,); the first one of several."""
+    if len(path_x) == 1:
+        return np.full(len(x), path_y[0])
+    along_x, along_y = np.diff(path_x), np.diff(path_y)
+    square = along_x**2 + along_y**2
+    away_x, away_y = x[:, None] - path_x[:-1], y[:, None] - path_y[:-1]
+    part = away_x * along_x + away_y * along_y
+    part = np.divide(part, square, out=np.zeros_like(part), where=square > 0).clip(0.0, 1.0)  # two points in one place
+    nearest = np.argmin((away_x - part * along_x) ** 2 + (away_y - part * along_y) ** 2, axis=1)
+    heights: Floats = path_y[nearest] + part[np.arange(len(x)), nearest] * along_y[nearest]
+    return heights

@@ -1,0 +1,88 @@
+"""An animation of a run, as GIF or WebP: Pillow writes both by itself, MP4 would take a program beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image
+
+from dincl.errors import InvalidProblem
+from tissue.pictures.picture import stills
+
+if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
+    from tissue.model.frame import Frame
+
+MAKES_NO_NUMBERS = True
+
+ENDINGS = (".gif", ".webp")
+# Milliseconds that each picture and the last one are shown; GIF counts in tens.
+EACH, LAST = 80, 2000
+# Of a GIF: more colours are no better to look at; of a WebP, from 0 to 100.
+COLOURS, QUALITY = 128, 75
+WHITE = 255
+
+
+def movie(
+    frames: Sequence[Frame],
+    parameters: Parameters,
+    path: str | PathLike[str],
+    watch: Callable[[int], None] | None = None,
+) -> None:
+    """Write the frames one after the other, in one scale; it repeats for ever.
+
+    Parameters
+    ----------
+    frames
+        At least one, of one run.
+    parameters
+        Of the run: the soft radius and the lengths of the phases.
+    path
+        Where to write; its ending says what: .gif plays everywhere, .webp has all colours at 70 % of the size.
+    watch
+        Called with the number of frames drawn so far.
+
+    Raises
+    ------
+    InvalidProblem
+        For another ending, no frame at all, or one with coordinates that are not finite.
+    """
+    kind = ending(path)
+    images = _drawn(frames, parameters, watch)
+    if kind == ".gif":
+        palette = _palette(frames, parameters)
+        images = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
+    first = next(images)
+    shown = [EACH] * (len(frames) - 1) + [LAST]
+    first.save(path, kind[1:], save_all=True, append_images=images, duration=shown, loop=0, quality=QUALITY)
+
+
+def ending(path: str | PathLike[str]) -> str:
+    """The kind of file that the path ends in, one of ENDINGS; raises InvalidProblem for any other."""
+    kind = Path(path).suffix.lower()
+    if kind not in ENDINGS:
+        raise InvalidProblem(f"{path}: must end in {' or '.join(ENDINGS)}")
+    return kind
+
+
+def _drawn(
+    frames: Sequence[Frame], parameters: Parameters, watch: Callable[[int], None] | None
+) -> Iterator[Image.Image]:
+    for k, still in enumerate(stills(frames, parameters), 1):
+        if watch is not None:
+            watch(k)
+        yield Image.fromarray(still)
+
+
+def _palette(frames: Sequence[Frame], parameters: Parameters) -> Image.Image:
+    """The colours of the last picture, and so of the legend, for all: with one palette nothing flickers."""
+    (still,) = stills(frames[-1:], parameters)
+    found = Image.fromarray(still).quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
+    colours = np.reshape(found.getpalette() or [], (-1, 3))[:COLOURS]
+    colours[colours.sum(axis=1).argmax()] = WHITE  # the paper, which was averaged with the edges of letters
+    found.putpalette(colours.ravel().tolist())
+    return found

@@ -1,0 +1,268 @@
+"""The tissue to scale, in um: discs, springs, layers; control cells in the colour of their cycle phase, EMT cells in
+that of their events.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from os import PathLike
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dincl.errors import InvalidProblem
+from tissue.model.observables import PHASES, height, is_measurable, phases
+from tissue.pictures.sheet import (
+    APICAL,
+    BASAL,
+    BELOW,
+    COLOURS,
+    CROSS,
+    DOT,
+    DOT_SIZE,
+    EMT_COLOURS,
+    GREY,
+    SPRING,
+    Artist,
+    Axes,
+    EllipseCollection,
+    Figure,
+    FigureCanvasAgg,
+    LineCollection,
+    control_entries,
+    emt_entries,
+    legend,
+    style,
+    write,
+)
+from tissue.tables import EVENTS
+
+if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
+    from tissue.model.cells import Flags, Floats
+    from tissue.model.frame import Frame
+
+MAKES_NO_NUMBERS = True
+
+ENDINGS = (".png", ".svg", ".pdf")
+# Inches: a picture, its panels at most, and what stands around them.
+WIDTH, TALLEST = 9.2, 7.0
+LEFT, RIGHT, TOP, GAP, BOTTOM, LEGEND = 0.55, 0.12, 0.32, 0.3, 0.48, 0.34
+COLUMNS = 3
+DPI = 200
+MOVIE_DPI = 100
+MARGIN = 2.0  # um around the discs
+FULL, THINNEST = 3.5, 0.25  # points per um from which on lines have their full width; what is left of it at least
+
+
+class Box(NamedTuple):
+    """What a panel shows [um]."""
+
+    left: float
+    right: float
+    low: float
+    high: float
+
+
+def picture(frames: Sequence[Frame], parameters: Parameters, path: str | PathLike[str]) -> None:
+    """Draw one or several states in one scale, side by side, three in a row.
+
+    Parameters
+    ----------
+    frames
+        At least one, of one run.
+    parameters
+        Of the run: the soft radius and the lengths of the phases.
+    path
+        Where to write; the ending .png, .svg or .pdf says what.
+
+    Raises
+    ------
+    InvalidProblem
+        For another ending, no frame at all, or one with coordinates that are not finite.
+    """
+    if Path(path).suffix.lower() not in ENDINGS:
+        raise InvalidProblem(f"path = {str(path)!r}: must end in {', '.join(ENDINGS)}")
+    write(drawing(frames, parameters), path)
+
+
+def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = None, room: float = 0.0) -> Figure:
+    """The figure that ``picture`` writes.
+
+    Parameters
+    ----------
+    frames, parameters
+        As in ``picture``; the frames may be of several runs.
+    box
+        What each panel shows; everything if it is None.
+    room
+        Inches that stay free below the legend.
+    """
+    with style():
+        figure, panels = _sheet(len(frames), box or _box(frames, parameters), DPI, _begun(frames), room)
+        for panel, frame in zip(panels, frames, strict=True):
+            _draw(panel, frame, parameters, _decimals(frames))
+    return figure
+
+
+def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
+    """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
+    with style():
+        _axes(panel, _box([frame], parameters), lowest=True, leftmost=True)
+        _draw(panel, frame, parameters, _decimals([frame]))
+
+
+def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
+    """Pictures of the frames one after the other, all of one scale and size: red, green, blue of shape (h, w, 3).
+
+    Arguments and errors are those of ``picture``.
+    """
+    with style():
+        figure, (panel,) = _sheet(1, _box(frames, parameters), MOVIE_DPI, _begun(frames))
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.draw()
+    background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
+    for frame in frames:
+        canvas.restore_region(background)
+        with style():
+            for artist in _draw(panel, frame, parameters, decimals):
+                panel.draw_artist(artist)
+                artist.remove()
+        yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+
+
+def _box(frames: Sequence[Frame], parameters: Parameters) -> Box:
+    """Around the soft discs and all points of all frames."""
+    if not frames:
+        raise InvalidProblem("frames is empty: must have one, to be drawn")
+    lows, highs = [], []
+    for frame in frames:
+        if not is_measurable(frame):
+            raise InvalidProblem(f"frame of t = {frame.t:g} h: must have finite coordinates, to be drawn")
+        cells = frame.cells
+        for x, y, r in ((cells.x, cells.y, 1.0), (cells.ax, cells.ay, 0.0), (cells.bx, cells.by, 0.0)):
+            lows.append((x.min() - r, y.min() - r))
+            highs.append((x.max() + r, y.max() + r))
+    um = parameters.cell.soft_radius.value
+    left, low = um * np.min(lows, axis=0) - MARGIN
+    right, high = um * np.max(highs, axis=0) + MARGIN
+    return Box(left, right, low, high)
+
+
+def _begun(frames: Sequence[Frame]) -> list[str]:
+    """The events of EMT cells to tell apart, in the order of the colours; none if there are only control cells."""
+    found = {EVENTS[k] for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
+    return [name for name in EMT_COLOURS if name in found]
+
+
+def _sheet(count: int, box: Box, dpi: int, begun: Sequence[str], room: float = 0.0) -> tuple[Figure, list[Axes]]:
+    """A figure with ``count`` panels of one scale, and the legend below, in two lines where there are EMT cells."""
+    below = BOTTOM + LEGEND * (2 if begun else 1) + room
+    rows = -(-count // COLUMNS)
+    columns = -(-count // rows)
+    slot = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
+    inches = min(slot / (box.right - box.left), TALLEST / rows / (box.high - box.low))
+    wide, tall = inches * (box.right - box.left), inches * (box.high - box.low)
+    total = rows * (tall + TOP) + (rows - 1) * GAP + below
+    total = math.ceil(total * MOVIE_DPI) / MOVIE_DPI  # whole pixels
+    figure = Figure(figsize=(WIDTH, total), dpi=dpi)
+    panels = []
+    for k in range(count):
+        row, column = divmod(k, columns)
+        left = LEFT + column * (slot + GAP)
+        low = below + (rows - 1 - row) * (tall + TOP + GAP)
+        panels.append(figure.add_axes((left / WIDTH, low / total, wide / WIDTH, tall / total)))
+        _axes(panels[-1], box, lowest=k + columns >= count, leftmost=column == 0)
+    legend(figure, control_entries(), LEFT / WIDTH, room / total)
+    if begun:
+        legend(figure, emt_entries(begun), LEFT / WIDTH, (LEGEND + room) / total)
+    return figure, panels
+
+
+def _axes(panel: Axes, box: Box, *, lowest: bool, leftmost: bool) -> None:
+    panel.set(xlim=(box.left, box.right), ylim=(box.low, box.high), aspect="equal")
+    panel.tick_params(labelbottom=lowest, labelleft=leftmost)
+    if lowest:
+        panel.set_xlabel("x [µm]")
+    if leftmost:
+        panel.set_ylabel("y [µm]")
+    panel.axhspan(box.low, 0.0, color=BELOW, linewidth=0, zorder=0)
+    panel.axhline(0.0, color=BASAL, linewidth=1.2, zorder=1)
+
+
+def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> list[Artist]:
+    """Everything that belongs to one state, from below to above."""
+    um, cells = parameters.cell.soft_radius.value, frame.cells
+    nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
+    colours, edges = _colours(frame, parameters)
+    soft, hard = np.full(len(nuclei), um), um * cells.radius
+    thin = _thinner(panel)
+    collections = (
+        _discs(panel, nuclei, soft, facecolors=colours, alpha=0.25, linewidths=0, zorder=2),
+        _discs(panel, nuclei, soft, facecolors="none", edgecolors=colours, linewidths=0.5 * thin, zorder=2),
+        LineCollection(
+            list(np.stack((apical, nuclei, basal), axis=1)), colors=SPRING, linewidths=0.7 * thin, alpha=0.55, zorder=3
+        ),
+        _discs(panel, nuclei, hard, facecolors=colours, edgecolors=edges, linewidths=0.4 * thin, zorder=4),
+    )
+    for collection in collections:
+        panel.add_collection(collection)
+    dots = DOT | {"markersize": DOT_SIZE * thin, "zorder": 5}
+    free_apical, free_basal = _free(frame)
+    lines = panel.plot(*apical[frame.layers.apical].T, color=APICAL, linewidth=1.5 * thin, **dots)
+    lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
+    for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
+        lines += panel.plot(*points.T, color=colour, zorder=6, **CROSS) if len(points) else []
+    count = f"{len(cells.x)} cell{'s' * (len(cells.x) != 1)}"
+    title = f"t = {frame.t:.{decimals}f} h  ·  {count}  ·  height {um * height(frame):.3g} µm"
+    return [*collections, *lines, panel.annotate(title, (0, 1), (0, 6), "axes fraction", "offset points", size=9.5)]
+
+
+def _colours(frame: Frame, parameters: Parameters) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+    """Of the discs of each cell, and of the edge of its hard disc."""
+    cells, is_emt = frame.cells, frame.cells.emt >= 0
+    of_phase = np.array([COLOURS[name] for name in PHASES])[phases(frame, parameters.numbers())]
+    of_events = np.array([EMT_COLOURS.get(name, GREY) for name in EVENTS])[cells.events]
+    return np.where(is_emt, of_events, of_phase), np.where(is_emt, "black", "white")
+
+
+def _free(frame: Frame) -> tuple[Flags, Flags]:
+    """Whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
+    each, is_emt = np.arange(len(frame.cells.x)), frame.cells.emt >= 0
+    apical, basal = (is_emt & ~np.isin(each, layer) for layer in frame.layers)
+    return apical, basal
+
+
+def _thinner(panel: Axes) -> float:
+    """The factor of line widths in a small scale, so that lines do not hide what they join."""
+    left, right = panel.get_xlim()
+    points = 72 * _inches(panel) * panel.get_position().width
+    return min(1.0, max(THINNEST, math.sqrt(points / (right - left) / FULL)))
+
+
+def _inches(panel: Axes) -> float:
+    """The width of its figure."""
+    figure = panel.get_figure(root=True)
+    return WIDTH if figure is None else float(figure.get_size_inches()[0])
+
+
+def _decimals(frames: Sequence[Frame]) -> int:
+    """How many the times need, at most two."""
+    times = np.array([frame.t for frame in frames])
+    return next((k for k in (0, 1) if np.allclose(times, np.round(times, k), rtol=0, atol=1e-6)), 2)
+
+
+def _points(frame: Frame) -> tuple[tuple[Floats, Floats], ...]:
+    c = frame.cells
+    return (c.x, c.y), (c.ax, c.ay), (c.bx, c.by)
+
+
+def _discs(panel: Axes, centres: Floats, radii: Floats, **look: Any) -> EllipseCollection:
+    """Discs to scale, centres (n, 2), radii (n,)."""
+    sizes = 2 * radii
+    return EllipseCollection(
+        sizes, sizes, np.zeros(len(sizes)), units="xy", offsets=centres, offset_transform=panel.transData, **look
+    )

@@ -1,0 +1,129 @@
+"""Colours, lines and legend of the pictures of the tissue, and how figures are written. Only here is matplotlib."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from io import BytesIO
+from os import PathLike
+from pathlib import Path
+from typing import Any
+
+import matplotlib as mpl
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.figure import Figure
+from matplotlib.legend_handler import HandlerTuple
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from tissue.model.observables import PHASES
+
+MAKES_NO_NUMBERS = True
+
+__all__ = ["Artist", "Axes", "EllipseCollection", "Figure", "FigureCanvasAgg", "Line2D", "LineCollection", "Patch"]
+
+# Told apart by their lightness, too, and with every kind of colour blindness.
+COLOURS = dict(zip(PHASES, ("#4b82bb", "#f0a202", "#7a1f5c"), strict=True))
+# Of EMT cells, by the events that have begun: lighter than control cells or of another hue, the redder for [P].
+EMT_COLOURS = {
+    "": "#bdbdbd",
+    "A": "#009e73",
+    "B": "#cc79a7",
+    "S": "#8c6d31",
+    "AB": "#3a3a3a",
+    "AS": "#5f7a1f",
+    "BS": "#a0527d",
+    "BP": "#e8590c",
+    "ABS": "#7d7d7d",
+    "ABP": "#c1121f",
+    "BSP": "#f4894b",
+    "ABSP": "#67000d",
+}
+SPRING, APICAL, BASAL, BELOW, GREY = "#5d6670", "#c8232c", "#1d1d1d", "#f1efe9", "#8a8a8a"
+STYLE: Any = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.5,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.edgecolor": "#555555",
+    "axes.grid": False,
+    "legend.frameon": False,
+    "svg.hashsalt": "tissue",  # the same file for the same picture
+}
+DOT: dict[str, Any] = {"marker": "o", "markeredgewidth": 0}
+DOT_SIZE = 3.0
+CROSS: dict[str, Any] = {"marker": "x", "markersize": 4.5, "markeredgewidth": 1.2, "linestyle": "none"}
+
+
+@contextmanager
+def style(**more: Any) -> Iterator[None]:
+    """Draw in the one style, and leave that of others alone."""
+    with mpl.rc_context(STYLE | more):
+        yield
+
+
+def write(figure: Figure, path: str | PathLike[str]) -> None:
+    """Write a figure; the same bytes for the same figure."""
+    dated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
+    with style():
+        figure.savefig(path, metadata=dated.get(Path(path).suffix.lower()))
+
+
+def png(figure: Figure) -> bytes:
+    """A figure as the bytes of a PNG file, for a page."""
+    file = BytesIO()
+    with style():
+        figure.savefig(file, format="png", dpi=100)
+    return file.getvalue()
+
+
+def _dot(colour: str, size: float, **look: Any) -> Line2D:
+    return Line2D([], [], linestyle="none", color=colour, markersize=size, **(DOT | look))
+
+
+def control_entries() -> dict[str, Any]:
+    """The legend of what every picture has."""
+
+    def line(colour: str, width: float, **dots: Any) -> tuple[Line2D]:
+        return (Line2D([], [], color=colour, linewidth=width, markersize=DOT_SIZE, **dots),)
+
+    phases = {name: (_dot(colour, 12, alpha=0.35), _dot(colour, 6)) for name, colour in COLOURS.items()}
+    return phases | {
+        "soft, hard disc": (_dot(GREY, 12, alpha=0.35), _dot(GREY, 6)),
+        "springs": line(SPRING, 0.9),
+        "apical layer": line(APICAL, 1.5, **DOT),
+        "basal layer": line(BASAL, 1.2, **DOT),
+    }
+
+
+def emt_entries(begun: Sequence[str]) -> dict[str, Any]:
+    """The legend of EMT cells with these events."""
+    edge = {"markeredgecolor": "black", "markeredgewidth": 0.6}
+    texts = [f"[{name}]" if name else "before any event" for name in begun]
+    texts[0] = f"EMT cell: {texts[0]}"
+    found: dict[str, Any] = {}
+    for text, colour in zip(texts, [EMT_COLOURS[name] for name in begun], strict=True):
+        found[text] = (_dot(colour, 12, alpha=0.35), _dot(colour, 6, **edge))
+    for event, layer, colour in (("A", "apical", APICAL), ("B", "basal", BASAL)):
+        if any(event in name for name in begun):
+            found[f"free {layer} point"] = (Line2D([], [], color=colour, **CROSS),)
+    return found
+
+
+def legend(figure: Figure, entries: dict[str, Any], left: float, low: float) -> None:
+    """One line of legend; ``left``, ``low``: its corner in parts of the figure."""
+    figure.legend(
+        list(entries.values()),
+        list(entries),
+        handler_map={tuple: HandlerTuple(ndivide=1)},
+        loc="lower left",
+        bbox_to_anchor=(left, low),
+        borderaxespad=0.5,
+        borderpad=0.2,
+        ncols=len(entries),
+        handletextpad=0.5,
+        columnspacing=1.6,
+    )
