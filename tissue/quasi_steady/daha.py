@@ -74,7 +74,7 @@ class TissueArrowHurwicz:
     Raises
     ------
     InvalidProblem
-        For numbers that can not be right.
+        For numbers that cannot be right.
     """
 
     numbers: Daha

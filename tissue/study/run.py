@@ -55,11 +55,11 @@ def run_study(
     Raises
     ------
     InvalidProblem
-        If the study is not in order, or ``out`` is in use, can not be written to or holds something else: results of
+        If the study is not in order, or ``out`` is in use, cannot be written to or holds something else: results of
         other parameters or of other code, too.
     StudyStopped
-        If it can not go on, for the disk is full or the workers are lost. What was computed is kept; any other error,
-        and Ctrl-C, too, leaves with what is under way stored.
+        If it cannot go on, because the disk is full or the workers are lost. What was computed is kept. Any other error
+        and Ctrl-C leave with what is under way stored, too.
     """
     return carry_out(load_study(study), out, executor, watch)
 
@@ -118,7 +118,7 @@ def _outcomes(wanted: dict[str, str], *piece: Any) -> Outcomes:
 
 
 def _keep(store: Store, under_way: dict[Future[Outcomes], Piece]) -> None:
-    """After an error: begin no other piece, and store those that are finished or can not be called back."""
+    """After an error: begin no other piece, and store those that are finished or cannot be called back."""
     for future in wait([future for future in under_way if not future.cancel()]).done:
         if future.exception() is None:
             with suppress(StudyStopped):  # the disk is still full
