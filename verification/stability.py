@@ -93,7 +93,7 @@ def stability_map(
     Raises
     ------
     InvalidProblem
-        If a name is an argument neither of the method nor of the problem, or values are no finite numbers.
+        If a name is an argument neither of the method nor of the problem, or a value is not a finite number.
     """
     cell = _Cell(problem, method, (x[0], y[0]), t, reference, accurate, feasible)
     xs, ys = ([number(name, value) for value in values] for name, values in (x, y))

@@ -76,7 +76,7 @@ def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int
     dt
         longest step; each kept interval is divided into equal ones.
     order
-        2, or 4, 6, 8 with 5, 9, 17 substeps per step, of which some go back in time.
+        2, or 4, 6, 8 with 5, 9, 17 substeps per step, some of which go back in time.
     throw
         raise SolveFailed on failure; else return the motion until then, with its Status.
 

@@ -131,7 +131,7 @@ def _fill(space: Any, pymunk: Any, problem: dincl.Problem) -> None:
 
 
 def _obstacles(body: Any, pymunk: Any, constraint: dincl.Constraint, scene: Scene) -> list[Any]:
-    """What a constraint is made of at rest; InvalidProblem if it is none that Chipmunk knows, or of other radii."""
+    """What a constraint is made of at rest; InvalidProblem if Chipmunk does not know it, or for other radii."""
     count, kept = len(scene.x0), scene.radius
     if isinstance(constraint, dincl.NonOverlap) and (constraint.radii(count) == kept).all():
         return []
