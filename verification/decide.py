@@ -57,7 +57,7 @@ def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
 
 
 def _alone(claims: Mapping[str, Claim], key: Key) -> list[Row]:
-    return [dict(key) | evidence_row(claims[key["id"]], {})]
+    return [{**key, **evidence_row(claims[key["id"]], {})}]
 
 
 def evidence_row(claim: Claim, tables: Tables) -> Row:

@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from verification.evidence import Kind
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter5 import sampling
+from verification.thesis.errata import errata
 from verification.thesis.register import register
 
 PAGE = Path(__file__).parents[2] / "docs" / "results.md"
@@ -37,6 +38,7 @@ def claims() -> dict[str, Any]:
     found = register()
     return {
         "all": len(found),
+        "errata": len(errata()),
         "verdicts": Counter(claim.recorded.name for claim in found),
         "open": sum(claim.recorded is Kind.OPEN for claim in found),
         "effects": Counter(claim.correction.effect.value for claim in found if claim.correction is not None),
