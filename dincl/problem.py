@@ -13,8 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import call, numbers
 from dincl.checks import array, describe
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import RowsTogether
 from dincl.errors import InvalidProblem, StepFailure
+from dincl.rows.near import select
+from dincl.rows.together import RowsTogether
 from dincl.status import Status
 
 # A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
@@ -67,8 +68,7 @@ class Problem:
 
     def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
         """All rows that can be violated at time t once every particle moved by at most ``reach`` from x."""
-        blocks = tuple(constraint.near(t, x, reach) for constraint in self.constraints)
-        return RowsTogether(blocks, self.x0.size)
+        return select(self.constraints, t, x, reach).at(t)
 
     def violation(self, t: float, x: NDArray[np.float64]) -> float:
         """max_k max(0, -g_k(x)) at time t, over all constraints [units of g]; infinite where one is not defined."""
@@ -103,7 +103,7 @@ def _families(constraints: Sequence[Constraint]) -> tuple[Constraint, ...]:
 
 
 def _check_feasible(constraint: Constraint, x: NDArray[np.float64]) -> None:
-    rows = constraint.near(0.0, x, 0.0)
+    (rows,) = select((constraint,), 0.0, x, 0.0).at(0.0).blocks
     values = rows.values(x)
     allowed = START_TOLERANCE * float(np.abs(x).max())
     if values.min(initial=0.0) < -allowed:

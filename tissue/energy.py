@@ -12,7 +12,7 @@ import numpy as np
 
 from dincl.checks import LARGEST, bounded
 from dincl.errors import InvalidProblem
-from dincl.pairs import near_pairs
+from dincl.rows.pairs import near_pairs
 from tissue.cells import Cells, Floats, Integers, Layers
 from tissue.numbers import Numbers
 

@@ -1,4 +1,4 @@
-"""The sets: one family per file, all made of the rows in ``rows.py``."""
+"""The sets: one family per file, all made of rows of the kinds in ``dincl.rows``."""
 
 from dincl.constraints.balls import InsideBall, OutsideBall
 from dincl.constraints.base import Constraint

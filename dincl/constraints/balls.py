@@ -8,16 +8,15 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from dincl.checks import array, lengths, spread, vector
-from dincl.constraints.base import Constraint
-from dincl.constraints.rows import DistanceRows
-from dincl.sweepers import DistanceSweeper, Sweeper
+from dincl.constraints.base import SetOfRows
+from dincl.rows.distance import DistanceRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class _FixedBall(Constraint):
+class _FixedBall(SetOfRows):
     centre: ArrayLike
     distance: ArrayLike
     sign: ClassVar[float]
@@ -43,9 +42,6 @@ class _FixedBall(Constraint):
     def select(self, x: NDArray[np.float64], reach: float) -> DistanceRows:
         rows = self.rows(x)
         return rows.take(rows.values(x) <= reach)
-
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return DistanceSweeper(self.rows(x), x.shape[1])
 
 
 class OutsideBall(_FixedBall):

@@ -1,38 +1,90 @@
-"""What every constraint offers: the rows that matter near a state, and its exact projections one row after another."""
+"""What a constraint is: the class to derive an own one from."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
+
+from dincl.checks import LARGEST
+from dincl.rows.smooth import all_rows
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsOfOneKind
-    from dincl.sweepers import Sweeper
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.rows.sweeper import Sweeper
 
 
 class Constraint(ABC):
-    """A set {x : g(x) >= 0}, checked at construction and, against a problem's shape, when the problem is made."""
+    """A set S = {x : g(x) >= 0} for a continuously differentiable g; every scheme and projection takes it.
+
+    Derive from it for an own set, best as a frozen dataclass that checks its arguments. Needed are ``values`` and
+    ``derivative``, for states x of shape (N, d), which are read and not changed::
+
+        @dataclass(frozen=True, eq=False)
+        class InEllipse(dincl.Constraint):
+            axes: tuple[float, float]
+
+            def values(self, x):  # (m,), here one row for each particle
+                return 1 - ((x / self.axes) ** 2).sum(axis=1)
+
+            def derivative(self, x):  # (m, N*d) or (m, N, d), dense; or scipy.sparse of shape (m, N*d)
+                rows = np.zeros((len(x), *x.shape))
+                each = np.arange(len(x))
+                rows[each, each] = -2 * x / np.square(self.axes)
+                return rows
+
+    The number of rows m is the same for all x. ``dincl.Moving(InEllipse(...), path)`` carries such a set along a path:
+    a constraint itself knows no time. All else is optional:
+
+    ``check`` refuses a problem that the set does not fit. ``select`` leaves out rows that are far from being violated,
+    or returns rows of a kind in ``dincl.rows`` that has more formulas. ``sweeper`` gives the exact projections that
+    PBD goes through; without it, each violated row is linearised again and again at the point reached, which ends at
+    its nearest point.
+    """
 
     @abstractmethod
-    def check(self, count: int, d: int) -> None:
+    def values(self, x: NDArray[np.float64]) -> Any:
+        """g(x) of all rows, shape (m,)."""
+
+    @abstractmethod
+    def derivative(self, x: NDArray[np.float64]) -> Any:
+        """dg/dx at x: shape (m, N*d) or (m, N, d), or sparse of shape (m, N*d)."""
+
+    def check(self, count: int, d: int) -> None:  # noqa: B027 - shapes of values are checked at every evaluation
         """Raise InvalidProblem unless the constraint fits ``count`` particles in dimension d."""
+
+    def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
+        """The rows that can be violated after every particle moved by at most ``reach`` from x (N, d), or more rows.
+
+        All of them, as nothing is known of how fast g changes.
+        """
+        name = type(self).__name__
+        return all_rows(self.values, self.derivative, x, (f"{name}.values", f"{name}.derivative"))
+
+    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
+        """The exact projections onto the single rows, in their documented order, for states of the shape of x."""
+        return self.select(x, LARGEST).sweeper(x.shape[1])
+
+    def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
+        """Rows that show which particles the set ties: all of them, or enough to see that two rows share a particle."""
+        return self.select(x, LARGEST)
+
+    def displacement(self, t: float, d: int) -> NDArray[np.float64] | None:
+        """How far the set was carried at time t, shape (d,); None for a set at rest. Only ``Moving`` gives another."""
+        return None
+
+
+class SetOfRows(Constraint):
+    """A constraint that is given by its rows, which are of a kind of ``dincl.rows``."""
 
     @abstractmethod
     def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
-        """The rows that can be violated after every particle moved by at most ``reach`` from x (N, d), or more rows."""
+        """As in Constraint."""
 
-    def near(self, t: float, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
-        """The same at time t, for a set that may have been carried."""
-        shift = self.displacement(t, x.shape[1])
-        return self.select(x, reach) if shift is None else self.select(x - shift, reach).shifted(shift)
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.select(x, LARGEST).values(x)
 
-    @abstractmethod
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        """The exact projections onto the single rows, in their documented order, for states of the shape of x."""
-
-    def displacement(self, t: float, d: int) -> NDArray[np.float64] | None:
-        """How far the set was carried at time t, shape (d,); None for a set at rest."""
-        return None
+    def derivative(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.select(x, LARGEST).jacobian(x).dense()

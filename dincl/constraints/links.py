@@ -8,17 +8,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import indices, lengths, spread, within
-from dincl.constraints.base import Constraint
-from dincl.constraints.rows import DistanceRows
+from dincl.constraints.base import SetOfRows
 from dincl.errors import InvalidProblem
-from dincl.sweepers import DistanceSweeper, Sweeper
+from dincl.rows.distance import DistanceRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class MaxDistance(Constraint):
+class MaxDistance(SetOfRows):
     """g_k(x) = length_k - |X_i - X_j| >= 0 for the pairs (i, j) in their order.
 
     Parameters
@@ -53,6 +52,3 @@ class MaxDistance(Constraint):
         """The threads with a slack of at most 2 reach."""
         rows = self.rows()
         return rows.take(rows.values(x) <= 2 * reach)
-
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return DistanceSweeper(self.rows(), x.shape[1])

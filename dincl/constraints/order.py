@@ -8,18 +8,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import indices, integer, within
-from dincl.constraints.base import Constraint
-from dincl.constraints.rows import AffineRows
+from dincl.constraints.base import SetOfRows
 from dincl.csr import uniform
 from dincl.errors import InvalidProblem
-from dincl.sweepers import AffineSweeper, Sweeper
+from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
 @dataclass(frozen=True, eq=False)
-class Ordered(Constraint):
+class Ordered(SetOfRows):
     """g_k(x) = X_{chain[k+1], axis} - X_{chain[k], axis} >= 0 for consecutive entries of the chain.
 
     Parameters
@@ -56,6 +55,3 @@ class Ordered(Constraint):
         """The neighbours in the chain that are at most 2 reach apart."""
         rows = self.rows(x)
         return rows.take(rows.values(x) <= 2 * reach)
-
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return AffineSweeper(self.rows(x))

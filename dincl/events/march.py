@@ -8,10 +8,10 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.errors import StepFailure
-from dincl.events.choice import TOUCHING, Choice, Chooser
+from dincl.events.active_set import TOUCHING, ActiveSet, Chooser
 from dincl.events.held import Held
 from dincl.events.pieces import Piece, Pieces
-from dincl.events.watch import Found, Watch
+from dincl.events.watch import NextEvent, Watch
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
 from dincl.projection.feasible import FeasibleSet
@@ -22,8 +22,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.integrate import DOP853
 
-    from dincl.events.contacts import Contacts, Name
+    from dincl.events.contacts import Contacts
     from dincl.problem import Problem
+    from dincl.rows.near import Name
     from dincl.work import Work
 
 # The smallest relative tolerance that scipy's integrators take.
@@ -74,11 +75,11 @@ class March:
         at_once = 0
         for count in range(MOST_EVENTS):
             before = self.now
-            choice = self._chooser.choose(self.now, self._state)
-            self._record(choice, first=count == 0)
-            held = Held(choice.held, self._size, self._work)
+            active = self._chooser.choose(self.now, self._state)
+            self._record(active, first=count == 0)
+            held = Held(active.held, self._size, self._work)
             self._flat = held.corrected(self.now, self._flat)
-            if not self._piece(held, choice):
+            if not self._piece(held, active):
                 return
             at_once = at_once + 1 if self.now <= before else 0
             if at_once == MOST_AT_ONCE:
@@ -107,22 +108,22 @@ class March:
         self.t.append(self.now)
         self.x.append(self._state)
 
-    def _record(self, choice: Choice, *, first: bool) -> None:
+    def _record(self, active: ActiveSet, *, first: bool) -> None:
         """The changes of the closed contacts, but for those at the start."""
         if not first:
-            changes = [(name, "contact") for name in sorted(choice.closed - self._closed)]
-            changes += [(name, "release") for name in sorted(self._closed - choice.closed)]
+            changes = [(name, "contact") for name in sorted(active.closed - self._closed)]
+            changes += [(name, "release") for name in sorted(self._closed - active.closed)]
             self.events += [Event(self.now, kind, *name) for name, kind in changes]
-        self._closed = choice.closed
+        self._closed = active.closed
 
-    def _piece(self, held: Held, choice: Choice) -> bool:
+    def _piece(self, held: Held, active: ActiveSet) -> bool:
         """The motion with these contacts until an event; False when it reaches the last time instead."""
         first_step = None
         for bound in self._times[len(self.t) :]:
             if bound > self.now:
                 solver = self._solver(held, float(bound), first_step)
                 while solver.status == "running":
-                    if self._step(solver, held, choice):
+                    if self._step(solver, held, active):
                         return True
                 first_step = solver.h_abs
                 self.now, self._flat = float(bound), held.corrected(float(bound), solver.y)
@@ -146,11 +147,11 @@ class March:
             max_step=longest_step,
         )
 
-    def _step(self, solver: DOP853, held: Held, choice: Choice) -> bool:
+    def _step(self, solver: DOP853, held: Held, active: ActiveSet) -> bool:
         """One step; when an event lies within, the state at the event instead."""
         self._advance(solver)
         dense = solver.dense_output()
-        watch = Watch(held, choice, self._size, dense)
+        watch = Watch(held, active, self._size, dense)
         found = watch.first(solver.t_old, solver.t)
         if found is None:
             self.between.pieces.append(Piece(solver.t, dense, held))
@@ -168,7 +169,7 @@ class March:
         if solver.status == "failed" or not bounded(solver.y):
             raise StepFailure(Status.NOT_CONVERGED, f"The integrator stopped: {message or 'a number overflowed'}.")
 
-    def _arrive(self, found: Found, held: Held) -> None:
+    def _arrive(self, found: NextEvent, held: Held) -> None:
         """Go to the event; for a gap also the way that is left, which is as short as the dense output is accurate."""
         start = self.now
         pieces = self._integrate(held, found.t)

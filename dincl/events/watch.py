@@ -8,24 +8,24 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.events.choice import TOUCHING, ZERO
+from dincl.events.active_set import TOUCHING, ZERO
 from dincl.events.contacts import Contacts, near
 from dincl.events.roots import first_negative, root
 from dincl.norms import longest
 
 if TYPE_CHECKING:
-    from dincl.events.choice import Choice
+    from dincl.events.active_set import ActiveSet
     from dincl.events.held import Held, Motion
 
 Floats = NDArray[np.float64]
 Dense = Callable[[float], Floats]
 # Looked at are the ends of this many equal parts of a step, and the lows in between.
 PARTS = 4
-# Speeds and pushes count as negative below this, relative to the largest speed: ten times what the choice allows.
+# Speeds and pushes count as negative below this, relative to the largest speed: ten times what the decision allows.
 NEGATIVE = 10 * ZERO
 
 
-class Found(NamedTuple):
+class NextEvent(NamedTuple):
     """An event: when, and for a gap that closes its row."""
 
     t: float
@@ -36,16 +36,16 @@ class Watch:
     """What must not become negative during a step, bound to the contacts chosen and the dense output.
 
     Pushes of the contacts that are held; for the other closed ones the distance of their speed from zero, since both
-    signs change the choice; the gaps of all others.
+    signs change the decision; the gaps of all others.
     """
 
-    def __init__(self, held: Held, choice: Choice, size: float, dense: Dense) -> None:
+    def __init__(self, held: Held, active: ActiveSet, size: float, dense: Dense) -> None:
         self._held, self._dense = held, dense
-        self._pushing, self._closed = frozenset(held.contacts.names), choice.closed
-        self._touching, self._zero = TOUCHING * size, NEGATIVE * choice.speed
+        self._pushing, self._closed = frozenset(held.contacts.names), active.closed
+        self._touching, self._zero = TOUCHING * size, NEGATIVE * active.speed
         self._motions: dict[float, Motion] = {}
 
-    def first(self, start: float, end: float) -> Found | None:
+    def first(self, start: float, end: float) -> NextEvent | None:
         """The first event in [start, end], or None."""
         nodes = [float(t) for t in np.linspace(start, end, PARTS + 1)]
         found = self._weak_push(nodes)
@@ -85,16 +85,16 @@ class Watch:
         rows = near(contacts.problem, nodes[0], start, 2 * max(moved) + self._touching, contacts.spacing)
         return rows.take(np.array([name not in self._pushing for name in rows.names], dtype=bool))
 
-    def _weak_push(self, nodes: list[float]) -> list[Found]:
+    def _weak_push(self, nodes: list[float]) -> list[NextEvent]:
         def least(t: float) -> float:
             return float(self._motion(t).push.min()) + self._zero
 
         return _event(first_negative(least, nodes), None) if self._pushing else []
 
-    def _stirs(self, row: Contacts, nodes: list[float]) -> list[Found]:
+    def _stirs(self, row: Contacts, nodes: list[float]) -> list[NextEvent]:
         return _event(first_negative(lambda t: self._zero - abs(float(self.speed(row, t)[0])), nodes), None)
 
-    def _closes(self, row: Contacts, nodes: list[float], gap: Floats, speed: Floats) -> list[Found]:
+    def _closes(self, row: Contacts, nodes: list[float], gap: Floats, speed: Floats) -> list[NextEvent]:
         """A gap that was just released starts at zero up to rounding, so its level is a little lower."""
         level = -self._touching if gap[0] <= self._touching else 0.0
 
@@ -110,5 +110,5 @@ class Watch:
         return []
 
 
-def _event(t: float | None, closing: Contacts | None) -> list[Found]:
-    return [] if t is None else [Found(t, closing)]
+def _event(t: float | None, closing: Contacts | None) -> list[NextEvent]:
+    return [] if t is None else [NextEvent(t, closing)]

@@ -12,7 +12,7 @@ from dincl.minimise.base import AHEAD, LIMIT, Iteration, Minimiser, check_choice
 from dincl.minimise.stop import RelativeMove, Stop
 
 if TYPE_CHECKING:
-    from dincl.minimise.contacts import Point
+    from dincl.minimise.working_set import Point
     from dincl.problem import Problem
 
 
@@ -75,12 +75,13 @@ class _Damped(Iteration):
         self.dtau = method.dtau
 
     def step(self, point: Point) -> None:
+        """A step (3.25); a is ``drag`` here."""
         m = self._method
         drag = m.damping * m.dtau / 2
         weights = point.multipliers * (m.alpha - m.gamma * point.values)
         push = m.dtau**2 * (m.alpha * point.gradient - point.pull(weights))
         x = (2 * point.x - (1 - drag) * self._before - push) / (1 + drag)
         # The rows may change with x, so the multipliers that belong to the old ones come first.
-        self.contacts.set(np.maximum(0.0, point.multipliers - m.dtau * m.beta * point.values))
+        self.rows.set(np.maximum(0.0, point.multipliers - m.dtau * m.beta * point.values))
         self.move(x)
         self._before = point.x

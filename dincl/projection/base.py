@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from dincl.checks import describe, number
-from dincl.constraints.rows import RowsOfOneKind, RowsTogether
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.projection.refine import on_active_rows
 from dincl.status import Status
@@ -17,8 +16,9 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import AffineRows, Rows
     from dincl.problem import Problem
+    from dincl.rows.affine import AffineRows
+    from dincl.rows.base import Rows
 
 # A point that violates by less than this part of the tolerance is its own nearest point, which its certificate says.
 NEGLIGIBLE = 1e-3
@@ -148,8 +148,3 @@ class Solver(ABC):
                 break
             found = better
         return found
-
-
-def blocks_of(rows: Rows) -> tuple[RowsOfOneKind, ...]:
-    """The blocks that rows are made of, each of one kind."""
-    return rows.blocks if isinstance(rows, RowsTogether) else (cast("RowsOfOneKind", rows),)

@@ -10,7 +10,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.projection.base import Projection
-from dincl.projection.kept import Kept
+from dincl.projection.program_cache import ProgramCache
 from dincl.projection.qp import InteriorPointSolver, QpAnswer
 from dincl.status import Status
 
@@ -58,7 +58,7 @@ class _CvxpySolver(InteriorPointSolver):
         import cvxpy
 
         self._cvxpy: Any = cvxpy
-        self._programs: Kept[_Program] = Kept(MOST_PROGRAMS)
+        self._programs: ProgramCache[_Program] = ProgramCache(MOST_PROGRAMS)
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
         key = (matrix.indptr.tobytes(), matrix.indices.tobytes())

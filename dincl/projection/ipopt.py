@@ -6,16 +6,16 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.errors import StepFailure
-from dincl.projection.base import Projected, Projection, Solver, blocks_of
-from dincl.projection.kept import Kept
+from dincl.projection.base import Projected, Projection, Solver
+from dincl.projection.program_cache import ProgramCache
 from dincl.status import Status
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import Rows
     from dincl.projection.nlp import Program
+    from dincl.rows.base import Rows
 
 # Compiled programs kept for the next time that the same rows are near.
 MOST_PROGRAMS = 64
@@ -54,10 +54,10 @@ class _IpoptSolver(Solver):
         from dincl.projection.nlp import Program
 
         self._compile = Program
-        self._programs: Kept[Program] = Kept(MOST_PROGRAMS)
+        self._programs: ProgramCache[Program] = ProgramCache(MOST_PROGRAMS)
 
     def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
-        blocks = blocks_of(rows)
+        blocks = rows.by_kind()
         scale = float(-rows.values(y).min())
         program = self._programs.get(rows.structure, lambda: self._compile(blocks, y.shape))
         x, lam, work, word = program.solve(blocks, y, guess, scale)

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.constraints.rows import AffineRows
 from dincl.errors import StepFailure
 from dincl.projection.base import Projected, Solver
 from dincl.status import Status
@@ -15,8 +14,9 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import Rows
     from dincl.csr import Csr
+    from dincl.rows.affine import AffineRows
+    from dincl.rows.base import Rows
 
 # Quadratic programs solved for one projection onto a curved set; each shortens the error by about the largest
 # multiplier over the distance it acts on.
@@ -52,13 +52,13 @@ class QpSolver(Solver):
 
     def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         linear = rows.linearised(guess)
-        iterations = 0
+        affine, iterations = linear is rows, 0
         for _ in range(MOST_RELINEARISATIONS):
             x, multipliers, work = self._onto(linear, y)
             iterations += work
-            here = linear if linear is rows else rows.linearised(x)
+            here = linear if affine else rows.linearised(x)
             found = self.certify(here, y, x, multipliers, iterations)
-            if found.residual <= self.tol or isinstance(rows, AffineRows):
+            if affine or found.residual <= self.tol:
                 break
             linear = here
         return found

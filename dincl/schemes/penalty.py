@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
-from dincl.near import Near
+from dincl.rows.near import Near
 from dincl.schemes.base import State, Stepper, TimeStepping
 
 if TYPE_CHECKING:
@@ -50,10 +50,11 @@ class Penalty(TimeStepping):
 class _PenaltyStepper(Stepper):
     def __init__(self, problem: Problem, scheme: Penalty) -> None:
         super().__init__(problem)
-        self._near = Near(problem, self.work)
+        self._near = Near(problem.constraints, self.work)
         self._scheme = scheme
 
     def step(self, t: float, h: float, state: State) -> State:
+        """A step of explicit Euler; rows that no particle can reach in it are not looked at."""
         velocity = self.velocity(t, state.x)
         reach = h * float(np.abs(velocity).max())
         rows = self._near.rows(t, state.x, reach)

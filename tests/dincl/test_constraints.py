@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.constraints.rows import AffineRows
+from dincl.rows.affine import AffineRows
 from dincl.work import Work
 
 RADII = np.array([0.3, 0.5, 0.4, 0.2, 0.35, 0.45])
@@ -130,7 +130,7 @@ def test_a_sweep_is_one_exact_projection_after_another(name, d, rng):
         family = FAMILIES[name](d)
         rows = family.select(y, 100.0)
         swept = y.copy()
-        family.sweeper(y).sweep(swept, work)
+        family.sweeper(y).sweep(0.0, swept, work)
         x, count = y.copy(), len(rows.values(y))
         for k in range(count):
             row = rows.take(np.arange(count) == k)

@@ -7,10 +7,10 @@ import pytest
 
 import dincl
 from dincl import ProjectedCG, scenes
-from dincl.constraints.rows import AffineRows
 from dincl.csr import csr, uniform
 from dincl.errors import StepFailure
 from dincl.kernels.proportioning import bounded_conjugate_gradients
+from dincl.rows.affine import AffineRows
 from dincl.status import Status
 
 

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 Program = TypeVar("Program")
 
 
-class Kept(Generic[Program]):
+class ProgramCache(Generic[Program]):
     """At most ``most`` programs by key; the least recently used one makes room."""
 
     def __init__(self, most: int) -> None:

@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.constraints.rows import AffineRows
-from dincl.events.contacts import Contacts, Name, near
+from dincl.events.contacts import Contacts, near
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
+from dincl.rows.affine import AffineRows
+from dincl.rows.near import Name
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -24,7 +25,7 @@ TOUCHING = 1e-13
 ZERO = 1e-10
 
 
-class Choice(NamedTuple):
+class ActiveSet(NamedTuple):
     """The contacts that push, by mask and name, and all that stay closed; the largest speed [length / time]."""
 
     held: Contacts
@@ -46,7 +47,7 @@ class Chooser:
         _, length, _ = rows.gradients(t, x)
         return rows.take(rows.values(t, x) <= allowed * length)
 
-    def choose(self, t: float, x: NDArray[np.float64]) -> Choice:
+    def choose(self, t: float, x: NDArray[np.float64]) -> ActiveSet:
         """The contacts from t on.
 
         A contact whose push and opening speed are both zero stays closed without being held. That is watched, and
@@ -57,7 +58,7 @@ class Chooser:
         pushing = push > ZERO * self._speed
         closed = pushing | (opening <= ZERO * self._speed)
         names = frozenset(name for name, stays in zip(contacts.names, closed, strict=True) if stays)
-        return Choice(contacts.take(pushing), names, self._speed)
+        return ActiveSet(contacts.take(pushing), names, self._speed)
 
     def _slide(
         self, contacts: Contacts, t: float, x: NDArray[np.float64]

@@ -1,4 +1,4 @@
-"""Plain Python twins of all kernels: same arguments, same results bit for bit, written to be read and not to be fast.
+"""Plain Python twins of the kernels of dincl: same arguments, same bits, written to be read and not to be fast.
 
 They loop over Python floats in the order of the kernels, because a sum taken in another order may round differently.
 """
@@ -6,9 +6,13 @@ They loop over Python floats in the order of the kernels, because a sum taken in
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
-from dincl.kernels._numba import Floats, Indices, Offsets
 from dincl.kernels.sweeps import COINCIDENT, OK, STALE
+
+Floats = NDArray[np.float64]
+Offsets = NDArray[np.int64]
+Indices = NDArray[np.int32]
 
 
 def _square_distance(a: Floats, b: Floats) -> float:
