@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
 
-from dincl.checks import LARGEST
 from dincl.rows.smooth import all_rows
 
 if TYPE_CHECKING:
@@ -42,6 +42,8 @@ class Constraint(ABC):
     or returns rows of a kind in ``dincl.rows`` that has more formulas. ``sweeper`` gives the exact projections that
     PBD goes through; without it, each violated row is linearised again and again at the point reached, which ends at
     its nearest point.
+
+    ``docs/extend/constraint.md`` says how a set or a kind of row is added to the package.
     """
 
     @abstractmethod
@@ -65,11 +67,11 @@ class Constraint(ABC):
 
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
         """The exact projections onto the single rows, in their documented order, for states of the shape of x."""
-        return self.select(x, LARGEST).sweeper(x.shape[1])
+        return self.select(x, math.inf).sweeper(x.shape[1])
 
     def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
         """Rows that show which particles the set ties: all of them, or enough to see that two rows share a particle."""
-        return self.select(x, LARGEST)
+        return self.select(x, math.inf)
 
     def displacement(self, t: float, d: int) -> NDArray[np.float64] | None:
         """How far the set was carried at time t, shape (d,); None for a set at rest. Only ``Moving`` gives another."""
@@ -84,7 +86,7 @@ class SetOfRows(Constraint):
         """As in Constraint."""
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.select(x, LARGEST).values(x)
+        return self.select(x, math.inf).values(x)
 
     def derivative(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.select(x, LARGEST).jacobian(x).dense()
+        return self.select(x, math.inf).jacobian(x).dense()

@@ -11,6 +11,7 @@ import numpy as np
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.projection.refine import on_active_rows
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -140,10 +141,10 @@ class Solver(ABC):
         for _ in range(MOST_COMPLETIONS):
             if found.residual <= self.tol:
                 break
-            linear = rows.linearised(found.point)
+            linear = linearised(rows, found.point)
             active = found.multipliers > linear.values(found.point)
             point, lam = on_active_rows(linear, y, found.multipliers, active)
-            better = self.certify(rows.linearised(point), y, point, lam, found.iterations)
+            better = self.certify(linearised(rows, point), y, point, lam, found.iterations)
             if not better.residual < found.residual:
                 break
             found = better

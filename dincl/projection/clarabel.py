@@ -61,6 +61,7 @@ class _ClarabelSolver(InteriorPointSolver):
         settings.reduced_tol_feas = settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = REDUCED_TOLERANCE
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """The interior-point method, from nothing: it has no use for multipliers to start with, nor for ``tol``."""
         from scipy.sparse import eye_array
 
         n, m = matrix.columns, matrix.rows

@@ -10,6 +10,7 @@ import numpy as np
 from dincl.csr import stack
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.projection.base import Projected, Projection, Solver
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -38,6 +39,7 @@ class ClosedForm(Projection):
     tol: float = field(default=ROUNDING, init=False)
 
     def check(self, problem: Problem) -> None:
+        """InvalidProblem, naming the first constraint that leaves no formula."""
         rows: list[RowsOfOneKind] = []
         for constraint in problem.constraints:
             rows.append(constraint.pattern(problem.x0))
@@ -64,9 +66,9 @@ class _ClosedFormSolver(Solver):
         blocks = rows.by_kind()
         multipliers = np.concatenate([np.zeros(len(block)) if block.affine else block.project(x) for block in blocks])
         flat = np.repeat([block.affine for block in blocks], [len(block) for block in blocks])
-        linear = rows.linearised(x)
+        linear = linearised(rows, x)
         multipliers[flat] = _onto_planes(linear.take(flat), x)
-        found = self.certify(rows.linearised(x), y, x, multipliers, 1)
+        found = self.certify(linearised(rows, x), y, x, multipliers, 1)
         if found.violation > self.tolerance(rows, y):
             raise StepFailure(Status.INFEASIBLE, "Parallel walls leave no room between them.")
         return found
@@ -98,7 +100,7 @@ def _served(blocks: Sequence[RowsOfOneKind], count: int, size: int) -> bool:
     used = sum((block.used(count) for block in curved), np.zeros(count, dtype=np.int64))
     if len(curved) == len(blocks):
         return bool(used.max() <= 1)
-    matrix = stack([block.linearised(np.zeros(0)).matrix for block in blocks if block.affine], size)
+    matrix = stack([block.jacobian(np.zeros(0)) for block in blocks if block.affine], size)
     walled = np.zeros(count, dtype=np.bool_)
     walled[matrix.indices // (size // count)] = True
     gram = (matrix.scipy() @ matrix.scipy().T).tocoo()

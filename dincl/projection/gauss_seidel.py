@@ -52,6 +52,7 @@ class _GaussSeidelSolver(QpSolver):
         self._sweeps = sweeps.dual_sweeps
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """Sweeps over the multipliers, from those given."""
         mu = multipliers.copy()
         norm2 = matrix.norms_squared()
         norm2[norm2 == 0] = 1.0

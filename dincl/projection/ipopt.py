@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from dincl.errors import StepFailure
 from dincl.projection.base import Projected, Projection, Solver
 from dincl.projection.program_cache import ProgramCache
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -64,4 +65,4 @@ class _IpoptSolver(Solver):
         if word not in FOUND:
             status = Status.INFEASIBLE if word == INFEASIBLE else Status.NOT_CONVERGED
             raise StepFailure(status, f"ipopt stopped: {word}.")
-        return self.completed(rows, y, self.certify(rows.linearised(x), y, x, lam, work))
+        return self.completed(rows, y, self.certify(linearised(rows, x), y, x, lam, work))

@@ -53,6 +53,7 @@ class _PiqpSolver(InteriorPointSolver):
         self._library: Any = piqp
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """The interior-point method, from nothing: it has no use for multipliers to start with, nor for ``tol``."""
         from scipy.sparse import csc_matrix, eye_array
 
         n = matrix.columns

@@ -58,6 +58,7 @@ class _ProjectedCGSolver(QpSolver):
         self._ties = np.zeros(0, dtype=np.int64)
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """Conjugate gradients on the multipliers, from those given."""
         mu = multipliers.copy()
         self._ties = _ties(matrix)
         allowed = SHARE * tol

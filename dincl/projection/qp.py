@@ -9,6 +9,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.projection.base import Projected, Solver
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -51,12 +52,12 @@ class QpSolver(Solver):
         self._multipliers = np.zeros(0)
 
     def _nearest(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
-        linear = rows.linearised(guess)
+        linear = linearised(rows, guess)
         affine, iterations = linear is rows, 0
         for _ in range(MOST_RELINEARISATIONS):
             x, multipliers, work = self._onto(linear, y)
             iterations += work
-            here = linear if affine else rows.linearised(x)
+            here = linear if affine else linearised(rows, x)
             found = self.certify(here, y, x, multipliers, iterations)
             if affine or found.residual <= self.tol:
                 break

@@ -7,3 +7,27 @@ kind is one new file here, and nothing else branches on kinds. Positions x have 
 columns, particle by particle. Multipliers belong to g as written in a kind: the reaction is
 ``sum_k multipliers_k grad g_k``  (1.26).
 """
+
+from dincl.rows.affine import AffineRows, linearised
+from dincl.rows.base import Rows, RowsOfOneKind
+from dincl.rows.curved import CurvedRows
+from dincl.rows.distance import DistanceRows
+from dincl.rows.near import Near
+from dincl.rows.polynomial import Polynomial
+from dincl.rows.smooth import SmoothRows
+from dincl.rows.sweeper import Sweeper
+from dincl.rows.together import RowsTogether
+
+__all__ = [
+    "AffineRows",
+    "CurvedRows",
+    "DistanceRows",
+    "Near",
+    "Polynomial",
+    "Rows",
+    "RowsOfOneKind",
+    "RowsTogether",
+    "SmoothRows",
+    "Sweeper",
+    "linearised",
+]

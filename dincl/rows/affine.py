@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.csr import Csr
+    from dincl.rows.base import Rows
     from dincl.work import Work
 
 
@@ -35,9 +36,6 @@ class AffineRows(RowsOfOneKind):
 
     def jacobian(self, x: NDArray[np.float64]) -> Csr:
         return self.matrix
-
-    def linearised(self, x: NDArray[np.float64]) -> AffineRows:
-        return self
 
     def take(self, keep: NDArray[np.bool_]) -> AffineRows:
         return self if keep.all() else AffineRows(self.matrix.take(keep), self.bound[keep])
@@ -64,6 +62,14 @@ class AffineRows(RowsOfOneKind):
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
         """(a . x - b) / s."""
         return Polynomial(self.values(y) / scale, self.matrix, np.zeros(len(self.bound)))
+
+
+def linearised(rows: Rows, x: NDArray[np.float64]) -> AffineRows:
+    """The inner convex approximation at x, g(x) + dg/dx (z - x) >= 0  (section 1.1.2 of chapter 2)."""
+    if isinstance(rows, AffineRows):
+        return rows
+    matrix = rows.jacobian(x)
+    return AffineRows(matrix, matrix.times(x.ravel()) - rows.values(x))
 
 
 class AffineSweeper(Sweeper):

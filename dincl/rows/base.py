@@ -11,7 +11,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.csr import Csr
-    from dincl.rows.affine import AffineRows
     from dincl.rows.polynomial import Polynomial
     from dincl.rows.sweeper import Sweeper
 
@@ -28,10 +27,6 @@ class Rows(ABC):
         """dg/dx at x, m rows and N*d columns; StepFailure where it is not defined."""
 
     @abstractmethod
-    def linearised(self, x: NDArray[np.float64]) -> AffineRows:
-        r"""The inner convex approximation at x, g(x) + dg/dx (z - x) >= 0  (section 1.1.2 of chapter 2)."""
-
-    @abstractmethod
     def by_kind(self) -> tuple[RowsOfOneKind, ...]:
         """The same rows, in blocks of one kind."""
 
@@ -44,7 +39,7 @@ class Rows(ABC):
 class RowsOfOneKind(Rows):
     """Rows that share one formula; ``len(rows)`` is m.
 
-    A kind must have the abstract methods, here and in Rows (for curved rows, ``CurvedRows`` has some of them). The
+    A kind must have the abstract methods, here and in Rows (``CurvedRows`` has a sweeper for rows without formula). The
     others say what else is known of its formula; they may stay as they are, which costs speed and not correctness.
     """
 
@@ -84,7 +79,10 @@ class RowsOfOneKind(Rows):
         return (type(self).__name__, len(self))
 
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial | None:
-        """Quadratic polynomials that are >= 0 just where g is, around y (N, d); None if g itself is to be called."""
+        """Quadratic polynomials that are >= 0 just where g is, around y (N, d); None if g itself is to be called.
+
+        A kind that has them says in ``structure`` which particles they tie: a program is compiled once for each.
+        """
         return None
 
     def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -1,4 +1,4 @@
-"""What curved rows of every kind have in common: their linearisation, and the nearest point of a single one."""
+"""What curved rows of every kind have in common: the nearest point of a single one."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.errors import StepFailure
-from dincl.rows.affine import AffineRows
+from dincl.rows.affine import linearised
 from dincl.rows.base import RowsOfOneKind
 from dincl.rows.sweeper import Sweeper
 from dincl.status import Status
@@ -15,7 +15,6 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.csr import Csr
     from dincl.work import Work
 
 # A row is projected until a step moves less than this, relative to the first or to x; never more than LIMIT.
@@ -23,17 +22,8 @@ NEWTON_TOLERANCE = 1e-13
 NEWTON_LIMIT = 50
 
 
-def tangent_rows(matrix: Csr, values: NDArray[np.float64], x: NDArray[np.float64]) -> AffineRows:
-    """The rows values + matrix (z - x) >= 0."""
-    return AffineRows(matrix, matrix.times(x.ravel()) - values)
-
-
 class CurvedRows(RowsOfOneKind):
     """Rows that are not affine: a kind of them needs no formula for its projections."""
-
-    def linearised(self, x: NDArray[np.float64]) -> AffineRows:
-        matrix = self.jacobian(x)
-        return tangent_rows(matrix, self.values(x), x)
 
     def sweeper(self, d: int) -> Sweeper:
         return CurvedSweeper(self)
@@ -60,7 +50,7 @@ class CurvedSweeper(Sweeper):
 def _nearest(row: RowsOfOneKind, y: NDArray[np.float64]) -> NDArray[np.float64]:
     x, first = y, 0.0
     for _ in range(NEWTON_LIMIT):
-        linear = row.linearised(x)
+        linear = linearised(row, x)
         gradient = linear.matrix.dense()
         norm2 = float((gradient * gradient).sum())
         if norm2 == 0:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.norms import longest
+from dincl.rows.affine import AffineRows, linearised
 from dincl.rows.together import RowsTogether
 
 if TYPE_CHECKING:
@@ -18,7 +19,6 @@ if TYPE_CHECKING:
 
     from dincl.constraints.base import Constraint
     from dincl.csr import Csr
-    from dincl.rows.affine import AffineRows
     from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
 
@@ -48,22 +48,20 @@ class Selection:
 
     def at(self, t: float) -> RowsTogether:
         """The rows at time t."""
-        d = self.shape[1]
+        count, d = self.shape
         shifts = [constraint.displacement(t, d) for constraint in self.constraints]
-        placed = [
-            block if shift is None else block.shifted(shift) for block, shift in zip(self.blocks, shifts, strict=True)
-        ]
-        return RowsTogether(tuple(placed), self.shape[0] * d)
+        pairs = zip(self.blocks, shifts, strict=True)
+        return RowsTogether(tuple([b if shift is None else b.shifted(shift) for b, shift in pairs]), count * d)
 
     def linearised(self, t: float, x: NDArray[np.float64], carried_to: float | None = None) -> AffineRows:
         """The rows of time t linearised at x (N, d), and then carried, with their sets, to another time."""
         rows = self.at(t)
         moves = None if carried_to is None else self._moves(t, carried_to)
         if moves is None:
-            return rows.linearised(x)
+            return linearised(rows, x)
         pairs = zip(rows.blocks, moves, strict=True)
-        carried = tuple(block.linearised(x).shifted(move) for block, move in pairs)
-        return RowsTogether(carried, rows.size).linearised(x)
+        carried = tuple(linearised(block, x).shifted(move) for block, move in pairs)
+        return linearised(RowsTogether(carried, rows.size), x)
 
     def take(self, keep: NDArray[np.bool_]) -> Selection:
         """The rows where ``keep`` (m,) is true."""
@@ -155,11 +153,16 @@ class Near:
         self._constraints = constraints
         self._parts = [_NearOne(constraint) for constraint in constraints]
         self._work = work
+        self._selection: Selection | None = None
 
     def select(self, t: float, x: NDArray[np.float64], reach: float) -> Selection:
         """The near rows, to be taken at any time."""
-        blocks = tuple(part.rows(t, x, reach, self._work) for part in self._parts)
-        return Selection(self._constraints, blocks, x.shape)
+        builds = self._work.neighbour_builds
+        blocks = tuple([part.rows(t, x, reach, self._work) for part in self._parts])
+        # Only a build changes which rows there are.
+        if self._selection is None or self._work.neighbour_builds != builds:
+            self._selection = Selection(self._constraints, blocks, x.shape)
+        return self._selection
 
     def rows(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
         """The near rows at time t."""

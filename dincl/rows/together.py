@@ -9,13 +9,11 @@ import numpy as np
 
 from dincl.csr import stack
 from dincl.rows.base import Rows, RowsOfOneKind
-from dincl.rows.curved import tangent_rows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.csr import Csr
-    from dincl.rows.affine import AffineRows
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +31,6 @@ class RowsTogether(Rows):
 
     def jacobian(self, x: NDArray[np.float64]) -> Csr:
         return stack([block.jacobian(x) for block in self.blocks], self.size)
-
-    def linearised(self, x: NDArray[np.float64]) -> AffineRows:
-        matrix = self.jacobian(x)
-        return tangent_rows(matrix, self.values(x), x)
 
     @property
     def structure(self) -> tuple[Any, ...]:

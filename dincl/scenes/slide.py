@@ -68,6 +68,7 @@ class _Frame(NamedTuple):
 
     @classmethod
     def of(cls, slide: Slide) -> _Frame:
+        """The frame of a slide, in the present precision of mpmath."""
         import mpmath
 
         start, drift = (np.array([mpmath.mpf(c) for c in vector], dtype=object) for vector in slide[:2])

@@ -18,6 +18,7 @@ import pandas as pd
 import dincl
 from dincl.errors import StepFailure
 from dincl.projection import Projection
+from dincl.rows.affine import linearised
 from dincl.rows.near import Near
 from dincl.scenes import pile
 from dincl.scenes.scene import Scene
@@ -134,7 +135,7 @@ def _projection_row(name: str, projection: Projection, kind: str, scene: Scene, 
     rng = np.random.default_rng(0)
     moves = 0.01 * scene.velocity(0.0, x) * rng.uniform(0.8, 1.2, size=(VARIANTS, *x.shape))
     near = Near(scene.constraints, Work()).rows(0.0, x, 0.02)
-    rows = near.linearised(x) if kind == "S~" else near
+    rows = linearised(near, x) if kind == "S~" else near
     solver = projection.solver()
     result: dict[str, Any] = {"back_end": name, "set": kind, "n": len(x), "rows": len(rows.values(x))}
     try:
