@@ -114,6 +114,7 @@ def test_named_things_exist():
                 "minimise",
                 "project",
                 "projection",
+                "rows",
                 "scenes",
                 "shapes",
                 "solve",
