@@ -1,6 +1,6 @@
 """Differential inclusions x' in F(t, x) - N(S, x): problems, schemes, projections."""
 
-from dincl import checks, constraints, geometry, projection, scenes, shapes
+from dincl import checks, constraints, geometry, projection, rows, scenes, shapes
 from dincl.constraints import (
     Constraint,
     DifferentiableConstraint,
@@ -116,6 +116,7 @@ __all__ = [
     "minimise",
     "project",
     "projection",
+    "rows",
     "scenes",
     "shapes",
     "solve",

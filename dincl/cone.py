@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.constraints.rows import AffineRows
 from dincl.projection.daqp import Daqp
 from dincl.projection.piqp import Piqp
+from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

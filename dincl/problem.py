@@ -13,9 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import call, numbers
 from dincl.checks import array, describe
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import RowsOfOneKind, RowsTogether
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.pickles import check_pickles
+from dincl.rows.base import RowsOfOneKind
+from dincl.rows.near import select
+from dincl.rows.together import RowsTogether
 from dincl.status import Status
 
 # A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
@@ -82,8 +84,7 @@ class Problem:
 
     def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
         """All rows that can be violated at time t once every particle moved by at most ``reach`` from x."""
-        blocks = tuple(constraint.near(t, x, reach) for constraint in self.constraints)
-        return RowsTogether(blocks, self.x0.size)
+        return select(self.constraints, t, x, reach).at(t)
 
     def violation(self, t: float, x: NDArray[np.float64]) -> float:
         """max_k max(0, -g_k(x)) at time t, over all constraints [units of g]; infinite where one is not defined."""
@@ -119,16 +120,15 @@ def _families(constraints: Sequence[Constraint]) -> tuple[Constraint, ...]:
 
 
 def _check_rows(constraint: Constraint, x: NDArray[np.float64]) -> None:
-    rows: Any = constraint.near(0.0, x, 0.0)
+    rows: Any = select((constraint,), 0.0, x, 0.0).blocks[0]
     if not isinstance(rows, RowsOfOneKind):
         name = type(constraint).__name__
-        raise InvalidProblem(
-            f"constraints: {name}.select returned {describe(rows)}: must be AffineRows, DistanceRows or SmoothRows"
-        )
+        allowed = "must be AffineRows, DistanceRows or rows of another kind of dincl.rows"
+        raise InvalidProblem(f"constraints: {name}.select returned {describe(rows)}: {allowed}")
 
 
 def _check_feasible(constraint: Constraint, x: NDArray[np.float64]) -> None:
-    rows = constraint.near(0.0, x, 0.0)
+    (rows,) = select((constraint,), 0.0, x, 0.0).at(0.0).blocks
     values = rows.values(x)
     allowed = START_TOLERANCE * float(np.abs(x).max())
     if values.min(initial=0.0) < -allowed:

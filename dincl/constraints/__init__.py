@@ -1,4 +1,4 @@
-"""The sets: one family per file, all made of the rows in ``rows.py``."""
+"""The sets: one family per file, all made of rows of the kinds in ``dincl.rows``."""
 
 from dincl.constraints.balls import InsideBall, OutsideBall
 from dincl.constraints.base import Constraint
@@ -8,14 +8,11 @@ from dincl.constraints.links import MaxDistance
 from dincl.constraints.moving import Moving
 from dincl.constraints.nonoverlap import NonOverlap
 from dincl.constraints.order import Ordered
-from dincl.constraints.rows import AffineRows, DistanceRows, RowsOfOneKind, SmoothRows
 from dincl.constraints.smooth import Smooth
 
 __all__ = [
-    "AffineRows",
     "Constraint",
     "DifferentiableConstraint",
-    "DistanceRows",
     "HalfSpace",
     "InsideBall",
     "MaxDistance",
@@ -23,7 +20,5 @@ __all__ = [
     "NonOverlap",
     "Ordered",
     "OutsideBall",
-    "RowsOfOneKind",
     "Smooth",
-    "SmoothRows",
 ]

@@ -9,8 +9,7 @@ import numpy as np
 
 from dincl.checks import array, lengths, spread, vector
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import DistanceRows
-from dincl.sweepers import DistanceSweeper, Sweeper
+from dincl.rows.distance import DistanceRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -43,9 +42,6 @@ class _FixedBall(Constraint):
     def select(self, x: NDArray[np.float64], reach: float) -> DistanceRows:
         rows = self.rows(x)
         return rows.take(rows.values(x) <= reach)
-
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return DistanceSweeper(self.rows(x), x.shape[1])
 
 
 class OutsideBall(_FixedBall):

@@ -1,7 +1,8 @@
-"""What every constraint offers: the rows that matter near a state, and its exact projections one row after another."""
+"""What a constraint is: the rows that matter near a state, and what follows from them."""
 
 from __future__ import annotations
 
+import math
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING
 
@@ -9,30 +10,39 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsOfOneKind
-    from dincl.sweepers import Sweeper
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.rows.sweeper import Sweeper
 
 
 class Constraint(ABC):
-    """A set {x : g(x) >= 0}, checked at construction and, against a problem's shape, when the problem is made."""
+    """A set S = {x : g(x) >= 0}, given by its rows, which are of a kind of ``dincl.rows``.
 
-    @abstractmethod
-    def check(self, count: int, d: int) -> None:
+    Derive from ``DifferentiableConstraint`` for a set of one's own with a g and its Jacobian; from this class for a set
+    of many rows of which few matter at a time, best as a frozen dataclass that checks its arguments. Needed is
+    ``select`` alone; states x have shape (N, d), and are read and not changed. A constraint itself knows no time:
+    ``dincl.Moving(constraint, path)`` carries it along a path.
+
+    All else is optional. ``check`` refuses a problem that the set does not fit. ``sweeper`` gives the exact projections
+    that PBD goes through; without it, they are those of the rows: each kind knows its own.
+
+    ``docs/extend/constraint.md`` says how a set or a kind of row is added to the package.
+    """
+
+    def check(self, count: int, d: int) -> None:  # noqa: B027 - many sets fit every problem
         """Raise InvalidProblem unless the constraint fits ``count`` particles in dimension d."""
 
     @abstractmethod
     def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
         """The rows that can be violated after every particle moved by at most ``reach`` from x (N, d), or more rows."""
 
-    def near(self, t: float, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
-        """The same at time t, for a set that may have been carried."""
-        shift = self.displacement(t, x.shape[1])
-        return self.select(x, reach) if shift is None else self.select(x - shift, reach).shifted(shift)
-
-    @abstractmethod
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
         """The exact projections onto the single rows, in their documented order, for states of the shape of x."""
+        return self.select(x, math.inf).sweeper(x.shape[1])
+
+    def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
+        """Rows that show which particles the set ties: all of them, or enough to see that two rows share a particle."""
+        return self.select(x, math.inf)
 
     def displacement(self, t: float, d: int) -> NDArray[np.float64] | None:
-        """How far the set was carried at time t, shape (d,); None for a set at rest."""
+        """How far the set was carried at time t, shape (d,); None for a set at rest. Only ``Moving`` gives another."""
         return None

@@ -9,13 +9,14 @@ import numpy as np
 
 from dincl.checks import LARGEST, array, lengths, number, spread, vector
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import AffineRows
 from dincl.csr import uniform
 from dincl.errors import InvalidProblem
-from dincl.sweepers import Sweeper, WallSweeper
+from dincl.rows.affine import AffineRows, WallSweeper
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from dincl.rows.sweeper import Sweeper
 
 
 @dataclass(frozen=True, eq=False)

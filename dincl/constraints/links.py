@@ -9,9 +9,8 @@ import numpy as np
 
 from dincl.checks import indices, lengths, spread, within
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import DistanceRows
 from dincl.errors import InvalidProblem
-from dincl.sweepers import DistanceSweeper, Sweeper
+from dincl.rows.distance import DistanceRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -53,6 +52,3 @@ class MaxDistance(Constraint):
         """The threads with a slack of at most 2 reach."""
         rows = self.rows()
         return rows.take(rows.values(x) <= 2 * reach)
-
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return DistanceSweeper(self.rows(), x.shape[1])

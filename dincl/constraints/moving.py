@@ -9,6 +9,7 @@ from dincl.callables import call, numbers
 from dincl.checks import describe
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
+from dincl.rows.sweeper import Sweeper
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -17,8 +18,8 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsOfOneKind
-    from dincl.sweepers import Sweeper
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.work import Work
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,5 +62,22 @@ class Moving(Constraint):
         """The near rows of the set at rest; x is given relative to the displacement."""
         return self.constraint.select(x, reach)
 
+    def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
+        return self.constraint.pattern(x)
+
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return self.constraint.sweeper(x)
+        return _CarriedSweeper(self, self.constraint.sweeper(x))
+
+
+class _CarriedSweeper(Sweeper):
+    """The sweeps of a set at rest, seen from where it was carried."""
+
+    def __init__(self, moving: Moving, at_rest: Sweeper) -> None:
+        self._moving, self._at_rest = moving, at_rest
+        self.idle = at_rest.idle
+
+    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
+        shift = self._moving.displacement(t, x.shape[1])
+        x -= shift
+        self._at_rest.sweep(t, x, work)
+        x += shift

@@ -9,13 +9,14 @@ import numpy as np
 
 from dincl.checks import indices, lengths, spread, within
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import DistanceRows
 from dincl.errors import InvalidProblem
-from dincl.pairs import near_pairs
-from dincl.sweepers import PairSweeper, Sweeper
+from dincl.rows.distance import DistanceRows
+from dincl.rows.pairs import PairSweeper, near_pairs
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+
+    from dincl.rows.sweeper import Sweeper
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,3 +71,8 @@ class NonOverlap(Constraint):
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
         discs = self.discs(len(x))
         return PairSweeper(self.radii(len(x))[discs], None if self.among is None else discs)
+
+    def pattern(self, x: NDArray[np.float64]) -> DistanceRows:
+        """Of many discs, two pairs are enough."""
+        others = np.arange(1, min(len(x), 3))
+        return DistanceRows(others, np.zeros_like(others), np.ones(len(others)), 1.0)

@@ -9,10 +9,9 @@ import numpy as np
 
 from dincl.checks import indices, integer, within
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import AffineRows
 from dincl.csr import uniform
 from dincl.errors import InvalidProblem
-from dincl.sweepers import AffineSweeper, Sweeper
+from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -56,6 +55,3 @@ class Ordered(Constraint):
         """The neighbours in the chain that are at most 2 reach apart."""
         rows = self.rows(x)
         return rows.take(rows.values(x) <= 2 * reach)
-
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return AffineSweeper(self.rows(x))

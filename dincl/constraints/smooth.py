@@ -5,20 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
-
-from dincl.callables import call, numbers
 from dincl.checks import describe
 from dincl.constraints.base import Constraint
-from dincl.constraints.rows import SmoothRows
-from dincl.errors import InvalidProblem, StepFailure
-from dincl.status import Status
-from dincl.sweepers import SmoothSweeper, Sweeper
+from dincl.errors import InvalidProblem
+from dincl.rows.smooth import all_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
+    import numpy as np
     from numpy.typing import NDArray
+
+    from dincl.rows.smooth import SmoothRows
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,15 +41,6 @@ class Smooth(Constraint):
             if not callable(getattr(self, name)):
                 raise InvalidProblem(f"{name} = {describe(getattr(self, name))}: must be a callable of x (N, d)")
 
-    def check(self, count: int, d: int) -> None:
-        """Nothing to compare before there is a state; shapes are checked at every evaluation."""
-
     def select(self, x: NDArray[np.float64], reach: float) -> SmoothRows:
         """All rows."""
-        value = numbers("g", Status.CONSTRAINT_FAILED, call("g", Status.CONSTRAINT_FAILED, self.g, x))
-        if value.ndim != 1:
-            raise StepFailure(Status.CONSTRAINT_FAILED, f"g returned an array of shape {value.shape}: must be (m,).")
-        return SmoothRows(self.g, self.jacobian, len(value), np.arange(len(value)))
-
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return SmoothSweeper(self.select(x, 0.0))
+        return all_rows(self.g, self.jacobian, x)

@@ -38,7 +38,7 @@ class Held:
     def __init__(self, contacts: ContactRows, size: float, work: Work) -> None:
         self.contacts = contacts
         self._size, self._work = size, work
-        self._any = any(len(block) for block in contacts.blocks)
+        self._any = len(contacts) > 0
 
     def rate(self, t: float, flat: NDArray[np.float64]) -> NDArray[np.float64]:
         """x' at t and x (N d,), shape (N d,)."""

@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsTogether
     from dincl.csr import Csr
+    from dincl.rows.together import RowsTogether
 
 # Central differences of the gradients, with this step relative to the largest coordinate: the cube root of rounding.
 STEP = float(np.cbrt(np.finfo(float).eps))

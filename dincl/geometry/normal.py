@@ -10,16 +10,17 @@ import numpy as np
 
 from dincl.checks import describe, number
 from dincl.cone import TOLERANCE, nearest, split
-from dincl.constraints.rows import AffineRows
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import checked, closed, failures_told, of_shape
+from dincl.rows.affine import AffineRows
+from dincl.rows.near import select
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.csr import Csr
-    from dincl.events.contacts import Name
     from dincl.problem import Problem
+    from dincl.rows.near import Name
 
 # A vector this much shorter than u counts as zero: ten times the accuracy of the projections onto cones.
 NEGLIGIBLE = 10 * TOLERANCE
@@ -134,14 +135,13 @@ def normal_cone(problem: Problem, t: float, x: ArrayLike, tol: float) -> NormalC
 
 def cone_at(problem: Problem, t: float, x: NDArray[np.float64], tol: float) -> NormalCone:
     """The same for checked input; StepFailure where a gradient is not defined."""
-    rows = problem.rows_within(t, x, tol)
+    near = select(problem.constraints, t, x, tol)
+    rows = near.at(t)
     matrix = rows.jacobian(x)
     length = np.sqrt(matrix.norms_squared())
     keep = closed(rows.values(x) / np.where(length == 0, 1.0, length), tol)
-    labels = [(family, block, k) for family, block in enumerate(rows.blocks) for k in range(len(block))]
     count, d = x.shape
-    names = tuple((family, block.label(k, d)) for (family, block, k), kept in zip(labels, keep, strict=True) if kept)
-    return NormalCone(names, matrix.take(keep), (count, d))
+    return NormalCone(near.take(keep).names, matrix.take(keep), (count, d))
 
 
 def support(

@@ -9,16 +9,16 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.cone import nearest
-from dincl.constraints.rows import AffineRows
 from dincl.events.contacts import near
 from dincl.geometry.active import checked, closed, failures_told, of_shape
 from dincl.norms import longest
+from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from dincl.events.contacts import Name
     from dincl.problem import Problem
+    from dincl.rows.near import Name
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,13 +1,13 @@
 """Compiled loops on plain arrays, loaded on first use so that importing ``dincl`` does not import numba.
 
-Every kernel is stateless: arrays in, arrays out. Each has a plain Python twin in :mod:`dincl.kernels.twins` that does
+Every kernel is stateless: arrays in, arrays out. Each has a plain Python twin, with which the tests compare it: it does
 the same floating-point operations in the same order, so that both agree bit for bit.
 """
 
 from importlib import import_module
 from types import ModuleType
 
-SUBMODULES = ("neighbours", "sweeps", "twins")
+SUBMODULES = ("neighbours", "sweeps")
 
 
 def __getattr__(name: str) -> ModuleType:

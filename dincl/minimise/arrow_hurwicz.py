@@ -11,7 +11,7 @@ from dincl.checks import number
 from dincl.minimise.base import AHEAD, LIMIT, Iteration, Minimiser, check_choices
 
 if TYPE_CHECKING:
-    from dincl.minimise.contacts import Point
+    from dincl.minimise.iteration_rows import Point
     from dincl.minimise.stop import Stop
     from dincl.problem import Problem
 
@@ -62,6 +62,6 @@ class _ArrowHurwicz(Iteration):
         self._method = method
 
     def step(self, point: Point) -> None:
-        method, contacts = self._method, self.contacts
+        method, rows = self._method, self.rows
         self.move(point.x - method.alpha * (point.gradient - point.pull(point.multipliers)))
-        contacts.set(np.maximum(0.0, contacts.multipliers - method.beta * contacts.values(self.x)))
+        rows.set(np.maximum(0.0, rows.multipliers - method.beta * rows.values(self.x)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.checks import LARGEST, bounded, describe, integer
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.minimise.contacts import IterationRows
+from dincl.minimise.iteration_rows import IterationRows
 from dincl.minimise.stop import Stop
 from dincl.norms import longest
 from dincl.status import Status
@@ -18,7 +18,7 @@ from dincl.work import Work
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.minimise.contacts import Point
+    from dincl.minimise.iteration_rows import Point
     from dincl.problem import Problem
 
 # Steps after which an iteration gives up, unless told otherwise; nothing hangs.
@@ -44,7 +44,7 @@ class Minimiser(ABC):
 
 
 class Iteration(ABC):
-    """A minimiser at work on one problem; ``x`` (N, d) and the multipliers in ``contacts`` are always finite."""
+    """A minimiser at work on one problem; ``x`` (N, d) and the multipliers in ``rows`` are always finite."""
 
     # The length of a step in (3.24).
     dtau = 1.0
@@ -52,13 +52,13 @@ class Iteration(ABC):
     def __init__(self, problem: Problem, *, squared: bool = False, ahead: float) -> None:
         self.problem = problem
         self.work = Work(degrees_of_freedom=problem.x0.size)
-        self.contacts = IterationRows(problem, self.work, squared=squared, ahead=ahead)
+        self.rows = IterationRows(problem, self.work, squared=squared, ahead=ahead)
         self.x = problem.x0
-        self.contacts.update(self.x, 0.0)
+        self.rows.update(self.x, 0.0)
 
     def point(self) -> Point:
         """The present x and multipliers, with all that belongs to them."""
-        return self.contacts.point(self.x, self.gradient(self.x))
+        return self.rows.point(self.x, self.gradient(self.x))
 
     @abstractmethod
     def step(self, point: Point) -> None:
@@ -75,7 +75,7 @@ class Iteration(ABC):
             raise StepFailure(Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude.")
         length = longest(x - self.x)
         self.x = x
-        self.contacts.update(x, length)
+        self.rows.update(x, length)
 
 
 def check_choices(stop: Stop, limit: int, squared: bool) -> None:

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.constraints.rows import AffineRows, DistanceRows, SmoothRows
-
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsOfOneKind
+    from dincl.rows.base import RowsOfOneKind
 
 
 def left_over(
@@ -44,16 +42,5 @@ def left_over(
 
 def row_names(rows: RowsOfOneKind) -> NDArray[Any]:
     """One comparable name for each row of a constraint, shape (m,): the particles that it ties, or its number."""
-    columns: list[NDArray[np.int64]]
-    match rows:
-        case DistanceRows():
-            columns = [rows.i, rows.i if rows.j is None else rows.j]
-        case AffineRows():
-            starts = rows.matrix.indptr
-            columns = [rows.matrix.indices[starts[:-1]], rows.matrix.indices[starts[1:] - 1]]
-        case SmoothRows():
-            columns = [rows.index, rows.index]
-        case _:
-            raise TypeError(f"rows of the kind {type(rows).__name__} have no names")
-    pairs = np.column_stack(columns).astype(np.int64)
+    pairs = rows.keys().astype(np.int64)
     return np.ascontiguousarray(pairs).view([("first", np.int64), ("last", np.int64)]).ravel()

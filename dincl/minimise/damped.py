@@ -12,7 +12,7 @@ from dincl.minimise.base import AHEAD, LIMIT, Iteration, Minimiser, check_choice
 from dincl.minimise.stop import RelativeMove, Stop
 
 if TYPE_CHECKING:
-    from dincl.minimise.contacts import Point
+    from dincl.minimise.iteration_rows import Point
     from dincl.problem import Problem
 
 
@@ -82,6 +82,6 @@ class _Damped(Iteration):
         push = m.dtau**2 * (m.alpha * point.gradient - point.pull(weights))
         x = (2 * point.x - (1 - drag) * self._before - push) / (1 + drag)
         # The rows may change with x, so the multipliers that belong to the old ones come first.
-        self.contacts.set(np.maximum(0.0, point.multipliers - m.dtau * m.beta * point.values))
+        self.rows.set(np.maximum(0.0, point.multipliers - m.dtau * m.beta * point.values))
         self.move(x)
         self._before = point.x

@@ -13,9 +13,9 @@ from dincl.errors import StepFailure
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsTogether
     from dincl.minimise.base import Minimiser
     from dincl.problem import Problem
+    from dincl.rows.together import RowsTogether
     from dincl.status import Status
     from dincl.work import Work
 

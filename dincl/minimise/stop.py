@@ -13,7 +13,7 @@ from dincl.checks import number
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.minimise.contacts import Point
+    from dincl.minimise.iteration_rows import Point
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ from dincl.minimise.stop import Stationary
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.minimise.contacts import Point
+    from dincl.minimise.iteration_rows import Point
     from dincl.problem import Problem
 
 # The inner problem is solved to this part of the tolerance.
@@ -67,17 +67,17 @@ class _Uzawa(Iteration):
         self._method = method
 
     def step(self, point: Point) -> None:
-        contacts = self.contacts
+        rows = self.rows
         self.move(self._inner(point))
-        contacts.set(np.maximum(0.0, contacts.multipliers - self._method.step * contacts.gaps(self.x)))
+        rows.set(np.maximum(0.0, rows.multipliers - self._method.step * rows.gaps(self.x)))
 
     def _inner(self, point: Point) -> NDArray[np.float64]:
         """Where grad W = sum_k lambda_k grad g_k, over the rows that have a multiplier."""
-        blocks, weights = self.contacts.take(point.active), point.multipliers[point.active]
+        blocks, weights = self.rows.take(point.active), point.multipliers[point.active]
 
         def slope(flat: NDArray[np.float64]) -> NDArray[np.float64]:
             x = flat.reshape(point.x.shape)
-            pull = self.contacts.gradients(blocks, x).transposed_times(weights)
+            pull = self.rows.gradients(blocks, x).transposed_times(weights)
             return self.gradient(x).ravel() - pull
 
         flat, steps = free_minimum(slope, point.x.ravel(), INNER * self._method.stop.tol)

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import describe
-from dincl.constraints.rows import RowsTogether
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.minimise.base import Minimiser
 from dincl.minimise.result import MinimisationFailed, Minimum, residuals
 from dincl.problem import Problem
+from dincl.rows.together import RowsTogether
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -77,9 +77,9 @@ def _converged(iteration: Iteration, minimiser: Minimiser) -> bool:
 
 
 def _result(iteration: Iteration, minimiser: Minimiser, status: Status, detail: str) -> Minimum:
-    contacts, x, steps = iteration.contacts, iteration.x, iteration.work.steps
-    rows = RowsTogether(tuple(contacts.blocks), x.size)
-    multipliers = contacts.multipliers * contacts.steepness(x)
+    held, x, steps = iteration.rows, iteration.x, iteration.work.steps
+    rows = RowsTogether(tuple(held.blocks), x.size)
+    multipliers = held.multipliers * held.steepness(x)
     stationarity, violation, complementarity = residuals(iteration.problem, x, rows, multipliers)
     if not status:
         left = max(stationarity, violation, complementarity)
@@ -87,7 +87,7 @@ def _result(iteration: Iteration, minimiser: Minimiser, status: Status, detail: 
     return Minimum(
         x=x,
         rows=rows,
-        families=contacts.families,
+        families=held.families,
         multipliers=multipliers,
         status=status,
         detail=detail,

@@ -4,7 +4,6 @@ A back end of one's own is a ``Projection`` that makes a ``Solver``. The solver 
 and Jacobian (a ``Csr`` matrix); a ``QpSolver`` sees only quadratic programs. ``FeasibleSet`` is how a scheme calls it.
 """
 
-from dincl.constraints.rows import AffineRows, Rows
 from dincl.csr import Csr
 from dincl.projection.base import Projected, Projection, Solver, check_projection
 from dincl.projection.clarabel import Clarabel
@@ -17,6 +16,7 @@ from dincl.projection.ipopt import Ipopt
 from dincl.projection.piqp import Piqp
 from dincl.projection.projected_cg import ProjectedCG
 from dincl.projection.qp import QpAnswer, QpSolver
+from dincl.rows import AffineRows, Rows
 
 __all__ = [
     "AffineRows",

@@ -4,21 +4,22 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, cast
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from dincl.checks import describe, number
-from dincl.constraints.rows import RowsOfOneKind, RowsTogether
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.projection.refine import on_active_rows
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import AffineRows, Rows
     from dincl.problem import Problem
+    from dincl.rows.affine import AffineRows
+    from dincl.rows.base import Rows
 
 # A point that violates by less than this part of the tolerance is its own nearest point, which its certificate says.
 NEGLIGIBLE = 1e-3
@@ -126,7 +127,7 @@ class Solver(ABC):
     def certify(
         self, linear: AffineRows, y: NDArray[np.float64], x: NDArray[np.float64], lam: NDArray[np.float64], work: int
     ) -> Projected:
-        """The certificate of x with multipliers ``lam`` (m,), from ``rows.linearised(x)`` and ``work`` iterations."""
+        """The certificate of x with multipliers ``lam`` (m,), from ``linearised(rows, x)`` and ``work`` iterations."""
         values = linear.values(x)
         misfit = (x - y).ravel() - linear.matrix.transposed_times(lam)
         return Projected(
@@ -147,16 +148,11 @@ class Solver(ABC):
         for _ in range(MOST_COMPLETIONS):
             if found.residual <= self.tol:
                 break
-            linear = rows.linearised(found.point)
+            linear = linearised(rows, found.point)
             active = found.multipliers > linear.values(found.point)
             point, lam = on_active_rows(linear, y, found.multipliers, active)
-            better = self.certify(rows.linearised(point), y, point, lam, found.iterations)
+            better = self.certify(linearised(rows, point), y, point, lam, found.iterations)
             if not better.residual < found.residual:
                 break
             found = better
         return found
-
-
-def blocks_of(rows: Rows) -> tuple[RowsOfOneKind, ...]:
-    """The blocks that rows are made of, each of one kind."""
-    return rows.blocks if isinstance(rows, RowsTogether) else (cast("RowsOfOneKind", rows),)

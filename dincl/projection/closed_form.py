@@ -7,13 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import LARGEST
 from dincl.constraints.moving import Moving
-from dincl.constraints.nonoverlap import NonOverlap
-from dincl.constraints.rows import AffineRows, DistanceRows
 from dincl.csr import stack
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.projection.base import Projected, Projection, Solver, blocks_of
+from dincl.projection.base import Projected, Projection, Solver
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -21,9 +19,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dincl.constraints.base import Constraint
-    from dincl.constraints.rows import Rows, RowsOfOneKind
     from dincl.problem import Problem
+    from dincl.rows.affine import AffineRows
+    from dincl.rows.base import Rows, RowsOfOneKind
 
 # Certified residual allowed, in units of the largest length involved: a few roundings. Two directions are taken to be
 # at right angles, or parallel, when they are to this precision.
@@ -42,13 +40,15 @@ class ClosedForm(Projection):
     tol: float = field(default=ROUNDING, init=False)
 
     def check(self, problem: Problem) -> None:
+        """InvalidProblem, naming the first constraint that leaves no formula."""
         rows: list[RowsOfOneKind] = []
         for constraint in problem.constraints:
-            rows.append(_all_rows(constraint, problem.x0))
+            rows.append(constraint.pattern(problem.x0))
             if not _served(rows, len(problem.x0), problem.x0.size):
+                name = type(constraint.constraint if isinstance(constraint, Moving) else constraint).__name__
                 raise InvalidProblem(
-                    f"projection = ClosedForm(): has no formula for {_name(constraint)} together with the constraints "
-                    "before it; allowed are those that share no particle, and walls that are at right angles"
+                    f"projection = ClosedForm(): has no formula for {name} together with the constraints before it; "
+                    "allowed are those that share no particle, and walls that are at right angles"
                 )
 
     def solver(self) -> Solver:
@@ -60,34 +60,20 @@ class _ClosedFormSolver(Solver):
 
     def tolerance(self, rows: Rows, y: NDArray[np.float64]) -> float:
         """A few roundings of the largest coordinate or length."""
-        lengths = [block.length.max(initial=0.0) for block in blocks_of(rows) if isinstance(block, DistanceRows)]
-        return self.tol * float(max([np.abs(y).max(), *lengths]))
+        return self.tol * max([float(np.abs(y).max()), *(block.longest_length() for block in rows.by_kind())])
 
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         """Spheres by their lines, then planes one after another."""
         x = y.copy()
-        multipliers = np.concatenate([_onto_spheres(block, x) for block in blocks_of(rows)])
-        flat = np.concatenate(
-            [np.full(len(block.values(y)), isinstance(block, AffineRows)) for block in blocks_of(rows)]
-        )
-        linear = rows.linearised(x)
+        blocks = rows.by_kind()
+        multipliers = np.concatenate([np.zeros(len(block)) if block.affine else block.project(x) for block in blocks])
+        flat = np.repeat([block.affine for block in blocks], [len(block) for block in blocks])
+        linear = linearised(rows, x)
         multipliers[flat] = _onto_planes(linear.take(flat), x)
-        found = self.certify(rows.linearised(x), y, x, multipliers, 1)
+        found = self.certify(linearised(rows, x), y, x, multipliers, 1)
         if found.violation > self.tolerance(rows, y):
             raise StepFailure(Status.INFEASIBLE, "Parallel walls leave no room between them.")
         return found
-
-
-def _onto_spheres(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Move the particles of each violated distance along their line, in place; the multipliers, zero for walls."""
-    if not isinstance(rows, DistanceRows):
-        return np.zeros(len(rows.values(x)))
-    movers = 1 if rows.j is None else 2
-    multipliers = np.maximum(-rows.values(x), 0.0) / movers
-    violated = rows.take(multipliers > 0)
-    pushes = violated.jacobian(x).transposed_times(multipliers[multipliers > 0])
-    x += pushes.reshape(x.shape)
-    return multipliers
 
 
 def _onto_planes(rows: AffineRows, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -108,35 +94,15 @@ def _onto_planes(rows: AffineRows, x: NDArray[np.float64]) -> NDArray[np.float64
     return multipliers
 
 
-def _all_rows(constraint: Constraint, x0: NDArray[np.float64]) -> RowsOfOneKind:
-    """All rows of a constraint; of many discs three are enough to see that there is no formula."""
-    if isinstance(constraint, Moving):
-        return _all_rows(constraint.constraint, x0 - constraint.displacement(0.0, x0.shape[1]))
-    if isinstance(constraint, NonOverlap):
-        others = np.arange(1, min(len(x0), 3))
-        return DistanceRows(others, np.zeros_like(others), np.ones(len(others)), 1.0)
-    return constraint.select(x0, LARGEST)
-
-
-def _name(constraint: Constraint) -> str:
-    return _name(constraint.constraint) if isinstance(constraint, Moving) else type(constraint).__name__
-
-
 def _served(blocks: Sequence[RowsOfOneKind], count: int, size: int) -> bool:
-    """Whether no particle is in two rows of distances, or in one and a wall, and walls are at right angles."""
-    used = np.zeros(count, dtype=np.int64)
-    flat = []
-    for block in blocks:
-        if isinstance(block, DistanceRows):
-            np.add.at(used, block.i, 1)
-            np.add.at(used, block.i[:0] if block.j is None else block.j, 1)
-        elif isinstance(block, AffineRows):
-            flat.append(block.matrix)
-        else:
-            return False
-    if not flat:
+    """Whether no particle is in two curved rows, or in one and a wall, and walls are at right angles."""
+    curved = [block for block in blocks if not block.affine]
+    if not all(block.closed_form for block in curved):
+        return False
+    used = sum((block.used(count) for block in curved), np.zeros(count, dtype=np.int64))
+    if len(curved) == len(blocks):
         return bool(used.max() <= 1)
-    matrix = stack(flat, size)
+    matrix = stack([block.jacobian(np.zeros(0)) for block in blocks if block.affine], size)
     walled = np.zeros(count, dtype=np.bool_)
     walled[matrix.indices // (size // count)] = True
     gram = (matrix.scipy() @ matrix.scipy().T).tocoo()

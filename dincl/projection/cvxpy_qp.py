@@ -61,6 +61,7 @@ class _CvxpySolver(InteriorPointSolver):
         self._programs: ProgramCache[_Program] = ProgramCache(MOST_PROGRAMS)
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """The program with these numbers; multipliers and ``tol`` are not passed on."""
         key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
         return self._programs.get(key, lambda: _Program(self._cvxpy, matrix)).solve(matrix, least)
 

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
-from dincl.constraints.rows import RowsTogether
 from dincl.errors import StepFailure
-from dincl.near import Near
 from dincl.norms import longest
 from dincl.projection.base import NO_BACK_END
+from dincl.rows.near import Near
 from dincl.status import Status
 
 if TYPE_CHECKING:
+    import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import AffineRows
     from dincl.problem import Problem
     from dincl.projection.base import Projected, Solver
     from dincl.work import Work
@@ -29,8 +26,7 @@ class FeasibleSet:
     """S(t), or its inner convex approximation, of one problem; it keeps near rows and a solver for one run."""
 
     def __init__(self, problem: Problem, solver: Solver, work: Work, *, linearised: bool) -> None:
-        self._constraints = problem.constraints
-        self._near = Near(problem, work)
+        self._near = Near(problem.constraints, work)
         self._solver = solver
         self._work = work
         self._linearised = linearised
@@ -50,31 +46,16 @@ class FeasibleSet:
         of the whole set. Else it is repeated with rows that reach twice as far as it ended. S~ of time t may be
         carried, each family along its own path, to a later time.
         """
-        shifts = None if carried_to is None else self._shifts(t, carried_to, y.shape[1])
         for _ in range(MOST_REACHES):
-            rows = self._near.rows(t, around, reach)
-            target = self._linear(rows, around, shifts) if self._linearised else rows
+            near = self._near.select(t, around, reach)
+            target = near.linearised(t, around, carried_to) if self._linearised else near.at(t)
             found = self._solver.nearest(target, y, around)
             if found.back_end != NO_BACK_END:
                 self._work.count_call(found.back_end, found.iterations)
-            distance = longest(found.point - around) + (0.0 if shifts is None else longest(shifts))
+            distance = longest(found.point - around)
+            if carried_to is not None:
+                distance += near.carried(t, carried_to)
             if distance <= reach:
                 return found
             reach = 2 * distance
         raise StepFailure(Status.NOT_CONVERGED, f"The projection moved a particle by more than {distance:g}.")
-
-    def _shifts(self, t: float, later: float, d: int) -> NDArray[np.float64] | None:
-        """How far each family is carried from t to a later time, shape (families, d); None if all are at rest."""
-        paths = [(family.displacement(t, d), family.displacement(later, d)) for family in self._constraints]
-        if all(start is None or end is None for start, end in paths):
-            return None
-        return np.array([np.zeros(d) if start is None or end is None else end - start for start, end in paths])
-
-    def _linear(
-        self, rows: RowsTogether, around: NDArray[np.float64], shifts: NDArray[np.float64] | None
-    ) -> AffineRows:
-        if shifts is None:
-            return rows.linearised(around)
-        pairs = zip(rows.blocks, shifts, strict=True)
-        carried = tuple(block.linearised(around).shifted(shift) for block, shift in pairs)
-        return RowsTogether(carried, rows.size).linearised(around)

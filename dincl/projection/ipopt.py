@@ -6,16 +6,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.errors import StepFailure
-from dincl.projection.base import Projected, Projection, Solver, blocks_of
+from dincl.projection.base import Projected, Projection, Solver
 from dincl.projection.program_cache import ProgramCache
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import Rows
     from dincl.projection.nlp import Program
+    from dincl.rows.base import Rows
 
 # Compiled programs kept for the next time that the same rows are near.
 MOST_PROGRAMS = 64
@@ -57,11 +58,11 @@ class _IpoptSolver(Solver):
         self._programs: ProgramCache[Program] = ProgramCache(MOST_PROGRAMS)
 
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
-        blocks = blocks_of(rows)
+        blocks = rows.by_kind()
         scale = float(-rows.values(y).min())
         program = self._programs.get(rows.structure, lambda: self._compile(blocks, y.shape))
         x, lam, work, word = program.solve(blocks, y, guess, scale)
         if word not in FOUND:
             status = Status.INFEASIBLE if word == INFEASIBLE else Status.NOT_CONVERGED
             raise StepFailure(status, f"ipopt stopped: {word}.")
-        return self.completed(rows, y, self.certify(rows.linearised(x), y, x, lam, work))
+        return self.completed(rows, y, self.certify(linearised(rows, x), y, x, lam, work))

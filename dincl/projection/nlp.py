@@ -7,16 +7,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import casadi
 import numpy as np
 
-from dincl.constraints.rows import DistanceRows, SmoothRows
 from dincl.errors import StepFailure
-from dincl.projection.quadratic import quadratic, steepness
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsOfOneKind
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.rows.polynomial import Polynomial
 
 MOST_ITERATIONS = 500
 # Lengths are in units of the largest violation, so that the tolerances are relative to the move.
@@ -55,23 +54,24 @@ class NlpAnswer(NamedTuple):
 class Program:
     """min 1/2 |w|^2 subject to the rows at x = y + scale w; all numbers in it are parameters, so it is compiled once.
 
-    Rows of distances enter as polynomials with their exact sparse derivatives. Rows of a user's function are called
-    back; with them, second derivatives are approximated from the gradients met (limited memory).
+    Rows that are polynomials enter as such, with their exact sparse derivatives. The others, such as those of a user's
+    function, are called back; with them, second derivatives are approximated from the gradients met (limited memory).
     """
 
     def __init__(self, blocks: Sequence[RowsOfOneKind], shape: tuple[int, ...]) -> None:
+        polynomials = [block.polynomial(np.zeros(shape), 1.0) for block in blocks]
         self._functions: dict[int, _Called] = {
-            k: _Called(len(block.index), shape) for k, block in enumerate(blocks) if isinstance(block, SmoothRows)
+            k: _Called(len(block), shape) for k, block in enumerate(blocks) if polynomials[k] is None
         }
         kind: Any = casadi.MX if self._functions else casadi.SX
         w = kind.sym("w", shape[0] * shape[1])
         rows: list[Any] = []
         parameters: list[Any] = []
-        for k, block in enumerate(blocks):
-            if k in self._functions:
+        for k, polynomial in enumerate(polynomials):
+            if polynomial is None:
                 rows.append(self._functions[k](w))
             else:
-                expression, numbers = _polynomials(kind, block, w, shape)
+                expression, numbers = _expression(kind, polynomial, w, shape)
                 rows.append(expression)
                 parameters += numbers
         program = {"x": w, "p": casadi.vertcat(*parameters), "f": casadi.dot(w, w) / 2, "g": casadi.vertcat(*rows)}
@@ -84,43 +84,38 @@ class Program:
         """The program with the numbers of ``blocks`` around y, searched from ``guess``."""
         parameters = [np.zeros(0)]
         for k, block in enumerate(blocks):
-            if isinstance(block, SmoothRows):
+            polynomial = block.polynomial(y, scale)
+            if polynomial is None:
                 self._functions[k].set(block, y, scale)
             else:
-                parameters += _numbers(block, y, scale)
+                # The numbers that _expression has symbols for, in the same order.
+                parameters += [polynomial.constant, polynomial.linear.data, polynomial.weight]
         start = ((guess - y) / scale).ravel()
         found = self._solver(x0=start, p=np.concatenate(parameters), lbg=0.0, ubg=np.inf)
         for function in self._functions.values():
             if function.failure is not None:
                 raise function.failure
         x = y + scale * np.array(found["x"]).reshape(y.shape)
-        steep = np.concatenate([steepness(block, x) for block in blocks])
+        steep = np.concatenate([block.steepness(x) for block in blocks])
         # CasADi gives multipliers <= 0 to lower bounds.
         multipliers = np.maximum(-scale * np.array(found["lam_g"]).ravel() * steep, 0.0)
         stats = self._solver.stats()
         return NlpAnswer(x, multipliers, int(stats["iter_count"]), str(stats["return_status"]))
 
 
-def _numbers(rows: Any, y: NDArray[np.float64], scale: float) -> list[NDArray[np.float64]]:
-    """The numbers of a block that _polynomials has symbols for, in the same order."""
-    poly = quadratic(rows, y, scale)
-    return [poly.constant, poly.linear.data, poly.weight]
-
-
-def _polynomials(kind: Any, rows: Any, w: Any, shape: tuple[int, ...]) -> tuple[Any, list[Any]]:
+def _expression(kind: Any, polynomial: Polynomial, w: Any, shape: tuple[int, ...]) -> tuple[Any, list[Any]]:
     """Expressions of the rows of one block in w, and the symbols of their numbers: constants, linear part, weights."""
-    poly = quadratic(rows, np.zeros(shape), 1.0)
-    linear, entries = poly.linear, len(poly.linear.data)
+    linear, entries = polynomial.linear, len(polynomial.linear.data)
     numbers = [kind.sym(name, size) for name, size in (("c", linear.rows), ("m", entries), ("q", linear.rows))]
     adding = casadi.Sparsity.triplet(linear.rows, entries, linear.row_of_entry.tolist(), list(range(entries)))
     # A single unknown without rows would give a row of no entries where a column is meant.
     taken = casadi.reshape(w[linear.indices.tolist()], entries, 1)
     value = numbers[0] + casadi.mtimes(casadi.DM(adding, 1), numbers[1] * taken)
-    if isinstance(rows, DistanceRows):
+    if polynomial.i is not None:
         by_particle = casadi.reshape(w, shape[1], shape[0])
-        arrows = by_particle[:, rows.i.tolist()]
-        if rows.j is not None:
-            arrows = arrows - by_particle[:, rows.j.tolist()]
+        arrows = by_particle[:, polynomial.i.tolist()]
+        if polynomial.j is not None:
+            arrows = arrows - by_particle[:, polynomial.j.tolist()]
         value = value + numbers[2] * casadi.sum1(arrows * arrows).T
     return value, numbers
 
@@ -135,7 +130,7 @@ class _Called(casadi.Callback):
         self.failure: StepFailure | None = None
         self.construct("g", {})
 
-    def set(self, rows: SmoothRows, y: NDArray[np.float64], scale: float) -> None:
+    def set(self, rows: RowsOfOneKind, y: NDArray[np.float64], scale: float) -> None:
         """Take these rows from now on."""
         self.current, self._y, self.scale, self.failure = rows, y, scale, None
 

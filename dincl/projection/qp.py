@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.constraints.rows import AffineRows
 from dincl.errors import StepFailure
 from dincl.projection.base import Projected, Solver
+from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import Rows
     from dincl.csr import Csr
+    from dincl.rows.affine import AffineRows
+    from dincl.rows.base import Rows
 
 # Quadratic programs solved for one projection onto a curved set; each shortens the error by about the largest
 # multiplier over the distance it acts on.
@@ -52,14 +53,14 @@ class QpSolver(Solver):
 
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
         """x <- P_{S~(x)}(y) until the certificate holds; for affine rows once."""
-        linear = rows.linearised(guess)
-        iterations = 0
+        linear = linearised(rows, guess)
+        affine, iterations = linear is rows, 0
         for _ in range(MOST_RELINEARISATIONS):
             x, multipliers, work = self._onto(linear, y)
             iterations += work
-            here = linear if linear is rows else rows.linearised(x)
+            here = linear if affine else linearised(rows, x)
             found = self.certify(here, y, x, multipliers, iterations)
-            if found.residual <= self.tol or isinstance(rows, AffineRows):
+            if affine or found.residual <= self.tol:
                 break
             linear = here
         return found

@@ -9,7 +9,7 @@ import numpy as np
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import AffineRows
+    from dincl.rows.affine import AffineRows
 
 # Weight of the step from the multipliers given, relative to the rows: makes redundant rows solvable.
 DAMPING = 1e-7

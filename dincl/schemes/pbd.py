@@ -58,17 +58,11 @@ class SweepThrough:
 
     def __init__(self, problem: Problem, sweeps: int) -> None:
         self._sweeps = sweeps
-        families = [(family, family.sweeper(problem.x0)) for family in problem.constraints]
-        self._families = [(family, sweeper) for family, sweeper in families if not sweeper.idle]
+        sweepers = [constraint.sweeper(problem.x0) for constraint in problem.constraints]
+        self._sweepers = [sweeper for sweeper in sweepers if not sweeper.idle]
 
     def apply(self, t: float, x: NDArray[np.float64], stepper: Stepper) -> None:
         """Project x in place onto the sets at time t, counting the work of ``stepper``."""
         for _ in range(self._sweeps):
-            for family, sweeper in self._families:
-                shift = family.displacement(t, x.shape[1])
-                if shift is None:
-                    sweeper.sweep(x, stepper.work)
-                else:
-                    x -= shift
-                    sweeper.sweep(x, stepper.work)
-                    x += shift
+            for sweeper in self._sweepers:
+                sweeper.sweep(t, x, stepper.work)

@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
-from dincl.near import Near
+from dincl.rows.near import Near
 from dincl.run.bound import State, Stepper
 from dincl.schemes.base import FixedStep
 
@@ -52,7 +52,7 @@ class Penalty(FixedStep):
 class _PenaltyStepper(Stepper):
     def __init__(self, problem: Problem, scheme: Penalty) -> None:
         super().__init__(problem)
-        self._near = Near(problem, self.work)
+        self._near = Near(problem.constraints, self.work)
         self._scheme = scheme
 
     def step(self, t: float, h: float, state: State) -> State:

@@ -4,73 +4,29 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.constraints.rows import AffineRows
+from dincl.rows.affine import AffineRows, linearised
 from dincl.work import Work
+from tests.dincl.catalog import CONSTRAINTS, quadratic, quadratic_jacobian
 
-RADII = np.array([0.3, 0.5, 0.4, 0.2, 0.35, 0.45])
-PAIRS = [(0, 1), (4, 2), (3, 5)]
-DISCS = [5, 0, 3, 1]
-
-
-def quadratic(x):
-    return np.array([x[0] @ x[0] - 0.5, x[1] @ x[2] + 0.1])
-
-
-def quadratic_jacobian(x):
-    rows = np.zeros((2, *x.shape))
-    rows[0, 0] = 2 * x[0]
-    rows[1, 1], rows[1, 2] = x[2], x[1]
-    return rows
-
-
-FAMILIES = {
-    "NonOverlap": lambda d: dincl.NonOverlap(RADII),
-    "NonOverlap of some": lambda d: dincl.NonOverlap(2 * RADII[:4], among=DISCS),
-    "HalfSpace": lambda d: dincl.HalfSpace(np.arange(1, d + 1), offset=0.1, radius=RADII),
-    "MaxDistance": lambda d: dincl.MaxDistance(PAIRS, [0.5, 1.0, 1.5]),
-    "Ordered": lambda d: dincl.Ordered([2, 0, 5, 1], axis=d - 1),
-    "OutsideBall": lambda d: dincl.OutsideBall(np.full(d, 0.1), 0.7 + RADII),
-    "InsideBall": lambda d: dincl.InsideBall(np.full(d, 0.1), 0.7),
-    "Smooth": lambda d: dincl.Smooth(quadratic, quadratic_jacobian),
-}
-
-
-def expected(name, x):
-    """g(x) typed from the definitions, row by row."""
-    n, d = x.shape
-    gap = lambda i, j: np.linalg.norm(x[i] - x[j])  # noqa: E731
-    if name == "NonOverlap":
-        return [gap(i, j) - RADII[i] - RADII[j] for i in range(n) for j in range(i)]
-    if name == "NonOverlap of some":
-        return [gap(DISCS[k], DISCS[m]) - 2 * (RADII[k] + RADII[m]) for k in range(4) for m in range(k)]
-    if name == "HalfSpace":
-        normal = np.arange(1, d + 1) / np.linalg.norm(np.arange(1, d + 1))
-        return [normal @ x[i] - 0.1 - RADII[i] for i in range(n)]
-    if name == "MaxDistance":
-        return [length - gap(i, j) for (i, j), length in zip(PAIRS, [0.5, 1.0, 1.5], strict=True)]
-    if name == "Ordered":
-        return [x[0, -1] - x[2, -1], x[5, -1] - x[0, -1], x[1, -1] - x[5, -1]]
-    if name == "OutsideBall":
-        return [np.linalg.norm(x[i] - 0.1) - 0.7 - RADII[i] for i in range(n)]
-    if name == "InsideBall":
-        return [0.7 - np.linalg.norm(x[i] - 0.1) for i in range(n)]
-    return list(quadratic(x))
-
-
-cases = pytest.mark.parametrize(("name", "d"), [(name, d) for name in FAMILIES for d in (1, 2, 3)])
+cases = pytest.mark.parametrize(("name", "d"), [(name, d) for name in CONSTRAINTS for d in (1, 2, 3)])
 
 
 @cases
 def test_rows_are_the_definition(name, d, rng):
     x = rng.normal(size=(6, d))
-    rows = FAMILIES[name](d).select(x, 100.0)
-    assert rows.values(x) == pytest.approx(expected(name, x), abs=1e-14)
+    constraint = CONSTRAINTS[name][0](d)
+    rows = constraint.select(x, 100.0)
+    assert rows.values(x) == pytest.approx(CONSTRAINTS[name][1](x), abs=1e-14)
+    if isinstance(constraint, dincl.DifferentiableConstraint):
+        assert constraint.values(x).tolist() == rows.values(x).tolist()
+        jacobian = np.reshape(constraint.jacobian(x), (-1, x.size))
+        assert jacobian.tolist() == rows.jacobian(x).dense().tolist()
 
 
 @cases
 def test_jacobian_is_the_derivative(name, d, rng):
     x, h = rng.normal(size=(6, d)), 1e-6
-    rows = FAMILIES[name](d).select(x, 100.0)
+    rows = CONSTRAINTS[name][0](d).select(x, 100.0)
     jacobian = rows.jacobian(x).dense()
     for k in range(x.size):
         e = np.zeros(x.size)
@@ -82,7 +38,7 @@ def test_jacobian_is_the_derivative(name, d, rng):
 
 @cases
 def test_no_row_left_out_can_be_reached(name, d, rng):
-    family, reach = FAMILIES[name](d), 0.25
+    family, reach = CONSTRAINTS[name][0](d), 0.25
     for _ in range(200):
         x = 2 * rng.normal(size=(6, d))
         near, everything = family.select(x, reach), family.select(x, 1e3)
@@ -98,8 +54,8 @@ def test_no_row_left_out_can_be_reached(name, d, rng):
 @cases
 def test_linearisation_touches(name, d, rng):
     x = rng.normal(size=(6, d))
-    rows = FAMILIES[name](d).select(x, 100.0)
-    linear = rows.linearised(x)
+    rows = CONSTRAINTS[name][0](d).select(x, 100.0)
+    linear = linearised(rows, x)
     assert isinstance(linear, AffineRows)
     assert linear.values(x) == pytest.approx(rows.values(x), abs=1e-13)
     assert linear.jacobian(x).dense() == pytest.approx(rows.jacobian(x).dense())
@@ -108,7 +64,7 @@ def test_linearisation_touches(name, d, rng):
 @cases
 def test_a_carried_set_is_the_same_set_elsewhere(name, d, rng):
     x, shift = rng.normal(size=(6, d)), rng.normal(size=d)
-    rows = FAMILIES[name](d).select(x, 100.0)
+    rows = CONSTRAINTS[name][0](d).select(x, 100.0)
     assert rows.shifted(shift).values(x + shift) == pytest.approx(rows.values(x), abs=1e-13)
     assert rows.shifted(shift).jacobian(x + shift).dense() == pytest.approx(rows.jacobian(x).dense(), abs=1e-12)
 
@@ -116,7 +72,7 @@ def test_a_carried_set_is_the_same_set_elsewhere(name, d, rng):
 @cases
 def test_taking_rows_keeps_their_order(name, d, rng):
     x = rng.normal(size=(6, d))
-    rows = FAMILIES[name](d).select(x, 100.0)
+    rows = CONSTRAINTS[name][0](d).select(x, 100.0)
     keep = np.arange(len(rows.values(x))) % 2 == 0
     assert rows.take(keep).values(x).tolist() == rows.values(x)[keep].tolist()
     assert rows.take(keep).jacobian(x).dense().tolist() == rows.jacobian(x).dense()[keep].tolist()
@@ -127,10 +83,10 @@ def test_a_sweep_is_one_exact_projection_after_another(name, d, rng):
     """The nearest point of {g_k >= 0} satisfies x - y = multiplier grad g_k(x), multiplier >= 0, g_k(x) = 0."""
     work = Work()
     for y in starts(name, d, rng):
-        family = FAMILIES[name](d)
+        family = CONSTRAINTS[name][0](d)
         rows = family.select(y, 100.0)
         swept = y.copy()
-        family.sweeper(y).sweep(swept, work)
+        family.sweeper(y).sweep(0.0, swept, work)
         x, count = y.copy(), len(rows.values(y))
         for k in range(count):
             row = rows.take(np.arange(count) == k)
@@ -145,11 +101,14 @@ def test_a_sweep_is_one_exact_projection_after_another(name, d, rng):
 
 
 def starts(name, d, rng):
-    """Random states; for the curved g of Smooth those not deep outside, where its nearest point is a fixed point."""
+    """Random states; for a curved g without formula not deep outside, where the nearest point is a fixed point."""
     drawn = rng.normal(size=(400, 6, d))
     if name == "Smooth":
         lack = np.array([quadratic(y).min() for y in drawn])
         drawn = drawn[(lack > -0.15) & (lack < 0)]
+    elif name in ("own", "own rows"):
+        level = 1 - np.array([CONSTRAINTS[name][1](y) for y in drawn])
+        drawn = drawn / np.sqrt(np.maximum(level / 1.15, 1.0))[:, :, None]
     return drawn[:20]
 
 
@@ -165,6 +124,13 @@ def _nearest_point(row, y):
         if np.abs(x - last).max() < 1e-13:
             break
     return x
+
+
+def test_all_pairs_of_many_discs(rng):
+    x = rng.normal(size=(150, 2))
+    assert dincl.NonOverlap(0.1).select(x, np.inf).values(x) == pytest.approx(
+        [np.linalg.norm(x[i] - x[j]) - 0.2 for i in range(150) for j in range(i)], abs=1e-14
+    )
 
 
 def test_sparse_jacobians_of_smooth_constraints(rng):

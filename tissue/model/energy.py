@@ -12,7 +12,7 @@ import numpy as np
 
 from dincl.checks import LARGEST, bounded
 from dincl.errors import InvalidProblem
-from dincl.pairs import near_pairs
+from dincl.rows.pairs import near_pairs
 from tissue.model.cells import CellLayers, Cells, Floats, Integers
 from tissue.model.numbers import Numbers
 

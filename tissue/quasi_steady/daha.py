@@ -111,4 +111,4 @@ class TissueArrowHurwicz:
 def violation(sets: Sequence[Constraint], cells: Cells) -> float:
     """By how much the constraints of ``tissue.quasi_steady.run.frozen`` are broken at most [R_soft], 0 in S."""
     x = particles(cells)
-    return -min(float(rows.near(0.0, x, 0.0).values(x).min(initial=0.0)) for rows in sets)
+    return -min(float(rows.select(x, 0.0).values(x).min(initial=0.0)) for rows in sets)

@@ -13,8 +13,9 @@ import casadi
 import numpy as np
 
 from dincl.checks import number
-from dincl.constraints.rows import DistanceRows, RowsTogether
-from dincl.pairs import near_pairs
+from dincl.rows.distance import DistanceRows
+from dincl.rows.pairs import near_pairs
+from dincl.rows.together import RowsTogether
 from dincl.status import Status
 from tissue.model.cells import CellLayers, Cells, Floats, Integers
 from tissue.model.energy import SOFT, energy, forces
@@ -141,7 +142,7 @@ def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float
     gradient = -particles(forces(at, layers, numbers)).ravel()
     misfit = gradient - rows.jacobian(found.x).transposed_times(found.multipliers)
     stationarity = float(np.abs(misfit[_free(cells, layers)]).max())
-    violation = max(float(np.max(-family.near(0.0, found.x, 0.0).values(found.x), initial=0.0)) for family in sets)
+    violation = max(float(np.max(-family.select(found.x, 0.0).values(found.x), initial=0.0)) for family in sets)
     complementarity = float(np.max(np.abs(np.minimum(found.multipliers, rows.values(found.x))), initial=0.0))
     residual = max(stationarity, violation, complementarity)
     reached = residual <= tol

@@ -18,8 +18,9 @@ import pandas as pd
 
 import dincl
 from dincl.errors import StepFailure
-from dincl.near import Near
 from dincl.projection import Projection
+from dincl.rows.affine import linearised
+from dincl.rows.near import Near
 from dincl.run.grid import TimeGrid
 from dincl.run.segments import Segment, make_segments
 from dincl.scenes import pile
@@ -135,8 +136,8 @@ def _landed(n: int) -> tuple[Scene, np.ndarray]:
 def _projection_row(name: str, projection: Projection, kind: str, scene: Scene, x: np.ndarray) -> dict[str, Any]:
     rng = np.random.default_rng(0)
     moves = 0.01 * scene.velocity(0.0, x) * rng.uniform(0.8, 1.2, size=(VARIANTS, *x.shape))
-    near = Near(scene, Work()).rows(0.0, x, 0.02)
-    rows = near.linearised(x) if kind == "S~" else near
+    near = Near(scene.constraints, Work()).rows(0.0, x, 0.02)
+    rows = linearised(near, x) if kind == "S~" else near
     solver = projection.solver()
     result: dict[str, Any] = {"back_end": name, "set": kind, "n": len(x), "rows": len(rows.values(x))}
     try:

@@ -10,10 +10,11 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
-from dincl.kernels import neighbours, twins
+from dincl.kernels import neighbours
 from dincl.kernels.arrays import axes_of
 from dincl.kernels.grid import grid_pairs, grid_shape
 from dincl.kernels.hierarchy import hierarchy_pairs
+from tests.twins import dincl_kernels as twins
 
 Array = NDArray[np.float64]
 Pairs = tuple[NDArray[np.int64], NDArray[np.int32]]
@@ -152,7 +153,7 @@ def test_generated_discs(data: st.DataObject, n: int, d: int, size: float, small
 def test_kernels_load_numba_only_when_asked() -> None:
     code = "import sys, dincl.kernels as k; before = 'numba' in sys.modules; k.neighbours; print(before, dir(k))"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert done.stdout.strip() == "False ['neighbours', 'sweeps', 'twins']"
+    assert done.stdout.strip() == "False ['neighbours', 'sweeps']"
 
 
 def test_unknown_kernel_is_an_attribute_error() -> None:

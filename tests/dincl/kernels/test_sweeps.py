@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.sparse import csr_array
 
-from dincl.kernels import neighbours, sweeps, twins
+from dincl.kernels import neighbours, sweeps
+from tests.twins import dincl_kernels as twins
 
 Array = NDArray[np.float64]
 DIMENSIONS = (1, 2, 3, 4)

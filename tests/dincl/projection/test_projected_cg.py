@@ -7,10 +7,10 @@ import pytest
 
 import dincl
 from dincl import ProjectedCG, scenes
-from dincl.constraints.rows import AffineRows
 from dincl.csr import csr, uniform
 from dincl.errors import StepFailure
 from dincl.kernels.proportioning import bounded_conjugate_gradients
+from dincl.rows.affine import AffineRows, linearised
 from dincl.status import Status
 
 
@@ -74,7 +74,7 @@ def test_the_iteration_keeps_its_word_and_counts():
 
 def test_the_kernel_is_its_own_text_run_by_python():
     scene = scenes.pile(12)
-    rows = scene.rows_within(0.0, scene.x0, 0.2).linearised(scene.x0)
+    rows = linearised(scene.rows_within(0.0, scene.x0, 0.2), scene.x0)
     least = -rows.values(scene.x0 - [0.0, 0.1])
     matrix = rows.matrix
     results = []
@@ -90,7 +90,7 @@ def test_the_kernel_is_its_own_text_run_by_python():
 def test_a_pile_is_certified_and_agrees_with_daqp(tol):
     scene = scenes.pile(60)
     target = scene.x0 - [0.0, 0.05]
-    rows = scene.rows_within(0.0, scene.x0, 0.2).linearised(scene.x0)
+    rows = linearised(scene.rows_within(0.0, scene.x0, 0.2), scene.x0)
     found = ProjectedCG(tol).solver().nearest(rows, target, scene.x0)
     exact = dincl.Daqp(1e-12).solver().nearest(rows, target, scene.x0)
     assert found.residual <= tol
@@ -118,7 +118,7 @@ def test_a_row_without_gradient_is_no_direction():
 def test_multipliers_outlive_rows_that_come_and_go(rng):
     scene = scenes.pile(60)
     target = scene.x0 - [0.0, 0.02]
-    rows = scene.rows_within(0.0, scene.x0, 0.2).linearised(scene.x0)
+    rows = linearised(scene.rows_within(0.0, scene.x0, 0.2), scene.x0)
     solver, cold = ProjectedCG(1e-9).solver(), ProjectedCG(1e-9).solver()
     first = solver.nearest(rows, target, scene.x0)
     idle = first.multipliers == 0

@@ -101,10 +101,10 @@ def hexagonal(layers):
 def test_redundant_contacts(projection, linearised):
     problem, y = hexagonal(6)
     rows = problem.rows_within(0.0, problem.x0, 0.1)
-    target = rows.linearised(problem.x0) if linearised else rows
+    target = dincl.rows.linearised(rows, problem.x0) if linearised else rows
     tol = 1e-11
     found = projection(tol).solver().nearest(target, y, problem.x0)
-    active = rows.linearised(found.point).take(rows.values(found.point) <= tol).matrix.dense()
+    active = dincl.rows.linearised(rows, found.point).take(rows.values(found.point) <= tol).matrix.dense()
     assert len(active) > np.linalg.matrix_rank(active)
     assert found.residual <= tol
 
@@ -130,7 +130,7 @@ def test_a_moving_wall_pushes(projection):
 @pytest.mark.parametrize("projection", PROJECTIONS)
 def test_nothing_that_was_handed_over_is_changed(projection, rng):
     problem, y = cluster(rng, 10, 2)
-    rows = problem.rows_within(0.0, problem.x0, 1.0).linearised(problem.x0)
+    rows = dincl.rows.linearised(problem.rows_within(0.0, problem.x0, 1.0), problem.x0)
     guess = problem.x0.copy()
     held = [*rows.matrix[:4], rows.bound, y, guess]
     before = [array.copy() for array in held]

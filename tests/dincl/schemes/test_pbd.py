@@ -77,8 +77,8 @@ def test_the_neighbour_list_changes_nothing(rng, monkeypatch):
     problem = dincl.Problem(x0, lambda t, x: -x, [dincl.NonOverlap(radius)])
     finals = []
     for first, widest in [(0.05, 1.0), (1e-9, 1e-9), (1e-9, 50.0), (100.0, 100.0)]:
-        monkeypatch.setattr("dincl.sweepers.FIRST_SKIN", first)
-        monkeypatch.setattr("dincl.sweepers.WIDEST_SKIN", widest)
+        monkeypatch.setattr("dincl.rows.pairs.FIRST_SKIN", first)
+        monkeypatch.setattr("dincl.rows.pairs.WIDEST_SKIN", widest)
         path = dincl.solve(problem, dincl.PBD(0.02), t=[2.0])
         finals.append((path.final.tobytes(), path.stats.constraint_projections))
     assert len(set(finals)) == 1

@@ -216,7 +216,7 @@ def test_points_pass_through_each_other_and_through_nuclei():
     """Only nuclei are discs: two cells whose apical and basal points lie inside of a nucleus."""
     state = tissue([[0.0, 2.0], [1.0, 2.0]], [[0.05, 2.1], [0.1, 2.1]], [[0.0, 0.0], [0.0, 0.0]], radius=0.5)
     problem = frozen_problem(state, layers(2), numbers())
-    assert len(problem.constraints[0].near(0.0, problem.x0, 1.0).i) == 1
+    assert len(problem.constraints[0].select(problem.x0, 1.0).i) == 1
 
 
 BAD = {

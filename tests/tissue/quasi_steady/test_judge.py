@@ -106,7 +106,7 @@ def test_the_conditions_of_a_minimum_hold(name):
     assert np.abs(found.multipliers * found.rows.values(x)).max() < TOL
     assert max(found.residual, found.violation, np.abs(misfit).max()) <= TOL
     for family in constraints(state, network, given):
-        assert family.near(0.0, x, 0.0).values(x).min(initial=0.0) >= -TOL
+        assert family.select(x, 0.0).values(x).min(initial=0.0) >= -TOL
     assert found.energy == pytest.approx(energy(found.cells, network, given))
     assert found.energy < 0.8 * energy(state, network, given)
     assert x[:, 0].sum() == pytest.approx(particles(state)[:, 0].sum(), abs=1e-9)
@@ -184,7 +184,7 @@ def test_a_start_that_breaks_every_rule():
         x=rng.uniform(-0.4, 0.4, 12), y=3 + rng.uniform(-0.4, 0.4, 12), bx=5 * rng.permutation(state.bx)
     )
     broken = [
-        family.near(0.0, particles(state), 0.0).values(particles(state)).min()
+        family.select(particles(state), 0.0).values(particles(state)).min()
         for family in constraints(state, layers(12), numbers())
     ]
     assert max(broken) < -0.5

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 import dincl
 from dincl.checks import number
 from dincl.errors import StepFailure
-from dincl.near import Near
 from dincl.norms import longest
+from dincl.rows.near import Near
 from verification.thesis.chapter2.yardsticks.kept import Kept
 
 Floats = NDArray[np.float64]
@@ -88,7 +88,7 @@ class _Springs:
     def __init__(self, problem: dincl.Problem, tol: float, longest_step: float, kept: Kept) -> None:
         speed = longest(problem.velocity(0.0, problem.x0)) or 1.0
         self._shape, self._kept = problem.x0.shape, kept
-        self._near, self._reach = Near(problem, kept.work), longest_step * speed
+        self._near, self._reach = Near(problem.constraints, kept.work), longest_step * speed
         self._strength = speed / tol
 
     def __call__(self, t: float, flat: Floats) -> Floats:

@@ -96,7 +96,7 @@ def _not_unique() -> Evidence:
     moved = cells._replace(**{name: getattr(cells, name) + by for name in moving()})
     change = abs(energy(moved, frame.layers, numbers) / energy(cells, frame.layers, numbers) - 1)
     before, after = (
-        np.concatenate([part.near(0.0, z, 0.0).values(z) for part in constraints(at, frame.layers, numbers)])
+        np.concatenate([part.select(z, 0.0).values(z) for part in constraints(at, frame.layers, numbers)])
         for at in (cells, moved)
         for z in (particles(at),)
     )

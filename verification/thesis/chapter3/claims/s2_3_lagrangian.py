@@ -55,7 +55,7 @@ def in_all(z: Floats) -> bool:
         dincl.Ordered(chain, axis=0),
         dincl.MaxDistance(np.column_stack((chain[1:], chain[:-1])), MOST),
     )
-    return bool(all((one.near(0.0, z, 0.0).values(z) >= 0).all() for one in sets) and not z[chain, 1].any())
+    return bool(all((one.select(z, 0.0).values(z) >= 0).all() for one in sets) and not z[chain, 1].any())
 
 
 @claim(

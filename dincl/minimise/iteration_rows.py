@@ -11,12 +11,10 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 import numpy as np
 
 from dincl.checks import LARGEST, bounded
-from dincl.constraints.rows import DistanceRows
 from dincl.csr import stack
 from dincl.errors import StepFailure
 from dincl.minimise.carry import left_over
-from dincl.near import Near
-from dincl.norms import norms
+from dincl.rows.near import Near
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -24,9 +22,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dincl.constraints.rows import RowsOfOneKind
     from dincl.csr import Csr
     from dincl.problem import Problem
+    from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
 
 
@@ -67,7 +65,7 @@ class IterationRows:
     """
 
     def __init__(self, problem: Problem, work: Work, *, squared: bool, ahead: float) -> None:
-        self._near = Near(problem, work)
+        self._near = Near(problem.constraints, work)
         self._size = problem.x0.size
         self._squared = squared
         self._ahead = ahead
@@ -120,21 +118,18 @@ class IterationRows:
         return self.taken(self.gaps(x), self.steepness(x))
 
     def taken(self, gaps: NDArray[np.float64], steep: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same from g and the steepness 2 r: sign (r^2 - L^2) = g (r + L) = g (2 r - sign g)."""
+        """The same from g and the steepness."""
         if not self._squared:
             return gaps
-        sign = [np.full(len(block), getattr(block, "sign", 0.0)) for block in self.blocks]
-        return gaps * (steep - np.concatenate([np.zeros(0), *sign]) * gaps)
+        sizes = [len(block) for block in self.blocks]
+        each = zip(self.blocks, parts(gaps, sizes), parts(steep, sizes), strict=True)
+        return np.concatenate([np.zeros(0), *(block.squared_values(own, length) for block, own, length in each)])
 
     def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """By how much the gradients of these values are longer than those of g, shape (m,)."""
         if not self._squared:
             return np.ones(sum(len(block) for block in self.blocks))
-        steep = [
-            2 * norms(block.arrows(x)) if isinstance(block, DistanceRows) else np.ones(len(block))
-            for block in self.blocks
-        ]
-        return np.concatenate([np.zeros(0), *steep])
+        return np.concatenate([np.zeros(0), *(block.squared_steepness(x) for block in self.blocks)])
 
     def take(self, keep: NDArray[np.bool_]) -> list[RowsOfOneKind]:
         """The rows where ``keep`` is true, block after block."""
@@ -143,12 +138,8 @@ class IterationRows:
 
     def gradients(self, blocks: list[RowsOfOneKind], x: NDArray[np.float64]) -> Csr:
         """The Jacobian of some of the rows at x, in the form that the iteration works with."""
-        return stack([self._gradients(block, x) for block in blocks], self._size)
-
-    def _gradients(self, block: RowsOfOneKind, x: NDArray[np.float64]) -> Csr:
-        if self._squared and isinstance(block, DistanceRows):
-            return block.entries(2 * block.sign * block.arrows(x), x.size)
-        return block.jacobian(x)
+        found = [block.squared_jacobian(x) if self._squared else block.jacobian(x) for block in blocks]
+        return stack(found, self._size)
 
 
 def parts(values: NDArray[Numbers], sizes: Sequence[int]) -> list[NDArray[Numbers]]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.near import Near
+from dincl.rows.near import Near
 from dincl.work import Work
 
 
@@ -20,7 +20,7 @@ def test_no_row_that_can_be_reached_is_missing(d, rng):
     """A random walk with changing reach; after each step every particle is moved by the reach once more."""
     problem = crowd(d)
     work = Work()
-    near, x = Near(problem, work), problem.x0.copy()
+    near, x = Near(problem.constraints, work), problem.x0.copy()
     for k in range(150):
         t, reach = 0.01 * k, float(rng.choice([0.001, 0.01, 0.05]))
         x = x + _directions(x, rng) * 0.004
@@ -34,7 +34,7 @@ def test_no_row_that_can_be_reached_is_missing(d, rng):
 
 def test_rows_are_kept_while_nobody_moves_far():
     problem, work = crowd(2), Work()
-    near = Near(problem, work)
+    near = Near(problem.constraints, work)
     first = near.rows(0.0, problem.x0, 0.1)
     again = near.rows(0.0, problem.x0 + 0.05, 0.1)
     assert first.structure == again.structure

@@ -1,4 +1,4 @@
-"""Plain Python twins of all kernels: same arguments, same results bit for bit, written to be read and not to be fast.
+"""Plain Python twins of the kernels of dincl: same arguments, same bits, written to be read and not to be fast.
 
 They loop over Python floats in the order of the kernels, because a sum taken in another order may round differently.
 """

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.constraints.rows import AffineRows
 from dincl.csr import uniform
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from dincl.minimise.carry import left_over, row_names
-from dincl.minimise.contacts import IterationRows
+from dincl.minimise.iteration_rows import IterationRows
+from dincl.rows.affine import AffineRows
 from dincl.work import Work
 
 DISCS = dincl.NonOverlap(0.5)
@@ -76,22 +76,22 @@ def test_point_against_differences(rng, squared):
         lambda t, z: -z,
         [DISCS, dincl.HalfSpace(normal=(3, 4), offset=-20.0), dincl.InsideBall(centre=(0, 0), distance=30.0)],
     )
-    contacts = IterationRows(problem, Work(), squared=squared, ahead=1.0)
-    contacts.update(x, 100.0)
-    weights = rng.uniform(0.5, 1.0, len(contacts.multipliers))
+    held = IterationRows(problem, Work(), squared=squared, ahead=1.0)
+    held.update(x, 100.0)
+    weights = rng.uniform(0.5, 1.0, len(held.multipliers))
     assert len(weights) == 10 + 5 + 5
-    contacts.set(weights)
-    point = contacts.point(x, -problem.velocity(0.0, x))
+    held.set(weights)
+    point = held.point(x, -problem.velocity(0.0, x))
     step = 1e-6
     pull = np.zeros_like(x)
     for place in np.ndindex(*x.shape):
         shift = np.zeros_like(x)
         shift[place] = step
-        pull[place] = weights @ (contacts.values(x + shift) - contacts.values(x - shift)) / (2 * step)
+        pull[place] = weights @ (held.values(x + shift) - held.values(x - shift)) / (2 * step)
     np.testing.assert_allclose(point.pull(weights), pull, atol=1e-7)
     distance = np.array([np.linalg.norm(x[i] - x[j]) for i in range(5) for j in range(i)])
     np.testing.assert_allclose(point.values[:10], distance**2 - 1 if squared else distance - 1)
-    rows = contacts.gradients([DISCS.select(x, 100.0)], x).transposed_times(weights[:10])
+    rows = held.gradients([DISCS.select(x, 100.0)], x).transposed_times(weights[:10])
     plain = DISCS.select(x, 100.0).jacobian(x).transposed_times(point.steep[:10] * weights[:10])
     np.testing.assert_allclose(rows, plain)
 
@@ -99,14 +99,14 @@ def test_point_against_differences(rng, squared):
 def test_multipliers_outlive_a_change_of_the_list():
     """Two discs pushed apart by a multiplier, and so far that their pair leaves the list: it must go on pushing."""
     problem = dincl.Problem(line(0.0, 1.0), lambda t, x: 0 * x, [DISCS])
-    contacts = IterationRows(problem, Work(), squared=False, ahead=4.0)
-    contacts.update(problem.x0, 0.0)
-    contacts.set(np.array([2.0]))
+    held = IterationRows(problem, Work(), squared=False, ahead=4.0)
+    held.update(problem.x0, 0.0)
+    held.set(np.array([2.0]))
     far = line(0.0, 50.0)
-    contacts.update(far, 0.0)
-    assert contacts.multipliers.tolist() == [2.0]
-    np.testing.assert_allclose(contacts.point(far, 0 * far).pull(contacts.multipliers), line(-2.0, 2.0))
-    assert [len(block) for block in contacts.blocks] == [0, 1]
+    held.update(far, 0.0)
+    assert held.multipliers.tolist() == [2.0]
+    np.testing.assert_allclose(held.point(far, 0 * far).pull(held.multipliers), line(-2.0, 2.0))
+    assert [len(block) for block in held.blocks] == [0, 1]
 
 
 def test_only_near_pairs_are_looked_at():

@@ -1,0 +1,97 @@
+"""Affine rows: walls, orders, and the linearisation of every other kind."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl import kernels
+from dincl.rows.base import RowsOfOneKind
+from dincl.rows.polynomial import Polynomial
+from dincl.rows.sweeper import Sweeper
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dincl.csr import Csr
+    from dincl.rows.base import Rows
+    from dincl.work import Work
+
+
+@dataclass(frozen=True, eq=False)
+class AffineRows(RowsOfOneKind):
+    """g(x) = A x - bound >= 0 with x flattened; A sparse, bound of shape (m,)."""
+
+    matrix: Csr
+    bound: NDArray[np.float64]
+    affine = True
+
+    def __len__(self) -> int:
+        return len(self.bound)
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.matrix.times(x.ravel()) - self.bound
+
+    def jacobian(self, x: NDArray[np.float64]) -> Csr:
+        return self.matrix
+
+    def take(self, keep: NDArray[np.bool_]) -> AffineRows:
+        return self if keep.all() else AffineRows(self.matrix.take(keep), self.bound[keep])
+
+    def shifted(self, displacement: NDArray[np.float64]) -> AffineRows:
+        everywhere = np.tile(displacement, self.matrix.columns // len(displacement))
+        return replace(self, bound=self.bound + self.matrix.times(everywhere))
+
+    def keys(self) -> NDArray[np.int64]:
+        starts = self.matrix.indptr
+        return np.column_stack((self.matrix.indices[starts[:-1]], self.matrix.indices[starts[1:] - 1]))
+
+    def label(self, k: int, d: int) -> str:
+        entries = self.matrix.indices[self.matrix.indptr[k] : self.matrix.indptr[k + 1]]
+        return "particle " + " and ".join(str(i) for i in np.unique(entries // d))
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        return ("affine", self.matrix.indptr.tobytes(), self.matrix.indices.tobytes())
+
+    def sweeper(self, d: int) -> Sweeper:
+        return AffineSweeper(self)
+
+    def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
+        """(a . x - b) / s."""
+        return Polynomial(self.values(y) / scale, self.matrix, np.zeros(len(self.bound)))
+
+
+def linearised(rows: Rows, x: NDArray[np.float64]) -> AffineRows:
+    """The inner convex approximation at x, g(x) + dg/dx (z - x) >= 0  (section 1.1.2 of chapter 2)."""
+    if isinstance(rows, AffineRows):
+        return rows
+    matrix = rows.jacobian(x)
+    return AffineRows(matrix, matrix.times(x.ravel()) - rows.values(x))
+
+
+class AffineSweeper(Sweeper):
+    """Rows a . x >= b in their order: a violated one moves x by (b - a . x) a / |a|^2."""
+
+    def __init__(self, rows: AffineRows) -> None:
+        self._matrix, self._bound = rows.matrix, rows.bound
+        self.idle = len(rows.bound) == 0
+        self._norm2 = rows.matrix.norms_squared()
+
+    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
+        matrix = self._matrix
+        work.constraint_projections += kernels.sweeps.sweep_affine(
+            x.reshape(-1), matrix.indptr, matrix.indices, matrix.data, self._bound, self._norm2
+        )
+
+
+class WallSweeper(Sweeper):
+    """One wall n . X_i >= bound_i, i ascending: the same for rows that are all one normal."""
+
+    def __init__(self, normal: NDArray[np.float64], bound: NDArray[np.float64]) -> None:
+        self._normal, self._bound = normal, bound
+
+    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
+        work.constraint_projections += kernels.sweeps.sweep_half_space(x, self._normal, self._bound)

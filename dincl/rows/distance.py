@@ -1,0 +1,150 @@
+"""Distances of two particles, or of a particle and a fixed point, that have a least or a greatest value."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl import kernels
+from dincl.csr import uniform
+from dincl.errors import StepFailure
+from dincl.norms import norms
+from dincl.rows.curved import CurvedRows
+from dincl.rows.polynomial import Polynomial
+from dincl.rows.sweeper import Sweeper
+from dincl.status import Status
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dincl.csr import Csr
+    from dincl.work import Work
+
+
+@dataclass(frozen=True, eq=False)
+class DistanceRows(CurvedRows):
+    """g(x) = sign (|X_i - X_j| - length) >= 0, where without ``j`` the fixed point ``anchor`` takes the place of X_j.
+
+    ``sign`` is +1 (keep apart) or -1 (hold together); ``i``, ``j``, ``length`` of shape (m,), ``anchor`` of (m, d).
+    """
+
+    i: NDArray[np.int64]
+    j: NDArray[np.int64] | None
+    length: NDArray[np.float64]
+    sign: float
+    anchor: NDArray[np.float64] | None = None
+    closed_form = True
+
+    def __len__(self) -> int:
+        return len(self.i)
+
+    def arrows(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """X_i - X_j, or X_i - anchor, shape (m, d)."""
+        other = x[self.j] if self.anchor is None else self.anchor
+        return x[self.i] - other
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.sign * (norms(self.arrows(x)) - self.length)
+
+    def jacobian(self, x: NDArray[np.float64]) -> Csr:
+        """The unit vectors along the distances; StepFailure where two that are kept apart coincide."""
+        arrows = self.arrows(x)
+        distance = norms(arrows)
+        met = distance == 0
+        if met.any() and self.sign > 0:
+            raise self.coincidence(int(np.flatnonzero(met)[0]))
+        # Held together, two that meet are farthest from violating: zero is a subgradient, and right there.
+        return self._entries(arrows * (self.sign / np.where(met, 1.0, distance))[:, None], x.size)
+
+    def coincidence(self, k: int) -> StepFailure:
+        """Why row k, which keeps two centres apart, has no direction."""
+        other = "a fixed centre" if self.j is None else f"particle {self.j[k]}"
+        return StepFailure(Status.COINCIDENT_CENTRES, f"Particle {self.i[k]} lies on {other}.")
+
+    def take(self, keep: NDArray[np.bool_]) -> DistanceRows:
+        if keep.all():
+            return self
+        j = None if self.j is None else self.j[keep]
+        anchor = None if self.anchor is None else self.anchor[keep]
+        return DistanceRows(self.i[keep], j, self.length[keep], self.sign, anchor)
+
+    def shifted(self, displacement: NDArray[np.float64]) -> DistanceRows:
+        return self if self.anchor is None else replace(self, anchor=self.anchor + displacement)
+
+    def keys(self) -> NDArray[np.int64]:
+        return np.column_stack((self.i, self.i if self.j is None else self.j))
+
+    def label(self, k: int, d: int) -> str:
+        return f"particle {self.i[k]}" + ("" if self.j is None else f" and {self.j[k]}")
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        return ("distance", self.sign, self.i.tobytes(), None if self.j is None else self.j.tobytes())
+
+    def sweeper(self, d: int) -> Sweeper:
+        return DistanceSweeper(self, d)
+
+    def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
+        """sign (|X_i - X_j|^2 - L^2) / (2 L s)."""
+        arrows = self.arrows(y)
+        distance = norms(arrows)
+        constant = self.sign * (distance - self.length) * (distance + self.length) / (2 * self.length * scale)
+        linear = self._entries(self.sign * arrows / self.length[:, None], y.size)
+        return Polynomial(constant, linear, self.sign * scale / (2 * self.length), self.i, self.j)
+
+    def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return norms(self.arrows(x)) / self.length
+
+    def squared_steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return 2 * norms(self.arrows(x))
+
+    def squared_values(self, values: NDArray[np.float64], steepness: NDArray[np.float64]) -> NDArray[np.float64]:
+        """With r = |X_i - X_j|, sign (r^2 - L^2) = g (r + L) = g (2 r - sign g)."""
+        return values * (steepness - self.sign * values)
+
+    def squared_jacobian(self, x: NDArray[np.float64]) -> Csr:
+        return self._entries(2 * self.sign * self.arrows(x), x.size)
+
+    def longest_length(self) -> float:
+        return float(self.length.max(initial=0.0))
+
+    def used(self, count: int) -> NDArray[np.int64]:
+        ends = self.i if self.j is None else np.concatenate((self.i, self.j))
+        return np.bincount(ends, minlength=count)
+
+    def project(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Both ends of each violated distance move half the way, or the free end the whole way from its anchor."""
+        movers = 1 if self.j is None else 2
+        multipliers = np.maximum(-self.values(x), 0.0) / movers
+        violated = self.take(multipliers > 0)
+        pushes = violated.jacobian(x).transposed_times(multipliers[multipliers > 0])
+        x += pushes.reshape(x.shape)
+        return multipliers
+
+    def _entries(self, vectors: NDArray[np.float64], columns: int) -> Csr:
+        """Rows that hold ``vectors`` (m, d) at particle i and, with the other sign, at particle j."""
+        axes = np.arange(vectors.shape[1])
+        places = axes + len(axes) * self.i[:, None]
+        if self.j is not None:
+            places = np.hstack((places, axes + len(axes) * self.j[:, None]))
+            vectors = np.hstack((vectors, -vectors))
+        return uniform(places, vectors, columns)
+
+
+class DistanceSweeper(Sweeper):
+    """Distance rows in their order: both ends move half the way, or the free end the whole way from an anchor."""
+
+    def __init__(self, rows: DistanceRows, d: int) -> None:
+        self._rows = rows
+        self.idle = len(rows.i) == 0
+        self._j = np.full(len(rows.i), -1) if rows.j is None else rows.j
+        self._anchor = np.zeros((0, d)) if rows.anchor is None else rows.anchor
+
+    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
+        rows = self._rows
+        corrections, code, row = kernels.sweeps.sweep_distance(x, rows.i, self._j, rows.length, rows.sign, self._anchor)
+        work.constraint_projections += corrections
+        if code == kernels.sweeps.COINCIDENT:
+            raise rows.coincidence(row)

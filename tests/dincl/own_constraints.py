@@ -1,0 +1,98 @@
+"""Constraints as a user would write them, outside of the package: with as little as is needed, and with more."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+import dincl
+from dincl.csr import uniform
+from dincl.rows import CurvedRows, Sweeper
+
+
+@dataclass(frozen=True, eq=False)
+class InEllipse(dincl.DifferentiableConstraint):
+    """g_i(x) = 1 - sum_k (X_ik / axes_k)^2 >= 0: values and Jacobian, and nothing else."""
+
+    axes: tuple[float, ...]
+
+    def values(self, x):
+        return 1 - ((x / self.axes) ** 2).sum(axis=1)
+
+    def jacobian(self, x):
+        rows = np.zeros((len(x), *x.shape))
+        each = np.arange(len(x))
+        rows[each, each] = -2 * x / np.square(self.axes)
+        return rows
+
+
+@dataclass(frozen=True, eq=False)
+class EllipseRows(CurvedRows):
+    """The same as a kind of row of its own: particles ``i`` (m,), and where the middle was carried."""
+
+    i: np.ndarray
+    axes: np.ndarray
+    middle: np.ndarray
+
+    def __len__(self):
+        return len(self.i)
+
+    def values(self, x):
+        return 1 - (((x[self.i] - self.middle) / self.axes) ** 2).sum(axis=1)
+
+    def jacobian(self, x):
+        d = x.shape[1]
+        gradients = -2 * (x[self.i] - self.middle) / np.square(self.axes)
+        return uniform(d * self.i[:, None] + np.arange(d), gradients, x.size)
+
+    def take(self, keep):
+        return replace(self, i=self.i[keep])
+
+    def shifted(self, displacement):
+        return replace(self, middle=self.middle + displacement)
+
+    def keys(self):
+        return np.column_stack((self.i, self.i))
+
+    def label(self, k, d):
+        return f"particle {self.i[k]}"
+
+
+@dataclass(frozen=True, eq=False)
+class InEllipseByRows(InEllipse):
+    """It selects rows of its own kind, and only those of particles that can get out."""
+
+    def select(self, x, reach):
+        rows = EllipseRows(np.arange(len(x)), np.asarray(self.axes), np.zeros(x.shape[1]))
+        # |X / axes| grows by at most reach / min(axes).
+        farthest = np.sqrt(1 - rows.values(x)) + reach / min(self.axes)
+        return rows.take(farthest >= 1)
+
+
+@dataclass(frozen=True, eq=False)
+class InBall(dincl.DifferentiableConstraint):
+    """What dincl.InsideBall is, around the origin, with its own exact projections."""
+
+    distance: float
+
+    def values(self, x):
+        return self.distance - np.linalg.norm(x, axis=1)
+
+    def jacobian(self, x):
+        rows = np.zeros((len(x), *x.shape))
+        each = np.arange(len(x))
+        rows[each, each] = -x / np.linalg.norm(x, axis=1, keepdims=True)
+        return rows
+
+    def sweeper(self, x):
+        return OntoBall(self.distance)
+
+
+class OntoBall(Sweeper):
+    def __init__(self, distance):
+        self._distance = distance
+
+    def sweep(self, t, x, work):
+        length = np.linalg.norm(x, axis=1, keepdims=True)
+        outside = length[:, 0] > self._distance
+        x[outside] *= self._distance / length[outside]
+        work.constraint_projections += int(outside.sum())
