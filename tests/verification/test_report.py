@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from dincl import study
 from dincl.study import write
 from tests.verification.page import Page
-from tests.verification.thesis.shortened import Here, Nowhere, few_claims, shorten
+from tests.verification.thesis.shortened import FORMS, Here, Nowhere, few_claims, shorten
 from tests.verification.thesis.shortened_emt import SECTIONS as EMT_SECTIONS
 from tests.verification.thesis.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
 from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
@@ -138,7 +138,7 @@ IMAGES = 34 + MEANFIELD_PICTURES
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
     out = tmp_path_factory.mktemp("report")
-    context = Context(out, False, Here())
+    context = Context(out, False, Here(), FORMS)
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
         path = write_report(CHAPTERS, context)
@@ -202,7 +202,7 @@ def test_page_has_every_claim_and_the_most_serious_corrections_first(made: tuple
 def test_second_report_runs_nothing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
     shorten(monkeypatch)
     before = made[1].tables
-    again = Context(made[1].out, False, Nowhere())
+    again = Context(made[1].out, False, Nowhere(), FORMS)
     for chapter in CHAPTERS:
         known = set(again.tables)
         chapter.run(again)
