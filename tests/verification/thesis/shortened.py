@@ -11,7 +11,7 @@ import pytest
 
 from tests.verification.thesis.shortened_emt import FEWEST, shorten_emt
 from tests.verification.thesis.shortened_meanfield import shorten_meanfield
-from tests.verification.thesis.shortened_tissue import shorten_daha, shorten_tissue
+from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
 from tissue.study.figures import style
 from verification.budget import CpuSeconds
 from verification.claims import Claim
@@ -75,6 +75,8 @@ FORMS = (
     ProxForm(12, counts=(2, 3, 4), arrangements=3),
     *STABILITY,
     WORK_PRECISION,
+    *TISSUE,
+    *DAHA,
 )
 
 
@@ -99,7 +101,6 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(report, "Context", partial(Context, forms=FORMS))
     patch.setattr(sheet, "DPI", 50)
     shorten_tissue(patch)
-    shorten_daha(patch)
     shorten_emt(patch, FEWEST)
     shorten_meanfield(patch)
     patch.setattr(style, "DPI", 50)
