@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from tests.verification.thesis.shortened_emt import FEWEST, shorten_emt
-from tests.verification.thesis.shortened_meanfield import shorten_meanfield
+from tests.verification.thesis.shortened_meanfield import MEANFIELD
 from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
 from tissue.study.figures import style
 from verification.budget import CpuSeconds
@@ -77,6 +77,7 @@ FORMS = (
     WORK_PRECISION,
     *TISSUE,
     *DAHA,
+    *MEANFIELD,
 )
 
 
@@ -102,7 +103,6 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(sheet, "DPI", 50)
     shorten_tissue(patch)
     shorten_emt(patch, FEWEST)
-    shorten_meanfield(patch)
     patch.setattr(style, "DPI", 50)
     for module in (register, page):
         patch.setattr(module, "register", few_claims)
