@@ -23,7 +23,9 @@ from verification.evidence import Kind
 from verification.page import report
 from verification.page.report import Context, cell, number, write_report
 from verification.thesis import chapters
+from verification.thesis.chapter3.growth import GrowthForm
 from verification.thesis.chapter4 import kept
+from verification.thesis.chapter5.drift import DriftForm
 from verification.thesis.chapters import CHAPTERS
 from verification.thesis.page import TITLES, corrections
 
@@ -244,6 +246,15 @@ def test_command_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     page = (tmp_path / "index.html").read_text("utf-8")
     assert "complete" in page
     assert "is not there" in page  # no study was run
+
+
+def test_form_is_the_one_given_for_its_class_or_else_the_short_or_full_one(tmp_path: Path) -> None:
+    short, full, other = GrowthForm(2, 0.1), GrowthForm(3, 0.1), GrowthForm(4, 0.1)
+    for complete in (False, True):
+        plain = Context(tmp_path, complete, Nowhere(), [DriftForm(1.0)])
+        assert plain.form(short, full) is (full if complete else short)
+        assert plain.form(short) is short  # one form only
+        assert Context(tmp_path, complete, Nowhere(), [DriftForm(1.0), other]).form(short, full) is other
 
 
 def test_kept_table_is_written(tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from tests.verification.thesis.shortened_emt import FEWEST, shorten_emt
+from tests.verification.thesis.shortened_emt import FEWEST, emt_form, shorten_command
 from tests.verification.thesis.shortened_meanfield import MEANFIELD
 from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
 from tissue.study.figures import style
@@ -77,6 +77,7 @@ FORMS = (
     WORK_PRECISION,
     *TISSUE,
     *DAHA,
+    emt_form(FEWEST),
     *MEANFIELD,
 )
 
@@ -102,7 +103,7 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(report, "Context", partial(Context, forms=FORMS))
     patch.setattr(sheet, "DPI", 50)
     shorten_tissue(patch)
-    shorten_emt(patch, FEWEST)
+    shorten_command(patch)
     patch.setattr(style, "DPI", 50)
     for module in (register, page):
         patch.setattr(module, "register", few_claims)
