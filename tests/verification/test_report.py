@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from dincl import study
 from dincl.study import write
 from tests.verification.page import Page
-from tests.verification.thesis.shortened import Here, Nowhere, few_claims, shorten
+from tests.verification.thesis.shortened import FORMS, Here, Nowhere, few_claims, shorten
 from tests.verification.thesis.shortened_emt import SECTIONS as EMT_SECTIONS
 from tests.verification.thesis.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
 from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
@@ -23,7 +23,9 @@ from verification.evidence import Kind
 from verification.page import report
 from verification.page.report import Context, cell, number, write_report
 from verification.thesis import chapters
+from verification.thesis.chapter3.growth import GrowthForm
 from verification.thesis.chapter4 import kept
+from verification.thesis.chapter5.drift import DriftForm
 from verification.thesis.chapters import CHAPTERS
 from verification.thesis.page import TITLES, corrections
 
@@ -138,7 +140,7 @@ IMAGES = 34 + MEANFIELD_PICTURES
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
     out = tmp_path_factory.mktemp("report")
-    context = Context(out, False, Here())
+    context = Context(out, False, Here(), FORMS)
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
         path = write_report(CHAPTERS, context)
@@ -202,7 +204,7 @@ def test_page_has_every_claim_and_the_most_serious_corrections_first(made: tuple
 def test_second_report_runs_nothing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
     shorten(monkeypatch)
     before = made[1].tables
-    again = Context(made[1].out, False, Nowhere())
+    again = Context(made[1].out, False, Nowhere(), FORMS)
     for chapter in CHAPTERS:
         known = set(again.tables)
         chapter.run(again)
@@ -244,6 +246,15 @@ def test_command_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     page = (tmp_path / "index.html").read_text("utf-8")
     assert "complete" in page
     assert "is not there" in page  # no study was run
+
+
+def test_form_is_the_one_given_for_its_class_or_else_the_short_or_full_one(tmp_path: Path) -> None:
+    short, full, other = GrowthForm(2, 0.1), GrowthForm(3, 0.1), GrowthForm(4, 0.1)
+    for complete in (False, True):
+        plain = Context(tmp_path, complete, Nowhere(), [DriftForm(1.0)])
+        assert plain.form(short, full) is (full if complete else short)
+        assert plain.form(short) is short  # one form only
+        assert Context(tmp_path, complete, Nowhere(), [DriftForm(1.0), other]).form(short, full) is other
 
 
 def test_kept_table_is_written(tmp_path: Path) -> None:

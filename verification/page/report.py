@@ -10,7 +10,7 @@ from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 import pandas as pd
@@ -21,6 +21,7 @@ from dincl.provenance import closure, libraries
 from dincl.study import write
 from verification.evidence import Kind
 
+Form = TypeVar("Form")
 # Numbers smaller than this are written with an exponent.
 PLAIN = 1e-2
 VERDICTS = {kind.value: kind.name.lower() for kind in Kind}
@@ -95,13 +96,24 @@ class Section:
 
 @dataclass
 class Context:
-    """What the chapters share: where to write, which form to run and on what, and the tables so far, by name."""
+    """What the chapters share: where to write, which form to run and on what, and the tables so far, by name.
+
+    ``forms`` are run instead of the short or full ones of their classes.
+    """
 
     out: Path
     full: bool
     executor: Executor
+    forms: Sequence[object] = ()
     tables: dict[str, pd.DataFrame] = field(default_factory=dict)
     drawings: list[Future[Path]] = field(default_factory=list)
+
+    def form(self, short: Form, full: Form | None = None) -> Form:
+        """The form of a study: the one given for its class, or else the short or full one; some have one only."""
+        given = [form for form in self.forms if type(form) is type(short)]
+        if given:
+            return given[0]
+        return full if self.full and full is not None else short
 
     @property
     def folder(self) -> Path:

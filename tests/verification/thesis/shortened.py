@@ -3,28 +3,27 @@
 from collections.abc import Callable
 from concurrent.futures import Executor, Future
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from tests.verification.thesis.shortened_emt import FEWEST, shorten_emt
-from tests.verification.thesis.shortened_meanfield import shorten_meanfield
-from tests.verification.thesis.shortened_tissue import shorten_daha, shorten_tissue
+from tests.verification.thesis.shortened_emt import FEWEST, emt_form, shorten_command
+from tests.verification.thesis.shortened_meanfield import MEANFIELD
+from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
 from tissue.study.figures import style
 from verification.budget import CpuSeconds
 from verification.claims import Claim
-from verification.page import sheet
+from verification.page import report, sheet
+from verification.page.report import Context
 from verification.thesis import page, register
-from verification.thesis.chapter1 import prox_regularity
-from verification.thesis.chapter2 import (
-    convergence,
-    extrapolation,
-    infeasibility,
-    large_steps,
-    work_precision,
-    work_references,
-)
+from verification.thesis.chapter1.prox_regularity import ProxForm
+from verification.thesis.chapter2 import work_precision
+from verification.thesis.chapter2.convergence import ConvergenceForm
+from verification.thesis.chapter2.extrapolation import ExtrapolationForm
+from verification.thesis.chapter2.infeasibility import InfeasibilityForm
+from verification.thesis.chapter2.large_steps import LargeStepsForm
 from verification.thesis.chapter2.methods import (
     CATCH_UP,
     CHIPMUNK,
@@ -34,13 +33,53 @@ from verification.thesis.chapter2.methods import (
     PBD,
     PENALTIES,
 )
-from verification.thesis.chapter2.stability import catalogue, decades
+from verification.thesis.chapter2.stability import catalogue
+from verification.thesis.chapter2.stability.decades import DecadesForm
 
 # At least one correction of notation, and of each chapter one claim.
 KEPT = ("c5.bounded-flow",)
 CLAIMS = register.register()
 FEW_PLANES = {"penalty", "radius", "drift"}
 FEW_CASES = ("gap-linearised", "pacman-split", "closing-pbd")
+
+
+def few_planes() -> tuple[catalogue.Plane, ...]:
+    """Three maps with four cells a method."""
+    planes = []
+    for plane in (plane for plane in catalogue.PLANES if plane.name in FEW_PLANES):
+        x, y = (replace(axis, short=(axis.short[-4], axis.short[-1])) for axis in (plane.x, plane.y))
+        kept = {name: label for name, label in plane.methods.items() if "ipopt" not in name and "clarabel" not in name}
+        planes.append(replace(plane, x=x, y=y, methods=kept))
+    return tuple(planes)
+
+
+# Three maps, three cases.
+STABILITY = (
+    catalogue.StabilityForm(
+        full=False, planes=few_planes(), cases=tuple(case for case in catalogue.CASES if case.id in FEW_CASES)
+    ),
+    DecadesForm((0.1, 1.0)),
+)
+# The two scenes with exact solutions, four methods, two settings.
+WORK_PRECISION = work_precision.Form(
+    {"dt": [0.1, 0.02], "tol": [1e-2, 1e-4]},
+    CpuSeconds(100.0),
+    scenes=("sliding_disc", "stack"),
+    methods=(PBD, LINEARISED_DAQP, LSODA, CHIPMUNK),
+)
+FORMS = (
+    ExtrapolationForm((2, 3, 4)),
+    ConvergenceForm(5, 5, methods=(PBD, CATCH_UP, LINEARISED_CLARABEL, PENALTIES[0])),
+    InfeasibilityForm((0.05,), tuple(np.geomspace(0.05, 5.0, 5)), tuple(np.geomspace(0.5, 20.0, 5))),
+    LargeStepsForm((0.1, 1.0)),
+    ProxForm(12, counts=(2, 3, 4), arrangements=3),
+    *STABILITY,
+    WORK_PRECISION,
+    *TISSUE,
+    *DAHA,
+    emt_form(FEWEST),
+    *MEANFIELD,
+)
 
 
 class Here(Executor):
@@ -60,24 +99,11 @@ class Nowhere(Executor):
 
 
 def shorten(patch: pytest.MonkeyPatch) -> None:
-    """Few, coarse steps; small figures."""
-    patch.setattr(extrapolation, "SHORT", (2, 3, 4))
-    patch.setattr(convergence, "SHORT", 5)
-    patch.setattr(convergence, "COMPARED", (PBD, CATCH_UP, LINEARISED_CLARABEL, PENALTIES[0]))
-    patch.setattr(infeasibility, "SHORT", (0.05,))
-    patch.setattr(infeasibility, "SPRINGS", np.geomspace(0.05, 5.0, 5))
-    patch.setattr(infeasibility, "PUSHES", np.geomspace(0.5, 20.0, 5))
-    patch.setattr(large_steps, "STEPS", (0.1, 1.0))
-    patch.setattr(prox_regularity, "COUNTS", (2, 3, 4))
-    few = dict(list(prox_regularity.arrangements().items())[:3])
-    patch.setattr(prox_regularity, "arrangements", lambda: few)
+    """Few, coarse steps; small figures; FORMS for the commands."""
+    patch.setattr(report, "Context", partial(Context, forms=FORMS))
     patch.setattr(sheet, "DPI", 50)
-    shorten_stability(patch)
-    shorten_work_precision(patch)
     shorten_tissue(patch)
-    shorten_daha(patch)
-    shorten_emt(patch, FEWEST)
-    shorten_meanfield(patch)
+    shorten_command(patch)
     patch.setattr(style, "DPI", 50)
     for module in (register, page):
         patch.setattr(module, "register", few_claims)
@@ -86,25 +112,3 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
 def few_claims() -> tuple[Claim, ...]:
     """Those that read tables, and some of the others; tests/verification/thesis/chapter*/test_claims*.py decide all."""
     return tuple(claim for number, claim in enumerate(CLAIMS) if claim.needs or number % 8 == 0 or claim.id in KEPT)
-
-
-def shorten_work_precision(patch: pytest.MonkeyPatch) -> None:
-    """The two scenes with exact solutions, four methods, two settings."""
-    for name in ("ball_pile_30", "pile_1000", "ten_disks_corner", "four_disks"):
-        patch.delitem(work_references.SCENES, name)
-    patch.setattr(work_references, "FILES", {})
-    patch.setattr(work_precision, "CHARTED", (PBD, LINEARISED_DAQP, LSODA, CHIPMUNK))
-    form = work_precision.Form({"dt": [0.1, 0.02], "tol": [1e-2, 1e-4]}, CpuSeconds(100.0))
-    patch.setattr(work_precision, "SHORT", form)
-
-
-def shorten_stability(patch: pytest.MonkeyPatch) -> None:
-    """Three maps with four cells a method, three cases."""
-    planes = []
-    for plane in (plane for plane in catalogue.PLANES if plane.name in FEW_PLANES):
-        x, y = (replace(axis, short=(axis.short[-4], axis.short[-1])) for axis in (plane.x, plane.y))
-        kept = {name: label for name, label in plane.methods.items() if "ipopt" not in name and "clarabel" not in name}
-        planes.append(replace(plane, x=x, y=y, methods=kept))
-    patch.setattr(catalogue, "PLANES", tuple(planes))
-    patch.setattr(catalogue, "CASES", tuple(case for case in catalogue.CASES if case.id in FEW_CASES))
-    patch.setattr(decades, "SHORT", (0.1, 1.0))

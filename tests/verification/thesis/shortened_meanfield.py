@@ -2,8 +2,6 @@
 
 from dataclasses import replace
 
-import pytest
-
 from verification.thesis.chapter5 import (
     agreement,
     cost,
@@ -62,36 +60,27 @@ PICTURES = 10
 FEW_FAILURES = ("U-ode", "zero-moments", "kernel-1/r²")
 
 
-def shorten_meanfield(patch: pytest.MonkeyPatch) -> None:
-    """One model where one is enough, five settings for each fit of an order."""
-    patch.setattr(agreement, "MODELS", ("wavy",))
-    patch.setattr(agreement, "RATTLES", (2,))
-    patch.setattr(agreement, "STEPS", {2: (2, 3, 4, 6, 8)})
-    patch.setattr(agreement, "TOLERANCES", dict.fromkeys(("ode", "reduced", "dae"), (3, 5, 7, 8, 10)))
-    patch.setattr(energy, "LIMIT_MODELS", ())
-    patch.setattr(energy, "LONG", (("rattle2", 0.5), ("ode", 1e-4)))
-    patch.setattr(energy, "PERIODS", 2)
-    patch.setattr(grid_order, "LINE", ("uniform",))
-    patch.setattr(grid_order, "PLANE", ())
-    patch.setattr(grid_order, "CELLS", (30, 36, 43, 52, 62))
-    patch.setattr(stability_constant, "MODELS", ("straight",))
-    patch.setattr(stability_constant, "PAIRS", 1)
-    patch.setattr(motion, "SHOWN", ("straight",))
-    shorten_cost_and_failures(patch)
-
-
-def shorten_cost_and_failures(patch: pytest.MonkeyPatch) -> None:
-    """One setting of each method, and few failures."""
-    patch.setattr(cost, "MODELS", ("straight",))
-    patch.setattr(cost, "SETTINGS", {name: given[:1] for name, given in cost.SETTINGS.items()})
-    patch.setattr(cost, "SIDES", ("straight",))
-    patch.setattr(cost, "MANY", 10_000)
-    patch.setattr(failures, "FAILURES", {name: failures.FAILURES[name] for name in FEW_FAILURES})
-    planes = [
+def few_values() -> tuple[maps.Plane, ...]:
+    """Two values along each side."""
+    return tuple(
         replace(plane, x=replace(plane.x, short=plane.x.short[2:5:2]), y=replace(plane.y, short=plane.y.short[1:3]))
         for plane in maps.PLANES
-    ]
-    patch.setattr(maps, "PLANES", tuple(planes))
-    kept = {name: drift.METHODS[name] for name in ("naive_rk4", "rattle2")}
-    patch.setattr(drift, "METHODS", kept)
-    patch.setattr(drift, "END", 20.0)
+    )
+
+
+# One model where one is enough, five settings for each fit of an order; one setting of each method, few failures.
+MEANFIELD = (
+    agreement.AgreementForm(
+        dict.fromkeys(("ode", "reduced", "dae"), (3, 5, 7, 8, 10)), {2: (2, 3, 4, 6, 8)}, models=("wavy",)
+    ),
+    replace(energy.SHORT, models=()),
+    energy.LongForm(2, (("rattle2", 0.5), ("ode", 1e-4))),
+    grid_order.GridForm((30, 36, 43, 52, 62), (), line=("uniform",), plane=()),
+    stability_constant.PairsForm(1, ("straight",)),
+    motion.MotionForm(("straight",)),
+    replace(cost.SHORT, models=("straight",), settings={name: given[:1] for name, given in cost.SETTINGS.items()}),
+    cost.SideForm(("straight",), 10_000),
+    failures.FailuresForm(FEW_FAILURES),
+    maps.MeanFieldMapsForm(full=False, planes=few_values()),
+    drift.DriftForm(20.0, ("naive_rk4", "rattle2")),
+)

@@ -51,8 +51,9 @@ CONSISTENCY = {
 def run(context: Context) -> None:
     """Complete the searches; the limits of PBD take a second and are made anew."""
     where = context.folder, context.executor
-    context.tables["prox_constants"] = prox_regularity.constants(context.full).complete(*where)
-    context.tables["prox_arrangements"] = prox_regularity.configurations(context.full).complete(*where)
+    form = context.form(prox_regularity.SHORT, prox_regularity.FULL)
+    context.tables["prox_constants"] = prox_regularity.constants(form).complete(*where)
+    context.tables["prox_arrangements"] = prox_regularity.configurations(form).complete(*where)
     steps, settled = consistency.single_steps(), consistency.settling()
     context.keep("consistency_steps", steps)
     context.keep("consistency_settling", settled)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 
 import numpy as np
@@ -26,32 +27,41 @@ COUNTS = (2, 3, 4, 5, 6, 8, 10, 15, 20)
 # Of the pairs [length]: the ratio is off by about the square of the reach, and by the tolerance over that.
 REACH, TOL = 1e-3, 1e-12
 CONTACT = 1e-9
-# Samples of each search.
-SHORT, FULL = 12, 200
 SEED = 31
 
 
-def constants(full: bool) -> Study:
+@dataclass(frozen=True)
+class ProxForm:
+    """Samples of each search; lengths of the straight rows; so many of the arrangements, all if None."""
+
+    samples: int
+    counts: tuple[int, ...] = COUNTS
+    arrangements: int | None = None
+
+
+SHORT, FULL = ProxForm(12), ProxForm(200)
+
+
+def constants(form: ProxForm) -> Study:
     """For each N: the constants for R = 1/2, and what the searches find around a straight row of N discs."""
-    return _study("prox_constants", "Constants of prox-regularity", "count", COUNTS[::-1], constants_of, full)
+    return _study("prox_constants", "Constants of prox-regularity", "count", form.counts, constants_of, form)
 
 
-def configurations(full: bool) -> Study:
+def configurations(form: ProxForm) -> Study:
     """For each arrangement of touching discs: what the search finds around it, beside the straight row."""
-    names = tuple(arrangements())[::-1]
-    return _study("prox_arrangements", "Prox-regularity of arrangements", "arrangement", names, configuration_of, full)
+    names = tuple(arrangements())[: form.arrangements]
+    return _study("prox_arrangements", "Prox-regularity of arrangements", "arrangement", names, configuration_of, form)
 
 
 def _study(
-    name: str, title: str, key: str, values: Sequence[object], run: Callable[..., list[Row]], full: bool
+    name: str, title: str, key: str, values: Sequence[object], run: Callable[..., list[Row]], form: ProxForm
 ) -> Study:
-    samples = FULL if full else SHORT
     return Study(
-        name=f"{name}{'_full' if full else ''}",
+        name=f"{name}{'_full' if form == FULL else ''}",
         title=title,
         key=(key,),
-        runs=tuple({key: value} for value in values),
-        run=partial(run, samples=samples),
+        runs=tuple({key: value} for value in reversed(values)),
+        run=partial(run, samples=form.samples),
     )
 
 

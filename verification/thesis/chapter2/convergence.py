@@ -10,17 +10,28 @@ import pandas as pd
 
 from dincl.study import Key, Row, Study
 from verification.order import Order, estimate, order_text
-from verification.thesis.chapter2.methods import COMPARED, METHODS
+from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
 from verification.thesis.chapter2.reference import Reference
 from verification.thesis.chapter2.runs import distance, reached, scene, solved
 
 SCENES = ("four_disks", "ten_disks_corner")
 TIMES = {name: scene(name).times for name in SCENES}
-# Steps are STEP / 2^k for k below these [time].
+# Steps are STEP / 2^k [time].
 STEP = 0.1
-SHORT, SHORT_COSTLY, FULL = 8, 6, 10
 # Errors and infeasibilities below this come from the tolerances of the projections, not from the method [length].
 FLOOR = 1e-9
+
+
+@dataclass(frozen=True)
+class ConvergenceForm:
+    """How many steps are run with each method, and with each of the costly ones."""
+
+    steps: int
+    costly_steps: int
+    methods: tuple[NamedMethod, ...] = COMPARED
+
+
+SHORT, FULL = ConvergenceForm(8, 6), ConvergenceForm(10, 10)
 
 
 @dataclass(frozen=True)
@@ -45,17 +56,17 @@ class Run:
         ]
 
 
-def study(references: Mapping[str, Reference], full: bool) -> Study:
-    """All runs of all methods compared."""
+def study(references: Mapping[str, Reference], form: ConvergenceForm) -> Study:
+    """All runs of the methods compared."""
     runs = [
         {"scene": name, "method": method.name, "dt": STEP / 2**k}
-        for k in reversed(range(FULL if full else SHORT))
-        for method in reversed(COMPARED)
+        for k in reversed(range(form.steps))
+        for method in reversed(form.methods)
         for name in reversed(SCENES)
-        if full or k < SHORT_COSTLY or not method.costly
+        if k < form.costly_steps or not method.costly
     ]
     return Study(
-        name=f"convergence{'_full' if full else ''}",
+        name=f"convergence{'_full' if form == FULL else ''}",
         title="Convergence",
         key=("scene", "method", "dt"),
         runs=tuple(runs),

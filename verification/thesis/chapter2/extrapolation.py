@@ -27,8 +27,16 @@ RATIOS = (1.6, 2.5)
 # A difference of successive results is about their error, but it may be small by chance: where an event falls within a
 # step, differs from run to run. So twice the largest difference at a time and at its two neighbours is stated.
 SAFETY = 2.0
-# The three steps, coarsest first, are STEP / 2^k.
-SHORT, FULL = (4, 5, 6), (8, 9, 10)
+
+
+@dataclass(frozen=True)
+class ExtrapolationForm:
+    """The k of the three steps STEP / 2^k, coarsest first."""
+
+    exponents: tuple[int, int, int]
+
+
+SHORT, FULL = ExtrapolationForm((4, 5, 6)), ExtrapolationForm((8, 9, 10))
 
 
 @dataclass(frozen=True)
@@ -71,10 +79,9 @@ def extrapolate(t: Floats, coarse: Floats, middle: Floats, fine: Floats, tol: fl
     return Extrapolated(t, x, np.maximum(error, tol), ratio, halving)
 
 
-def study(scenes: Sequence[str], full: bool) -> Study:
+def study(scenes: Sequence[str], form: ExtrapolationForm) -> Study:
     """All runs of catch-up with Ipopt, with Daqp, and of linearised catch-up."""
-    exponents = FULL if full else SHORT
-    steps = [STEP / 2**k for k in exponents]
+    steps = [STEP / 2**k for k in form.exponents]
     runs = [
         {"scene": name, "method": method.name, "dt": dt}
         for dt in reversed(steps)
@@ -83,7 +90,7 @@ def study(scenes: Sequence[str], full: bool) -> Study:
         if method is not CATCH_UP_DAQP or dt == steps[0]
     ]
     return Study(
-        name=f"catch_up{'_full' if full else ''}",
+        name=f"catch_up{'_full' if form == FULL else ''}",
         title="Catch-up, to be extrapolated",
         key=("scene", "method", "dt"),
         runs=tuple(runs),

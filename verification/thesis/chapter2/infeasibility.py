@@ -15,20 +15,39 @@ from verification.thesis.chapter2.convergence import SCENES, TIMES
 from verification.thesis.chapter2.reference import Reference
 from verification.thesis.chapter2.runs import about, distance, reached, scene, timed
 
-# Steps compared [time]; the curves are drawn for those of the short form.
-SHORT, FULL = (0.02, 0.01), (0.02, 0.01, 0.005, 0.0025, 0.00125)
-# dt strength, on a logarithmic scale: from far too weak to unstable. For exponent 1 the strength itself is scanned.
-SPRINGS = np.geomspace(0.01, 10.0, 25)
-PUSHES = np.geomspace(0.3, 100.0, 25)
+# From far too weak to unstable.
+SPRINGS = tuple(float(value) for value in np.geomspace(0.01, 10.0, 25))
+PUSHES = tuple(float(value) for value in np.geomspace(0.3, 100.0, 25))
+# Of so many of the steps, the coarsest, the curves are drawn.
+DRAWN = 2
 # Discs that were thrown apart do not overlap: a run competes only if its error is at most this many times that of PBD.
 COMPARABLE = 5.0
 # Infeasibility up to this multiple of the best one counts as the width of the optimum.
 WIDTH = 2.0
 
 
-def strengths(dt: float, exponent: int) -> list[float]:
-    """The strengths scanned at a step."""
-    return [float(value) for value in (SPRINGS / dt if exponent == 2 else PUSHES)]
+@dataclass(frozen=True)
+class InfeasibilityForm:
+    """What is scanned.
+
+    Attributes
+    ----------
+    steps
+        Compared, the coarsest first [time].
+    springs, pushes
+        dt strength for exponent 2; the strength itself for exponent 1.
+    """
+
+    steps: tuple[float, ...]
+    springs: tuple[float, ...] = SPRINGS
+    pushes: tuple[float, ...] = PUSHES
+
+    def strengths(self, dt: float, exponent: int) -> tuple[float, ...]:
+        """Those scanned at a step; PBD, exponent 0, has none."""
+        return {0: (0.0,), 1: self.pushes, 2: tuple(value / dt for value in self.springs)}[exponent]
+
+
+SHORT, FULL = InfeasibilityForm((0.02, 0.01)), InfeasibilityForm((0.02, 0.01, 0.005, 0.0025, 0.00125))
 
 
 @dataclass(frozen=True)
@@ -67,17 +86,17 @@ def _run(key: Key) -> tuple[dincl.Trajectory, dict[str, Any]]:
     return path, about(path, seconds)
 
 
-def scan(references: Mapping[str, Reference], full: bool) -> Study:
+def scan(references: Mapping[str, Reference], form: InfeasibilityForm) -> Study:
     """PBD (exponent 0) and the penalty method at all strengths, for every step and scene."""
     runs = [
         {"scene": name, "dt": dt, "exponent": exponent, "strength": strength}
-        for dt in sorted(FULL if full else SHORT)
+        for dt in sorted(form.steps)
         for name in reversed(SCENES)
         for exponent in (0, 1, 2)
-        for strength in (strengths(dt, exponent) if exponent else [0.0])
+        for strength in form.strengths(dt, exponent)
     ]
     return Study(
-        name=f"penalty_scan{'_full' if full else ''}",
+        name=f"penalty_scan{'_full' if form == FULL else ''}",
         title="Penalty strengths",
         key=("scene", "dt", "exponent", "strength"),
         runs=tuple(runs),
@@ -85,14 +104,14 @@ def scan(references: Mapping[str, Reference], full: bool) -> Study:
     )
 
 
-def curves(scanned: pd.DataFrame, full: bool) -> Study:
+def curves(scanned: pd.DataFrame, form: InfeasibilityForm) -> Study:
     """The runs of PBD and of the best strengths, after every step."""
     best = best_strengths(scanned).dropna(subset="strength")
     wanted = [(row.scene, row.dt, row.exponent, row.strength) for row in best.itertuples()]
     wanted += [(row.scene, row.dt, 0, 0.0) for row in scanned[scanned["exponent"] == 0].itertuples()]
     names = ("scene", "dt", "exponent", "strength")
     return Study(
-        name=f"infeasibility{'_full' if full else ''}",
+        name=f"infeasibility{'_full' if form == FULL else ''}",
         title="Infeasibility over time",
         key=names,
         runs=tuple(dict(zip(names, values, strict=True)) for values in wanted),

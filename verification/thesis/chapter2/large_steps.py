@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from dincl.study import Key, Row, Study
@@ -10,11 +12,21 @@ from verification.thesis.chapter2.methods import METHODS, PBD, PENALTIES, PENALT
 from verification.thesis.chapter2.runs import about, scene, timed
 
 COMPARED = (PBD, *PENALTIES, PENALTY_PRINTED)
-STEPS = (0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.0, 1.6)
 # Long enough that something unstable has time to grow [time].
 END = 32.0
 # A run is unstable if a disc gets this many times farther out than any disc was at the start.
 FAR = 2.0
+
+
+@dataclass(frozen=True)
+class LargeStepsForm:
+    """The steps [time]."""
+
+    steps: tuple[float, ...]
+
+
+# There is one form only, it takes a second.
+FORM = LargeStepsForm((0.0125, 0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.0, 1.6))
 
 
 def extent(key: Key) -> list[Row]:
@@ -29,9 +41,11 @@ def extent(key: Key) -> list[Row]:
     return [dict(key) | row | about(path, seconds)]
 
 
-def study() -> Study:
-    """All runs; there is one form only, it takes a second."""
-    runs = [{"scene": name, "method": method.name, "dt": dt} for name in SCENES for method in COMPARED for dt in STEPS]
+def study(form: LargeStepsForm = FORM) -> Study:
+    """All runs."""
+    runs = [
+        {"scene": name, "method": method.name, "dt": dt} for name in SCENES for method in COMPARED for dt in form.steps
+    ]
     return Study(
         name="large_steps",
         title="Large steps",

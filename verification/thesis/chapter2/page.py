@@ -67,18 +67,21 @@ BEST = {
 
 def run(context: Context) -> None:
     """Complete all studies of this chapter."""
-    full, tables, where = context.full, context.tables, (context.folder, context.executor)
+    tables, where = context.tables, (context.folder, context.executor)
     tables["positions"] = reference.study(convergence.SCENES).complete(*where)
     tables["exactness"] = exactness.study().complete(*where)
-    tables["catch_up"] = extrapolation.study(convergence.SCENES, full).complete(*where)
+    form = context.form(extrapolation.SHORT, extrapolation.FULL)
+    tables["catch_up"] = extrapolation.study(convergence.SCENES, form).complete(*where)
     references = {name: reference.reference(tables["positions"], name) for name in convergence.SCENES}
     context.keep("references", extrapolation.summary(references, tables["catch_up"], convergence.TIMES))
-    tables["convergence"] = convergence.study(references, full).complete(*where)
+    compared = context.form(convergence.SHORT, convergence.FULL)
+    tables["convergence"] = convergence.study(references, compared).complete(*where)
     context.keep("orders", convergence.orders(tables["convergence"]))
-    tables["penalty_scan"] = infeasibility.scan(references, full).complete(*where)
+    scanned = context.form(infeasibility.SHORT, infeasibility.FULL)
+    tables["penalty_scan"] = infeasibility.scan(references, scanned).complete(*where)
     context.keep("penalty_best", infeasibility.best_strengths(tables["penalty_scan"]))
-    tables["infeasibility"] = infeasibility.curves(tables["penalty_scan"], full).complete(*where)
-    tables["large_steps"] = large_steps.study().complete(*where)
+    tables["infeasibility"] = infeasibility.curves(tables["penalty_scan"], scanned).complete(*where)
+    tables["large_steps"] = large_steps.study(context.form(large_steps.FORM)).complete(*where)
 
 
 def sections(context: Context) -> Sequence[Section]:
@@ -141,16 +144,16 @@ def _convergence(context: Context, name: str) -> Section:
 
 
 def _penalty(context: Context) -> Section:
-    best = context.tables["penalty_best"]
+    best, form = context.tables["penalty_best"], context.form(infeasibility.SHORT, infeasibility.FULL)
     kinds = best.assign(kind=best["exponent"].map({1: "as printed", 2: "springs"}))
     said = fill(
         PROSE / "penalty.html",
-        count=len(infeasibility.SPRINGS),
+        count=len(form.springs),
         comparable=infeasibility.COMPARABLE,
         width=infeasibility.WIDTH,
     )
     curves = context.tables["infeasibility"]
-    drawn = curves[curves["dt"].isin(infeasibility.SHORT)]
+    drawn = curves[curves["dt"].isin(form.steps[: infeasibility.DRAWN])]
     in_time = context.draw("infeasibility_in_time", plots.infeasibility_in_time, drawn, SCENES)
     scan = context.draw("penalty_strengths", plots.strengths, context.tables["penalty_scan"], SCENES)
     return Section(

@@ -53,11 +53,11 @@ PROSE = Path(__file__).parent / "prose"
 def run(context: Context) -> None:
     """Complete the references and the study; keep what they say."""
     where = context.folder, context.executor
-    known = work_references.study().complete(*where)
-    context.tables["work_references"] = known
-    references = {name: work_references.reference(known, name) for name in SCENES}
     form = _form(context)
-    table = work_precision.study(references, context.full).complete(*where)
+    known = work_references.study(form.scenes).complete(*where)
+    context.tables["work_references"] = known
+    references = {name: work_references.reference(known, name) for name in form.scenes}
+    table = work_precision.study(references, form).complete(*where)
     context.tables["work_precision"] = table
     context.keep("work_times", cheapest.times(table, form))
     context.keep("work_winners", cheapest.winners(table, form))
@@ -65,7 +65,7 @@ def run(context: Context) -> None:
 
 def sections(context: Context) -> Sequence[Section]:
     """What is measured and who wins, then one section for each scene."""
-    return [_summary(context), *(_scene(context, name) for name in SCENES)]
+    return [_summary(context), *(_scene(context, name) for name in _form(context).scenes)]
 
 
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
@@ -76,7 +76,7 @@ def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
 
 
 def _form(context: Context) -> work_precision.Form:
-    return work_precision.FULL if context.full else work_precision.SHORT
+    return context.form(work_precision.SHORT, work_precision.FULL)
 
 
 def _summary(context: Context) -> Section:

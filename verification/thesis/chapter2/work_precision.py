@@ -13,7 +13,7 @@ from dincl.study import Key, Row, Study
 from verification.budget import Budget, CpuSeconds
 from verification.references import Known
 from verification.speed_accuracy import WorkPrecision, rows_of, settings_of
-from verification.thesis.chapter2.methods import CHARTED, METHODS
+from verification.thesis.chapter2.methods import CHARTED, METHODS, NamedMethod
 from verification.thesis.chapter2.work_references import SCENES
 
 ERRORS = ("largest", "final", "overlap")
@@ -29,10 +29,14 @@ class Form:
         By the name of the setting, from coarse to fine: steps [time], tolerances [length].
     budget
         Of one run.
+    scenes, methods
+        Names of the scenes; the methods on each of them.
     """
 
     settings: Mapping[str, Sequence[float]]
     budget: Budget
+    scenes: tuple[str, ...] = tuple(SCENES)
+    methods: tuple[NamedMethod, ...] = CHARTED
 
 
 SHORT = Form({"dt": [0.1 / 4**k for k in range(9)], "tol": [1e-2, 1e-4, 1e-6, 1e-8, 1e-10]}, CpuSeconds(0.5))
@@ -62,16 +66,18 @@ def chart(table: pd.DataFrame, scene: str, form: Form) -> WorkPrecision:
     return WorkPrecision(rows, ERRORS, form.budget, looks, title=SCENES[scene]().title)
 
 
-def study(references: Mapping[str, Known], full: bool) -> Study:
+def study(references: Mapping[str, Known], form: Form) -> Study:
     """All methods of the chart on all scenes; the scenes of many particles first."""
-    form = FULL if full else SHORT
-    runs = [{"scene": name, "method": method.name} for name in reversed(list(SCENES)) for method in reversed(CHARTED)]
+    runs = [
+        {"scene": name, "method": method.name} for name in reversed(form.scenes) for method in reversed(form.methods)
+    ]
     return Study(
-        name=f"work_precision{'_full' if full else ''}",
+        name=f"work_precision{'_full' if form == FULL else ''}",
         title="Speed against accuracy",
         key=("scene", "method"),
         runs=tuple(runs),
         run=Run(references, form),
+        settings={"references": references, "settings": form.settings, "budget": form.budget},
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -23,7 +24,7 @@ from tissue.many import simulate_many
 from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.thesis.chapter3.growing import PRESETS, growing_from, until
 
-SIZES, SHORT = (60, 120, 1_000, 10_000), (60, 120, 1_000)
+SIZES = (60, 120, 1_000, 10_000)
 # Hours of growth before timing starts, and repeats of which the best is taken.
 SETTLED, REPEATS = 0.5, 5
 # Cell-substeps in one timed repeat: long against the clock, short against the patience of a reader.
@@ -33,6 +34,17 @@ HOURS = (10.0, 48.0)
 LOTS = 3
 
 
+@dataclass(frozen=True)
+class KernelForm:
+    """Numbers of cells; cell-substeps in one timed repeat."""
+
+    sizes: tuple[int, ...]
+    cell_substeps: int = CELL_SUBSTEPS
+
+
+SHORT, FULL = KernelForm(SIZES[:3]), KernelForm(SIZES)
+
+
 def wide(name: str, cells: int) -> Parameters:
     """A preset with so many cells, as wide as their apical points: as crowded as a grown tissue for any number."""
     parameters = preset(name)
@@ -40,7 +52,7 @@ def wide(name: str, cells: int) -> Parameters:
     return parameters.changed({"tissue.cells": cells, "tissue.width": f"{cells * spacing!r} R_soft"})
 
 
-def per_substep(key: Key) -> list[Row]:
+def per_substep(key: Key, cell_substeps: int) -> list[Row]:
     """Microseconds per substep: best and median of the repeats, with the load under which they were measured.
 
     Second daughters are left out, so that the number of cells stays.
@@ -48,7 +60,7 @@ def per_substep(key: Key) -> list[Row]:
     run = growing_from(wide(key["preset"], key["cells"]), 0, two_daughters=0.0)
     dt, substeps = run.numbers.dt, run.numbers.substeps
     run.to(SETTLED)
-    steps = max(2, CELL_SUBSTEPS // (key["cells"] * substeps))
+    steps = max(2, cell_substeps // (key["cells"] * substeps))
     before, seconds = run.held.scratch.counts.copy(), []
     for _ in range(REPEATS):
         began = run.seconds
@@ -62,15 +74,14 @@ def per_substep(key: Key) -> list[Row]:
     return [dict(key) | row | loads | lists]
 
 
-def kernel(full: bool) -> Study:
+def kernel(form: KernelForm) -> Study:
     """Microseconds per substep as a study, for the report; two of its runs are made at once."""
-    sizes = SIZES if full else SHORT
     return Study(
-        name=f"tissue_kernel{'_full' if full else ''}",
+        name=f"tissue_kernel{'_full' if form == FULL else ''}",
         title="Tissue: kernel",
         key=("preset", "cells"),
-        runs=tuple({"preset": name, "cells": cells} for cells in sorted(sizes, reverse=True) for name in PRESETS),
-        run=per_substep,
+        runs=tuple({"preset": name, "cells": cells} for cells in sorted(form.sizes, reverse=True) for name in PRESETS),
+        run=partial(per_substep, cell_substeps=form.cell_substeps),
     )
 
 
@@ -86,9 +97,8 @@ def _slope(x: pd.Series, y: pd.Series) -> float:
 
 def substep_table(sizes: tuple[int, ...]) -> pd.DataFrame:
     """The rows of ``per_substep`` for all presets and sizes, one after the other on a quiet machine."""
-    return pd.DataFrame(
-        [row for cells in sizes for name in PRESETS for row in per_substep({"preset": name, "cells": cells})]
-    )
+    keys = [{"preset": name, "cells": cells} for cells in sizes for name in PRESETS]
+    return pd.DataFrame([row for key in keys for row in per_substep(key, CELL_SUBSTEPS)])
 
 
 def abreast_table(end: float) -> pd.DataFrame:

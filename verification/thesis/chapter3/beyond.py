@@ -43,9 +43,8 @@ FULL = BeyondForm(
 )
 
 
-def study(full: bool) -> Study:
+def study(form: BeyondForm) -> Study:
     """One run for each preset, number of substeps and seed."""
-    form = FULL if full else SHORT
     runs = [
         {"preset": name, "substeps": substeps, "seed": seed}
         for name, tried in form.substeps.items()
@@ -53,7 +52,7 @@ def study(full: bool) -> Study:
         for seed in range(form.seeds)
     ]
     return Study(
-        name=f"tissue_jitter{'_full' if full else ''}",
+        name=f"tissue_jitter{'_full' if form == FULL else ''}",
         title="Tissue: jitter",
         key=("preset", "substeps", "seed"),
         runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),

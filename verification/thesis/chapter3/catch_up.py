@@ -49,11 +49,10 @@ SHORT = CatchUpForm(2, SUBSTEPS, (20, 40, 80, 160), 320)
 FULL = CatchUpForm(5, (*SUBSTEPS, 1280, 2560), (20, 40, 80, 160, 320, 640), 2560)
 
 
-def study(full: bool) -> Study:
+def study(form: CatchUpForm) -> Study:
     """One run for each seed."""
-    form = FULL if full else SHORT
     return Study(
-        name=f"tissue_catch_up{'_full' if full else ''}",
+        name=f"tissue_catch_up{'_full' if form == FULL else ''}",
         title="Tissue: catch-up",
         key=("seed",),
         runs=tuple({"seed": seed} for seed in range(form.seeds)),

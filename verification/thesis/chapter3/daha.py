@@ -50,10 +50,11 @@ PBD_SUBSTEPS = (20, 200)
 
 @dataclass(frozen=True)
 class DahaForm:
-    """Number of seeds by case and tolerance, and the dampings that are tried with the most substeps, too."""
+    """Number of seeds by case and tolerance, dampings that are tried with the most substeps, too, end of runs [h]."""
 
     seeds: dict[tuple[str, float], int]
     fine: tuple[float, ...]
+    end: float = END
 
 
 SHORT = DahaForm(
@@ -71,18 +72,17 @@ SHORT = DahaForm(
 FULL = DahaForm({(case, eps): 20 if eps >= OWN else 3 for case in CASES for eps in TOLERANCES}, DAMPINGS)
 
 
-def study(full: bool) -> Study:
+def study(form: DahaForm) -> Study:
     """One run for each case, tolerance and seed."""
-    form = FULL if full else SHORT
     runs = [
         {"case": case, "eps": eps, "seed": seed} for (case, eps), seeds in form.seeds.items() for seed in range(seeds)
     ]
     return Study(
-        name=f"tissue_daha{'_full' if full else ''}",
+        name=f"tissue_daha{'_full' if form == FULL else ''}",
         title="Tissue: DAHA",
         key=("case", "eps", "seed"),
         runs=tuple(runs),
-        run=partial(compared, end=END, fine=form.fine),
+        run=partial(compared, end=form.end, fine=form.fine),
     )
 
 
@@ -224,8 +224,8 @@ def distances(table: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows)
 
 
-def speed(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each case at the tolerance of Table 4: seconds of whole runs of DAHA over those of PBD."""
+def speed(table: pd.DataFrame, end: float = END) -> pd.DataFrame:
+    """One row for each case at the tolerance of Table 4: seconds of runs of DAHA to ``end`` over those of PBD."""
     rows = []
     ended = table[(table["kind"] == "run") & (table["eps"] == OWN) & table["terminated"].eq(True)]
     pbd = table[(table["kind"] == "pbd") & (table["substeps"] == min(PBD_SUBSTEPS)) & (table["mu"] == TABLE_5)]
@@ -234,6 +234,6 @@ def speed(table: pd.DataFrame) -> pd.DataFrame:
         ratio = mine.set_index("seed")["seconds"] / own
         found = over_seeds(ratio.dropna())
         times = {"daha": mine["seconds"].median(), "pbd": own.median()}
-        work = mine["iterations"].mean() / (min(PBD_SUBSTEPS) * END / parameters_of(str(case), OWN).numbers().dt)
+        work = mine["iterations"].mean() / (min(PBD_SUBSTEPS) * end / parameters_of(str(case), OWN).numbers().dt)
         rows.append({"case": case} | times | {"ratio": found.mean, "low": found.low, "high": found.high, "work": work})
     return pd.DataFrame(rows, columns=["case", "daha", "pbd", "ratio", "low", "high", "work"])

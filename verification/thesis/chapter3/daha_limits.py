@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -21,8 +21,7 @@ from verification.thesis.chapter3.judged import begun, floored
 MOST, SEEN = 25_000, 0.01
 AGE = 5.0
 OUTCOMES = ("terminated", "violated", "not terminated", "not finite")
-SHORT = tuple(10.0**k for k in range(-2, 4))
-FULL = tuple(10.0 ** (k / 4) for k in range(-8, 13))
+FACTORS, MANY_FACTORS = tuple(10.0**k for k in range(-2, 4)), tuple(10.0 ** (k / 4) for k in range(-8, 13))
 # Tissues that the maps are of, by the name of the column "method".
 SEEDS = {"0": "Seed 0", "1": "Seed 1"}
 
@@ -78,13 +77,24 @@ def damping(method: str, x: float, y: float) -> dict[str, Any]:
 
 
 def _axis(name: str) -> Axis:
-    return Axis(f"{name} / Table 4", SHORT, FULL)
+    return Axis(f"{name} / Table 4", FACTORS, MANY_FACTORS)
 
 
 PLANES = (
     Plane("descent", "α and β", "one step", _axis("α"), _axis("β"), SEEDS, descent, ()),
     Plane("multipliers", "γ and c", "one step", _axis("γ"), _axis("c"), SEEDS, damping, ()),
 )
+
+
+@dataclass(frozen=True)
+class DahaLimitsForm:
+    """Which planes are mapped, at the full or the short values of their axes."""
+
+    full: bool
+    planes: tuple[Plane, ...] = PLANES
+
+
+SHORT, FULL = DahaLimitsForm(full=False), DahaLimitsForm(full=True)
 
 
 def study(plane: Plane, full: bool) -> Study:

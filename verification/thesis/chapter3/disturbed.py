@@ -37,12 +37,11 @@ SHORT = DisturbedForm(FEW, 4, TIMES)
 FULL = DisturbedForm((*FEW, ("thesis", 640), ("published", 640)), 20, (*TIMES, 30.0, 40.0, 48.0))
 
 
-def study(full: bool) -> Study:
+def study(form: DisturbedForm) -> Study:
     """One run for each preset, number of substeps and seed."""
-    form = FULL if full else SHORT
     runs = sorted(form.runs, key=lambda pair: -pair[1])
     return Study(
-        name=f"tissue_disturbed{'_full' if full else ''}",
+        name=f"tissue_disturbed{'_full' if form == FULL else ''}",
         title="Tissue: small disturbances",
         key=("preset", "substeps", "seed"),
         runs=tuple(

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from verification.page.sheet import GREY, Axes, Figure, sheet
 from verification.thesis.chapter3.beyond import SETTLED
 from verification.thesis.chapter3.disturbed import PART
-from verification.thesis.chapter3.growth import DOUBLED, END
+from verification.thesis.chapter3.growth import DOUBLED
 from verification.thesis.chapter3.maps import GROWING, LABELS, PLANES
 from verification.thesis.chapter3.substeps import ENOUGH, FEW, TIMED
 
@@ -132,9 +132,10 @@ def growth(table: pd.DataFrame, finest: pd.Series, path: Path) -> Path:
             ):
                 _bands(panels[row, column], rows)
                 panels[row, column].set_title(f"{label}, {word}")
+        end = table["t"].max()
         for panel in panels.flat:
             panel.axhline(DOUBLED, color=GREY, linewidth=0.9, linestyle=":", label="doubled")
-            panel.set(xlim=(0, END), xticks=np.arange(0, END + 1, 12))
+            panel.set(xlim=(0, end), xticks=np.arange(0, end + 1, 12))
         for panel in panels[:, 0]:
             panel.set_ylabel("height / height at the start")
         for panel in panels[1]:

@@ -14,8 +14,6 @@ from tissue.model.observables import height
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, growing
 from verification.thesis.chapter3.intervals import over_seeds
 
-DAMPINGS = (0.2, 0.15, 0.1, 0.05, 0.025)
-END = 48.0
 # How often a height is kept, within the runs of Figure 16 [h].
 EVERY = 2.0
 # What the embryo does in some places within 48 h.
@@ -24,31 +22,32 @@ DOUBLED = 2.0
 
 @dataclass(frozen=True)
 class GrowthForm:
-    """How far the study goes: number of seeds, largest h / mu of the fine runs."""
+    """How far the study goes: number of seeds, largest h / mu of the fine runs, dampings, end of the runs [h]."""
 
     seeds: int
     fine: float
+    dampings: tuple[float, ...] = (0.2, 0.15, 0.1, 0.05, 0.025)
+    end: float = 48.0
 
 
 SHORT = GrowthForm(5, 1 / 60)
 FULL = GrowthForm(24, 1 / 240)
 
 
-def study(full: bool) -> Study:
+def study(form: GrowthForm) -> Study:
     """One run for each preset, damping and number of substeps, with all seeds."""
-    form = FULL if full else SHORT
     runs = [
         {"preset": name, "mu": mu, "substeps": substeps}
         for name in PRESETS
-        for mu in DAMPINGS
+        for mu in form.dampings
         for substeps in substeps_of(name, mu, form.fine)
     ]
     return Study(
-        name=f"tissue_growth{'_full' if full else ''}",
+        name=f"tissue_growth{'_full' if form == FULL else ''}",
         title="Tissue: growth",
         key=("preset", "mu", "substeps"),
         runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),
-        run=partial(grown, seeds=form.seeds),
+        run=partial(grown, seeds=form.seeds, end=form.end),
     )
 
 
@@ -58,13 +57,13 @@ def substeps_of(name: str, mu: float, fine: float) -> tuple[int, ...]:
     return tuple(sorted({numbers.substeps, max(numbers.substeps, int(np.ceil(numbers.dt / mu / fine - 1e-9)))}))
 
 
-def grown(key: Key, seeds: int) -> list[Row]:
+def grown(key: Key, seeds: int, end: float) -> list[Row]:
     """One row for each seed and time: the height over that of the start; NaN from where a run is lost."""
     rows: list[Row] = []
     for seed in range(seeds):
         run = growing(key["preset"], seed, mu=key["mu"], substeps=key["substeps"])
         first = height(run.frame())
-        for t in np.arange(0.0, END + EVERY / 2, EVERY).tolist():
+        for t in np.arange(0.0, end + EVERY / 2, EVERY).tolist():
             ratio = height(run.frame()) / first if run.to(t) else np.nan
             rows.append(dict(key) | {"seed": seed, "t": t, "ratio": ratio, "status": run.status})
     return rows
@@ -75,13 +74,18 @@ def fine(table: pd.DataFrame) -> pd.Series:
     return table["substeps"] == table.groupby(["preset", "mu"])["substeps"].transform("max")
 
 
+def last_rows(table: pd.DataFrame) -> pd.DataFrame:
+    """Those of the end."""
+    return table[table["t"] == table["t"].max()]
+
+
 def ratios(table: pd.DataFrame) -> pd.DataFrame:
     """One row for each preset, damping and number of substeps: height at the end over that at the start.
 
     Mean over the seeds with its interval, their least and largest; and how many were lost, and to what.
     """
     rows = []
-    for (name, mu, substeps), mine in table[table["t"] == END].groupby(["preset", "mu", "substeps"]):
+    for (name, mu, substeps), mine in last_rows(table).groupby(["preset", "mu", "substeps"]):
         kept = mine.loc[mine["status"] == SUCCESS, "ratio"]
         lost = mine.loc[mine["status"] != SUCCESS, "status"]
         mean, low, high = over_seeds(kept)
@@ -100,7 +104,7 @@ def doubling(table: pd.DataFrame) -> pd.DataFrame:
     their distances.
     """
     rows = []
-    for name, mine in table[table["t"] == END].groupby("preset"):
+    for name, mine in last_rows(table).groupby("preset"):
         for kind, one in (
             ("as the preset", mine[mine["substeps"] == mine["substeps"].min()]),
             ("fine", mine[fine(mine)]),

@@ -34,27 +34,27 @@ FLOORED = {"rules.floor_rest_length": True}
 TOL = 1e-7
 # A gap below this is looked at as a contact [R_soft]: DAHA leaves gaps of up to 0.01 either way.
 CONTACT = 0.02
-# Whole runs that the judge makes, and how long they are [h].
-WHOLE, END = 5, 10.0
+# How long the whole runs are [h].
+END = 10.0
 
 
 @dataclass(frozen=True)
 class JudgedForm:
-    """How far the study goes: number of seeds, times of the steps [h]."""
+    """How far the study goes: number of seeds, times of the steps [h], number of whole runs that the judge makes."""
 
     seeds: int
     times: tuple[float, ...]
+    whole: int = 0
 
 
 SHORT = JudgedForm(2, (1.0, 5.0))
-FULL = JudgedForm(20, (0.1, 1.0, 2.0, 5.0, 10.0))
+FULL = JudgedForm(20, (0.1, 1.0, 2.0, 5.0, 10.0), whole=5)
 
 
-def study(full: bool) -> Study:
+def study(form: JudgedForm) -> Study:
     """One run for each seed and time."""
-    form = FULL if full else SHORT
     return Study(
-        name=f"tissue_judged{'_full' if full else ''}",
+        name=f"tissue_judged{'_full' if form == FULL else ''}",
         title="Tissue: steps, judged",
         key=("seed", "t"),
         runs=tuple({"seed": seed, "t": t} for t in form.times for seed in range(form.seeds)),
@@ -138,13 +138,13 @@ def left_over(cells: Cells, state: Frozen) -> float:
     return float(nnls(pushing.T, slope)[1])
 
 
-def whole(full: bool) -> Study:
-    """Whole runs with the judge as the minimiser, complete form only: one run for each seed."""
+def whole(form: JudgedForm) -> Study:
+    """Whole runs with the judge as the minimiser: one run for each seed."""
     return Study(
         name="tissue_judged_runs",
         title="Tissue: runs through minima",
         key=("seed",),
-        runs=tuple({"seed": seed} for seed in range(WHOLE if full else 0)),
+        runs=tuple({"seed": seed} for seed in range(form.whole)),
         run=grown_through_minima,
     )
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TypedDict
 
@@ -143,6 +143,17 @@ CASES = (
 )
 
 
-def study() -> Study:
-    """All cases; there is one form only."""
-    return replace(study_of_cases(CASES), name="tissue_limits", title="Tissue: linear limits")
+@dataclass(frozen=True)
+class LimitsForm:
+    """The cases."""
+
+    cases: tuple[Case, ...] = CASES
+
+
+# There is one form only.
+FORM = LimitsForm()
+
+
+def study(form: LimitsForm) -> Study:
+    """One run for each case."""
+    return replace(study_of_cases(form.cases), name="tissue_limits", title="Tissue: linear limits")

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
@@ -106,6 +106,17 @@ PLANES = (
     Plane("springs", "springs", "at rest", SCALE, SPRINGS, LABELS, rest_with_springs, ()),
 )
 GROWING, RESTING = PLANES[:2], PLANES[2:]
+
+
+@dataclass(frozen=True)
+class MapsForm:
+    """Which planes are mapped, at the full or the short values of their axes."""
+
+    full: bool
+    planes: tuple[Plane, ...] = PLANES
+
+
+SHORT, FULL = MapsForm(full=False), MapsForm(full=True)
 
 
 def study(plane: Plane, full: bool) -> Study:

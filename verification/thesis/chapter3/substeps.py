@@ -5,7 +5,7 @@ Runs of one seed meet the same noise and the same divisions, whatever their subs
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
@@ -22,7 +22,7 @@ from verification.thesis.chapter3.intervals import over_seeds
 
 # When the states are looked at; all of them are multiples of dt in both presets [h].
 TIMES = (0.1, 1.0, 2.0, 5.0, 10.0, 20.0, 30.0, 40.0, 48.0)
-# The length of the runs whose speed is told, and the times at which a height has to be right [h].
+# The length of the runs whose speed is told; when a height has to be right [h].
 TIMED = 10.0
 HEIGHTS = (10.0, 48.0)
 # Part of the height that is good enough.
@@ -34,12 +34,16 @@ SAFETY = 2.5
 
 @dataclass(frozen=True)
 class SubstepsForm:
-    """How far the study goes: substeps and those of the reference by preset, number of seeds, times [h]."""
+    """How far the study goes: substeps and those of the reference by preset, number of seeds, times [h].
+
+    At the times ``heights`` a height has to be right [h].
+    """
 
     substeps: Mapping[str, tuple[int, ...]]
     reference: Mapping[str, int]
     seeds: int
     times: tuple[float, ...] = TIMES
+    heights: tuple[float, ...] = HEIGHTS
 
 
 FEW, MANY = (1, 2, 5, 10, 20, 40, 80), (160, 320, 640)
@@ -48,16 +52,16 @@ SHORT = SubstepsForm({"thesis": (*FEW, 160), "published": FEW}, {"thesis": 640, 
 FULL = SubstepsForm(dict.fromkeys(PRESETS, (*FEW, *MANY)), dict.fromkeys(PRESETS, 2560), 20)
 
 
-def study(full: bool) -> Study:
+def study(form: SubstepsForm) -> Study:
     """One run for each preset and seed: all numbers of substeps, and the reference with its half."""
-    form = FULL if full else SHORT
     return Study(
-        name=f"tissue_substeps{'_full' if full else ''}",
+        name=f"tissue_substeps{'_full' if form == FULL else ''}",
         title="Tissue: substeps",
         key=("preset", "seed"),
         runs=tuple({"preset": name, "seed": seed} for seed in range(form.seeds) for name in PRESETS),
         run=partial(compared, form=form),
-        settings=asdict(form) | {"seeds": None},  # more seeds are more runs
+        # More seeds are more runs; the heights are looked at afterwards.
+        settings=asdict(form) | {"seeds": None, "heights": None},
     )
 
 
@@ -132,14 +136,14 @@ def _told(found: Order) -> dict[str, Any]:
     return {"order": order_text(found), "slope": slope, "low": low, "high": high, "verdict": found.verdict}
 
 
-def heights(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each preset, time of HEIGHTS and number of substeps: the deviation of the height, in parts of it.
+def heights(table: pd.DataFrame, times: Sequence[float] = HEIGHTS) -> pd.DataFrame:
+    """One row for each preset, time and number of substeps: the deviation of the height, in parts of it.
 
     Mean over the seeds with its interval, and the largest that the deviation of the limit can be: beside the interval
     the reference itself may be off by ``own``. Lost runs are counted; a height of which some are lost is not told.
     """
     rows = []
-    for (name, t, substeps), mine in table[table["t"].isin(HEIGHTS)].groupby(["preset", "t", "substeps"]):
+    for (name, t, substeps), mine in table[table["t"].isin(times)].groupby(["preset", "t", "substeps"]):
         lost = int((mine["status"] != SUCCESS).sum())
         part = (mine["height"] / mine["reference_height"] - 1).to_numpy()
         mean, low, high = over_seeds(part)

@@ -52,7 +52,7 @@ def main(folder: Path, preset: str | None = None) -> None:
     """Complete the studies, of one preset or of all, sum them up and keep the tables."""
     if preset not in {None, *PRESETS}:
         raise InvalidProblem(f"preset = {describe(preset)}: must be {' or '.join(PRESETS)}")
-    chosen = {name: study for name, study in studies.chosen(full=True).items() if preset in {None, preset_of(name)}}
+    chosen = {name: study for name, study in studies.chosen(studies.FULL).items() if preset in {None, preset_of(name)}}
     with workers() as executor:
         results = studies.watched(chosen, folder, executor)
     for name, table in COMPLETE.items():

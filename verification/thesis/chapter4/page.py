@@ -11,7 +11,9 @@ from verification.thesis.chapter4 import sections as page
 
 def run(context: Context) -> None:
     """Complete the studies of the form, and sum them up; beside a short form stand the kept tables."""
-    results = studies.watched(studies.chosen(context.full), page.folder(context), context.executor)
+    results = studies.watched(
+        studies.chosen(context.form(studies.SHORT, studies.FULL)), page.folder(context), context.executor
+    )
     for name, table in (kept.COMPLETE if context.full else kept.TABLES).items():
         context.keep(f"emt_{name}", table(results))
     complete = kept.tables()

@@ -52,7 +52,7 @@ def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
 
 def _pictures(context: Context, *numbers: int) -> Iterator[Picture]:
     """Figures of the thesis, of the runs of this page, for each preset whose studies are among them."""
-    made = studies.chosen(context.full)
+    made = studies.chosen(context.form(studies.SHORT, studies.FULL))
     for one in numbers:
         for preset, suffix in studies.PRESETS.items():
             wanted = {study: study + suffix for study in figures.needs(one)}
@@ -209,7 +209,7 @@ def _short(context: Context) -> Section:
     apart = both[(p < 1 - PRINTED_LEVEL).to_numpy()]
     said = fill(
         PROSE / "short.html",
-        runs=sum(study.runs for study in studies.chosen(full=False).values()),
+        runs=sum(study.runs for study in studies.chosen(context.form(studies.SHORT)).values()),
         comparisons=len(both),
         level=PRINTED_LEVEL,
         apart=[f"{row.study} {row.scenario} {row.what}" for row in apart.itertuples()],

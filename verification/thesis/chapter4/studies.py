@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 from dincl.study import progress
 from tissue.study.identity import fingerprint, identity
@@ -14,27 +15,40 @@ from tissue.study.read import Results
 from tissue.study.run import carry_out
 from verification.thesis.chapter4 import sensitivity
 
-# Replicates of each scenario in the short form, half of them where numbers are printed: fifteen seconds on two cores.
-SHORT = {
-    "figure10": 32,
-    "figure12": 32,
-    "figure14": 8,
-    "figure15": 8,
-    "table5_63": 24,
-    "table5_35": 48,
-    "table5_7": 24,
-    "figure10_published": 32,
-    "figure12_published": 32,
-}
-# The complete form: as the files say.
-COMPLETE = (
-    *(name for name in SHORT if not name.endswith("_published")),
-    "questions",
-    *(
-        f"{name}_published"
-        for name in ("figure10", "figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7", "questions")
-    ),
+NAMES = ("figure10", "figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7", "questions")
+
+
+@dataclass(frozen=True)
+class EmtForm:
+    """Which studies are run.
+
+    Attributes
+    ----------
+    replicates
+        Of each scenario, by the name of the study; None: as its file says.
+    changes
+        Of the parameters of all scenarios, by the name of the study.
+    """
+
+    replicates: Mapping[str, int | None]
+    changes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+
+
+# Half of the replicates are where numbers are printed: fifteen seconds on two cores.
+SHORT = EmtForm(
+    {
+        "figure10": 32,
+        "figure12": 32,
+        "figure14": 8,
+        "figure15": 8,
+        "table5_63": 24,
+        "table5_35": 48,
+        "table5_7": 24,
+        "figure10_published": 32,
+        "figure12_published": 32,
+    }
 )
+FULL = EmtForm(dict.fromkeys((*NAMES, *(f"{name}_published" for name in NAMES), sensitivity.NAME)))
 # What the questions are asked of, beside "questions" where it is. Of one name in two of them the later one counts:
 # [AxB] with 12 h between the events, not with 18 h.
 QUESTIONED = ("figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7")
@@ -53,11 +67,21 @@ def shortened(name: str, replicates: int) -> Study:
     return replace(study, replicates=replicates, trajectories=kept)
 
 
-def chosen(full: bool) -> dict[str, Study]:
+def chosen(form: EmtForm) -> dict[str, Study]:
     """The studies of a form, by name."""
-    if full:
-        return {name: load_study(name) for name in COMPLETE} | {sensitivity.NAME: sensitivity.study()}
-    return {name: shortened(name, replicates) for name, replicates in SHORT.items()}
+    return {name: _changed(_study(name, given), form.changes.get(name)) for name, given in form.replicates.items()}
+
+
+def _study(name: str, replicates: int | None) -> Study:
+    if name == sensitivity.NAME:
+        return sensitivity.study()
+    return load_study(name) if replicates is None else shortened(name, replicates)
+
+
+def _changed(study: Study, changes: Mapping[str, Any] | None) -> Study:
+    if not changes:
+        return study
+    return replace(study, scenarios={name: given.changed(changes) for name, given in study.scenarios.items()})
 
 
 def place(name: str, study: Study, folder: Path) -> Path:

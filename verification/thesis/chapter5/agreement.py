@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from functools import cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cache, partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +13,7 @@ from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
 from meanfield import Motion, solve_rattle
-from verification.meanfield_methods import RATTLES, SOLVERS
+from verification.meanfield_methods import SOLVERS
 from verification.order import estimate, order_text
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.methods import applies
@@ -25,18 +27,42 @@ QUANTITIES = ("y", "v", "X", "multipliers")
 # The ODE at its tightest tolerance is the reference where there is no closed form; RATTLE of order 8 tells its error.
 TIGHTEST, FINEST = 1e-13, 1 / 8
 CLAIMED = 1e-9
-# By the heading of the setting and, for RATTLE, its order: steps of time 1 over these numbers.
-TOLERANCES = {"ode": range(3, 12), "reduced": range(3, 12), "dae": range(3, 11)}
-STEPS = {2: (5, 10, 20, 40, 80), 4: (3, 5, 8, 12, 18), 6: (2, 3, 4, 5, 7), 8: (2, 3, 4, 5, 6)}
-# RATTLE, whose runs take longest, in the short form.
-RATTLED = ("straight", "wavy", "element")
-FULL_TOLERANCES = dict.fromkeys(TOLERANCES, range(3, 13))
-FULL_STEPS = {
-    2: (5, 10, 20, 40, 80, 160, 320, 640),
-    4: (3, 4, 6, 8, 12, 16, 24, 32, 48, 64),
-    6: (2, 3, 4, 5, 6, 8, 10, 12, 16),
-    8: (2, 3, 4, 5, 6, 7, 8, 10),
-}
+
+
+@dataclass(frozen=True)
+class AgreementForm:
+    """How far the study goes.
+
+    Attributes
+    ----------
+    digits
+        Of the tolerances, by method.
+    steps
+        By the order of RATTLE: steps of time 1 over these numbers.
+    rattled
+        Models for RATTLE, whose runs take longest.
+    """
+
+    digits: Mapping[str, Sequence[int]]
+    steps: Mapping[int, Sequence[int]]
+    rattled: tuple[str, ...] = MODELS
+    models: tuple[str, ...] = MODELS
+
+
+SHORT = AgreementForm(
+    {"ode": tuple(range(3, 12)), "reduced": tuple(range(3, 12)), "dae": tuple(range(3, 11))},
+    {2: (5, 10, 20, 40, 80), 4: (3, 5, 8, 12, 18), 6: (2, 3, 4, 5, 7), 8: (2, 3, 4, 5, 6)},
+    rattled=("straight", "wavy", "element"),
+)
+FULL = AgreementForm(
+    dict.fromkeys(SHORT.digits, tuple(range(3, 13))),
+    {
+        2: (5, 10, 20, 40, 80, 160, 320, 640),
+        4: (3, 4, 6, 8, 12, 16, 24, 32, 48, 64),
+        6: (2, 3, 4, 5, 6, 8, 10, 12, 16),
+        8: (2, 3, 4, 5, 6, 7, 8, 10),
+    },
+)
 
 
 class TrueMotion(NamedTuple):
@@ -46,42 +72,30 @@ class TrueMotion(NamedTuple):
     error: dict[str, float]
 
 
-def study(full: bool) -> Study:
+def study(form: AgreementForm) -> Study:
     """All methods on all models, a row for each setting."""
-    names = [*(f"rattle{order}" for order in reversed(RATTLES)), "dae", "ode", "reduced"]
+    names = [*(f"rattle{order}" for order in sorted(form.steps, reverse=True)), "dae", "ode", "reduced"]
     runs = [
         {"model": name, "method": method}
         for method in names
-        for name in reversed(MODELS)
-        if applies(method, cases.model(name)) and (full or name in RATTLED or not method.startswith("rattle"))
+        for name in reversed(form.models)
+        if applies(method, cases.model(name)) and (name in form.rattled or not method.startswith("rattle"))
     ]
     return Study(
-        name=f"meanfield_agreement{'_full' if full else ''}",
+        name=f"meanfield_agreement{'_full' if form == FULL else ''}",
         title="Mean field: agreement",
         key=("model", "method"),
         runs=tuple(runs),
-        run=_full if full else _short,
+        run=partial(_rows, digits=form.digits, steps=form.steps),
     )
 
 
-def _settings(full: bool) -> tuple[dict[Any, Any], dict[Any, Any]]:
-    return (FULL_TOLERANCES, FULL_STEPS) if full else (TOLERANCES, STEPS)
-
-
-def _short(key: Key) -> list[Row]:
-    return _rows(key, *_settings(False))
-
-
-def _full(key: Key) -> list[Row]:
-    return _rows(key, *_settings(True))
-
-
-def _rows(key: Key, tolerances: dict[str, Any], steps: dict[int, Any]) -> list[Row]:
+def _rows(key: Key, digits: Mapping[str, Sequence[int]], steps: Mapping[int, Sequence[int]]) -> list[Row]:
     name, method = key["model"], key["method"]
     if method.startswith("rattle"):
         settings = [1 / n for n in steps[int(method[-1])]]
     else:
-        settings = [10.0**-digits for digits in tolerances[method]]
+        settings = [10.0**-k for k in digits[method]]
     model, start, known = cases.model(name), cases.few(name, PARTICLES), reference(name)
     solve = SOLVERS[method]
     return [

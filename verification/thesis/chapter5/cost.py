@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
@@ -37,36 +38,66 @@ SETTINGS: dict[str, Sequence[float]] = {
     "moments": TOLERANCES,
     "pde": CELLS,
 }
-# Finer settings are left out after a run that takes longer [s]; of the others the best of so many.
-ENOUGH, FULL_ENOUGH, REPEATS = 0.2, 3.0, 4
+# The best of so many runs is taken.
+REPEATS = 4
 # One right-hand side: particles, and with all pairs.
 MANY, PAIRED = 1_000_000, 3000
 SIDES = ("straight", "linear", "wavy", "element", "interacting")
 TIMED = 3
 
 
-def study(full: bool) -> Study:
+@dataclass(frozen=True)
+class CostForm:
+    """How far the study goes.
+
+    Attributes
+    ----------
+    enough
+        Finer settings are left out after a run that takes longer [s]; one that does is not repeated.
+    stride
+        Between the tolerances that are taken.
+    """
+
+    enough: float
+    stride: int
+    settings: Mapping[str, Sequence[float]]
+    models: tuple[str, ...] = MODELS
+
+
+@dataclass(frozen=True)
+class SideForm:
+    """The models, and how many particles."""
+
+    models: tuple[str, ...] = SIDES
+    particles: int = MANY
+
+
+SHORT, FULL = CostForm(0.2, 2, SETTINGS), CostForm(3.0, 1, SETTINGS)
+# There is one form only.
+SIDE = SideForm()
+
+
+def study(form: CostForm) -> Study:
     """All methods on both models, a row for each setting."""
     runs = [
         {"model": name, "method": method}
-        for method in SETTINGS
-        for name in MODELS
+        for method in form.settings
+        for name in form.models
         if not (name == "wavy" and method in CLOSED)
     ]
-    enough = FULL_ENOUGH if full else ENOUGH
     return Study(
-        name=f"meanfield_cost{'_full' if full else ''}",
+        name=f"meanfield_cost{'_full' if form == FULL else ''}",
         title="Mean field: speed against accuracy",
         key=("model", "method"),
         runs=tuple(runs),
-        run=partial(_rows, enough, 1 if full else 2),
+        run=partial(_rows, form.settings, form.enough, form.stride),
     )
 
 
-def _rows(enough: float, stride: int, key: Key) -> list[Row]:
+def _rows(settings: Mapping[str, Sequence[float]], enough: float, stride: int, key: Key) -> list[Row]:
     name, method = key["model"], key["method"]
     true, rows = reference(name), list[Row]()
-    for setting in SETTINGS[method][:: stride if method in TOLERATED else 1]:
+    for setting in settings[method][:: stride if method in TOLERATED else 1]:
         ask = question(name, method, setting)
         # The first of them may compile: some kernels are made for many particles only.
         seconds, found = _timed(ask, 2)
@@ -108,14 +139,14 @@ def _timed(action: Callable[[], Any], repeats: int) -> tuple[float, Any]:
     return best, found
 
 
-def side_study() -> Study:
+def side_study(form: SideForm) -> Study:
     """One right-hand side of the ODE with many particles, beside one pass over the array and the NumPy twin."""
     return Study(
         name="meanfield_side",
         title="Mean field: one right-hand side",
         key=("model",),
-        runs=tuple({"model": name} for name in SIDES),
-        run=partial(_side, MANY),
+        runs=tuple({"model": name} for name in form.models),
+        run=partial(_side, form.particles),
     )
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -20,7 +21,7 @@ from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4
 
 Floats = NDArray[np.float64]
 STEP, TOL = 0.1, 1e-5
-END, FULL_END, SAMPLES = 100.0, 1000.0, 31
+SAMPLES = 31
 # The growth is fitted where it has outlasted the swings of a period.
 FITTED = 10.0
 NAIVE = {"naive_rk4": f"naive, RK4, dt = {STEP:g}", "naive": f"naive, DOP853, tol = {TOL:g}"}
@@ -34,15 +35,25 @@ METHODS: dict[str, Callable[..., Motion]] = {
 TITLES = LABELS | NAIVE
 
 
-def study(full: bool) -> Study:
+@dataclass(frozen=True)
+class DriftForm:
+    """The end of the runs, and the methods."""
+
+    end: float
+    methods: tuple[str, ...] = tuple(METHODS)
+
+
+SHORT, FULL = DriftForm(100.0), DriftForm(1000.0)
+
+
+def study(form: DriftForm) -> Study:
     """The drift of g and of g' at times that grow geometrically."""
-    end = FULL_END if full else END
     return Study(
-        name=f"meanfield_drift{'_full' if full else ''}",
+        name=f"meanfield_drift{'_full' if form == FULL else ''}",
         title="Mean field: drift",
         key=("method",),
-        runs=tuple({"method": method} for method in METHODS),
-        run=partial(_rows, end),
+        runs=tuple({"method": method} for method in form.methods),
+        run=partial(_rows, form.end),
     )
 
 

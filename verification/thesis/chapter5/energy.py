@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,37 +20,51 @@ from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.agreement import TIMES
 
 Floats = NDArray[np.float64]
-# Of the solvers of the mean-field equations; exponents of ten, and numbers of cells.
-TOLERANCES, FULL_TOLERANCES = range(3, 12, 2), range(3, 12)
-CELLS, FULL_CELLS = (28, 35, 44, 55, 69), (32, 48, 72, 108, 162, 243, 365)
-LIMIT_MODELS = ("straight", "wavy")
-# Over long times, WavyFibre with five particles: method and setting; a period takes about PERIOD.
-LONG = (("rattle2", 0.1), ("rattle4", 0.5), ("ode", 1e-5), ("ode", 1e-8), ("dae", 1e-5))
+# Over long times, WavyFibre with five particles; a period takes about PERIOD.
 PERIOD, SAMPLES = 7.0, 121
-PERIODS, FULL_PERIODS = 12, 1000
 
 
-def limit_study(full: bool) -> Study:
-    """The energy (5.50) of characteristics, moments (where they close) and the PDE."""
-    runs = [{"model": name, "method": method} for method in ("pde", "characteristics") for name in LIMIT_MODELS]
-    return Study(
-        name=f"meanfield_energy_limit{'_full' if full else ''}",
-        title="Mean field: energy of the limit",
-        key=("model", "method"),
-        runs=(*runs, {"model": "straight", "method": "moments"}),
-        run=_limit_full if full else _limit_short,
+@dataclass(frozen=True)
+class LimitForm:
+    """Of the solvers of the mean-field equations: digits of the tolerances, numbers of cells; models."""
+
+    digits: tuple[int, ...]
+    cells: tuple[int, ...]
+    models: tuple[str, ...] = ("straight", "wavy")
+
+
+@dataclass(frozen=True)
+class LongForm:
+    """How many periods; pairs of method and setting."""
+
+    periods: int
+    methods: tuple[tuple[str, float], ...] = (
+        ("rattle2", 0.1),
+        ("rattle4", 0.5),
+        ("ode", 1e-5),
+        ("ode", 1e-8),
+        ("dae", 1e-5),
     )
 
 
-def _limit_short(key: Key) -> list[Row]:
-    return _limit(key, TOLERANCES, CELLS)
+SHORT = LimitForm((3, 5, 7, 9, 11), (28, 35, 44, 55, 69))
+FULL = LimitForm(tuple(range(3, 12)), (32, 48, 72, 108, 162, 243, 365))
+SHORT_LONG, FULL_LONG = LongForm(12), LongForm(1000)
 
 
-def _limit_full(key: Key) -> list[Row]:
-    return _limit(key, FULL_TOLERANCES, FULL_CELLS)
+def limit_study(form: LimitForm) -> Study:
+    """The energy (5.50) of characteristics, moments (where they close) and the PDE."""
+    runs = [{"model": name, "method": method} for method in ("pde", "characteristics") for name in form.models]
+    return Study(
+        name=f"meanfield_energy_limit{'_full' if form == FULL else ''}",
+        title="Mean field: energy of the limit",
+        key=("model", "method"),
+        runs=(*runs, {"model": "straight", "method": "moments"}),
+        run=partial(_limit, digits=form.digits, cells=form.cells),
+    )
 
 
-def _limit(key: Key, digits: Any, cells: Any) -> list[Row]:
+def _limit(key: Key, digits: tuple[int, ...], cells: tuple[int, ...]) -> list[Row]:
     name = key["model"]
     model, law, case = cases.model(name), cases.law(name), cases.CASES[name]
     start = case.y0, case.v0, TIMES
@@ -57,7 +73,7 @@ def _limit(key: Key, digits: Any, cells: Any) -> list[Row]:
         "characteristics": lambda tol: solve_characteristics(model, law, *start, tol),
         "moments": lambda tol: solve_moments(model, Moments(*law.moments()), *start, tol),
     }[key["method"]]
-    settings = cells if key["method"] == "pde" else [10.0**-k for k in digits]
+    settings: Sequence[float] = cells if key["method"] == "pde" else [10.0**-k for k in digits]
     rows: list[Row] = []
     for setting in settings:
         energy = solve(setting).energy()
@@ -67,24 +83,16 @@ def _limit(key: Key, digits: Any, cells: Any) -> list[Row]:
     return rows
 
 
-def long_study(full: bool) -> Study:
+def long_study(form: LongForm) -> Study:
     """The energy (5.37) over many periods."""
-    runs = tuple({"method": method, "setting": setting} for method, setting in LONG)
+    runs = tuple({"method": method, "setting": setting} for method, setting in form.methods)
     return Study(
-        name=f"meanfield_energy_long{'_full' if full else ''}",
+        name=f"meanfield_energy_long{'_full' if form == FULL_LONG else ''}",
         title="Mean field: energy over long times",
         key=("method", "setting"),
         runs=runs,
-        run=_long_full if full else _long_short,
+        run=partial(_long, periods=form.periods),
     )
-
-
-def _long_short(key: Key) -> list[Row]:
-    return _long(key, PERIODS)
-
-
-def _long_full(key: Key) -> list[Row]:
-    return _long(key, FULL_PERIODS)
 
 
 def _long(key: Key, periods: int) -> list[Row]:

@@ -63,13 +63,24 @@ FAILURES = {
 }
 
 
-def study() -> Study:
-    """All cases; there is one form only."""
+@dataclass(frozen=True)
+class FailuresForm:
+    """Names of the cases."""
+
+    cases: tuple[str, ...] = tuple(FAILURES)
+
+
+# There is one form only.
+FORM = FailuresForm()
+
+
+def study(form: FailuresForm) -> Study:
+    """One run for each case."""
     return Study(
         name="meanfield_failures",
         title="Mean field: failures",
         key=("case",),
-        runs=tuple({"case": name} for name in FAILURES),
+        runs=tuple({"case": name} for name in form.cases),
         run=_row,
     )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -21,8 +22,6 @@ T = np.array([2.0])
 EXACT = 1e-10
 LINE, PLANE = ("straight", "wavy", "uniform"), ("element",)
 SMOOTH = ("straight", "wavy", "element")
-CELLS, PLANE_CELLS = (50, 80, 128, 205, 328), (20, 26, 34, 44, 57)
-FULL_CELLS, FULL_PLANE_CELLS = (50, 80, 128, 205, 328, 525, 840, 1344), (24, 36, 54, 80, 120, 180, 270)
 # A grid that holds the density all the time, so that all grids of a model have the same box.
 BOXES: dict[str, ArrayLike] = {
     "straight": (0.2, 2.8),
@@ -58,25 +57,35 @@ class Limit(NamedTuple):
     y_by_moments: Floats
 
 
-def study(full: bool) -> Study:
+@dataclass(frozen=True)
+class GridForm:
+    """Numbers of cells along a line and along each side of a plane; the models on each."""
+
+    cells: tuple[int, ...]
+    plane_cells: tuple[int, ...]
+    line: tuple[str, ...] = LINE
+    plane: tuple[str, ...] = PLANE
+
+
+SHORT = GridForm((50, 80, 128, 205, 328), (20, 26, 34, 44, 57))
+FULL = GridForm((50, 80, 128, 205, 328, 525, 840, 1344), (24, 36, 54, 80, 120, 180, 270))
+
+
+def study(form: GridForm) -> Study:
     """A row for each grid."""
     runs = [
         {"model": name, "cells": n}
-        for names, counts in ((PLANE, _counts(full)[1]), (LINE, _counts(full)[0]))
+        for names, counts in ((form.plane, form.plane_cells), (form.line, form.cells))
         for name in names
         for n in reversed(counts)
     ]
     return Study(
-        name=f"meanfield_grid{'_full' if full else ''}",
+        name=f"meanfield_grid{'_full' if form == FULL else ''}",
         title="Mean field: order in the grid",
         key=("model", "cells"),
         runs=tuple(runs),
         run=_row,
     )
-
-
-def _counts(full: bool) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    return (FULL_CELLS, FULL_PLANE_CELLS) if full else (CELLS, PLANE_CELLS)
 
 
 @cache

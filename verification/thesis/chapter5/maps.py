@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cache, partial
 from typing import Any
 
@@ -156,6 +157,17 @@ PLANES = (
         lines=(Line("y reaches 0", tuple(PUSHED), least_speed),),
     ),
 )
+
+
+@dataclass(frozen=True)
+class MeanFieldMapsForm:
+    """Which planes are mapped, at the full or the short values of their axes."""
+
+    full: bool
+    planes: tuple[Plane, ...] = PLANES
+
+
+SHORT, FULL = MeanFieldMapsForm(full=False), MeanFieldMapsForm(full=True)
 
 
 def study(plane: Plane, full: bool) -> Study:

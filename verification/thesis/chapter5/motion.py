@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 import pandas as pd
 
@@ -9,14 +11,24 @@ from meanfield import solve_ode
 from verification.thesis.chapter5 import cases
 
 T = np.linspace(0.0, 10.0, 81)
-SHOWN = ("straight", "linear", "wavy", "element")
 PARTICLES = 9
 
 
-def table() -> pd.DataFrame:
+@dataclass(frozen=True)
+class MotionForm:
+    """The models that are shown."""
+
+    models: tuple[str, ...] = ("straight", "linear", "wavy", "element")
+
+
+# There is one form only.
+FORM = MotionForm()
+
+
+def table(form: MotionForm) -> pd.DataFrame:
     """A row for each model, time and component of y ("y1", ...) or of a particle ("X1", ...)."""
     parts = []
-    for name in SHOWN:
+    for name in form.models:
         motion = solve_ode(cases.model(name), cases.few(name, PARTICLES), T, 1e-8)
         columns = {f"y{k + 1}": motion.y[:, k] for k in range(cases.model(name).ny)}
         columns |= {f"X{i + 1}": motion.X[:, i, 0] for i in range(PARTICLES)}

@@ -21,7 +21,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from dincl.study import Key, Row, Study
+from dincl.study import Key, Row
 from meanfield import Density
 from verification.order import CONFIDENCE
 from verification.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
@@ -29,15 +29,10 @@ from verification.thesis.kept import keep
 
 FILE = Path(__file__).parent.parent / "data" / "w1_rates.parquet"
 KEY = ("d", "start", "N", "repeat")
-# A run of the complete form that is kept at once [s].
+# A run that is kept at once [s].
 LONG = 5.0
-# N: repeats. Those of the complete form fall with the cost of a value; at 1e5 in two dimensions it is four minutes.
-SHORT = {
-    1: {10: 40, 100: 40, 1000: 40, 10_000: 20},
-    2: {10: 16, 30: 16, 100: 16, 300: 12, 1000: 4},
-    3: {10: 16, 30: 16, 100: 16, 300: 12, 1000: 4},
-}
-FULL = {
+# N: repeats. They fall with the cost of a value; at 1e5 in two dimensions it is four minutes.
+COUNTS = {
     1: {n: 400 if n <= 10_000 else 100 for n in (10, 30, 100, 300, 1000, 3000, 10_000, 30_000, 100_000)},
     2: {10: 400, 30: 400, 100: 400, 300: 200, 1000: 100, 3000: 40, 10_000: 16, 30_000: 6, 100_000: 3},
     3: {10: 400, 30: 400, 100: 400, 300: 200, 1000: 100, 3000: 40, 10_000: 16, 30_000: 6, 100_000: 3},
@@ -89,25 +84,13 @@ def value(key: Key) -> list[Row]:
     return [dict(key) | {"w1": (lower + upper) / 2, "lower": lower, "upper": upper, "seconds": seconds}]
 
 
-def keys(full: bool) -> list[Key]:
+def keys() -> list[Key]:
     """The runs, the shortest first; of one size those that each dimension has, before any is repeated."""
-    counts = FULL if full else SHORT
-    found: list[Key] = [{"d": 1, "start": QUANTILES, "N": n, "repeat": 0} for n in counts[1]]
-    for d in counts:
+    found: list[Key] = [{"d": 1, "start": QUANTILES, "N": n, "repeat": 0} for n in COUNTS[1]]
+    for d, counts in COUNTS.items():
         start = IID if d == 1 else PAIR
-        found += [{"d": d, "start": start, "N": n, "repeat": k} for n, many in counts[d].items() for k in range(many)]
+        found += [{"d": d, "start": start, "N": n, "repeat": k} for n, many in counts.items() for k in range(many)]
     return sorted(found, key=lambda key: (key["N"], key["repeat"]))
-
-
-def study(full: bool) -> Study:
-    """The runs of the short form, or of the complete one."""
-    return Study(
-        name=f"w1_rates{'_full' if full else ''}",
-        title="W1 of starts",
-        key=KEY,
-        runs=tuple(reversed(keys(full))),
-        run=value,
-    )
 
 
 def means(table: pd.DataFrame) -> pd.DataFrame:
@@ -161,12 +144,12 @@ def laws(found: pd.DataFrame) -> pd.DataFrame:
 
 
 def main() -> None:
-    """Make the runs of the complete form that the file lacks; it is written whenever a size or a long run is done."""
+    """Make the runs that the file lacks; it is written whenever a size or a long run is done."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
     before = [pd.read_parquet(file)] if file.exists() else []
     rows: list[Row] = [row for table in before for row in table.to_dict("records")]
     done = {tuple(row[name] for name in KEY) for row in rows}
-    runs = [key for key in keys(True) if tuple(key[name] for name in KEY) not in done]
+    runs = [key for key in keys() if tuple(key[name] for name in KEY) not in done]
     for k, key in enumerate(runs, 1):
         rows += value(key)
         if k == len(runs) or runs[k]["N"] != key["N"] or rows[-1]["seconds"] > LONG:

@@ -13,6 +13,8 @@ WavyFibre its edges are curved, and L is that of nearby points.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -37,31 +39,34 @@ KINDS = {
     "v0": "y'(0)",
     "all": "all of these",
 }
-PARTICLES, PAIRS, FULL_PAIRS = 20, 10, 100
+PARTICLES = 20
 # Largest size of a difference.
 SHIFT = 0.1
 # Points per axis of the region on which constants are taken, and half the distance of their differences.
 FINE, STEP = 41, 1e-5
 
 
-def study(full: bool) -> Study:
+@dataclass(frozen=True)
+class PairsForm:
+    """How many pairs of each kind, of which models."""
+
+    pairs: int
+    models: tuple[str, ...] = MODELS
+
+
+SHORT, FULL = PairsForm(10), PairsForm(100)
+
+
+def study(form: PairsForm) -> Study:
     """A row for each pair and time."""
-    runs = tuple({"model": name, "kind": kind} for name in MODELS for kind in KINDS)
+    runs = tuple({"model": name, "kind": kind} for name in form.models for kind in KINDS)
     return Study(
-        name=f"meanfield_stability{'_full' if full else ''}",
+        name=f"meanfield_stability{'_full' if form == FULL else ''}",
         title="Mean field: constant of stability",
         key=("model", "kind"),
         runs=runs,
-        run=_full if full else _short,
+        run=partial(_rows, pairs=form.pairs),
     )
-
-
-def _short(key: Key) -> list[Row]:
-    return _rows(key, PAIRS)
-
-
-def _full(key: Key) -> list[Row]:
-    return _rows(key, FULL_PAIRS)
 
 
 def _rows(key: Key, pairs: int) -> list[Row]:

@@ -15,7 +15,7 @@ def table_of(study):
 
 @pytest.fixture(scope="module")
 def constants():
-    return table_of(prox_regularity.constants(full=False)).set_index("count").sort_index()
+    return table_of(prox_regularity.constants(prox_regularity.SHORT)).set_index("count").sort_index()
 
 
 def test_measured_constants_lie_between_proof_and_row(constants):
@@ -45,7 +45,7 @@ def test_inverse_triangle_proves_less_than_the_test_fields(constants):
 
 
 def test_no_arrangement_is_worse_than_a_row():
-    table = table_of(prox_regularity.configurations(full=False))
+    table = table_of(prox_regularity.configurations(prox_regularity.SHORT))
     assert (table["measured"] >= table["row"] * (1 - 1e-6)).all()
     in_space = table.set_index("arrangement").loc["cross in space"]
     # Q of the cross with equal weights has the eigenvalue 5, and |n| = 2.

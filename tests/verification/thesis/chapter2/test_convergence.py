@@ -111,11 +111,13 @@ def test_states_that_were_not_reached_are_nan() -> None:
 
 
 def test_studies_name_each_run_once(references: dict[str, Reference]) -> None:
-    for full in (False, True):
-        for study in (convergence.study(references, full), infeasibility.scan(references, full)):
-            names = [tuple(run[name] for name in study.key) for run in study.runs]
-            assert len(set(names)) == len(names)
-    short = convergence.study(references, False).runs
+    for study in (
+        *(convergence.study(references, form) for form in (convergence.SHORT, convergence.FULL)),
+        *(infeasibility.scan(references, form) for form in (infeasibility.SHORT, infeasibility.FULL)),
+    ):
+        names = [tuple(run[name] for name in study.key) for run in study.runs]
+        assert len(set(names)) == len(names)
+    short = convergence.study(references, convergence.SHORT).runs
     for name in convergence.SCENES:
         for method in COMPARED:
             assert sum(run["scene"] == name and run["method"] == method.name for run in short) >= 6
@@ -153,7 +155,7 @@ def test_no_fair_strength_leaves_pbd_alone() -> None:
     best = infeasibility.best_strengths(thrown).iloc[0]
     assert np.isnan([best["strength"], best["largest"], best["width"]]).all()
     assert best["pbd_largest"] == 0.1
-    assert [run["exponent"] for run in infeasibility.curves(thrown, False).runs] == [0]
+    assert [run["exponent"] for run in infeasibility.curves(thrown, infeasibility.SHORT).runs] == [0]
 
 
 def test_scan_and_curve_see_the_same_overlap(references: dict[str, Reference]) -> None:

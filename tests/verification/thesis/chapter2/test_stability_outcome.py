@@ -8,8 +8,9 @@ import pytest
 import dincl
 from dincl import FixedStep
 from dincl.scenes.drifts import Constant
+from verification.thesis.chapter2.stability import case
 from verification.thesis.chapter2.stability.boundary import boundary
-from verification.thesis.chapter2.stability.catalogue import CASES, PLANES, cases
+from verification.thesis.chapter2.stability.catalogue import CASES, PLANES
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.outcome import measured
 
@@ -71,4 +72,4 @@ def test_every_scheme_is_on_a_map_and_names_are_unique():
     assert kinds == own | {dincl.LinearisedCatchUp}
     assert len({case.id for case in CASES}) == len(CASES)
     assert len({plane.name for plane in PLANES}) == len(PLANES)
-    assert len(pickle.loads(pickle.dumps(cases())).runs) == len(CASES)
+    assert len(pickle.loads(pickle.dumps(case.study(CASES))).runs) == len(CASES)

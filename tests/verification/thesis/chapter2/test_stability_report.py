@@ -1,5 +1,6 @@
 """The stability chapter from its studies to the page, with few cells, and its command."""
 
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -7,18 +8,17 @@ import pytest
 from typer.testing import CliRunner
 
 from dincl import study
-from tests.verification.thesis.shortened import FEW_CASES, Here, shorten_stability
+from tests.verification.thesis.shortened import FEW_CASES, STABILITY, Here
 from verification import cli
-from verification.page import sheet
+from verification.page import report, sheet
 from verification.page.report import Context, write_report
-from verification.thesis.chapter2.stability import catalogue
 from verification.thesis.chapter2.stability import page as stability
 from verification.thesis.chapter2.stability.outcome import WORDS
 
 
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    shorten_stability(monkeypatch)
+    monkeypatch.setattr(report, "Context", partial(Context, forms=STABILITY))
     monkeypatch.setattr(sheet, "DPI", 50)
 
 
@@ -29,9 +29,10 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert result.exit_code == 0, result.output
     assert "agrees" in result.output
     assert result.output.count("yes") == len(FEW_CASES)
-    names = {plane.name for plane in catalogue.PLANES}
+    planes = STABILITY[0].planes
+    names = {plane.name for plane in planes}
     assert {f"stability_{name}.png" for name in names} <= {file.name for file in (tmp_path / "figures").iterdir()}
-    for plane in catalogue.PLANES:
+    for plane in planes:
         table = pd.read_parquet(tmp_path / "tables" / f"stability_{plane.name}.parquet")
         assert len(table) == 4 * len(plane.methods)
         assert set(table["outcome"]) <= set(WORDS)
@@ -39,7 +40,7 @@ def test_command(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     assert (counts[list(WORDS)].sum(axis=1) == 4).all()
     # The page is written from the tables alone.
     monkeypatch.setattr(study.Study, "_make", _nothing_runs)
-    page = write_report([stability.CHAPTER], Context(tmp_path, full=False, executor=Here())).read_text("utf-8")
+    page = write_report([stability.CHAPTER], Context(tmp_path, False, Here(), STABILITY)).read_text("utf-8")
     assert "3 failures that theory predicts" in page
     assert page.count("<img") == len(names) + 2
 

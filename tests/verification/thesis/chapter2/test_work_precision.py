@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 import dincl
-from tests.verification.thesis.shortened import Here
+from tests.verification.thesis.shortened import WORK_PRECISION, Here
 from verification.budget import CpuSeconds
 from verification.measure import REPEATS
 from verification.page import sheet
@@ -151,7 +151,7 @@ def test_methods_are_left_out_of_what_they_are_not_made_for(references, monkeypa
 
 def test_study_names_each_run_once():
     none = {name: Known(np.ones(1), np.zeros((1, 1, 2)), np.zeros(1)) for name in work_references.SCENES}
-    studies = [work_precision.study(none, full) for full in (False, True)]
+    studies = [work_precision.study(none, form) for form in (work_precision.SHORT, work_precision.FULL)]
     for study in studies:
         assert len({(run["scene"], run["method"]) for run in study.runs}) == len(study.runs)
         assert len(study.runs) == len(CHARTED) * len(work_references.SCENES)
@@ -162,14 +162,8 @@ def test_study_names_each_run_once():
 
 
 def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
-    few = {name: work_references.SCENES[name] for name in ("sliding_disc", "stack")}
-    for module in (work_references, work_precision, chapter):
-        monkeypatch.setattr(module, "SCENES", few)
-    monkeypatch.setattr(work_references, "FILES", {})
-    monkeypatch.setattr(work_precision, "CHARTED", (PBD, LINEARISED_DAQP, LSODA, CHIPMUNK))
-    monkeypatch.setattr(work_precision, "SHORT", Form({"dt": [0.1, 0.02], "tol": [1e-2, 1e-4]}, CpuSeconds(100.0)))
     monkeypatch.setattr(sheet, "DPI", 50)
-    context = Context(tmp_path, False, Here())
+    context = Context(tmp_path, False, Here(), [WORK_PRECISION])
     chapter.CHAPTER.run(context)
     assert context.tables.keys() == {"work_references", "work_precision", "work_times", "work_winners"}
     sections = chapter.CHAPTER.sections(context)
@@ -185,7 +179,7 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     for _, winners in context.tables["work_winners"].groupby("scene"):
         assert cheapest.sentence(winners) in text
     before = context.tables
-    again = Context(tmp_path, False, None)  # nothing to run on, as nothing is missing
+    again = Context(tmp_path, False, None, [WORK_PRECISION])  # nothing to run on, as nothing is missing
     chapter.CHAPTER.run(again)
     for name, table in again.tables.items():
         pd.testing.assert_frame_equal(table, before[name])

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from tests.verification.thesis.shortened import Here
-from tests.verification.thesis.shortened_tissue import shorten_tissue
+from tests.verification.thesis.shortened_tissue import TISSUE, shorten_tissue
 from verification.page import sheet
 from verification.page.report import Context, number, write_report
 from verification.thesis.chapter3 import page as chapter
@@ -27,7 +27,7 @@ PARTS = (substeps.PART, foretold.PART, growth.PART, stability.PART, kernel.PART)
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
     out = tmp_path_factory.mktemp("report")
-    context = Context(out, False, Here())
+    context = Context(out, False, Here(), TISSUE)
     with pytest.MonkeyPatch.context() as patch:
         shorten_tissue(patch)
         patch.setattr(sheet, "DPI", 50)
@@ -60,7 +60,7 @@ def test_the_page_has_all_sections_and_says_what_the_tables_say(made):
 def test_the_page_is_written_from_tables_alone(made, monkeypatch):
     shorten_tissue(monkeypatch)
     monkeypatch.setattr(chapter, "PARTS", PARTS)
-    again = Context(made[1].out, False, Here())
+    again = Context(made[1].out, False, Here(), TISSUE)
     monkeypatch.setattr(Here, "submit", _nothing_runs)
     chapter.run(again)
     for name, rows in again.tables.items():

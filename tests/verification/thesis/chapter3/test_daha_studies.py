@@ -7,7 +7,7 @@ from scipy.stats import binomtest
 
 from tests.tissue.states import cells, layers, numbers
 from tests.verification.thesis.shortened import Here
-from tests.verification.thesis.shortened_tissue import shorten_daha
+from tests.verification.thesis.shortened_tissue import DAHA
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.energy import energy
@@ -177,12 +177,11 @@ def test_errors_are_medians_and_lost_runs_are_counted():
 
 @pytest.fixture
 def few(monkeypatch):
-    shorten_daha(monkeypatch)
     monkeypatch.setattr(sheet, "DPI", 50)
 
 
 def test_sections_say_what_the_tables_say(few, tmp_path):
-    context = Context(tmp_path, False, Here())
+    context = Context(tmp_path, False, Here(), DAHA)
     shown = {}
     for section in (daha_section, judged_section, catch_up_section):
         section.PART.run(context)

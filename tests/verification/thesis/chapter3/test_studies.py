@@ -67,11 +67,10 @@ def test_extent_and_distance():
 
 
 def test_rows_of_the_tissue_depend_on_its_code_and_presets_and_others_do_not():
-    made, other = substeps.study(full=False).provenance(), large_steps.study().provenance()
+    made, other = substeps.study(substeps.SHORT).provenance(), large_steps.study().provenance()
     assert {"tissue.kernels.advance", "tissue.model.numbers", "dincl.compile"} <= json.loads(made["code"]).keys()
-    assert {"tissue.files/presets/thesis.toml", "tissue.files/presets/published.toml"} <= json.loads(
-        made["data"]
-    ).keys()
+    presets = {f"tissue.files/presets/{name}.toml" for name in ("thesis", "published")}
+    assert presets <= json.loads(made["data"]).keys()
     assert not any(name.startswith("tissue") for name in json.loads(other["code"]) | json.loads(other["data"]))
     assert {"dincl.run.loop", "verification.thesis.chapter2.methods"} <= json.loads(other["code"]).keys()
 
@@ -184,9 +183,8 @@ def test_small_disturbances_stay_small():
 # Growth
 
 
-def test_heights_are_those_of_the_simulation(monkeypatch):
-    monkeypatch.setattr(growth, "END", 4.0)
-    rows = pd.DataFrame(growth.grown({"preset": "thesis", "mu": 0.1, "substeps": 30}, 2))
+def test_heights_are_those_of_the_simulation():
+    rows = pd.DataFrame(growth.grown({"preset": "thesis", "mu": 0.1, "substeps": 30}, 2, end=4.0))
     assert rows["t"].unique().tolist() == [0.0, 2.0, 4.0]
     run = simulated("thesis", 1, 4, **{"numerics.mu": "0.1 h", "numerics.substeps": 30})
     mine = rows[rows["seed"] == 1]["ratio"].to_numpy()
@@ -206,7 +204,7 @@ def test_the_damping_that_doubles(monkeypatch):
             for count in (20, 80):
                 ratio = 2 - np.log(mu / (0.04 + 0.001 * seed)) / 3
                 lost = count == 20 and mu < 0.04
-                about = {"preset": "thesis", "seed": seed, "mu": mu, "substeps": count, "t": growth.END}
+                about = {"preset": "thesis", "seed": seed, "mu": mu, "substeps": count, "t": growth.SHORT.end}
                 rows.append(about | {"ratio": np.nan if lost else ratio, "status": THROWN if lost else SUCCESS})
     made = pd.DataFrame(rows)
     found = growth.doubling(made).set_index("kind")
@@ -227,7 +225,7 @@ def test_what_the_text_says_of_growth():
         ratio[name, mu] = height(run.final) / 8
     assert ratio["thesis", 0.2] > 1.1 > ratio["published", 0.2]
     assert ratio["published", 0.05] > 1.1 * ratio["published", 0.2]
-    rows = growth.grown({"preset": "thesis", "mu": 0.025, "substeps": 20}, 1)
+    rows = growth.grown({"preset": "thesis", "mu": 0.025, "substeps": 20}, 1, growth.SHORT.end)
     assert rows[-1]["status"] != SUCCESS
     assert np.isnan(rows[-1]["ratio"])
 

@@ -8,7 +8,7 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tests.verification.thesis.shortened import Here, Nowhere
-from tests.verification.thesis.shortened_emt import FEW, SECTIONS, shorten_emt
+from tests.verification.thesis.shortened_emt import FEW, SECTIONS, emt_form
 from tissue.study.figures import style
 from verification.page.report import Context, write_report
 from verification.thesis.chapter4 import bench, kept, printed, sensitivity, studies, summaries
@@ -18,6 +18,7 @@ from verification.thesis.chapter4.claims import s3_1_counts
 
 DRAWN = (10, 16, 21)  # all have tests of their own
 WHOLE = page._pictures
+FORM = emt_form(FEW)
 
 
 def few_pictures(context, *numbers):
@@ -27,9 +28,8 @@ def few_pictures(context, *numbers):
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory):
-    context = Context(tmp_path_factory.mktemp("report"), False, Here())
+    context = Context(tmp_path_factory.mktemp("report"), False, Here(), [FORM])
     with pytest.MonkeyPatch.context() as patch:
-        shorten_emt(patch, FEW)
         patch.setattr(style, "DPI", 50)
         patch.setattr(page, "_pictures", few_pictures)
         path = write_report([chapter.CHAPTER], context)
@@ -46,9 +46,8 @@ def test_the_page_has_all_sections(made):
         assert f"<td>{row.scenario}</td>" in text
 
 
-def test_a_second_call_runs_nothing(made, monkeypatch):
-    shorten_emt(monkeypatch, FEW)
-    again = Context(made[1].out, False, Nowhere())
+def test_a_second_call_runs_nothing(made):
+    again = Context(made[1].out, False, Nowhere(), [FORM])
     chapter.run(again)
     for name, table in again.tables.items():
         pd.testing.assert_frame_equal(table, made[1].tables[name])
@@ -59,9 +58,7 @@ def test_tables_say_what_the_cells_say(made):
     context = made[1]
     table = context.tables["emt_ratios"].set_index(["study", "scenario", "what"])
     assert len(table) == 3 * (4 + 4 + 3 + 44 + 3 + 4 + 4)
-    with pytest.MonkeyPatch.context() as patch:
-        shorten_emt(patch, FEW)
-        results = studies.completed(studies.chosen(full=False), context.out / "emt", Nowhere())
+    results = studies.completed(studies.chosen(FORM), context.out / "emt", Nowhere())
     cells = results["figure15"].cells("[ABP] no INM, 10 cells")
     row = table.loc["figure15", "[ABP] no INM, 10 cells", "basal"]
     assert (row["count"], row["of"], row["runs"]) == ((cells["ab_25h"] < 0).sum(), 80, 8)
@@ -85,7 +82,7 @@ def test_printed_ratios_are_compared_at_their_level(made):
 def test_kept_tables_are_of_the_complete_studies():
     """As many runs as the studies say, for each of their scenarios."""
     ratios = kept.read("ratios")
-    for name, study in studies.chosen(full=True).items():
+    for name, study in studies.chosen(studies.FULL).items():
         mine = ratios[ratios["study"] == name]
         wanted = 0 if name == sensitivity.NAME else 3 * len(study.scenarios)
         assert len(mine) == wanted, name
@@ -147,4 +144,4 @@ def test_the_footnote_of_orders():
 
 
 def test_few_runs_are_enough_for_all_tables():
-    assert set(FEW) == set(studies.SHORT)
+    assert set(FEW) == set(studies.SHORT.replicates)

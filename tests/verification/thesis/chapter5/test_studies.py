@@ -67,7 +67,9 @@ def test_all_ways_find_the_reference_and_who_does_not_is_told():
         [
             row
             for method in ("ode", "dae", "rattle2")
-            for row in agreement._short({"model": "straight", "method": method})
+            for row in agreement._rows(
+                {"model": "straight", "method": method}, agreement.SHORT.digits, agreement.SHORT.steps
+            )
         ]
     )
     best = agreement.best(table).set_index("method")
@@ -88,11 +90,11 @@ def test_the_reference_knows_its_error():
 
 
 def test_reduced_runs_only_where_a_reduction_holds():
-    runs = {(run["model"], run["method"]) for run in agreement.study(False).runs}
+    runs = {(run["model"], run["method"]) for run in agreement.study(agreement.SHORT).runs}
     assert ("element", "reduced") in runs
     assert ("wavy", "reduced") not in runs
     assert ("interacting", "rattle2") not in runs
-    assert ("interacting", "rattle2") in {(run["model"], run["method"]) for run in agreement.study(True).runs}
+    assert ("interacting", "rattle2") in {(run["model"], run["method"]) for run in agreement.study(agreement.FULL).runs}
 
 
 def test_a_trend_is_told_from_a_swing():
@@ -200,7 +202,7 @@ def _grid(name, cells):
 
 
 def test_costs_are_measured_until_they_are_enough():
-    rows = cost._rows(0.0, 1, {"model": "straight", "method": "moments"})
+    rows = cost._rows(cost.SETTINGS, 0.0, 1, {"model": "straight", "method": "moments"})
     assert len(rows) == 1  # the first one takes more than nothing
     assert rows[0]["error"] < 1e-3
     assert rows[0]["unknowns"] == 4

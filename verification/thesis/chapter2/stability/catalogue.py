@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import pkgutil
+from dataclasses import dataclass
 from importlib import import_module
 
-from dincl.study import Study
 from verification.thesis.chapter2 import stability
-from verification.thesis.chapter2.stability.case import Case, study
+from verification.thesis.chapter2.stability.case import Case
 from verification.thesis.chapter2.stability.plane import Plane
 
 # This module and the page, which reads it, state none.
@@ -22,6 +22,13 @@ PLANES: tuple[Plane, ...] = tuple(
 CASES: tuple[Case, ...] = tuple(case for family in FAMILIES for case in getattr(family, "CASES", ()))
 
 
-def cases() -> Study:
-    """All cases; there is one form only."""
-    return study(CASES)
+@dataclass(frozen=True)
+class StabilityForm:
+    """Which planes are mapped, at the full or the short values of their axes, and the cases."""
+
+    full: bool
+    planes: tuple[Plane, ...] = PLANES
+    cases: tuple[Case, ...] = CASES
+
+
+SHORT, FULL = StabilityForm(full=False), StabilityForm(full=True)

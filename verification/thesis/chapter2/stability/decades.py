@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -14,8 +15,6 @@ from verification.thesis.chapter2.stability.outcome import FAR, measured
 
 # A bounded drift: with F = -x explicit Euler itself is unstable beyond dt = 2 (see ``drift``).
 DISCS = 6
-SHORT = tuple(float(dt) for dt in 10.0 ** np.arange(-4, 3))
-FULL = tuple(float(dt) for dt in np.geomspace(1e-4, 1e2, 25))
 # Runs last so long [time], and at least so many steps; the last ones are all looked at, as forces may repeat.
 END, STEPS, LAST = 1.0, 100, 30
 METHODS = (
@@ -30,6 +29,17 @@ METHODS = (
     "penalty_printed",
 )
 CASE_METHODS = ("pbd", "pbd_16")
+
+
+@dataclass(frozen=True)
+class DecadesForm:
+    """The steps [time]."""
+
+    steps: tuple[float, ...]
+
+
+SHORT = DecadesForm(tuple(float(dt) for dt in 10.0 ** np.arange(-4, 3)))
+FULL = DecadesForm(tuple(float(dt) for dt in np.geomspace(1e-4, 1e2, 25)))
 
 
 def run(method: str, dt: float) -> dict[str, Any]:
@@ -47,22 +57,22 @@ def one(key: Key) -> list[Row]:
     return [dict(key) | run(key["method"], key["dt"])]
 
 
-def study(full: bool) -> Study:
+def study(form: DecadesForm) -> Study:
     """All methods over all steps."""
     return Study(
-        name=f"stability_decades{'_full' if full else ''}",
+        name=f"stability_decades{'_full' if form == FULL else ''}",
         title="Six decades of dt",
         key=("method", "dt"),
-        runs=tuple({"method": method, "dt": dt} for dt in (FULL if full else SHORT) for method in METHODS),
+        runs=tuple({"method": method, "dt": dt} for dt in form.steps for method in METHODS),
         run=one,
     )
 
 
 def _bounded() -> Found:
-    rows = {(method, dt): run(method, dt) for method in CASE_METHODS for dt in SHORT}
+    rows = {(method, dt): run(method, dt) for method in CASE_METHODS for dt in SHORT.steps}
     growth = max(row["growth"] for row in rows.values())
     listed = "; ".join(
-        f"{CONTESTANTS[method].label}: " + ", ".join(f"{rows[method, dt]['overlap']:.0e}" for dt in SHORT)
+        f"{CONTESTANTS[method].label}: " + ", ".join(f"{rows[method, dt]['overlap']:.0e}" for dt in SHORT.steps)
         for method in CASE_METHODS
     )
     words = f"largest coordinate over that of the start, dt = 1e-4 ... 100 in decades; overlaps: {listed}"

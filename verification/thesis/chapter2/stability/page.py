@@ -9,7 +9,7 @@ import pandas as pd
 
 from verification.page.prose import fill
 from verification.page.report import Chapter, Context, Grid, Picture, Section, Text
-from verification.thesis.chapter2.stability import catalogue, decades, pacman
+from verification.thesis.chapter2.stability import case, catalogue, decades, pacman
 from verification.thesis.chapter2.stability import figures as figures_stability
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.outcome import ERROR, FAR, OVERLAP, WORDS
@@ -29,20 +29,26 @@ SHOWN = (0.1, 0.02)
 
 def run(context: Context) -> None:
     """Complete all cases, all maps and the decades."""
-    full, tables, where = context.full, context.tables, (context.folder, context.executor)
-    for plane in catalogue.PLANES:
-        tables[_name(plane)] = plane.study(full).complete(*where)
-    tables["stability_decades"] = decades.study(full).complete(*where)
-    found = catalogue.cases().complete(*where).set_index("case")
-    words = [{"case": case.id, "title": case.title, "theory": case.theory} for case in catalogue.CASES]
+    form, tables, where = _form(context), context.tables, (context.folder, context.executor)
+    for plane in form.planes:
+        tables[_name(plane)] = plane.study(form.full).complete(*where)
+    steps = context.form(decades.SHORT, decades.FULL)
+    tables["stability_decades"] = decades.study(steps).complete(*where)
+    found = case.study(form.cases).complete(*where).set_index("case")
+    words = [{"case": one.id, "title": one.title, "theory": one.theory} for one in form.cases]
     context.keep("stability_verdicts", pd.DataFrame(words).join(found, on="case"))
-    context.keep("stability_outcomes", pd.concat([_counted(context, plane) for plane in catalogue.PLANES]))
+    context.keep("stability_outcomes", pd.concat([_counted(context, plane) for plane in form.planes]))
     context.keep("stability_pacman", pacman.table(SHOWN))
 
 
 def sections(context: Context) -> Sequence[Section]:
     """The cases, the maps, six decades of dt, the Pacman set."""
-    return [_cases(context), *(_map(context, plane) for plane in catalogue.PLANES), _decades(context), _pacman(context)]
+    maps = (_map(context, plane) for plane in _form(context).planes)
+    return [_cases(context), *maps, _decades(context), _pacman(context)]
+
+
+def _form(context: Context) -> catalogue.StabilityForm:
+    return context.form(catalogue.SHORT, catalogue.FULL)
 
 
 def _name(plane: Plane) -> str:

@@ -22,7 +22,7 @@ ORDERS = {"method": "Method", "order": "Order in h [95 %]", "verdict": "In words
 
 
 def _run(context: Context) -> None:
-    table = catch_up.study(context.full).complete(context.folder, context.executor)
+    table = catch_up.study(context.form(catch_up.SHORT, catch_up.FULL)).complete(context.folder, context.executor)
     errors = catch_up.errors(table)
     context.keep("tissue_catch_up_errors", errors)
     context.keep("tissue_catch_up_orders", catch_up.orders(errors, floored().numbers().dt))

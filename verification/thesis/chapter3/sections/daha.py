@@ -83,16 +83,18 @@ PRINTED_MEDIAN, PRINTED_SHARE, PRINTED_DISTANCE, PRINTED_RATIO = 7500, 0.25, 0.0
 
 
 def _run(context: Context) -> None:
-    table = daha.study(context.full).complete(context.folder, context.executor)
+    form = context.form(daha.SHORT, daha.FULL)
+    table = daha.study(form).complete(context.folder, context.executor)
     context.tables["tissue_daha"] = table
     context.keep("tissue_daha_iterations", daha.iterations(table))
     context.keep("tissue_daha_failures", daha.failures(table))
     context.keep("tissue_daha_distances", daha.distances(table))
-    context.keep("tissue_daha_speed", daha.speed(table))
+    context.keep("tissue_daha_speed", daha.speed(table, form.end))
     context.keep("tissue_daha_fits", daha_fit.fitted(table))
+    mapped = context.form(daha_limits.SHORT, daha_limits.FULL)
     maps = {
-        plane.name: daha_limits.study(plane, context.full).complete(context.folder, context.executor)
-        for plane in daha_limits.PLANES
+        plane.name: daha_limits.study(plane, mapped.full).complete(context.folder, context.executor)
+        for plane in mapped.planes
     }
     for name, rows in maps.items():
         context.tables[f"tissue_daha_{name}"] = rows

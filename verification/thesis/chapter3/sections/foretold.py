@@ -29,7 +29,7 @@ FORETOLD = {
 
 
 def _run(context: Context) -> None:
-    apart = disturbed.study(context.full).complete(context.folder, context.executor)
+    apart = disturbed.study(context.form(disturbed.SHORT, disturbed.FULL)).complete(context.folder, context.executor)
     context.keep("tissue_distances", disturbed.medians(apart))
     context.keep("tissue_rates", disturbed.rates(apart))
     context.keep(

@@ -26,7 +26,7 @@ DOUBLING = {"preset": "Preset", "kind": "Substeps", "mu": "μ that doubles the h
 
 
 def _run_growth(context: Context) -> None:
-    table = growth.study(context.full).complete(context.folder, context.executor)
+    table = growth.study(context.form(growth.SHORT, growth.FULL)).complete(context.folder, context.executor)
     context.tables["tissue_growth"] = table
     context.keep("tissue_ratios", growth.ratios(table))
     context.keep("tissue_doubling", growth.doubling(table))
@@ -38,7 +38,7 @@ def _growth(context: Context) -> Section:
     return Section(
         "Growth of the height",
         [
-            Text(_doubles(doubling, ratios)),
+            Text(_doubles(doubling, ratios, table["t"].max())),
             Picture(
                 picture,
                 "Mean height of the apical layer (Figures 14 to 16); bands from the least to the largest of the seeds. "
@@ -50,7 +50,7 @@ def _growth(context: Context) -> Section:
     )
 
 
-def _doubles(doubling: pd.DataFrame, ratios: pd.DataFrame) -> str:
+def _doubles(doubling: pd.DataFrame, ratios: pd.DataFrame, end: float) -> str:
     told = "; ".join(
         f"{row.preset}, substeps {row.kind}: μ = {number(row.mu)} [{number(row.low)}, {number(row.high)}] h"
         for row in doubling.sort_values("preset", ascending=False).itertuples()
@@ -61,7 +61,7 @@ def _doubles(doubling: pd.DataFrame, ratios: pd.DataFrame) -> str:
         for row in lost.itertuples()
     )
     return (
-        f"The height doubles within {growth.END:g} h at: {told}. {_beside_the_thesis(doubling, ratios)}"
+        f"The height doubles within {end:g} h at: {told}. {_beside_the_thesis(doubling, ratios)}"
         + (f"Runs lost, their cells thrown out: {failed}. " if failed else "")
         + "A smaller μ means a larger h/μ, so that substeps that are enough for one damping are not for another: the "
         "fine runs keep h/μ below a bound."
@@ -70,7 +70,7 @@ def _doubles(doubling: pd.DataFrame, ratios: pd.DataFrame) -> str:
 
 def _beside_the_thesis(doubling: pd.DataFrame, ratios: pd.DataFrame) -> str:
     """Which preset behaves as Figures 14 to 16 do; nothing if none comes near a doubling."""
-    least, most = min(growth.DAMPINGS), max(growth.DAMPINGS)
+    least, most = ratios["mu"].min(), ratios["mu"].max()
     if doubling["mu"].isna().all():
         return ""
     nearest = doubling.loc[(doubling["mu"] / least - 1).abs().idxmin(), "preset"]

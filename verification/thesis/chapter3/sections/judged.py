@@ -30,8 +30,9 @@ RUNS = {"seed": "Seed", "start": "Height at the start", "judge": "Through minima
 
 def _run(context: Context) -> None:
     where = context.folder, context.executor
-    context.keep("tissue_judged_steps", judged.summary(judged.study(context.full).complete(*where)))
-    context.tables["tissue_judged_runs"] = judged.whole(context.full).complete(*where)
+    form = context.form(judged.SHORT, judged.FULL)
+    context.keep("tissue_judged_steps", judged.summary(judged.study(form).complete(*where)))
+    context.tables["tissue_judged_runs"] = judged.whole(form).complete(*where)
 
 
 def _judged(context: Context) -> Section:

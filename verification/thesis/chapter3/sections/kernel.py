@@ -20,7 +20,7 @@ KERNEL = {
 
 
 def _run_kernel(context: Context) -> None:
-    table = bench.kernel(context.full).complete(context.folder, context.executor)
+    table = bench.kernel(context.form(bench.SHORT, bench.FULL)).complete(context.folder, context.executor)
     context.tables["tissue_kernel"] = table
     context.keep("tissue_kernel_growth", bench.growth(table))
 

@@ -30,13 +30,14 @@ JITTER = {
 
 def _run_stability(context: Context) -> None:
     where = context.folder, context.executor
-    tables = {plane.name: maps.study(plane, context.full).complete(*where) for plane in maps.PLANES}
+    form, cases = context.form(maps.SHORT, maps.FULL), context.form(limits.FORM)
+    tables = {plane.name: maps.study(plane, form.full).complete(*where) for plane in form.planes}
     for name, table in tables.items():
         context.tables[f"tissue_map_{name}"] = table
     context.keep("tissue_thrown", maps.thrown(tables))
-    context.keep("tissue_swing", beyond.summary(beyond.study(context.full).complete(*where)))
-    found = limits.study().complete(*where).set_index("case")
-    words = [{"case": case.id, "title": case.title, "theory": case.theory} for case in limits.CASES]
+    context.keep("tissue_swing", beyond.summary(beyond.study(context.form(beyond.SHORT, beyond.FULL)).complete(*where)))
+    found = limits.study(cases).complete(*where).set_index("case")
+    words = [{"case": case.id, "title": case.title, "theory": case.theory} for case in cases.cases]
     context.keep("tissue_limits_found", pd.DataFrame(words).join(found, on="case"))
 
 

@@ -47,8 +47,9 @@ HEIGHTS = {
 
 
 def _run_substeps(context: Context) -> None:
-    table = substeps.study(context.full).complete(context.folder, context.executor)
-    errors, heights = substeps.errors(table), substeps.heights(table)
+    form = context.form(substeps.SHORT, substeps.FULL)
+    table = substeps.study(form).complete(context.folder, context.executor)
+    errors, heights = substeps.errors(table), substeps.heights(table, form.heights)
     context.keep("tissue_errors", errors)
     context.keep("tissue_orders", substeps.orders(errors))
     context.keep("tissue_heights", heights)

@@ -32,8 +32,8 @@ ORDERS = {"model": "Model", "method": "Method", "order_y": "Order of y [95 %]", 
 
 
 def _run(context: Context) -> None:
-    context.keep("meanfield_motion", motion.table())
-    table = agreement.study(context.full).complete(context.folder, context.executor)
+    context.keep("meanfield_motion", motion.table(context.form(motion.FORM)))
+    table = agreement.study(context.form(agreement.SHORT, agreement.FULL)).complete(context.folder, context.executor)
     context.tables["meanfield_agreement"] = table
     context.keep("meanfield_best", agreement.best(table))
     context.keep("meanfield_orders", agreement.orders(table))

@@ -39,9 +39,9 @@ SIDES = {
 
 def _run(context: Context) -> None:
     where = context.folder, context.executor
-    table = cost.study(context.full).complete(*where)
+    table = cost.study(context.form(cost.SHORT, cost.FULL)).complete(*where)
     context.tables["meanfield_cost"] = table
-    context.tables["meanfield_side"] = cost.side_study().complete(*where)
+    context.tables["meanfield_side"] = cost.side_study(context.form(cost.SIDE)).complete(*where)
     context.keep("meanfield_cost_times", cost.seconds_to(table, TARGETS))
 
 
@@ -67,8 +67,8 @@ def _values(times: pd.DataFrame, sides: pd.DataFrame) -> dict[str, Any]:
     return {
         "end": cost.T[-1],
         "cheapest": _cheapest(times),
-        "enough": cost.ENOUGH,
-        "full_enough": cost.FULL_ENOUGH,
+        "enough": cost.SHORT.enough,
+        "full_enough": cost.FULL.enough,
         "repeats": cost.REPEATS,
         "largest": sides["N"].max(),
         "passes": [f"{TITLES[row.model]} {number(row.reading)}" for row in sides.itertuples()],

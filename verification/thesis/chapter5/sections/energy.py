@@ -29,8 +29,8 @@ TRENDS = {
 
 def _run(context: Context) -> None:
     where = context.folder, context.executor
-    limit = energy.limit_study(context.full).complete(*where)
-    long = energy.long_study(context.full).complete(*where)
+    limit = energy.limit_study(context.form(energy.SHORT, energy.FULL)).complete(*where)
+    long = energy.long_study(context.form(energy.SHORT_LONG, energy.FULL_LONG)).complete(*where)
     context.tables["meanfield_energy_limit"], context.tables["meanfield_energy_long"] = limit, long
     context.keep("meanfield_energy_slopes", energy.slopes(context.tables["meanfield_agreement"], limit))
     context.keep("meanfield_energy_trends", energy.trends(long))

@@ -33,13 +33,13 @@ GROWTH = {
 
 def _run(context: Context) -> None:
     where = context.folder, context.executor
-    context.keep("meanfield_failed", failures.named(failures.study().complete(*where)))
-    found = []
-    for one in maps.PLANES:
-        context.tables[one.name] = maps.study(one, context.full).complete(*where)
+    context.keep("meanfield_failed", failures.named(failures.study(context.form(failures.FORM)).complete(*where)))
+    form, found = context.form(maps.SHORT, maps.FULL), []
+    for one in form.planes:
+        context.tables[one.name] = maps.study(one, form.full).complete(*where)
         found.append(maps.agreement(context.tables[one.name], one))
     context.keep("meanfield_maps", pd.concat(found, ignore_index=True))
-    table = drift.study(context.full).complete(*where)
+    table = drift.study(context.form(drift.SHORT, drift.FULL)).complete(*where)
     context.tables["meanfield_drift"] = table
     context.keep("meanfield_drift_growth", drift.growth(table))
 
@@ -47,7 +47,8 @@ def _run(context: Context) -> None:
 def _section(context: Context) -> Section:
     found, growth = context.tables["meanfield_failed"], context.tables["meanfield_drift_growth"]
     picture = context.draw("meanfield_drift", figures.drift, context.tables["meanfield_drift"])
-    drawn = [context.draw(one.name, plane, context.tables[one.name], one) for one in maps.PLANES]
+    planes = context.form(maps.SHORT, maps.FULL).planes
+    drawn = [context.draw(one.name, plane, context.tables[one.name], one) for one in planes]
     said = fill(PROSE / "failures.html", **_values(context))
     return Section(
         "Where the mean-field solvers fail",

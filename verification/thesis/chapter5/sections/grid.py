@@ -36,7 +36,7 @@ RUNS = {
 
 
 def _run(context: Context) -> None:
-    table = grid_order.study(context.full).complete(context.folder, context.executor)
+    table = grid_order.study(context.form(grid_order.SHORT, grid_order.FULL)).complete(context.folder, context.executor)
     context.tables["meanfield_grid"] = table
     context.keep("meanfield_grid_orders", grid_order.orders(table))
 

@@ -29,7 +29,8 @@ SUMMARY = {
 
 
 def _run(context: Context) -> None:
-    table = stability_constant.study(context.full).complete(context.folder, context.executor)
+    form = context.form(stability_constant.SHORT, stability_constant.FULL)
+    table = stability_constant.study(form).complete(context.folder, context.executor)
     context.tables["meanfield_stability"] = table
     context.keep("meanfield_stability_summary", stability_constant.summary(table))
     context.keep("meanfield_stability_envelopes", stability_constant.envelopes(table))
