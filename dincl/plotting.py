@@ -171,7 +171,7 @@ def _draw(ax: Axes, view: View, film: Film) -> None:
 
 
 def _draw_until(ax: Axes, view: View, times: Floats, states: Floats) -> None:
-    """States (K, N, d) at ``times`` (K,), the last of which is now."""
+    """States (K, N, d) at ``times`` (K,), the last one is now."""
     draw = (_draw_line, _draw_plane, _draw_space)[len(view.low) - 1]
     draw(ax, view, times, states)
 

@@ -17,7 +17,7 @@ from meanfield.solvers.dae import solve_dae
 from meanfield.solvers.grid.motion import GridMotion
 from meanfield.solvers.grid.pde import solve_pde
 from meanfield.solvers.moments import MomentMotion, Moments, sample_moments, solve_moments
-from meanfield.solvers.motion import Motion, Work
+from meanfield.solvers.motion import Motion, SolverWork
 from meanfield.solvers.ode import solve_ode
 from meanfield.solvers.rattle import solve_rattle
 from meanfield.solvers.reduction import Positions, Reduction, reduce
@@ -38,13 +38,13 @@ __all__ = [
     "Positions",
     "Reduction",
     "SolveFailed",
+    "SolverWork",
     "State",
     "Status",
     "StraightFibre",
     "TissueElement",
     "WavyFibre",
     "Weighted",
-    "Work",
     "carry_density",
     "reduce",
     "sample_moments",

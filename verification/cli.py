@@ -69,7 +69,7 @@ def claims(
 
 
 def _list_claims(table: pd.DataFrame) -> None:
-    """Each claim with its verdict and what was measured; at last those with another verdict than the recorded one."""
+    """Each claim with its verdict and what was measured; last come those with another verdict than the recorded one."""
     from verification.decide import differing
 
     shown = Table(show_lines=True)

@@ -41,7 +41,7 @@ def decide_all(
     found = {}
     if alone:
         rows = _study(alone, reads).complete(folder, executor)
-        found = {str(row["id"]): row for row in rows.to_dict("records")}
+        found = {str(row["id"]): row for row in rows.drop(columns="made_by").to_dict("records")}
     for claim in claims:
         if claim.needs:
             found[claim.id] = evidence_row(claim, tables)
@@ -57,7 +57,7 @@ def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
 
 
 def _alone(claims: Mapping[str, Claim], key: Key) -> list[Row]:
-    return [evidence_row(claims[key["id"]], {})]
+    return [{**key, **evidence_row(claims[key["id"]], {})}]
 
 
 def evidence_row(claim: Claim, tables: Tables) -> Row:

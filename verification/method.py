@@ -39,7 +39,7 @@ class Method:
     Raises
     ------
     InvalidProblem
-        If neither or both of ``scheme`` and ``run`` are given, or one is no callable.
+        If neither or both of ``scheme`` and ``run`` are given, or what is given cannot be called.
     """
 
     label: str
@@ -57,7 +57,7 @@ class Method:
         if len(given) != 1 or not callable(getattr(self, given[0])):
             raise InvalidProblem(
                 f"method {self.label!r}: give scheme, a function setting -> Scheme, or run, a function "
-                f"(problem, setting, t) -> states; given are {', '.join(given) or 'none of them'}"
+                f"(problem, setting, t) -> states; given are {', '.join(given) or 'neither'}"
             )
         object.__setattr__(self, "family", self.family or self.label)
 
@@ -68,7 +68,7 @@ def as_methods(methods: Methods) -> tuple[Method, ...]:
     Raises
     ------
     InvalidProblem
-        If there is none, one is neither a Method nor a callable, or two have one label.
+        If the list is empty, an entry is neither a Method nor a callable, or two entries have the same label.
     """
     if isinstance(methods, Mapping):
         pairs = [(str(label), method) for label, method in methods.items()]

@@ -106,7 +106,7 @@ def estimate(
 
     Raises
     ------
-    ValueError : for input outside of what is listed above
+    ValueError : for other input than is listed above
 
     Source
     ------

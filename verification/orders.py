@@ -96,7 +96,7 @@ def order_study(
     Raises
     ------
     InvalidProblem
-        For fewer than five settings, unknown names of errors, methods that are none, times that do not increase.
+        For fewer than five settings, unknown names of errors, objects that are not methods, times that do not increase.
     """
     chosen, names = as_methods(methods), checked_errors(errors)
     ladder = checked_settings(settings, least=MIN_STEPS)

@@ -70,7 +70,9 @@ class W1Rates(Result):
         """The means with their intervals and the fitted lines, in logarithms; the error of y dashed."""
         from verification.page.chart_rates import draw_rates
 
-        return draw_rates(self, ax)
+        panel = draw_rates(self.means, self.fit, ax)
+        panel.set_title(f"{self.title} ({self.start})")
+        return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
         """The fits and the means."""
@@ -166,7 +168,7 @@ def distance(density: Density | None, X: Floats, other: Floats | None, gap: floa
     return lower, upper
 
 
-class Limit(NamedTuple):
+class MeanFieldLimit(NamedTuple):
     """A mean-field problem and its solution y (K, ny) at the times t (K,); the densities there, None unless d = 1."""
 
     model: Model
@@ -180,15 +182,15 @@ class Limit(NamedTuple):
 
 def mean_field_limit(
     model: Model, density: Density, y0: ArrayLike, v0: ArrayLike, t: ArrayLike, tol: float, particle_tol: float
-) -> Limit:
+) -> MeanFieldLimit:
     """Solve the limit to ``tol`` by characteristics; ``particle_tol`` is for the particles to be compared with it."""
     flow = solve_characteristics(model, density, y0, v0, t, tol)
     start, velocity = np.asarray(y0, dtype=np.float64), np.asarray(v0, dtype=np.float64)
     laws = [carry_density(model, density, start, y) if model.nx == 1 else None for y in flow.y]
-    return Limit(model, start, velocity, flow.t, particle_tol, flow.y, tuple(laws))
+    return MeanFieldLimit(model, start, velocity, flow.t, particle_tol, flow.y, tuple(laws))
 
 
-def through_flow(limit: Limit, X: Floats, other: Floats | None, gap: float | None) -> list[dict[str, float]]:
+def through_flow(limit: MeanFieldLimit, X: Floats, other: Floats | None, gap: float | None) -> list[dict[str, float]]:
     """W1 and the error of y at each time of the limit, of particles that start at X, and others if there are any."""
     groups = [X] if other is None else [X, other]
     one, *rest = [solve_ode(limit.model, State(X=Z, y=limit.y0, v=limit.v0), limit.t, limit.tol) for Z in groups]
@@ -270,7 +272,7 @@ def _checked_limit(
     v0: ArrayLike | None,
     t: ArrayLike | None,
     tol: float | None,
-) -> Limit | None:
+) -> MeanFieldLimit | None:
     """The limit of a model, None without one."""
     names = [name for name, value in (("t", t), ("y0", y0), ("v0", v0), ("tol", tol)) if value is None]
     if model is None:

@@ -100,7 +100,7 @@ def reference(
     Raises
     ------
     InvalidProblem
-        If problem is no dincl.Problem, or tol, dt is no number > 0.
+        If problem is not a dincl.Problem, or tol or dt is not a number > 0.
     StepFailed, RuntimeError
         From the call of the reference, if the tolerance is not reached.
     """

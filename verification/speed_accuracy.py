@@ -95,8 +95,16 @@ class WorkPrecision(Result):
 
     def __repr__(self) -> str:
         won = self.cheapest()
-        parts = [f"  {row.target:g}: {row.cheapest}" for row in won.itertuples()]
-        return "\n".join([f"WorkPrecision of {len(self.looks)} methods; cheapest by CPU time", *parts])
+        reached = won[won["cheapest"] != cheapest.NOT_REACHED]
+        lines = [f"  {row.target:g}: {row.cheapest}" for row in reached.itertuples()]
+        missed = ", ".join(f"{target:g}" for target in won["target"].drop(reached.index))
+        return "\n".join(
+            [
+                f"WorkPrecision of {len(self.looks)} methods; cheapest by CPU time at an error of",
+                *lines,
+                *([f"  not reached: {missed}"] if missed else []),
+            ]
+        )
 
     def _error(self, error: str) -> str:
         if error and error not in self.errors:

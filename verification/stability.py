@@ -93,13 +93,14 @@ def stability_map(
     Raises
     ------
     InvalidProblem
-        If a name is an argument neither of the method nor of the problem, or values are no finite numbers.
+        If a name is an argument neither of the method nor of the problem, or a value is not a finite number.
     """
     cell = _Cell(problem, method, (x[0], y[0]), t, reference, accurate, feasible)
     xs, ys = ([number(name, value) for value in values] for name, values in (x, y))
     rows = [{x[0]: a, y[0]: b} | cell.row({x[0]: a, y[0]: b}) for b in ys for a in xs]
-    label = method.label if isinstance(method, Method) else getattr(method, "__name__", "method")
-    return StabilityMap(pd.DataFrame(rows), x[0], y[0], title=f"Stability of {label}")
+    label = method.label if isinstance(method, Method) else getattr(method, "__name__", "")
+    title = f"Stability of {label}" if label.isidentifier() or isinstance(method, Method) else "Stability"
+    return StabilityMap(pd.DataFrame(rows), x[0], y[0], title=title)
 
 
 class _Cell:

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 import numpy as np
 
 Signal = Callable[[float], float]
-# Between three nodes the lowest of which is in the middle, a parabola tells how far down the signal goes; it is looked
+# Between three nodes with the lowest one in the middle, a parabola tells how far down the signal goes; it is looked
 # at closely when that is less than this part of the value in the middle.
 SUSPICIOUS = 0.5
 ROUNDING = 4 * np.finfo(float).eps

@@ -19,7 +19,7 @@ def closed(gap: NDArray[np.float64], tol: float) -> NDArray[np.bool_]:
     """Which gaps g / |grad g|, shape (m,), are at most ``tol``; InvalidProblem if one is below -tol."""
     least = float(gap.min(initial=0.0))
     if least < -tol:
-        raise InvalidProblem(f"x lies outside of S by {-least:.3g}, where no normal cone is: allowed is tol = {tol:g}")
+        raise InvalidProblem(f"x lies outside of S by {-least:.3g}, more than tol = {tol:g}: there is no normal cone")
     chosen: NDArray[np.bool_] = gap <= tol
     return chosen
 

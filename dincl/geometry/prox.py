@@ -105,7 +105,7 @@ def prox_regularity(
     Raises
     ------
     InvalidProblem
-        For wrong shapes or numbers, points outside of S, or when no pair could be made.
+        For wrong shapes or numbers, for points outside of S, or if no pair can be made.
 
     Source: Definition 1.21, in the equivalent form that (1.28) has with w = 0.
     """

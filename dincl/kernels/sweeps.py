@@ -59,7 +59,7 @@ def sweep_pairs(
 
     Notes
     -----
-    Thesis, Example 2.5; Algorithm 1 there misprints the sign.
+    Thesis, Example 2.5; Algorithm 1 of chapter 2 misprints the sign.
     """
     return _sweep_pairs(x, start, partner, radius, reference, slack, axes_of(x))
 

@@ -72,9 +72,7 @@ class Iteration(ABC):
     def move(self, x: NDArray[np.float64]) -> None:
         """Take a new x, and the rows near it."""
         if not bounded(x):
-            raise StepFailure(
-                Status.NON_FINITE, f"A coordinate is no number of magnitude at most {LARGEST:g} any more."
-            )
+            raise StepFailure(Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude.")
         length = longest(x - self.x)
         self.x = x
         self.contacts.update(x, length)

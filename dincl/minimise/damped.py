@@ -60,7 +60,7 @@ class DampedArrowHurwicz(Minimiser):
 
     @classmethod
     def published(cls, limit: int = LIMIT) -> DampedArrowHurwicz:
-        """The parameters of Table 4, distances squared."""
+        """The parameters of Table 4 of chapter 3, distances squared."""
         return cls(1e-4, 0.25, 1e-3, 2.0, 1.0, RelativeMove(1e-6), limit, squared=True)
 
     def start(self, problem: Problem) -> Iteration:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dincl.csr import Csr
     from dincl.projection.base import Solver
 
-# Sweeps for one quadratic program, in rounds after each of which the certificate is looked at.
+# Sweeps for one quadratic program, in rounds; after each round the certificate is looked at.
 ROUNDS = 200
 SWEEPS_A_ROUND = 500
 

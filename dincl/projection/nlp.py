@@ -165,7 +165,7 @@ class _Called(casadi.Callback):
 
 
 class _CalledDerivative(casadi.Callback):
-    """(w, g) -> dg/dx at w, dense: nothing is known of which entries are zero everywhere."""
+    """(w, g) -> dg/dx at w, dense, since it is not known which entries are always zero."""
 
     def __init__(self, name: str, of: _Called, rows: int, columns: int, options: Any) -> None:
         casadi.Callback.__init__(self)

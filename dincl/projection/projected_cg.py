@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from dincl.csr import Csr
     from dincl.projection.base import Solver
 
-# Iterations for one quadratic program, in rounds after each of which the residual is formed anew.
+# Iterations for one quadratic program, in rounds; after each round the residual is formed anew.
 ROUNDS = 50
 ITERATIONS_A_ROUND = 2000
 # Part of the tolerance that the iterations may use; the certificate, from the coordinates, adds their rounding.

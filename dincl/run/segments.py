@@ -45,9 +45,7 @@ def make_segments(stepper: Stepper, on: TimeGrid, k: int, state: State) -> Itera
                 f"shape {state.x.shape}"
             )
         if not bounded(after.x):
-            raise StepFailure(
-                Status.NON_FINITE, f"A coordinate is no number of magnitude at most {LARGEST:g} any more."
-            )
+            raise StepFailure(Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude.")
         stepper.work.steps += 1
         yield Segment(index, state, after)
         state = after

@@ -41,7 +41,9 @@ class CatchUp(FixedStep):
 
 @dataclass(frozen=True)
 class LinearisedCatchUp(CatchUp):
-    """x_{k+1} = P_{S~(x_k)} (x_k + dt F(t_k, x_k)), S~(x) = {z : g(x) + dg/dx (z - x) >= 0}  (section 1.1.2).
+    """x_{k+1} = P_{S~(x_k)} (x_k + dt F(t_k, x_k)), S~(x) = {z : g(x) + dg/dx (z - x) >= 0}
+
+    Source: section 1.1.2 of chapter 2.
 
     One convex quadratic program a step. For discs g is convex in x, so S~(x) lies inside S and x_{k+1} is feasible.
     """

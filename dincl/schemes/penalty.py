@@ -30,9 +30,10 @@ class Penalty(FixedStep):
     exponent
         2: the potential strength/2 sum max(0, -g)^2, a spring, stiff as the strength grows: explicit Euler is
         stable for dt strength |J J^T| <= 2. 1: the potential strength sum max(0, -g) of (1.7), whose force is what
-        section 1.1.3 prints: constant in size and discontinuous, not stiff; it chatters by about dt strength.
+        section 1.1.3 of chapter 2 prints: constant in size and discontinuous, not stiff; it chatters by about
+        dt strength.
 
-    Section 1.1.3 describes the stiff one and prints the other, so both are here.
+    Section 1.1.3 of chapter 2 describes the stiff one and prints the other, so both are here.
     """
 
     strength: float

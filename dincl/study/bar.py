@@ -19,7 +19,7 @@ INTERVAL = 5.0
 def progress(title: str, total: float, unit: str, console: Console | None = None) -> Iterator[Callable[[float], None]]:
     """Show how much of ``total`` [unit] is done: the function this gives is called with it; on stderr if not told.
 
-    The rate and the time that is left are those since the first call, for what was there before took no time.
+    The rate and the time that is left are those since the first call, since what was there before took no time.
     """
     console = console or Console(stderr=True)
     count = TextColumn(f"{{task.completed:g}} of {{task.total:g}} {unit}")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from meanfield.model.model import Model
 
 
-class Closure(NamedTuple):
+class MomentClosure(NamedTuple):
     """What moments rho = int x f dx (nx,) and sigma = int x x^T f dx (nx, nx) decide, as functions of arrays.
 
     ``shares`` of (rho, sigma, y, v): the elements of m int Phi^T Phi, column by column, then of
@@ -42,7 +42,7 @@ def obstacle(model: Model) -> str | None:
 
 
 @lru_cache(maxsize=256)
-def closure(model: Model) -> Closure | None:
+def closure(model: Model) -> MomentClosure | None:
     """The functions of the moments, None if they do not close.
 
     Since the integrands are polynomials q of second degree, int q f dx = q(0) + q'(0) rho + q''(0) : sigma / 2; the
@@ -62,7 +62,7 @@ def closure(model: Model) -> Closure | None:
     flow = ca.mtimes(e.phi, e.v)
     slope = ca.jacobian(flow, e.X)
     constant = ca.substitute(flow, e.X, ca.SX.zeros(model.nx))
-    return Closure(
+    return MomentClosure(
         vectorised(shares, ["rho", "sigma", "y", "v"], [False] * 4),
         vectorised(program([e.y, e.v], [ca.vec(slope), constant]), ["y", "v"], [False] * 2),
     )

@@ -1,4 +1,4 @@
-"""The models of Section 2.3 with linear forces, and one whose effective mass changes."""
+"""The models of Section 2.3 of chapter 5 with linear forces, and one whose effective mass changes."""
 
 from __future__ import annotations
 

@@ -54,7 +54,7 @@ class Model:
     InvalidProblem
         at construction, if a number or a function cannot be right.
 
-    Source: Section 2.1, (5.4)-(5.8).
+    Source: Section 2.1 of chapter 5, (5.4)-(5.8).
     """
 
     g: Any

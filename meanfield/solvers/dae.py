@@ -17,7 +17,7 @@ from meanfield.model.state import FullState, State, oriented
 from meanfield.model.symbolic import library
 from meanfield.solvers.arguments import times, tolerance
 from meanfield.solvers.index import accelerations, consistent, system
-from meanfield.solvers.motion import Motion, Work
+from meanfield.solvers.motion import Motion, SolverWork
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -206,7 +206,7 @@ def _motion(
         weights=None,
         status=status,
         detail=detail,
-        work=Work(unknowns, *(int(run.counters.get(name, 0)) for name in ("nsteps", "nfevals", "nniters"))),
+        work=SolverWork(unknowns, *(int(run.counters.get(name, 0)) for name in ("nsteps", "nfevals", "nniters"))),
     )
 
 

@@ -17,7 +17,7 @@ from meanfield.forces.weights import each
 from meanfield.model.closure import closure, obstacle
 from meanfield.solvers.arguments import times, tolerance
 from meanfield.solvers.integrate import integrate
-from meanfield.solvers.motion import Work
+from meanfield.solvers.motion import SolverWork
 from meanfield.solvers.result import SolverResult
 
 if TYPE_CHECKING:
@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.status import Status
-    from meanfield.model.closure import Closure
+    from meanfield.model.closure import MomentClosure
     from meanfield.model.model import Model
 
 # A second moment may be below that of a point mass by the rounding of numbers of its size.
@@ -52,7 +52,7 @@ class MomentMotion(SolverResult):
     second: NDArray[np.float64]
     status: Status
     detail: str
-    work: Work
+    work: SolverWork
 
     def energy(self) -> NDArray[np.float64]:
         """Total energy (5.50) at each kept time, shape (K,): all its integrands are quadratic in x."""
@@ -139,7 +139,7 @@ def solve_moments(
     y, v, mean, second = (
         np.array([part[k] for part in parts]).reshape(len(parts), *shape) for k, shape in enumerate(unknowns.shapes)
     )
-    work = Work(unknowns.start.size, result.steps, result.evaluations)
+    work = SolverWork(unknowns.start.size, result.steps, result.evaluations)
     motion = MomentMotion(model, kept[: len(y)], y, v, mean, second, result.status, result.detail, work)
     if throw and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
@@ -167,7 +167,7 @@ def _checked(model: Model, moments: Moments) -> Moments:
 class _Unknowns:
     """The unknowns y, v, rho and the upper half of sigma."""
 
-    def __init__(self, model: Model, closed: Closure, moments: Moments, y0: ArrayLike, v0: ArrayLike) -> None:
+    def __init__(self, model: Model, closed: MomentClosure, moments: Moments, y0: ArrayLike, v0: ArrayLike) -> None:
         self._model, self._closed = model, closed
         self._upper = np.triu_indices(model.nx)
         self.shapes = ((model.ny,), (model.ny,), (model.nx,), (model.nx, model.nx))

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from meanfield.model.model import Model
 
 
-class Work(NamedTuple):
+class SolverWork(NamedTuple):
     """What a run cost: unknowns of the integrator, steps, evaluations of its right-hand side, Newton iterations."""
 
     unknowns: int
@@ -59,7 +59,7 @@ class Motion(SolverResult):
     weights: NDArray[np.float64] | None
     status: Status
     detail: str
-    work: Work
+    work: SolverWork
 
     def energy(self) -> NDArray[np.float64]:
         """Total energy (5.37), or (5.50) with weights, at each kept time, from X, U, y and v as they are::

@@ -11,7 +11,7 @@ from meanfield.forces.field import field
 from meanfield.model.state import FullState, State, oriented
 from meanfield.solvers.arguments import times, tolerance
 from meanfield.solvers.integrate import Integrand, Integrated, integrate
-from meanfield.solvers.motion import Motion, Work, multipliers
+from meanfield.solvers.motion import Motion, SolverWork, multipliers
 from meanfield.solvers.reduction import Reduction
 
 if TYPE_CHECKING:
@@ -125,6 +125,6 @@ def _motion(
     for k, a in enumerate(result.derivatives[:, ny : 2 * ny]):
         U[k] = model.phi(X[k], y[k]) @ v[k]
         forces[k] = multipliers(model, X[k], weights, y[k], v[k], a)
-    work = Work(unknowns.start.size, result.steps, result.evaluations)
+    work = SolverWork(unknowns.start.size, result.steps, result.evaluations)
     reached = kept[: len(y)]
     return Motion(model, reached, y, v, X, U, forces, start.level, weights, result.status, result.detail, work)

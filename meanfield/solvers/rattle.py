@@ -16,7 +16,7 @@ from meanfield.forces.interaction import forces
 from meanfield.model.state import FullState, State, oriented
 from meanfield.solvers.arguments import times
 from meanfield.solvers.index import FINE, MOST_CORRECTIONS, accelerations, solved
-from meanfield.solvers.motion import Motion, Work
+from meanfield.solvers.motion import Motion, SolverWork
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -76,7 +76,7 @@ def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int
     dt
         longest step; each kept interval is divided into equal ones.
     order
-        2, or 4, 6, 8 with 5, 9, 17 substeps per step, of which some go back in time.
+        2, or 4, 6, 8 with 5, 9, 17 substeps per step, some of which go back in time.
     throw
         raise SolveFailed on failure; else return the motion until then, with its Status.
 
@@ -172,7 +172,7 @@ class _Run:
             weights=None,
             status=status,
             detail=detail,
-            work=Work(2 * (ny + shape[0] * shape[1]), self._steps, evaluations, self._newton),
+            work=SolverWork(2 * (ny + shape[0] * shape[1]), self._steps, evaluations, self._newton),
         )
 
     def _stepped(self, old: _Point, h: float) -> _Point:

@@ -58,7 +58,7 @@ def w1(a: Measure, b: Measure) -> float:
     Raises
     ------
     InvalidProblem
-        If a or b is none of these, if their dimensions differ, or if there is a density in d >= 2: there, draw points
+        If a or b is something else, if their dimensions differ, or if there is a density in d >= 2: there, draw points
         by ``sample()``, or take ``Weighted(*density.nodes(n))``.
     SolveFailed
         If the linear program of exact transport was not solved.

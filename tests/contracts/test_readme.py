@@ -1,5 +1,7 @@
-"""The README: its Python runs as a reader would type it, its commands exist, its picture and names are there."""
+"""The README: short; its Python runs as typed, its commands, links and pictures exist, it names all there is."""
 
+import importlib
+import inspect
 import re
 import shlex
 import subprocess
@@ -10,29 +12,32 @@ from typer.testing import CliRunner
 
 import dincl
 from dincl import study
+from tests.pages import ROOT, blocks, links, run
 from tests.verification.thesis.shortened import Here, shorten
-from tissue import cli as tissue_cli
-from tissue.study.plan import load_study
 from verification import cli
 from verification.thesis import chapters
 
-ROOT = Path(__file__).parents[2]
-README = (ROOT / "README.md").read_text()
-BLOCKS = re.findall(r"^```(\w+)\n(.*?)^```", README, flags=re.MULTILINE | re.DOTALL)
-PYTHON = [text for language, text in BLOCKS if language == "python"]
-SHELL = [text.splitlines() for language, text in BLOCKS if language == "sh"]
-COMMANDS = [line for lines in SHELL for line in lines]
+PAGE = ROOT / "README.md"
+README = PAGE.read_text("utf-8")
+COMMANDS = [line for lines in blocks(README, "sh") for line in lines.splitlines()]
 MENTIONED = re.findall(r"`(make [^`]*)`", README)
+TABLE = [line.split("|")[1:3] for line in README.splitlines() if line.startswith("| ") and not line.startswith("| for")]
+LONGEST = 150
 
 
-def test_python_blocks_run_in_their_order(capsys):
-    scope = {}
-    for block in PYTHON:
-        exec(block, scope)
+def test_it_is_short():
+    assert len(README.splitlines()) <= LONGEST
+
+
+def test_the_first_problem_has_the_chart_that_is_shown(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    found = run(PAGE)
     printed = capsys.readouterr().out
-    assert "SUCCESS" in printed
-    assert "LinearisedCatchUp" in printed
-    assert "smaller dt" in printed
+    for line in re.findall(r"^      ?(\S.*: \d\.\d\d) \[", README, flags=re.MULTILINE):
+        assert line in printed
+    assert "0.001: midpoint catch-up" in printed
+    assert set(found["orders"].table["method"]) == set(found["methods"])
+    assert (tmp_path / "results" / "three_discs" / "work_precision.png").stat().st_size > 10_000
 
 
 @pytest.mark.parametrize("command", sorted({c for c in [*COMMANDS, *MENTIONED] if c.startswith("make ")}))
@@ -42,82 +47,54 @@ def test_make_commands_exist(command):
     assert done.returncode == 0, done.stderr
 
 
-@pytest.mark.parametrize("lines", [lines for lines in SHELL if not lines[0].startswith("make ")], ids=lambda x: x[0])
-def test_other_commands_run_in_their_order(lines, tmp_path, monkeypatch):
+@pytest.mark.parametrize("command", [command for command in COMMANDS if not command.startswith("make ")])
+def test_other_commands_run(command, tmp_path, monkeypatch):
     """With the studies shortened, and of the report the last chapter: tests/verification/test_report.py runs all."""
     shorten(monkeypatch)
     monkeypatch.setattr(chapters, "CHAPTERS", chapters.CHAPTERS[-1:])
     monkeypatch.setattr(study, "workers", Here)
     monkeypatch.chdir(tmp_path)
-    apps = {"verification": cli.app, "tissue": tissue_cli.app}
-    for command in lines:
-        program, *arguments = shlex.split(command)
-        done = CliRunner().invoke(apps[Path(program).name], arguments)
-        assert done.exit_code == 0, done.output
+    program, *arguments = shlex.split(command)
+    assert Path(program).name == "verification"
+    done = CliRunner().invoke(cli.app, arguments)
+    assert done.exit_code == 0, done.output
 
 
-def test_the_study_of_the_text_is_one(tmp_path):
-    (text,) = (text for language, text in BLOCKS if language == "toml")
-    file = tmp_path / "study.toml"
-    file.write_text(text, "utf-8")
-    found = load_study(file)
-    assert {name: parameters.emt.cells for name, parameters in found.scenarios.items()} == {"alone": 1, "group": 10}
-    assert found.runs == 800
+def test_commands_of_the_text_exist():
+    named = [words.split() for words in re.findall(r"`\.venv/bin/verification ([^`]*)`", README)]
+    commands = {command.name or command.callback.__name__ for command in cli.app.registered_commands}
+    assert {"compare", "stability"} <= {words[0] for words in named} <= commands
 
 
 def test_every_command_is_covered():
-    assert len(PYTHON) >= 3
-    assert all(language in {"python", "sh", "toml"} for language, _ in BLOCKS)
     assert {"make report", "make test"} <= set(COMMANDS)
+    assert set(re.findall(r"^```(\w+)", README, flags=re.MULTILINE)) == {"sh", "python"}
 
 
-def test_pictures_are_there():
-    for picture in re.findall(r"!\[[^\]]*\]\(([^)]*)\)", README):
-        assert (ROOT / picture).stat().st_size > 10_000
+def test_links_and_pictures_are_there():
+    found = links(PAGE)
+    assert {"CONTRIBUTING.md", "SOURCE.md", "CITATION.cff"} <= {path.name for path in found}
+    for path in found:
+        assert path.exists(), path
+        assert path.suffix != ".png" or path.stat().st_size > 10_000
 
 
-def test_named_things_exist():
-    table = "\n".join(line for line in README.splitlines() if line.startswith("| to "))
-    named = re.findall(r"`([A-Z]\w+)`", table)
-    assert len(named) > 15
-    assert [name for name in named if not hasattr(dincl, name)] == []
-    assert (
-        sorted(
-            set(dincl.__all__)
-            - set(named)
-            - {
-                "Between",
-                "Constraint",
-                "DifferentiableConstraint",
-                "Event",
-                "FixedStep",
-                "InvalidProblem",
-                "MinimisationFailed",
-                "Minimiser",
-                "Minimum",
-                "Projected",
-                "Projection",
-                "ProjectionFailed",
-                "RunOutcome",
-                "Scheme",
-                "State",
-                "Status",
-                "StepFailed",
-                "StepFailure",
-                "Stepper",
-                "Stop",
-                "Trajectory",
-                "Work",
-                "checks",
-                "constraints",
-                "geometry",
-                "minimise",
-                "project",
-                "projection",
-                "scenes",
-                "shapes",
-                "solve",
-            }
-        )
-        == []
-    )
+@pytest.mark.parametrize(("what", "names"), TABLE[1:], ids=lambda text: text.strip()[:30])
+def test_named_things_exist(what, names):
+    """In the package that the row names first, or else in dincl."""
+    first, *others = re.findall(r"`([\w.]+?)(?:\(\w+\))?`", names)
+    try:
+        home = importlib.import_module(first)
+    except ModuleNotFoundError:
+        home, others = dincl, [first, *others]
+    assert others
+    assert [name for name in others if not hasattr(home, name) and not hasattr(dincl, name)] == []
+
+
+def test_all_there_is_to_choose_from_is_named():
+    kinds = (dincl.Constraint, dincl.Minimiser, dincl.Projection, dincl.Scheme, dincl.Stop)
+    public = [getattr(dincl, name) for name in dincl.__all__]
+    choices = [item for item in public if inspect.isclass(item) and issubclass(item, kinds)]
+    concrete = [item.__name__ for item in choices if not inspect.isabstract(item)]
+    assert len(concrete) > 20
+    assert [name for name in concrete if f"`{name}`" not in README] == []

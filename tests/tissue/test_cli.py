@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
-import tissue.cli.app.app.progress
 from PIL import Image
 from rich.console import Console
 from typer.testing import CliRunner
@@ -195,7 +194,7 @@ def test_a_place_that_can_not_be_written_to_is_told_before_the_run(simulated, ar
     result = call(*args)
     assert result.exit_code == 2
     (line,) = result.stderr.splitlines()
-    assert line.startswith("Error: --out can not be written to: ")
+    assert line.startswith("Error: --out cannot be written to: ")
     assert simulated == []
     assert Path("small.toml").read_text("utf-8") == SMALL
 

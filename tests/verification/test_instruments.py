@@ -1,6 +1,7 @@
 """Orders, speed against accuracy, maps and references on problems that the library does not know."""
 
 import pickle
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -278,3 +279,14 @@ def test_bad_methods_and_maps_are_named():
     with pytest.raises(dincl.InvalidProblem, match="results holds 3"):
         v.save([3], "unused")
     assert [method.label for method in as_methods(METHODS)] == list(METHODS)
+
+
+def test_a_result_says_in_a_line_what_it_found(chart):
+    text = repr(chart)
+    assert "  0.01: exact" in text
+    own = v.Method("own", run=lambda problem, dt, t: SLIDE.exact(t) + 1.0)
+    far = v.work_precision(SLIDE, [own], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0))
+    assert repr(far).endswith("not reached: 0.01, 0.001, 0.0001, 1e-06, 1e-08")
+    falling = dincl.Problem([[1.0]], lambda t, x: -np.ones_like(x), [dincl.HalfSpace(normal=(1,))])
+    named = v.stability_map(falling, partial(dincl.PBD), ("dt", [0.1]), ("dt", [0.1]))
+    assert named.title == "Stability"

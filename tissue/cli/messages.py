@@ -19,11 +19,11 @@ GOES_ON = "what was computed is kept, and the same command goes on from there"
 
 @contextmanager
 def messages() -> Iterator[None]:
-    """Bad input, files that can not be written, and what stops a study end the command with one message."""
+    """Bad input, files that cannot be written, and what stops a study end the command with one message."""
     try:
         yield
     except (InvalidProblem, OSError) as error:
-        what = "--out can not be written to: " if isinstance(error, OSError) else ""
+        what = "--out cannot be written to: " if isinstance(error, OSError) else ""
         raise _end(f"Error: {what}{error}", BAD_INPUT) from error
     except StudyStopped as error:
         raise _end(f"Stopped: {error}; {GOES_ON}", STOPPED) from error

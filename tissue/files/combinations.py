@@ -15,7 +15,7 @@ from tissue.files.units import Measure, reduced
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
 ROUNDING = 1e-12
-# Above this a whole number of steps can not be told from a fraction.
+# Above this a whole number of steps cannot be told from a fraction.
 MOST_STEPS = 1e9
 
 

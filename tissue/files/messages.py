@@ -21,13 +21,13 @@ def known_keys(shape: type[BaseModel]) -> list[str]:
 
 
 def problems(error: ValidationError, shape: type[BaseModel], *, missing: bool) -> list[str]:
-    """One line for each bad, unknown and, on request, missing key; none for what the whole model finds wrong."""
+    """One line for each bad, unknown and, on request, missing key; none for what concerns the whole model."""
     items = (item for item in error.errors(include_url=False) if item["loc"])
     return [_line(item, shape) for item in items if missing or item["type"] != "missing"]
 
 
 def unknown(key: str, value: Any, known: Iterable[str]) -> str:
-    """The line for a key that is none of the known ones."""
+    """The line for a key that is unknown."""
     return f"{key} = {describe(value)}: unknown key; the nearest known one is {_nearest(key, known)}"
 
 

@@ -20,7 +20,7 @@ def read(path: str | PathLike[str]) -> dict[str, Any]:
     Raises
     ------
     InvalidProblem
-        If it can not be read, with the reason: for an error of syntax its line.
+        If it cannot be read, with the reason: for an error of syntax its line.
     """
     try:
         return tomllib.loads(Path(path).read_text("utf-8"))

@@ -176,13 +176,13 @@ def load(path: str | PathLike[str]) -> Parameters:
     Parameters
     ----------
     path
-        The file. Its top key ``base`` names a preset or another file, relative to this one, of which it changes some
-        values; without it all have to be given, as in the presets themselves.
+        The file. Its top key ``base`` names a preset or another file, relative to this one; this one changes some
+        of its values. Without a base all values have to be given, as in the presets themselves.
 
     Raises
     ------
     InvalidProblem
-        If it can not be read, lacks a key, has an unknown one, or a value that is bad or does not go with the others;
+        If it cannot be read, lacks a key, has an unknown one, or a value that is bad or does not go with the others;
         all of it in one message that names the file, each key, its value and what is allowed.
     """
     return _loaded(Path(path), ())
@@ -202,7 +202,7 @@ def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
 
 
 class NoBase(ValueError):
-    """What a file names as its base is none; the message is a line for the errors of the file."""
+    """What a file names as its base cannot be used; the message is a line for the errors of the file."""
 
 
 def based_on(base: Any, folder: Path) -> Parameters:

@@ -46,7 +46,7 @@ class ParameterSection(BaseModel):
 
 
 class TissueSection(ParameterSection):
-    """[tissue]: Table 1."""
+    """[tissue]: Table 1 of chapter 3."""
 
     cells: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # N^init
     height: Length  # h^init
@@ -54,12 +54,12 @@ class TissueSection(ParameterSection):
     apical_spacing: Length  # d^init-apical
     basal_spacing: Length  # of the basal points at the start
     max_basal_distance: Length  # d^max-basal (C2)
-    two_daughters: Probability  # p^div, that both daughters stay in the plane (section 2.2.5)
+    two_daughters: Probability  # p^div, that both daughters stay in the plane (section 2.2.5 of chapter 3)
     diffusion: DiffusionOrZero  # D
 
 
 class CellSection(ParameterSection):
-    """[cell]: Table 2."""
+    """[cell]: Table 2 of chapter 3."""
 
     soft_radius: MetricLength  # R^soft, the unit of length R_soft
     hard_radius: Length  # R^hard
@@ -80,7 +80,7 @@ class CellSection(ParameterSection):
 
 
 class NumericsSection(ParameterSection):
-    """[numerics]: Tables 3 and 5, and what is kept of a run."""
+    """[numerics]: Tables 3 and 5 of chapter 3, and what is kept of a run."""
 
     dt: Duration  # between updates of rules and events
     substeps: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # PBD steps in one dt
@@ -103,7 +103,7 @@ class RulesSection(ParameterSection):
 
 
 class DivisionSection(ParameterSection):
-    """[division]: section 2.2.5."""
+    """[division]: section 2.2.5 of chapter 3."""
 
     offset: Length  # of each daughter from the mother (3.7); at 0 the daughters would coincide
     new_junction: LengthOrZero  # rest length of the junction between daughters, and of all junctions at the start
@@ -145,7 +145,7 @@ class EventsSection(ParameterSection):
 
 
 class DahaSection(ParameterSection):
-    """[daha]: Table 4, the damped Arrow-Hurwicz method of the quasi-steady model."""
+    """[daha]: Table 4 of chapter 3, the damped Arrow-Hurwicz method of the quasi-steady model."""
 
     alpha: Positive
     beta: Positive

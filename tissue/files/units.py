@@ -64,7 +64,7 @@ def parse(text: Any, dimension: Dimension) -> Measure:
     Raises
     ------
     ValueError
-        If it is none of this dimension; the message says what is wrong with it.
+        If it is not of this dimension; the message says what is wrong with it.
     """
     if not isinstance(text, str):
         raise ValueError("it must be a text of number and unit")  # noqa: TRY004 - input errors are of one class

@@ -1,4 +1,7 @@
-"""The rules of the cell cycle, applied once per dt: division, phases, rest lengths (sections 2.2.1 to 2.2.5)."""
+"""The rules of the cell cycle, applied once per dt: division, phases, rest lengths.
+
+Source: sections 2.2.1 to 2.2.5 of chapter 3.
+"""
 
 from __future__ import annotations
 
@@ -47,9 +50,9 @@ def set_phases(store: Store, t: float, numbers: Numbers) -> None:
 def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
     """Relax each rest length towards what the phase wants, eta <- eta* + (eta - eta*) exp(-k dt)  (3.2), (3.3), (3.6).
 
-    eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3) 0 for the apical and |A - B| - 2 for
-    the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink towards 0. What has
-    begun of the EMT takes the place of these.
+    eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical and
+    |A - B| - 2 for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink
+    towards 0. What has begun of the EMT takes the place of these.
     """
     cells = store.cells
     keep_ax, keep_bx = math.exp(-numbers.rate_ax * numbers.dt), math.exp(-numbers.rate_bx * numbers.dt)

@@ -1,4 +1,4 @@
-"""Division of cells (section 2.2.5)."""
+"""Division of cells (section 2.2.5 of chapter 3)."""
 
 from __future__ import annotations
 

@@ -67,7 +67,7 @@ class Emt(NamedTuple):
     since_x: Floats  # x of the nucleus then
 
 
-# The kinds of the fields that are no numbers.
+# The kinds of the fields that are not numbers.
 KINDS = {"moves": np.bool_, "divides": np.bool_, **dict.fromkeys(("id", "mother", "emt", "events"), np.int64)}
 
 

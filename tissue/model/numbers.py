@@ -8,7 +8,7 @@ from typing import NamedTuple
 class Numbers(NamedTuple):
     """What the kernels compute with; made from the parameters of a file by ``Parameters.numbers``."""
 
-    # Time stepping (Tables 3 and 5)
+    # Time stepping (Tables 3 and 5 of chapter 3)
     dt: float  # between updates of rules and events [h]
     substeps: int  # PBD steps in one dt
     mu: float  # damping [h]: mu dZ/dt = -grad W, energies having no unit
@@ -19,7 +19,7 @@ class Numbers(NamedTuple):
     junction_factor: float  # k of a junction over the mean alpha_aa of its cells, force k (d - eta)
     repulsion: float  # k of the soft repulsion, force k (2 - d) for d < 2
     max_basal: float  # largest distance of neighbours in the basal layer (C2)
-    # Cells (Table 2)
+    # Cells (Table 2 of chapter 3)
     alpha_aa: float
     alpha_ax: float
     alpha_bx: float

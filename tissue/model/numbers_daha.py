@@ -6,7 +6,10 @@ from typing import NamedTuple
 
 
 class Daha(NamedTuple):
-    """Table 4; made from the parameters of a file by ``Parameters.daha_numbers``. Lengths are in units of R_soft."""
+    """Table 4 of chapter 3; made from the parameters of a file by ``Parameters.daha_numbers``.
+
+    Lengths are in units of R_soft.
+    """
 
     alpha: float  # weight of the descent
     beta: float  # of the ascent in the multipliers

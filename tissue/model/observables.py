@@ -51,7 +51,8 @@ def measurable(frames: Iterable[Frame]) -> list[Frame]:
 def height(frame: Frame) -> float:
     """Mean of y(A_i) over the cells of the apical layer.
 
-    The thesis plots the height (Figure 16) without a definition; by this one it begins with the 8 R_soft of the figure.
+    The thesis plots the height (Figure 16 of chapter 3) without a definition; by this one it begins with the 8 R_soft
+    of the figure.
     Raises InvalidProblem if the layer is empty.
     """
     return float(frame.cells.ay[_inhabited("apical", frame.layers)].mean())
@@ -75,14 +76,15 @@ def widths(frame: Frame) -> Widths:
 def nuclear_layers(frame: Frame) -> float:
     """2 N / (max x - min x + 2): how many soft discs a vertical line crosses, on average over all that cross one.
 
-    This counts the layers of nuclei, one above the other, that make the epithelium look stratified (section 2.2.9).
+    This counts the layers of nuclei, one above the other, that make the epithelium look stratified
+    (section 2.2.9 of chapter 3).
     """
     x = frame.cells.x
     return float(SOFT_DIAMETER * len(x) / (np.ptp(x) + SOFT_DIAMETER))
 
 
 def phases(frame: Frame, numbers: Numbers) -> Integers:
-    """Index into PHASES for each cell, shape (n,), from its age t - t_birth (section 2.2.1).
+    """Index into PHASES for each cell, shape (n,), from its age t - t_birth (section 2.2.1 of chapter 3).
 
     G2 stands for its active part: t_age >= t_cycle - T_G2 - T_mitosis; mitosis begins at t_cycle - T_mitosis.
     """
@@ -92,7 +94,9 @@ def phases(frame: Frame, numbers: Numbers) -> Integers:
 
 
 def ab_positions(frame: Frame) -> Floats:
-    r"""y_AB(X_i) = y(X_i) / y(A_i^ref): 0 at the basal, 1 at the apical layer, shape (n,)  (section 3.3.1).
+    r"""y_AB(X_i) = y(X_i) / y(A_i^ref): 0 at the basal, 1 at the apical layer, shape (n,).
+
+    Source: section 3.3.1 of chapter 4.
 
     A_i^ref is the point of the apical layer, a path of lines through the apical points, that is nearest to X_i.
 

@@ -54,14 +54,14 @@ class TissueArrowHurwicz:
 
         (C1) |X_i - X_j|^2 - (R_i + R_j)^2,   (C2) max_basal^2 - (b_{k+1} - b_k)^2,   (C4) b_{k+1} - b_k.
 
-    "The square of (C1) to (C4)" in the thesis can not include (C4), whose square has lost the sign. With min in place
+    "The square of (C1) to (C4)" in the thesis cannot include (C4), whose square has lost the sign. With min in place
     of max, as printed, discs that overlap do not notice each other, and those that do not overlap attract each other.
 
-    For c dtau = 2, as in Table 4, it is z_{n+1} = z_n - dtau^2 p_n / 2; (3.26) to (3.28) omit the 1/2. Where no
-    constraint pushes, n iterations are n steps of explicit Euler for mu dz/dt = -grad W with h/mu = dtau^2 alpha / 2,
-    and |grad W| <= 2 eps |z| / (alpha dtau) when it stops. So a nucleus can not rest nearer to its apical or basal
-    point than dtau sqrt(alpha alpha^axb / 2), 0.027 for Table 4, where the bending energy is too stiff for the step:
-    it goes on swinging around this distance, and the iteration does not stop.
+    For c dtau = 2, as in Table 4 of chapter 3, it is z_{n+1} = z_n - dtau^2 p_n / 2; (3.26) to (3.28) omit the 1/2.
+    Where no constraint pushes, n iterations are n steps of explicit Euler for mu dz/dt = -grad W with
+    h/mu = dtau^2 alpha / 2, and |grad W| <= 2 eps |z| / (alpha dtau) when it stops. So a nucleus cannot rest nearer to
+    its apical or basal point than dtau sqrt(alpha alpha^axb / 2), 0.027 for that table, where the bending energy is too
+    stiff for the step: it goes on swinging around this distance, and the iteration does not stop.
 
     The rule looks at the last move only: it asks neither for a small gradient nor for g >= 0. |z| depends on the
     origin of the coordinates: the farther away it is, the earlier the iteration stops.
@@ -74,7 +74,7 @@ class TissueArrowHurwicz:
     Raises
     ------
     InvalidProblem
-        For numbers that can not be right.
+        For numbers that cannot be right.
     """
 
     numbers: Daha

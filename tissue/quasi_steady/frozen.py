@@ -16,7 +16,9 @@ from tissue.model.numbers import Numbers
 
 
 def frozen_problem(cells: Cells, layers: CellLayers, numbers: Numbers) -> Problem:
-    """mu dZ/dt in -grad W(Z) - N(S, Z): the tissue between two updates of its rules, without noise  (section 3.2).
+    """mu dZ/dt in -grad W(Z) - N(S, Z): the tissue between two updates of its rules, without noise.
+
+    Source: section 3.2 of chapter 3.
 
     The 3n particles are the nuclei, then the apical points, then the basal points, each in the order of the cells; the
     way back is ``cells_at``. A basal point of the basal layer has y = 0 and no velocity in y: (C3) by construction.

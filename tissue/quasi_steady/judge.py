@@ -99,11 +99,11 @@ class JudgedMinimum:
 
 
 def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float) -> JudgedMinimum:
-    r"""A local minimum of W over S near the given state:  argmin over Z in S of W(Z)  (section 2.2.8).
+    r"""A local minimum of W over S near the given state:  argmin over Z in S of W(Z)  (section 2.2.8 of chapter 3).
 
     Unknown are all coordinates but the y of the basal layer. Moving a tissue along the line changes neither W nor S;
-    the sum of all x is kept, as the motion (section 3.2) keeps it. Pairs of nuclei enter when they are near, and when
-    they turn out near at the minimum it is searched again from there, until no pair is missing.
+    the sum of all x is kept, as the motion (section 3.2 of chapter 3) keeps it. Pairs of nuclei enter when they are
+    near. When others turn out near at the minimum, it is searched again from there, until no pair is missing.
 
     The start may violate (C1), (C2), (C4), as after a division. W has many local minima: from random starts of 60 cells
     those found differ by 0.5 %, and which it is depends on the path of the search. So judge the result of another

@@ -33,7 +33,7 @@ def time_column(event: str) -> str:
 
 
 def kept_times(cells: pd.DataFrame) -> list[float]:
-    """The times of which a table has the positions of the cells, ascending [h]."""
+    """The times at which a table has the positions of the cells, ascending [h]."""
     return sorted(float(match[1]) for match in map(_KEPT.fullmatch, cells.columns) if match)
 
 

@@ -207,7 +207,7 @@ def against_printed(measured: Ratio, printed: float, of: int) -> Difference:
     printed
         From 0 to 1.
     of
-        Cells it was printed for: n_rep = 400 for Figures 10 to 14, 100 for Figure 15.
+        Cells it was printed for: n_rep = 400 for Figures 10 to 14 of chapter 4, 100 for Figure 15 of chapter 4.
 
     Returns
     -------

@@ -1,4 +1,7 @@
-"""Ratios against time (Figures 10 to 14), and against an event time or the position at the onset (Figures 20, 21)."""
+"""Ratios against time and against an event time or the position at the onset.
+
+Source: Figures 10 to 14, 20 and 21 of chapter 4.
+"""
 
 from __future__ import annotations
 

@@ -40,7 +40,7 @@ def write_table(path: Path, table: pa.Table) -> str:
 
 
 def checksum(path: Path) -> str:
-    """The SHA-256 of a file; empty if it is not there or can not be read."""
+    """The SHA-256 of a file; empty if it is not there or cannot be read."""
     try:
         with path.open("rb") as file:
             return file_digest(file, "sha256").hexdigest()

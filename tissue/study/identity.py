@@ -32,7 +32,7 @@ def identity(study: Study) -> dict[str, Any]:
 
 
 def fingerprint(what: Mapping[str, Any]) -> str:
-    """A text that differs for what differs."""
+    """A text that is different for different values."""
     return sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()
 
 

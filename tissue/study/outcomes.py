@@ -56,7 +56,7 @@ def outcomes(
     replicates, seeds
         The number of each replicate, and its seed; a multiple of eight is simulated at the least cost for each.
     whole
-        The replicates of which all cells are wanted, at all kept times.
+        The replicates whose cells are all wanted, at all kept times.
 
     Returns
     -------

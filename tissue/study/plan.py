@@ -40,7 +40,7 @@ class Study:
     title: str
     replicates: int  # of each scenario
     seed: int
-    trajectories: tuple[int, ...]  # the replicates of which every kept state is stored
+    trajectories: tuple[int, ...]  # the replicates whose kept states are all stored
     scenarios: Mapping[str, Parameters]
     text: str  # the file
 
@@ -51,7 +51,10 @@ class Study:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each scenario in which [P] may come before [B], for which it waits (section 2.2.4)."""
+        """One sentence for each scenario in which [P] may come before [B], for which it waits.
+
+        Source: section 2.2.4 of chapter 4.
+        """
         found = {name: waits(parameters.emt.p, parameters.emt.b) for name, parameters in self.scenarios.items()}
         return in_scenarios({name: [line] if line else [] for name, line in found.items()})
 
@@ -66,7 +69,7 @@ def load_study(path: str | PathLike[str]) -> Study:
     """The study in a TOML file.
 
     Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
-    each scenario; ``seed``; on request ``trajectories``, a list of the replicates of which every kept state is stored,
+    each scenario; ``seed``; on request ``trajectories``, a list of the replicates whose kept states are all stored,
     and ``[overrides.SECTION]``, parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the parameters of
     its own, sections as keys.
 
@@ -78,8 +81,8 @@ def load_study(path: str | PathLike[str]) -> Study:
     Raises
     ------
     InvalidProblem
-        If there is no such file, or it can not be read, lacks a key, has an unknown or a bad one, or a scenario that
-        can not be; all of it in one message that names the file, the scenario, each key, its value and what is allowed.
+        If there is no such file, or it cannot be read, lacks a key, has an unknown or a bad one, or a scenario that
+        cannot be; all of it in one message that names the file, the scenario, each key, its value and what is allowed.
     """
     path = _found(path)
     tables = read(path)

@@ -34,7 +34,10 @@ Side = tuple[pd.DataFrame, pd.Series | None]  # a table, and which of its cells:
 
 
 class Question(NamedTuple):
-    """A question, the answer of section 4.7, its claims; ``mostly``: it says what is so for most, not for all."""
+    """A question, the answer of section 4.7 of chapter 4, its claims.
+
+    ``mostly``: it says what is so for most, not for all.
+    """
 
     text: str
     thesis: str
@@ -49,7 +52,7 @@ class QuestionAnswer:
     Attributes
     ----------
     question, thesis
-        As in section 4.7, shortened.
+        As in section 4.7 of chapter 4, shortened.
     measured
         A sentence for each claim, with intervals.
     verdict
@@ -72,7 +75,8 @@ def answers(tables: Tables) -> dict[str, QuestionAnswer]:
     Parameters
     ----------
     tables
-        Tables of EMT cells by scenario, of the studies for Figure 15 and Table 5 and of the one for the questions.
+        Tables of EMT cells by scenario, of the studies for Figure 15 and Table 5 of chapter 4 and of the one for the
+        questions.
         Claims about scenarios that are not there are left out; a question without any claim is not decided.
 
     Returns

@@ -30,7 +30,7 @@ class About(NamedTuple):
     title: str
     replicates: int  # of each scenario
     seed: int
-    trajectories: tuple[int, ...]  # replicates of which every kept state is stored
+    trajectories: tuple[int, ...]  # replicates whose kept states are all stored
     scenarios: tuple[str, ...]
 
 
@@ -55,7 +55,7 @@ class Results:
         self.folder = Path(folder)
         noted = about(self.folder)
         if noted is None:
-            raise InvalidProblem(f"{self.folder}: must be the folder of a study, of which it lacks the notes")
+            raise InvalidProblem(f"{self.folder}: must be the folder of a study; its notes are missing")
         self._noted = noted
         title, trajectories = noted["title"], tuple(noted["trajectories"])
         self.study = About(title, noted["replicates"], noted["seed"], trajectories, tuple(noted["scenarios"]))
@@ -127,7 +127,7 @@ class Results:
         return pd.DataFrame(rows, columns=["scenario", "runs", "failed"])
 
     def to_frame(self) -> pd.DataFrame:
-        """``cells`` of all scenarios of which something is stored, with a column ``scenario`` before the others."""
+        """``cells`` of all scenarios that have stored rows, with a column ``scenario`` before the others."""
         import pandas as pd
 
         stored = [name for name in self.study.scenarios if self._parts("cells", name)]

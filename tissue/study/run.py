@@ -51,11 +51,11 @@ def run_study(
     Raises
     ------
     InvalidProblem
-        If the study is not in order, or ``out`` is in use, can not be written to or holds something else: results of
+        If the study is not in order, or ``out`` is in use, cannot be written to or holds something else: results of
         other parameters or of other code, too.
     StudyStopped
-        If it can not go on, for the disk is full or the workers are lost. What was computed is kept; any other error,
-        and Ctrl-C, too, leaves with what is under way stored.
+        If it cannot go on, because the disk is full or the workers are lost. What was computed is kept. Any other error
+        and Ctrl-C leave with what is under way stored, too.
     """
     return carry_out(load_study(study), out, executor, watch)
 

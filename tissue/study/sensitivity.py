@@ -119,7 +119,7 @@ def plan_sensitivity(base: Parameters, bounds: Mapping[str, tuple[Any, Any]], n:
     Raises
     ------
     InvalidProblem
-        If a key or value is none of the parameters, a point is no good combination, or n is no power of 2.
+        If a key or value is unknown, a point is no valid combination, or n is no power of 2.
 
     Source
     ------

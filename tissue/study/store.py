@@ -48,7 +48,7 @@ class Store:
         Raises
         ------
         StudyStopped
-            If it can not be written, as on a full disk.
+            If it cannot be written, as on a full disk.
         """
         files = {part(self.folder, kind, piece): getattr(outcomes, kind) for kind in KINDS}
         for replicate, table in outcomes.tables.items():
@@ -59,7 +59,7 @@ class Store:
             text = json.dumps({**self._marks(piece), "sha256": checksums}, indent=1)
             write_whole(note(self.folder, piece), lambda file: file.write(text.encode()))
         except OSError as error:
-            raise StudyStopped(f"{self.folder} can not be written to: {error}") from error
+            raise StudyStopped(f"{self.folder} cannot be written to: {error}") from error
 
     def _marks(self, piece: Piece) -> dict[str, Any]:
         return {"study": self.fingerprint, "piece": list(piece)}
@@ -99,7 +99,7 @@ def opened(study: Study, out: str | os.PathLike[str]) -> Iterator[Store]:
     ------
     InvalidProblem
         If the folder holds something else, or results of other parameters or other code, if another process works on
-        it, or if it can not be written to.
+        it, or if it cannot be written to.
     """
     folder = Path(out)
     try:

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
+import pandas as pd
 
 from verification.page.sheet import Axes, own_axes
-
-if TYPE_CHECKING:
-    from verification.rates import W1Rates
 
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 LOOKS = {"w1": ("E W1", "o", "-"), "error_y": ("E |y_N - y|", "s", "--")}
 
 
-def draw_rates(rates: W1Rates, ax: Axes | None) -> Axes:
+def draw_rates(means: pd.DataFrame, fit: pd.DataFrame, ax: Axes | None) -> Axes:
     """Means with intervals as bars, the fitted power as a line, for each quantity and time."""
     panel = own_axes(ax)
-    for k, row in enumerate(rates.fit.itertuples()):
+    for k, row in enumerate(fit.itertuples()):
         what, marker, line = LOOKS[row.quantity]
-        mine = rates.means[(rates.means["quantity"] == row.quantity) & (rates.means["t"] == row.t)]
+        mine = means[(means["quantity"] == row.quantity) & (means["t"] == row.t)]
         colour = COLOURS[k % len(COLOURS)]
         # A lower end that is not positive has no place on a logarithmic axis.
         low = mine["low"].where(mine["low"] > 0, mine["mean"] / 10)
@@ -29,6 +25,6 @@ def draw_rates(rates: W1Rates, ax: Axes | None) -> Axes:
         half = (row.high - row.low) / 2
         label = f"{what} at t = {row.t:g}: power {row.slope:.2f} ± {half:.2f}"
         panel.plot(mine["N"], row.constant * mine["N"] ** row.slope, line, color=colour, label=label)
-    panel.set(xscale="log", yscale="log", xlabel="N", title=f"{rates.title} ({rates.start})")
+    panel.set(xscale="log", yscale="log", xlabel="N")
     panel.legend(fontsize="small")
     return panel

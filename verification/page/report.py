@@ -90,7 +90,7 @@ class Section:
     """A heading with its parts."""
 
     title: str
-    parts: list[Text | Picture | Grid | Search | Statements]
+    parts: Sequence[Text | Picture | Grid | Search | Statements]
 
 
 @dataclass

@@ -9,6 +9,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -140,10 +141,11 @@ def _projection_row(name: str, projection: Projection, kind: str, scene: Scene, 
     result: dict[str, Any] = {"back_end": name, "set": kind, "n": len(x), "rows": len(rows.values(x))}
     try:
         first = _timed(lambda: solver.nearest(rows, x + moves[0], x))
-        seconds, began = [], time.perf_counter()
+        seconds: list[float] = []
+        began = time.perf_counter()
         while len(seconds) < 3 or (len(seconds) < 50 and time.perf_counter() - began < 1.0):
             y = x + moves[len(seconds) % VARIANTS]
-            seconds.append(_timed(lambda y=y: solver.nearest(rows, y, x)))
+            seconds.append(_timed(partial(solver.nearest, rows, y, x)))
         found = solver.nearest(rows, x + moves[0], x)
     except StepFailure as failure:
         return {**result, "status": failure.status.name, "ms_best": 0.0}

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from dincl.status import Status
     from meanfield.model.model import Model
-    from meanfield.solvers.motion import Work
+    from meanfield.solvers.motion import SolverWork
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -51,7 +51,7 @@ class GridMotion(SolverResult):
     f: NDArray[np.float64]
     status: Status
     detail: str
-    work: Work
+    work: SolverWork
 
     def mass(self) -> NDArray[np.float64]:
         """Integral of f at the kept times, (K,): 1 to rounding."""

@@ -16,7 +16,7 @@ from meanfield.solvers.grid.cells import CellGrid
 from meanfield.solvers.grid.motion import GridMotion
 from meanfield.solvers.grid.run import GridRun
 from meanfield.solvers.grid.step import NEGLIGIBLE, GridState, GridSystem
-from meanfield.solvers.motion import Work
+from meanfield.solvers.motion import SolverWork
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -125,7 +125,7 @@ def _result(run: GridRun, kept: list[GridState], t: NDArray[np.float64], status:
         f=np.array([z.f for z in kept]).reshape(-1, *grid.shape),
         status=status,
         detail=detail,
-        work=Work(unknowns=run.state.f.size + 2 * ny, steps=run.steps, evaluations=run.evaluations, newton=0),
+        work=SolverWork(unknowns=run.state.f.size + 2 * ny, steps=run.steps, evaluations=run.evaluations, newton=0),
     )
 
 

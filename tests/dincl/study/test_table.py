@@ -34,7 +34,7 @@ class Inline(Executor):
 
 
 def two_rows(key: Key) -> list[Row]:
-    """A run with two rows, the coarsest of which failed."""
+    """A run with two rows, where the coarsest one failed."""
     failed = key["dt"] == 0.1
     return [
         dict(key) | {"t": t, "error": np.nan if failed else key["dt"] * t, "status": "FAILED" if failed else "SUCCESS"}

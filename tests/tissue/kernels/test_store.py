@@ -1,4 +1,4 @@
-"""Stores of running tissues: they grow without a trace, and say when a step can not be made."""
+"""Stores of running tissues: they grow without a trace, and say when a step cannot be made."""
 
 import numpy as np
 import pytest

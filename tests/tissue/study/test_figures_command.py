@@ -48,7 +48,7 @@ def test_the_folder_of_one_study_whatever_its_name(quick):
         f"results/mine/figures/figure10.{ending}" for ending in ("png", "svg")
     ]
     assert (
-        one["figure11"].told == "can not be drawn: results/mine: has no trajectories: the study file must ask for some"
+        one["figure11"].told == "cannot be drawn: results/mine: has no trajectories: the study file must ask for some"
     )
     assert one["figure13"].told == "is made after: tissue study figure12 --out results/figure12"
 
@@ -62,7 +62,7 @@ def test_a_study_that_is_not_complete_is_drawn_as_far_as_it_can(quick):
         path.unlink()
         told.append({figure.name: figure.told for figure in draw_all("results")}["figure12"])
     assert told[0] == "results/figure12, not complete yet"
-    assert told[1].startswith("can not be drawn: results/figure12: nothing of the scenario '[S] no INM'")
+    assert told[1].startswith("cannot be drawn: results/figure12: nothing of the scenario '[S] no INM'")
 
 
 def test_folders_that_can_not_be_used_are_refused(quick):

@@ -89,6 +89,6 @@ def test_a_second_process_is_refused_until_the_first_one_is_gone(tmp_path, monke
     assert held.wait(60)
     with pytest.raises(InvalidProblem, match="out: another process works on it, and goes on undisturbed"):
         tissue.run_study(tmp_path / "small.toml", tmp_path / "out")
-    first.kill()  # which can not tidy up
+    first.kill()  # which cannot tidy up
     first.join()
     assert tissue.run_study(tmp_path / "small.toml", tmp_path / "out").complete

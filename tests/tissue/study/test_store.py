@@ -257,7 +257,7 @@ def test_a_disk_that_is_full_for_a_moment_costs_nothing(monkeypatch):
         return outcomes(parameters, replicates, *rest)
 
     monkeypatch.setattr("tissue.study.outcomes.outcomes", onto_full_disk)
-    with pytest.raises(StudyStopped, match=r"out can not be written to: .*No space left on device"):
+    with pytest.raises(StudyStopped, match=r"out cannot be written to: .*No space left on device"):
         run()
     assert "part-00002.parquet" in [path.name for path in full.parent.iterdir()]  # tried once more
     run()

@@ -1,4 +1,7 @@
-"""The EMT events again in plain Python, cell by cell, written to be read and not to be fast (section 2.2)."""
+"""The EMT events again in plain Python, cell by cell, written to be read and not to be fast.
+
+Source: section 2.2 of chapter 4.
+"""
 
 from __future__ import annotations
 

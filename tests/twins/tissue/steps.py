@@ -41,7 +41,10 @@ def apply_rules(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, no
 
 
 def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator) -> Tissue:
-    """Twin of ``division.divide`` (section 2.2.5): cells go from one list to another, layers are lists of ids."""
+    """Twin of ``division.divide`` (section 2.2.5 of chapter 3): cells go from one list to another.
+
+    Layers are lists of ids.
+    """
     apical, basal = (tissue.cells.id[layer].tolist() for layer in tissue.layers)
     one_by_one: list[Any] = []
     next_id = tissue.next_id

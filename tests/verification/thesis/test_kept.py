@@ -33,10 +33,12 @@ def test_a_table_knows_whether_its_code_has_changed(tmp_path: Path, monkeypatch:
     assert kept.changes(file) == []
     table = pd.read_parquet(file)
     code = table.attrs[kept.PROVENANCE]["code"]
-    assert '"meanfield.wasserstein"' in code
-    table.attrs[kept.PROVENANCE]["code"] = code.replace('"meanfield.wasserstein": "', '"meanfield.wasserstein": "0')
+    assert '"meanfield.transport.wasserstein"' in code
+    table.attrs[kept.PROVENANCE]["code"] = code.replace(
+        '"meanfield.transport.wasserstein": "', '"meanfield.transport.wasserstein": "0'
+    )
     table.to_parquet(file)
-    assert kept.changes(file) == ["module meanfield.wasserstein has changed"]
+    assert kept.changes(file) == ["module meanfield.transport.wasserstein has changed"]
 
 
 @pytest.mark.parametrize(("main", "known"), [(sampling.main, True), (pile_reference.main, False)])

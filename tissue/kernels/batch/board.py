@@ -124,7 +124,7 @@ def _mark(layer: Integers, size: int, k: int, inside: Floats) -> None:
 
 @kernel
 def _fill(board: Board, i: int, place: int) -> None:
-    """A cell that is none: upright, far from everything and from its like, without forces."""
+    """An empty place: a cell that stands upright, far from everything and from its like, without forces."""
     board.x[place] = board.ax[place] = board.bx[place] = FAR * (1 + i)
     board.y[place], board.ay[place], board.by[place] = 0.0, 1.0, -1.0
     board.radius[place] = board.k_ax[place] = board.k_bx[place] = board.k_axb[place] = 0.0

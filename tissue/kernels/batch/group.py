@@ -12,7 +12,7 @@ from tissue.kernels.store import Store, grown
 
 
 def grouped(stores: Sequence[Store]) -> Store:
-    """Up to WIDTH stores of the same capacity as one, of which each is a row; places left over repeat the last."""
+    """Up to WIDTH stores of the same capacity as one store, a row each; places left over repeat the last."""
     rows = [*stores, *[stores[-1]] * (WIDTH - len(stores))]
     return mapped(lambda *arrays: np.stack(arrays), *rows)
 

@@ -1,4 +1,4 @@
-"""Figures 13 and 15: ratios at the end of the runs, scenario by scenario."""
+"""Figures 13 and 15 of chapter 4: ratios at the end of the runs, scenario by scenario."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ MAKES_NO_NUMBERS = True
 EVENTS = ("[A]", "[B]", "[S]", "[BP]", "no EMT")
 PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
 GROUP = ", 10 cells"
-# Sections 4.1 and 4.2, as parts of all cells.
+# Sections 4.1 and 4.2 of chapter 4, as parts of all cells.
 PRINTED = {
     ("[A]", "apical"): 0.3,
     ("[A]", "basal"): 0.1,

@@ -49,7 +49,7 @@ class Drawn(NamedTuple):
 
     name: str
     files: tuple[Path, ...]  # none if it was not drawn
-    told: str  # of which studies it was drawn; or what is missing
+    told: str  # the studies from which it was drawn; or what is missing
 
 
 def found(folder: str | PathLike[str]) -> dict[str, Results]:
@@ -75,7 +75,7 @@ def found(folder: str | PathLike[str]) -> dict[str, Results]:
 
 
 def draw_all(folder: str | PathLike[str]) -> Iterator[Drawn]:
-    """Draw what can be drawn, into the folder ``figures``, one after the other; and say what can not, and why.
+    """Draw what can be drawn, into the folder ``figures``, one after the other; and say what cannot, and why.
 
     Parameters
     ----------
@@ -106,7 +106,7 @@ def _drawn(name: str, draw: Draw, results: dict[str, Results], top: Path) -> Dra
     try:
         figure = draw(results)
     except InvalidProblem as error:
-        return Drawn(name, (), f"can not be drawn: {error}")
+        return Drawn(name, (), f"cannot be drawn: {error}")
     if name.endswith(PUBLISHED):
         caption(figure, f"In the published model. {figure.get_supxlabel()}")
     files = tuple(top / SUBFOLDER / f"{name}{ending}" for ending in ENDINGS)

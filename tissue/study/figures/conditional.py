@@ -1,4 +1,4 @@
-"""Figures 20 to 22: basal extrusion given the time of an event, and given the position at the onset."""
+"""Figures 20 to 22 of chapter 4: basal extrusion given the time of an event, and given the position at the onset."""
 
 from __future__ import annotations
 
@@ -45,7 +45,8 @@ STILL = "#b8b8b8"  # of cells that stay in the tissue
 def figure_20(results: Studies) -> Figure:
     """E[basal extrusion | time of the event] of (4.12) for [A], [B], [P], all cells and those without [P].
 
-    The caption of the thesis names [S] in place of [P], but [S] does not happen in the populations of Table 5.
+    The caption of the thesis names [S] in place of [P], but [S] does not happen in the populations of
+    Table 5 of chapter 4.
     """
     figure = page(5.4)
     panels = figure.subplot_mosaic([["A", "B", "P"], ["A calm", "B calm", "P"]], sharex=True)

@@ -1,4 +1,4 @@
-"""Figures 17 to 19: cells with the same events alone, in a homogeneous group and in heterogeneous ones."""
+"""Figures 17 to 19 of chapter 4: cells with the same events alone, in a homogeneous group and in heterogeneous ones."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Figures 11 and 16: pictures of single runs, from the stored trajectories."""
+"""Figures 11 and 16 of chapter 4: pictures of single runs, from the stored trajectories."""
 
 from __future__ import annotations
 
@@ -88,7 +88,7 @@ def _frame(rows: pd.DataFrame, t: float, soft_radius: float) -> Frame:
 
 
 def _stored(study: Results, scenario: str) -> list[Example]:
-    """The runs of a scenario of which every state is stored."""
+    """The runs of a scenario whose states are all stored."""
     if not study.study.trajectories:
         raise InvalidProblem(f"{study.folder}: has no trajectories: the study file must ask for some")
     return [_example(number, study.trajectory(scenario, number)) for number in study.study.trajectories]

@@ -1,4 +1,4 @@
-"""Figures 10, 12 and 14: ratios of extruded cells against time."""
+"""Figures 10, 12 and 14 of chapter 4: ratios of extruded cells against time."""
 
 from __future__ import annotations
 

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 MAKES_NO_NUMBERS = True
 
-# The studies of Table 5, and the scenario of each.
+# The studies of Table 5 of chapter 4, and the scenario of each.
 POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
 Studies = Mapping[str, "Results"]
 Draw = Callable[[Studies], Figure]
@@ -67,7 +67,7 @@ def cells_of(results: Results, scenario: str, *, last_only: bool = False) -> pd.
 
 
 def population(results: Studies, study: str) -> pd.DataFrame:
-    """The cells of a heterogeneous population of Table 5, with their positions at the end."""
+    """The cells of a heterogeneous population of Table 5 of chapter 4, with their positions at the end."""
     return cells_of(results[study], POPULATIONS[study], last_only=True)
 
 

@@ -36,7 +36,7 @@ OUTCOMES: dict[What, tuple[str, LineStyle, str]] = {
     "apical": ("#3f7fc1", "--", "apical extrusion"),
     "below": ("#e0a100", "-.", "below all control cells"),
 }
-# Around a cell; the populations of Table 5 by the study that makes them.
+# Around a cell; the populations of Table 5 of chapter 4 by the study that makes them.
 ENVIRONMENTS = {
     "individual": ("#808080", "individual"),
     "homogeneous": ("#8c6bb1", "homogeneous group"),

@@ -107,7 +107,7 @@ def packed(x: Floats) -> dincl.Problem:
 
 def row(count: int, d: int = 2) -> Floats:
     """A straight row."""
-    return np.arange(count, dtype=np.float64)[:, None] * np.eye(d)[0]
+    return np.asarray(np.arange(count, dtype=np.float64)[:, None] * np.eye(d)[0])
 
 
 def arrangements() -> dict[str, Floats]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
@@ -47,7 +47,7 @@ def _towards(x: Floats, rng: np.random.Generator, centre: Floats) -> Floats:
     return 2 * (centre - x) + 0.5 * rng.normal(size=x.shape)
 
 
-def _pressed(x: Floats, drift: Floats, constraints: list[dincl.Constraint]) -> dincl.Problem:
+def _pressed(x: Floats, drift: Floats, constraints: Sequence[dincl.Constraint]) -> dincl.Problem:
     return dincl.Problem(x, Constant(drift), constraints)
 
 

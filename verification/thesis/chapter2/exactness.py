@@ -7,7 +7,7 @@ import numpy as np
 import dincl
 from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.reference import TOL
-from verification.thesis.chapter2.runs import about, distance, scene, timed
+from verification.thesis.chapter2.runs import about, distance, exact, scene, timed
 
 SCENES = ("sliding_disc", "two_disks", "stack", "step_inclusion", "sweeping_interval")
 # Kept times of each scene, equally spaced from its start to its end.
@@ -33,7 +33,7 @@ def run(key: Key) -> list[Row]:
     columns = {
         "t_end": times[-1],
         "events": len(path.events),
-        "true": float(distance(path.x, problem.exact(path.t)).max()),
+        "true": float(distance(path.x, exact(problem, path.t)).max()),
         "stated": np.inf if path.error is None else float(path.error.max()),
     }
     return [dict(key) | columns | about(path, seconds)]

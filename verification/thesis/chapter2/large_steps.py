@@ -22,7 +22,7 @@ def extent(key: Key) -> list[Row]:
     problem = scene(key["scene"])
     steps = round(END / key["dt"])
     times = np.array([END * k / steps for k in range(steps + 1)])
-    path, seconds = timed(problem, METHODS[key["method"]].scheme(END / steps), times)
+    path, seconds = timed(problem, METHODS[key["method"]].make(END / steps), times)
     growth = float(np.abs(path.x).max() / np.abs(problem.x0).max())
     last = float(path.violation()[-1])
     row = {"growth": growth, "infeasibility": last, "stable": bool(path.status) and growth <= FAR}

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import dincl
+from dincl.checks import describe
 from verification.method import Method, SchemeOf
 from verification.thesis.chapter2.moreau_jean import MoreauJean
 from verification.thesis.chapter2.yardsticks import Chipmunk, Lsoda
@@ -33,6 +34,12 @@ class NamedMethod(Method):
 
     name: str = ""
     costly: bool = False
+
+    def make(self, setting: float) -> dincl.Scheme:
+        """The scheme with dt or tol = ``setting``."""
+        if self.scheme is None:
+            raise dincl.InvalidProblem(f"method {self.name}: run = {describe(self.run)}: a named method is a scheme")
+        return self.scheme(setting)
 
     @property
     def colour(self) -> str:

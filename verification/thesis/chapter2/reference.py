@@ -53,7 +53,7 @@ def run(key: Key) -> list[Row]:
     error = np.full(len(times), np.inf) if path.error is None else path.error
     count = np.searchsorted([event.t for event in path.events], times, side="right")
     stated = dict(zip(times, zip(error, count, strict=True), strict=True))
-    return [row | {"error": stated[row["t"]][0], "events": int(stated[row["t"]][1])} for row in rows]
+    return [dict(row) | {"error": stated[row["t"]][0], "events": int(stated[row["t"]][1])} for row in rows]
 
 
 def reference(table: pd.DataFrame, name: str) -> Reference:

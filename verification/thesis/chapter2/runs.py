@@ -7,11 +7,12 @@ from dataclasses import asdict
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import dincl
 from dincl import FixedStep
 from dincl.scenes import Scene
+from dincl.study import Row
 from verification.thesis.chapter2.methods import METHODS
 
 # The counters of a run that become columns.
@@ -31,6 +32,13 @@ def scene(name: str) -> Scene:
     return made
 
 
+def exact(problem: Scene, t: ArrayLike) -> NDArray[np.float64]:
+    """The exact solution of a scene at ``t``; InvalidProblem if none is known."""
+    if problem.exact is None:
+        raise dincl.InvalidProblem(f"scene {problem.name}: its exact solution is not known")
+    return problem.exact(t)
+
+
 def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, float]:
     """The run and its seconds; loading, compiling and importing are paid before by two steps that are thrown away.
 
@@ -45,7 +53,7 @@ def timed(problem: dincl.Problem, scheme: dincl.Scheme, t: NDArray[np.float64]) 
 
 def solved(name: str, method: str, dt: float, t: NDArray[np.float64]) -> tuple[dincl.Trajectory, dict[str, Any]]:
     """Run a named method on a named scene; the Trajectory, and what every row of the run says about it."""
-    path, seconds = timed(scene(name), METHODS[method].scheme(dt), t)
+    path, seconds = timed(scene(name), METHODS[method].make(dt), t)
     return path, about(path, seconds)
 
 
@@ -66,7 +74,7 @@ def reached(path: dincl.Trajectory, times: NDArray[np.float64]) -> NDArray[np.fl
     return states
 
 
-def position_rows(path: dincl.Trajectory, times: NDArray[np.float64], columns: dict[str, Any]) -> list[dict[str, Any]]:
+def position_rows(path: dincl.Trajectory, times: NDArray[np.float64], columns: dict[str, Any]) -> list[Row]:
     """One row for each of ``times`` and each particle with its coordinates, and ``columns`` in every row."""
     return [
         columns | {"t": t, "particle": i} | dict(zip("xyz", x, strict=False))

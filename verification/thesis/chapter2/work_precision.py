@@ -65,7 +65,7 @@ def chart(table: pd.DataFrame, scene: str, form: Form) -> WorkPrecision:
 def study(references: Mapping[str, Known], full: bool) -> Study:
     """All methods of the chart on all scenes; the scenes of many particles first."""
     form = FULL if full else SHORT
-    runs = [{"scene": name, "method": method.name} for name in reversed(SCENES) for method in reversed(CHARTED)]
+    runs = [{"scene": name, "method": method.name} for name in reversed(list(SCENES)) for method in reversed(CHARTED)]
     return Study(
         name=f"work_precision{'_full' if full else ''}",
         title="Speed against accuracy",

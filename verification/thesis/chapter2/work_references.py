@@ -47,7 +47,7 @@ def study() -> Study:
         name="work_references",
         title="References of the chart of speed against accuracy",
         key=("scene",),
-        runs=tuple({"scene": name} for name in reversed(SCENES)),
+        runs=tuple({"scene": name} for name in reversed(list(SCENES))),
         run=rows,
         settings={"files": {name: digest(path.read_bytes()) for name, path in FILES.items()}},
     )

@@ -100,7 +100,7 @@ def abreast_table(end: float) -> pd.DataFrame:
     for name in PRESETS:
         both = [wide(name, 60).changed(until(t) | {"tissue.two_daughters": 0}) for t in (end / 5, end)]
         simulate_many(both[0], [0])
-        seconds = [[_timed(lambda one=one: simulate_many(one, range(WIDTH))) for one in both] for _ in range(REPEATS)]
+        seconds = [[_timed(partial(simulate_many, one, range(WIDTH))) for one in both] for _ in range(REPEATS)]
         short, long = np.min(seconds, axis=0)
         numbers = both[0].numbers()
         substeps = WIDTH * 0.8 * end / numbers.dt * numbers.substeps

@@ -66,7 +66,7 @@ def watched(key: Key, times: tuple[float, ...]) -> list[Row]:
     run = growing(key["preset"], key["seed"], substeps=key["substeps"])
     numbers = run.numbers
     about = dict(key) | {"scale": numbers.dt / numbers.substeps / numbers.mu, "alpha": numbers.alpha_axb}
-    rows = []
+    rows: list[Row] = []
     for t in times:
         going = run.to(t)
         rows.append(about | {"t": t, "status": run.status} | _looked_at(run.frame() if going else None, numbers))

@@ -60,7 +60,7 @@ def substeps_of(name: str, mu: float, fine: float) -> tuple[int, ...]:
 
 def grown(key: Key, seeds: int) -> list[Row]:
     """One row for each seed and time: the height over that of the start; NaN from where a run is lost."""
-    rows = []
+    rows: list[Row] = []
     for seed in range(seeds):
         run = growing(key["preset"], seed, mu=key["mu"], substeps=key["substeps"])
         first = height(run.frame())

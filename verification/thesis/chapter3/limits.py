@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from functools import partial
+from typing import TypedDict
 
 import numpy as np
 
@@ -71,7 +72,15 @@ def found_limit(state: Frozen, size: float = SIZE) -> float:
     return boundary(fine, high / 2, high, PRECISION)
 
 
-def _stiffness() -> dict[str, float]:
+class Stiffness(TypedDict):
+    """Of the springs of a cell and of its angle."""
+
+    stiff_ax: float
+    stiff_bx: float
+    stiff_axb: float
+
+
+def _stiffness() -> Stiffness:
     """The stiffness of cells in the thesis."""
     numbers = preset("thesis").numbers()
     return {"stiff_ax": numbers.alpha_ax, "stiff_bx": numbers.alpha_bx, "stiff_axb": numbers.alpha_axb}

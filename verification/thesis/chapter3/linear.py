@@ -43,8 +43,7 @@ def own_hessians(cells: Cells, numbers: Numbers) -> Floats:
 
 def largest(matrix: Floats) -> Floats:
     """The largest eigenvalue of symmetric matrices (..., m, m)."""
-    eigenvalues: Floats = np.linalg.eigvalsh(matrix)[..., -1]
-    return eigenvalues
+    return np.asarray(np.linalg.eigvalsh(matrix)[..., -1], dtype=np.float64)
 
 
 def bending(alpha: float, u: float, v: float) -> float:

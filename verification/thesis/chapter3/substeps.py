@@ -68,7 +68,7 @@ def compared(key: Key, form: SubstepsForm) -> list[Row]:
     """
     name = key["preset"]
     exact = _states(growing(name, key["seed"], substeps=form.reference[name]), form)
-    rows = []
+    rows: list[Row] = []
     for substeps in (*form.substeps[name], form.reference[name] // 2):
         run = growing(name, key["seed"], substeps=substeps)
         for t, now, true in zip(form.times, _states(run, form), exact, strict=True):

@@ -58,7 +58,7 @@ def main(folder: Path, preset: str | None = None) -> None:
     for name, table in COMPLETE.items():
         if name != sensitivity.NAME or sensitivity.NAME in results:
             made, before = table(results), [] if preset is None else [read(name)]
-            rows = made if preset is None else with_others(made, *before, preset)
+            rows = made if preset is None else with_others(made, before[0], preset)
             keep(rows, DATA / f"emt_{name}.parquet", main, before)
 
 

@@ -94,8 +94,8 @@ def reference(name: str) -> Floats:
     law, case = cases.law(name), cases.CASES[name]
     if name == "straight":
         second = float(law.moments()[1][0, 0])
-        return exact.harmonic(name, np.array([[np.sqrt(second)]]), T).y[0]
-    return solve_characteristics(cases.model(name), law, case.y0, case.v0, T, REFERENCE).y[0]
+        return np.asarray(exact.harmonic(name, np.array([[np.sqrt(second)]]), T).y[0])
+    return np.asarray(solve_characteristics(cases.model(name), law, case.y0, case.v0, T, REFERENCE).y[0])
 
 
 def _timed(action: Callable[[], Any], repeats: int) -> tuple[float, Any]:

@@ -20,7 +20,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
-from verification.rates import IID, PAIR, QUANTILES, Limit, distance, draw, mean_field_limit, through_flow
+from verification.rates import IID, PAIR, QUANTILES, MeanFieldLimit, distance, draw, mean_field_limit, through_flow
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.sampling import exponents, means
 from verification.thesis.kept import keep
@@ -69,7 +69,7 @@ def rows_of(key: Key) -> list[Row]:
 
 
 @cache
-def limit(name: str) -> Limit:
+def limit(name: str) -> MeanFieldLimit:
     """The mean-field limit at the end."""
     case = cases.CASES[name]
     tol = EXACT if name in LINE else EXACT_IN_SPACE

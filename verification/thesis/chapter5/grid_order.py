@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import pandas as pd
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from dincl.study import Key, Row, Study
 from meanfield import GridMotion, Moments, carry_density, solve_characteristics, solve_moments, solve_pde, w1
@@ -24,7 +24,7 @@ SMOOTH = ("straight", "wavy", "element")
 CELLS, PLANE_CELLS = (50, 80, 128, 205, 328), (20, 26, 34, 44, 57)
 FULL_CELLS, FULL_PLANE_CELLS = (50, 80, 128, 205, 328, 525, 840, 1344), (24, 36, 54, 80, 120, 180, 270)
 # A grid that holds the density all the time, so that all grids of a model have the same box.
-BOXES = {
+BOXES: dict[str, ArrayLike] = {
     "straight": (0.2, 2.8),
     "wavy": (0.2, 3.0),
     "uniform": (0.2, 2.8),

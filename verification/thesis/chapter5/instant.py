@@ -132,7 +132,7 @@ def effective_mass(system: System, X: Floats, y: Floats) -> Floats:
 def effective_force(system: System, X: Floats, y: Floats, v: Floats) -> Floats:
     """(5.14)."""
     each = force1(system, X) + pulls(system, X).mean(axis=0) - system.m * omega(system, X, y, v, v)
-    return force0(system, y) + np.mean(pushed(phi(system, X, y), each), axis=0)
+    return np.asarray(force0(system, y) + np.mean(pushed(phi(system, X, y), each), axis=0))
 
 
 def pushed(phi: Floats, each: Floats) -> Floats:

@@ -14,7 +14,7 @@ import numpy as np
 
 from dincl import Status
 from dincl.checks import number
-from meanfield import Motion, Work
+from meanfield import Motion, SolverWork
 from meanfield.solvers.arguments import times, tolerance
 from meanfield.solvers.index import accelerations
 
@@ -124,5 +124,5 @@ def _motion(
     shape, size = (len(rows), *start.X.shape), (len(rows), model.ny)
     X, y, U, v = (np.reshape([state[k] for state in states], to) for k, to in enumerate((shape, size, shape, size)))
     multipliers = np.reshape([accelerations(model, x, u, a, b).multipliers for x, a, u, b in states], shape)
-    work = Work(unknowns=2 * (start.X.size + model.ny), evaluations=evaluations)
+    work = SolverWork(unknowns=2 * (start.X.size + model.ny), evaluations=evaluations)
     return Motion(model, kept[: len(rows)], y, v, X, U, multipliers, start.level, None, status, "", work)

@@ -16,6 +16,7 @@ from meanfield import (
     LinearFibre,
     Model,
     Moments,
+    Motion,
     State,
     Status,
     StraightFibre,
@@ -118,8 +119,8 @@ def fold(solver: str) -> Provoked:
     return Provoked(f"X reaches {at:.4g}", f"{motion.status.name} after X = {reached:.4g}", agrees)
 
 
-def _tried(solver: str, model: Model, start: State, t: Floats) -> Any:
-    calls = {"ode": solve_ode, "dae": solve_dae, "rattle2": solve_rattle}
+def _tried(solver: str, model: Model, start: State, t: Floats) -> Motion:
+    calls: dict[str, Callable[..., Motion]] = {"ode": solve_ode, "dae": solve_dae, "rattle2": solve_rattle}
     if solver == "reduced":
         return solve_ode(reduce(model), start, t, SETTINGS[solver], throw=False)
     return calls[solver](model, start, t, SETTINGS[solver], throw=False)

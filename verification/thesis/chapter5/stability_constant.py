@@ -89,7 +89,7 @@ def _pair(name: str, kind: str, rng: np.random.Generator) -> tuple[State, State]
 
 def _apart(one: Motion, two: Motion) -> Floats:
     gaps = [w1(a, b) for a, b in zip(one.X, two.X, strict=True)]
-    return np.abs(one.y - two.y)[:, 0] + np.abs(one.v - two.v)[:, 0] + np.array(gaps)
+    return np.asarray(np.abs(one.y - two.y)[:, 0] + np.abs(one.v - two.v)[:, 0] + np.array(gaps))
 
 
 def _reach(one: Motion, two: Motion) -> dict[str, float]:

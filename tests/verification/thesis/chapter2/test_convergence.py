@@ -8,9 +8,9 @@ import dincl
 from verification.thesis.chapter2 import convergence, infeasibility, large_steps
 from verification.thesis.chapter2 import reference as event_driven
 from verification.thesis.chapter2.extrapolation import extrapolate
-from verification.thesis.chapter2.methods import COMPARED, METHODS
+from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
 from verification.thesis.chapter2.reference import Reference
-from verification.thesis.chapter2.runs import distance, reached, scene
+from verification.thesis.chapter2.runs import distance, exact, reached, scene
 
 TOL = 1e-11
 SLIDE = dincl.scenes.sliding_disc()
@@ -37,6 +37,15 @@ def table(references: dict[str, Reference]) -> pd.DataFrame:
         for k in range(steps)
     ]
     return pd.DataFrame([row for key in keys for row in run(key)])
+
+
+def test_a_method_without_a_scheme_and_a_scene_without_a_solution_are_refused() -> None:
+    assert METHODS["pbd"].make(0.1) == dincl.PBD(dt=0.1)
+    with pytest.raises(dincl.InvalidProblem, match="method own: run = "):
+        NamedMethod("own", run=lambda problem, dt, t: t, name="own").make(0.1)
+    assert (exact(SLIDE, TIMES) == SLIDE.exact(TIMES)).all()
+    with pytest.raises(dincl.InvalidProblem, match="scene pile: its exact solution is not known"):
+        exact(dincl.scenes.pile(3), TIMES)
 
 
 @pytest.mark.parametrize("h", [0.1, 0.07, 0.05, 0.043, 0.03, 0.0213, 0.0125, 0.0071, 0.004])

@@ -68,10 +68,12 @@ def test_extent_and_distance():
 
 def test_rows_of_the_tissue_depend_on_its_code_and_presets_and_others_do_not():
     made, other = substeps.study(full=False).provenance(), large_steps.study().provenance()
-    assert {"tissue.kernels.advance", "tissue.numbers", "dincl.compile"} <= json.loads(made["code"]).keys()
-    assert {"tissue/presets/thesis.toml", "tissue/presets/published.toml"} <= json.loads(made["data"]).keys()
+    assert {"tissue.kernels.advance", "tissue.model.numbers", "dincl.compile"} <= json.loads(made["code"]).keys()
+    assert {"tissue.files/presets/thesis.toml", "tissue.files/presets/published.toml"} <= json.loads(
+        made["data"]
+    ).keys()
     assert not any(name.startswith("tissue") for name in json.loads(other["code"]) | json.loads(other["data"]))
-    assert {"dincl.time_stepping", "verification.thesis.chapter2.methods"} <= json.loads(other["code"]).keys()
+    assert {"dincl.run.loop", "verification.thesis.chapter2.methods"} <= json.loads(other["code"]).keys()
 
 
 # Substeps

@@ -90,13 +90,13 @@ def dividing(run_with: Any) -> Any:
     return run
 
 
-def uncoupled(_: Any) -> Any:
+def uncoupled(right: Any) -> Any:
     """Cells whose [P] does not wait for [B]."""
 
     def drawn(scenario: Any, draws: np.random.Generator) -> Any:
         draws = np.random.default_rng(0)
         times = [chance.times(*draws.random((2, scenario.cells))) for chance in scenario.times]
-        cells, inm = s3_3_3_estimates.drawn(scenario, draws)
+        cells, inm = right(scenario, draws)
         return cells._replace(at_p=times[3]), inm
 
     return drawn

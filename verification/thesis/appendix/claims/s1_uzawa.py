@@ -39,7 +39,7 @@ def system(seed: int = SEED) -> Floats:
 def solution() -> tuple[Floats, Floats]:
     """x and lambda of (A.1)."""
     _, _, f, g = saddle()
-    both = np.linalg.solve(system(), np.concatenate((f, g)))
+    both = np.asarray(np.linalg.solve(system(), np.concatenate((f, g))), dtype=np.float64)
     return both[:5], both[5:]
 
 

@@ -200,7 +200,8 @@ def _back() -> Evidence:
 def _equivalent() -> Evidence:
     """A solution of (A.5) and the multipliers of (A.12), inserted into (A.4a), (A.4b)."""
     at = general_instant()
-    a = np.linalg.solve(effective_mass(at.system, at.X, at.y), effective_force(at.system, at.X, at.y, at.v))
+    mass, force = effective_mass(at.system, at.X, at.y), effective_force(at.system, at.X, at.y, at.v)
+    a = np.asarray(np.linalg.solve(mass, force), dtype=np.float64)
     curved = omega(at.system, at.X, at.y, at.v, at.v)
     lam = multipliers(at, a, curved)
     gX, gy = jacobians(at.system, at.X, at.y)

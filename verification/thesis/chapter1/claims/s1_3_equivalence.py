@@ -81,10 +81,20 @@ def gaps(x: Floats, pairs: Pairs) -> Floats:
     return np.array([np.linalg.norm(x[i] - x[j]) - 1.0 for i, j in pairs])
 
 
+def gap(x: Floats, pair: tuple[int, int]) -> float:
+    """g_k of one pair."""
+    return float(gaps(x, [pair])[0])
+
+
 def multipliers(x: Floats, pairs: Pairs) -> Floats:
     """λ of (1.4) that keeps the g_k of the pairs as they are, d/dt g_k = 0, for F = -x."""
     gradients = contact_gradients(x, pairs)
     return np.asarray(np.linalg.solve(gradients @ gradients.T, gradients @ x.ravel()))
+
+
+def multiplier(x: Floats, k: int, on: Pairs) -> float:
+    """λ_k of the pairs ``on``."""
+    return float(multipliers(x, on)[k])
 
 
 def moving(_t: float, flat: Floats, on: Pairs) -> Floats:
@@ -119,8 +129,8 @@ def with_multipliers(x: Floats) -> tuple[Floats, int, float, float]:
     while t < END:
         on = pressed(x, pairs)
         off = [pair for pair in pairs if pair not in on]
-        events = [watch(lambda y, p=pair: float(gaps(y, [p])[0])) for pair in off]
-        events += [watch(lambda y, k=k, on=on: float(multipliers(y, on)[k])) for k in range(len(on))]
+        events = [watch(partial(gap, pair=pair)) for pair in off]
+        events += [watch(partial(multiplier, k=k, on=on)) for k in range(len(on))]
         run = solve_ivp(partial(moving, on=on), (t, END), x.ravel(), events=events, rtol=TIGHT, atol=TIGHT)
         for state in run.y.T.reshape(-1, len(x), 2) if on else ():
             forces = multipliers(state, on)

@@ -37,7 +37,7 @@ def repulsive(dt: float, strength: float) -> dincl.Scheme:
 def implicit_residual(push: Callable[[float], float]) -> float:
     """How far the nearest y is from solving y = x + dt (F + ε push(y)), for x half a step above the wall."""
     start = -PRESSED * DT / 2
-    return min(abs(y - start - DT * (PRESSED + STRENGTH * push(y))) for y in np.linspace(-0.1, 0.1, 4001))
+    return min(float(abs(y - start - DT * (PRESSED + STRENGTH * push(y)))) for y in np.linspace(-0.1, 0.1, 4001))
 
 
 def chattering(dt: float) -> float:

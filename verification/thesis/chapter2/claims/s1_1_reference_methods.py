@@ -8,7 +8,9 @@ import numpy as np
 import dincl
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
-from verification.thesis.chapter2.discs import RADIUS, Floats
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS
+from verification.thesis.chapter2.runs import exact
 
 SEED, SAMPLES = 22, 4000
 # Two discs that slide along each other, of which the exact solution is known; at this time they are in contact.
@@ -36,7 +38,7 @@ def linearised(dt: float) -> dincl.Scheme:
 def error(scheme: dincl.Scheme) -> float:
     """The largest distance of a disc from where it should be at END."""
     final = dincl.solve(SCENE, scheme, t=END).final
-    return float(np.linalg.norm(final - SCENE.exact(END), axis=-1).max())
+    return float(np.linalg.norm(final - exact(SCENE, END), axis=-1).max())
 
 
 def gap(x: Floats) -> Floats:
@@ -91,7 +93,7 @@ def damped_problem() -> dincl.Problem:
 def damped_error(dt: float) -> float:
     """The largest distance at t = DAMPING · END of a disc with μ = DAMPING from where the exact one is at END."""
     final = dincl.solve(damped_problem(), catch_up(dt), t=DAMPING * END).final
-    return float(np.linalg.norm(final - SCENE.exact(END), axis=-1).max())
+    return float(np.linalg.norm(final - exact(SCENE, END), axis=-1).max())
 
 
 @claim(

@@ -8,7 +8,7 @@ import numpy as np
 import dincl
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter2.discs import Floats
+from verification.thesis.chapter1.sets import Floats
 
 # A body that falls from rest: mass, force and time.
 MASS, PULL, TIME = 2.0, 1.0, 1.0

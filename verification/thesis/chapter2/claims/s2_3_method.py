@@ -10,7 +10,8 @@ import numpy as np
 import dincl
 from verification.claims import Cost, Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted, row
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, overlap, parted, row
 from verification.thesis.chapter2.methods import PBD
 
 SEED, SAMPLES = 21, 500

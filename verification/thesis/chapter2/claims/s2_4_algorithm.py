@@ -11,7 +11,8 @@ import numpy as np
 import dincl
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, overlap, parted
 
 SEED, SAMPLES, PAIRS = 21, 10_000, 200
 OVERLAPPING = np.array([[0.0, 0.0], [0.48, 0.64]])

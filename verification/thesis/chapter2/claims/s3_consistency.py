@@ -8,7 +8,8 @@ import numpy as np
 import dincl
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, points_of_step, row
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
 
 SEED = 23
 # The wall x >= 0, a point on it that is pulled away by F = 1, and the ball and direction of the support functions.

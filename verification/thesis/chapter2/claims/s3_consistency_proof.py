@@ -10,7 +10,8 @@ import numpy as np
 import dincl
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter2.discs import RADIUS, ROUNDING, Floats, overlap, parted, points_of_step, row
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS, ROUNDING, overlap, parted, points_of_step, row
 
 SEED, SAMPLES = 21, 100
 DT = 1e-3

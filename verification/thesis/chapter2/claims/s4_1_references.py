@@ -8,7 +8,8 @@ import numpy as np
 import dincl
 from verification.claims import Correction, Cost, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
-from verification.thesis.chapter2.discs import RADIUS, Floats
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS
 from verification.thesis.chapter2.methods import CATCH_UP, CHECK_TOL, LINEARISED_CLARABEL, REFERENCE_TOL
 
 # "Much smaller" and "much larger" are read as at least this factor.
@@ -21,7 +22,7 @@ HEIGHTS, STACKED_BY, STACK_DT = np.array([1.3, 2.9, 4.0, 5.7]), 2.3, 0.02
 
 def stacked(heights: Floats, t: float) -> Floats:
     """Discs above each other that fall with speed 1 onto a floor: each falls until it meets its place."""
-    return np.maximum(heights - t, RADIUS * (2 * np.arange(len(heights)) + 1))
+    return np.asarray(np.maximum(heights - t, RADIUS * (2 * np.arange(len(heights)) + 1)))
 
 
 @claim(

@@ -10,7 +10,8 @@ import pandas as pd
 import dincl
 from verification.claims import Cost, Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
-from verification.thesis.chapter2.discs import RADIUS, Floats
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS
 from verification.thesis.chapter2.methods import PBD
 
 # An order is one if its interval lies within this distance of 1.

@@ -51,7 +51,7 @@ def exact(fraction: float) -> Floats:
     if fraction > 1:
         return np.full((COUNT, 1), np.nan)
     pushed = COUNT / fraction - RADIUS - np.arange(COUNT)[::-1, None]
-    return np.minimum(start(), pushed)
+    return np.asarray(np.minimum(start(), pushed))
 
 
 def cell(method: str, dt: float, fraction: float) -> dict[str, Any]:

@@ -17,8 +17,8 @@ from verification.thesis.chapter2.stability.outcome import measured
 from verification.thesis.chapter2.stability.plane import Axis, Line, Plane, geometric
 
 Floats = NDArray[np.float64]
-START = np.array([[-1.0, 0.2], [1.3, -0.1]])
-REST = np.array([[-0.7, 0.0], [0.7, 0.0]])
+START: Floats = np.array([[-1.0, 0.2], [1.3, -0.1]])
+REST: Floats = np.array([[-0.7, 0.0], [0.7, 0.0]])
 STEPS = 1000
 # Below the limit symplectic Euler swings by up to 1/sqrt(4 - dt^2 k) of the start, so a larger bound than FAR is taken.
 BLOWN = 100.0
@@ -55,7 +55,7 @@ def _limit(method: str, expected: float) -> Found:
 
 def exact(method: str, rate: float, t: Floats) -> Floats:
     """REST + e^{-rate t} (x0 - REST), or with cos(sqrt(rate) t) for Newton's equation, shape (K, 2, 2)."""
-    left = np.cos(np.sqrt(rate) * t) if method == "second_order" else np.exp(-rate * t)
+    left: Floats = np.cos(np.sqrt(rate) * t) if method == "second_order" else np.exp(-rate * t)
     return REST + left[:, None, None] * (START - REST)
 
 

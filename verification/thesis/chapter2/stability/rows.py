@@ -30,7 +30,7 @@ MOST_SWEEPS = 100_000
 
 def packed(n: int) -> Floats:
     """Where the discs of a row end: 1/2, 3/2, ..., shape (n, 1)."""
-    return np.arange(n)[:, None] + RADIUS
+    return np.arange(float(n))[:, None] + RADIUS
 
 
 def pressed(n: int, gap: float = 0.0) -> dincl.Problem:

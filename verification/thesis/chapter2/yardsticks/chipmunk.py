@@ -131,17 +131,17 @@ def _fill(space: Any, pymunk: Any, problem: dincl.Problem) -> None:
 
 
 def _obstacles(body: Any, pymunk: Any, constraint: dincl.Constraint, scene: Scene) -> list[Any]:
-    """What a constraint is made of at rest; InvalidProblem if it is none that Chipmunk knows, or of other radii."""
+    """What a constraint is made of at rest; InvalidProblem if Chipmunk does not know it, or for other radii."""
     count, kept = len(scene.x0), scene.radius
     if isinstance(constraint, dincl.NonOverlap) and (constraint.radii(count) == kept).all():
         return []
-    if isinstance(constraint, dincl.HalfSpace) and (constraint.radius == kept).all():
+    if isinstance(constraint, dincl.HalfSpace) and np.all(constraint.radius == kept):
         normal, far = np.asarray(constraint.normal), LONG * float(np.abs(scene.x0).max() + kept.max())
         middle = np.array(_plane((constraint.offset - THICK) * normal))
         along = far * np.array((-1.0, 1.0)) * _plane(normal)[::-1]
         return [pymunk.Segment(body, tuple(middle - along), tuple(middle + along), THICK)]
     if isinstance(constraint, dincl.OutsideBall):
-        ball = np.asarray(constraint.distance - kept)
+        ball = np.asarray(constraint.distance, dtype=np.float64) - kept
         if (ball > 0).all() and (ball == ball[0]).all():
             return [pymunk.Circle(body, float(ball[0]), _plane(np.asarray(constraint.centre)))]
     raise dincl.InvalidProblem(

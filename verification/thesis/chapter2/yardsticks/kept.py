@@ -53,7 +53,7 @@ class Kept:
         """Add a state (N, d); StepFailure if it has left the finite numbers."""
         if not bounded(x):
             raise StepFailure(
-                dincl.Status.NON_FINITE, f"A coordinate is no number of magnitude at most {LARGEST:g} any more."
+                dincl.Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."
             )
         self._t.append(t)
         self._x.append(x)

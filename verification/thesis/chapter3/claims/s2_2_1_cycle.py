@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -91,7 +92,7 @@ def _settled() -> Frame:
 
 def printed_rate(eta: np.ndarray, wanted: np.ndarray, rate: float) -> np.ndarray:
     """The right-hand side of (3.2), (3.3), and of (3.6) with the desired length 0."""
-    return -rate * (eta - wanted)
+    return np.asarray(-rate * (eta - wanted))
 
 
 def passive_rest_lengths(cells: Cells) -> dict[str, np.ndarray]:
@@ -106,7 +107,7 @@ def passive_rest_lengths(cells: Cells) -> dict[str, np.ndarray]:
 def solved(eta: np.ndarray, wanted: np.ndarray, rate: float) -> np.ndarray:
     """The rest lengths after a step, by a Runge-Kutta method."""
     found = solve_ivp(lambda _, y: printed_rate(y, wanted, rate), (0.0, DT), eta, rtol=1e-9, atol=1e-11)
-    return found.y[:, -1]
+    return np.asarray(found.y[:, -1])
 
 
 @claim(
@@ -152,7 +153,7 @@ def _adaptation() -> Evidence:
 def _passive() -> Evidence:
     """The force of a spring of (3.9) at the desired rest length of G1 and S, for many extensions."""
     extensions = np.linspace(0.5, 12.0, 24)
-    forces = [abs(slope(lambda d, rest=d - RADIUS: spring(d, rest, 2.0), d)) for d in extensions]
+    forces = [abs(slope(partial(spring, rest=d - RADIUS, stiffness=2.0), d)) for d in extensions]
     return Evidence(
         f"with η = ‖X − A‖ − R^soft the force of (3.9) is {max(forces):.0e} at most for extensions of 0.5 to 12 R_soft:"
         " the cytoskeleton keeps what extension it has",
@@ -185,8 +186,8 @@ def _equilibrium() -> Evidence:
 
         y = float(minimize_scalar(energy, bounds=(0.1, side - 0.1), method="bounded", options={"xatol": 1e-9}).x)
         found.append(abs(side - y - RADIUS))
-        force += [abs(slope(lambda d, rest=apical: spring(d, rest, 2.0), side - y))]
-        force += [abs(slope(lambda d, rest=basal: spring(d, rest, 2.0), y))]
+        force += [abs(slope(partial(spring, rest=apical, stiffness=2.0), side - y))]
+        force += [abs(slope(partial(spring, rest=basal, stiffness=2.0), y))]
     return Evidence(
         f"cells 4, 8 and 16 R_soft high: W^ax + W^bx is least where the nucleus touches the apical point, within "
         f"{max(found):.0e} R_soft, and there each spring by itself pulls with {max(force):.0e} at most",

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from itertools import combinations, pairwise
 
 import numpy as np
@@ -17,7 +18,7 @@ from tissue.model.observables import height
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds
-from verification.thesis.chapter3.terms import STEP, bending, junction, repulsion, slope, spring
+from verification.thesis.chapter3.terms import STEP, Point, bending, junction, repulsion, slope, spring
 
 # Table 2; lengths in R_soft.
 AA, AX, BX, XX, AXB = 5.0, 2.0, 2.0, 1.0, 15.0
@@ -36,6 +37,11 @@ def terms(unit: float, *, squared: bool) -> np.ndarray:
     d, eta = 3.0 * unit, 1.5 * unit
     values = np.array([spring(d, eta, AX, unit), junction(d, eta, AA, unit), repulsion(d / 2, XX, unit)])
     return values / [unit + eta, 2 * unit, 2 * unit] if squared else values
+
+
+def scaled(point: Point, unit: float) -> Point:
+    """The same point in other units."""
+    return unit * point[0], unit * point[1]
 
 
 def grown(changes: dict[str, object]) -> MeanInterval:
@@ -68,7 +74,7 @@ def push(d: float) -> float:
 def _dimensions() -> Evidence:
     """One cell, in units of R_soft and in um: a number without unit is the same in both."""
     a, x, b = (0.0, 8.0), (0.5, 3.0), (0.0, 0.0)
-    bent = [bending(*(tuple(unit * c for c in point) for point in (a, x, b)), AXB) for unit in (R_SOFT_UM, 1.0)]
+    bent = [bending(scaled(a, unit), scaled(x, unit), scaled(b, unit), AXB) for unit in (R_SOFT_UM, 1.0)]
     printed, right = (terms(R_SOFT_UM, squared=squared) / terms(1.0, squared=squared) for squared in (False, True))
     published = preset("published").numbers().repulsion
     off = max(abs(push(d) - published * (2 - d)) for d in (0.7, 1.0, 1.5, 1.9))
@@ -101,7 +107,7 @@ def _spring() -> Evidence:
     off, restoring = 0.0, 0
     cases = [(d, rest) for d in (0.5, 2.0, 3.5, 6.0) for rest in (-0.4, 0.0, 1.5, 4.0)]
     for d, rest in cases:
-        pull = slope(lambda d, rest=rest: spring(d, rest, BX), d)
+        pull = slope(partial(spring, rest=rest, stiffness=BX), d)
         off = max(off, abs(pull - 2 * BX / (1 + rest) * (d - 1 - rest)))
         restoring += pull * (d - 1 - rest) > 0 or d == 1 + rest
     return Evidence(
@@ -129,7 +135,11 @@ def _straight() -> Evidence:
     side = np.column_stack((rng.normal(0.0, 1.0, 500), rng.uniform(-2.0, 10.0, 500)))
     off_line = min(bending(a, (x, y), b, AXB) for x, y in side.tolist())
     on_line = [bending(a, (0.0, y), b, AXB) for y in (0.5, 2.0, 4.0, 7.0)]
-    pull = max(abs(slope(lambda x, y=y: bending(a, (x, y), b, AXB), 0.0)) for y in (0.5, 2.0, 4.0, 7.0))
+
+    def pulled(y: float) -> float:
+        return abs(slope(lambda x: bending(a, (x, y), b, AXB), 0.0))
+
+    pull = max(pulled(y) for y in (0.5, 2.0, 4.0, 7.0))
     return Evidence(
         f"on the segment from A to B (3.12) is {max(on_line):.0e} and pulls with {pull:.0e}; at 500 places beside it, "
         f"it is at least {off_line:.1e}",

@@ -66,8 +66,8 @@ def _state() -> Evidence:
     cells = frame.cells
     printed = apart(next_state(frame, 0.0), next_state(frame, OFF))
     by_radius, by_rest = (
-        abs(energy(cells._replace(**change), frame.layers, numbers) - energy(cells, frame.layers, numbers))
-        for change in ({"radius": 2 * cells.radius}, {"rest_ax": cells.rest_ax + OFF})
+        abs(energy(changed, frame.layers, numbers) - energy(cells, frame.layers, numbers))
+        for changed in (cells._replace(radius=2 * cells.radius), cells._replace(rest_ax=cells.rest_ax + OFF))
     )
     return Evidence(
         f"60 cells, twice with the same positions, radii and desired rest lengths, but with rest lengths {OFF} apart: "

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from itertools import combinations, pairwise, product
 from typing import NamedTuple
 
@@ -117,6 +118,12 @@ def basal_pairs() -> Floats:
     return np.random.default_rng(SEED).uniform(-1.0, 1.0, (SAMPLES, 2))
 
 
+def steepness(edge: Callable[[float], float]) -> float:
+    """The gradient at 0 by a central difference, without its sign."""
+    h = 1e-6
+    return abs(edge(h) - edge(-h)) / (2 * h)
+
+
 @claim(
     "c3.squared",
     "All four kinds of constraints are taken squared.",
@@ -133,8 +140,7 @@ def _squared() -> Evidence:
     left, right = basal_pairs().T
     answers = ((right - left) ** 2 >= 0, left**2 <= right**2, right - left >= 0)
     wrong = [int((told != (left <= right)).sum()) for told in answers]
-    h = 1e-6
-    signed, plain = (abs(edge(h) - edge(-h)) / (2 * h) for edge in (lambda s: -(min(0.0, s) ** 2), lambda s: s))
+    signed, plain = steepness(lambda s: -(min(0.0, s) ** 2)), steepness(lambda s: s)
     return Evidence(
         f"of {SAMPLES} random pairs (x(B_j) - x(B_i))² ≥ 0 judges {wrong[0]} wrongly, x(B_j)² ≥ x(B_i)² {wrong[1]}, "
         f"(C4) itself {wrong[2]}; -min(0, x(B_j) - x(B_i))² ≥ 0 has the gradient {signed:.0e} where it is met, so that "

@@ -6,6 +6,7 @@ from __future__ import annotations
 from itertools import chain, combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tissue.files.scenario import Scenario, drawn
 from tissue.files.timing import timing
@@ -35,7 +36,7 @@ def mixture(share: float) -> Floats:
     return timing(f"6 h to 24 h, {share:g} %").times(*numbers)
 
 
-def _chance(what: str, hits: Floats, expected: float) -> Comparison:
+def _chance(what: str, hits: NDArray[np.bool_], expected: float) -> Comparison:
     value = float(hits.mean())
     low, high = wilson(value, len(hits), LEVEL)
     return equal(what, value, expected, NEAR, (float(low), float(high)))
@@ -90,7 +91,8 @@ POSSIBLE = {"ABSP": np.array([3.0, 7.0, 12.0]), "ABP": np.array([2.0, 3.0, 3.0])
     chosen=f"roughly: within a factor of {ROUGHLY:g}",
 )
 def _seventy() -> Evidence:
-    found, others = {}, {}
+    found: dict[str, float] = {}
+    others: dict[str, float] = {}
     for events, orders in POSSIBLE.items():
         for p, kept in ((SHARE / 100, found), (0.5, others)):
             each = steps(p, events)[1:4] / orders

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tissue.model.cells import Floats
 from verification.claims import Correction, Effect, Tables, claim
@@ -100,7 +101,7 @@ def estimate(hits: Floats, inside: Floats) -> float:
     return float((hits * inside).sum() / inside.sum())
 
 
-def runs(rng: np.random.Generator) -> tuple[Floats, Floats]:
+def runs(rng: np.random.Generator) -> tuple[NDArray[np.int64], Floats]:
     """Categories and outcomes of all cells of all runs, (RUNS, GROUP); those of one run share their luck."""
     kinds = rng.choice(len(CHANCE), size=(RUNS, GROUP), p=CHANCE)
     luck = (rng.random((RUNS, 1)) + 0.5 * rng.random((RUNS, GROUP))) % 1.0

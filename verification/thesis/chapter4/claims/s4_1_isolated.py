@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference
 from tissue.study.ratios import Ratio
@@ -65,6 +66,11 @@ def _printed(tables: Tables) -> Evidence:
     )
 
 
+def lead(tables: Tables, suffix: str, event: str) -> Difference:
+    """Basal extrusion with protrusions minus that by another event."""
+    return Difference(of_event(tables, suffix, "[BP]", "basal"), of_event(tables, suffix, event, "basal"))
+
+
 @claim(
     "c4.protrusions",
     "Far more isolated cells leave basally with protrusions than by any other single event.",
@@ -74,14 +80,7 @@ def _printed(tables: Tables) -> Evidence:
     chosen="far more: at least half of all cells",
 )
 def _protrusions(tables: Tables) -> Evidence:
-    found = {
-        event: in_both(
-            lambda suffix, event=event: Difference(
-                of_event(tables, suffix, "[BP]", "basal"), of_event(tables, suffix, event, "basal")
-            )
-        )
-        for event in ("[A]", "[B]", "[S]")
-    }
+    found = {event: in_both(partial(lead, tables, event=event)) for event in ("[A]", "[B]", "[S]")}
     return Evidence(
         "Basal extrusion by [BP], model as printed and published one, minus that by "
         f"{'; '.join(f'{event} {told(each)}' for event, each in found.items())}.",
@@ -102,13 +101,13 @@ def _protrusions(tables: Tables) -> Evidence:
     recorded=Kind.OPEN,
 )
 def _remain(tables: Tables) -> Evidence:
-    parts, lines = {}, []
-    for event in ("[B]", "[S]"):
-        parts[event] = []
+    parts: dict[str, list[Ratio]] = {"[B]": [], "[S]": []}
+    lines = []
+    for event, both in parts.items():
         for preset, suffix in PRESETS.items():
             out, below = (of_event(tables, suffix, event, what) for what in ("apical", "below"))
-            parts[event].append(Ratio(out.of - out.count - below.count, out.of))
-            lines.append(f"{event}, {preset} preset: {parts[event][-1]}")
+            both.append(Ratio(out.of - out.count - below.count, out.of))
+            lines.append(f"{event}, {preset} preset: {both[-1]}")
     return Evidence(
         f"Neither above the tissue nor below all control cells are: {'; '.join(lines)}.",
         printed=tuple(

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from tissue.study.comparisons import ALIKE, Difference
 from tissue.study.ratios import Ratio
 from verification.claims import Correction, Effect, Tables, claim
@@ -45,7 +47,7 @@ def stopped(tables: Tables, suffix: str, event: str, what: str) -> Difference:
 )
 def _without_inm(tables: Tables) -> Evidence:
     found = {
-        f"{event} {what}": in_both(lambda suffix, event=event, what=what: stopped(tables, suffix, event, what))
+        f"{event} {what}": in_both(partial(stopped, tables, event=event, what=what))
         for event in ("[A]", "[B]")
         for what in ("basal", "apical")
     }

@@ -102,7 +102,9 @@ def acting(percent: float) -> Comparison:
     b = timing("6 h to 24 h, 70 %").times(other, then)
     share = float((np.isfinite(p) & np.isfinite(b)).mean())
     low, high = wilson(share, DRAWS, LEVEL)
-    return Comparison(f"cells with [P] of U^{percent:g}% [%]", 100 * share, -np.inf, np.inf, (100 * low, 100 * high))
+    return Comparison(
+        f"cells with [P] of U^{percent:g}% [%]", 100 * share, -np.inf, np.inf, (100 * float(low), 100 * float(high))
+    )
 
 
 @claim(

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 
 from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
 from tissue.study.ratios import Ratio
@@ -55,7 +56,7 @@ def least_lead(tables: Tables, suffix: str, kind: str) -> Difference:
     needs=(RATIOS,),
 )
 def _dominates(tables: Tables) -> Evidence:
-    found = {kind: in_both(lambda suffix, kind=kind: least_lead(tables, suffix, kind)) for kind in SIZES}
+    found = {kind: in_both(partial(least_lead, tables, kind=kind)) for kind in SIZES}
     lines = (f"{SIZES[kind]} {' and '.join(f'{100 * d.value:+.0f}' for d in found[kind].values())}" for kind in SIZES)
     return Evidence(
         "Basal extrusion by the weakest program of Table 4 with [P] minus the strongest without, model as printed and "
@@ -108,7 +109,8 @@ def against_like(tables: Tables, events: str, inm: str, sign: int) -> dict[str, 
 
     def find(suffix: str) -> Difference:
         sides = (mixed(tables, f"{MIDDLE}{suffix}", events, inm), like(tables, suffix, events, inm))
-        return Difference(*sides[::sign])
+        more_often, less_often = sides[::sign]
+        return Difference(more_often, less_often)
 
     return in_both(find)
 
@@ -150,6 +152,12 @@ def _no_inm(tables: Tables) -> Evidence:
     return _mixed(tables, " no INM", 1, ("[A]", "[B]", "[A] and [B]"))
 
 
+def crowded_out(tables: Tables, suffix: str, events: str) -> Difference:
+    """Basal extrusion of cells without INM, among few cells with [P] minus that among many."""
+    few, many = (mixed(tables, f"table5_{percent}{suffix}", events, " no INM") for percent in (7, 63))
+    return Difference(few, many)
+
+
 @claim(
     "c4.competition",
     "The more cells of a group have [P], the fewer of those without [P] and without INM leave basally.",
@@ -159,20 +167,21 @@ def _no_inm(tables: Tables) -> Evidence:
 )
 def _competition(tables: Tables) -> Evidence:
     events = ("[A]", "[B]", "[A] and [B]")
-    found = {
-        name: in_both(
-            lambda s, name=name: Difference(
-                mixed(tables, f"table5_7{s}", name, " no INM"), mixed(tables, f"table5_63{s}", name, " no INM")
-            )
-        )
-        for name in events
-    }
+    found = {name: in_both(partial(crowded_out, tables, events=name)) for name in events}
     return Evidence(
         "Basal extrusion of cells without INM among 7 % with [P] minus that among 63 %, model as printed and published "
         f"one: {'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
         printed=tuple(more(f"{name} no INM, 7 % [P] minus 63 % [P]", each) for name, each in found.items()),
         runs_needed=needed(*found.values()),
     )
+
+
+def spared(tables: Tables, suffix: str, passive: str, active: str) -> Difference:
+    """Apical extrusion of ten cells by one program minus that by another."""
+    without, with_p = (
+        ratio_of(tables, f"figure15{suffix}", f"{name}, 10 cells", "apical") for name in (passive, active)
+    )
+    return Difference(without, with_p)
 
 
 @claim(
@@ -187,11 +196,7 @@ def _fewer(tables: Tables) -> Evidence:
     """Groups of ten, of which there are enough cells to see it."""
     pairs = (("[AxB]", "[ABP]"), ("[BxA]", "[BAP]"), ("[Bx]", "[BxP]"))
     found = {
-        f"{passive} minus {active}": in_both(
-            lambda s, passive=passive, active=active: Difference(
-                *(ratio_of(tables, f"figure15{s}", f"{name}, 10 cells", "apical") for name in (passive, active))
-            )
-        )
+        f"{passive} minus {active}": in_both(partial(spared, tables, passive=passive, active=active))
         for passive, active in pairs
     }
     return Evidence(

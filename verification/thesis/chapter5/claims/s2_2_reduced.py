@@ -148,7 +148,7 @@ def _interaction() -> Evidence:
     at = general_instant()
 
     def pairs(moved: Floats) -> Floats:
-        return np.einsum("jab,kja->kjb", moved, pulls(at.system, at.X))
+        return np.asarray(np.einsum("jab,kja->kjb", moved, pulls(at.system, at.X)))
 
     found, constant = pairs(phi(at.system, at.X, at.y)), pairs(np.broadcast_to(np.ones((2, 3)), (len(at.X), 2, 3)))
     lack, total = float(np.abs(found + found.transpose(1, 0, 2)).max()), float(np.abs(found.sum(axis=(0, 1))).max())

@@ -104,7 +104,7 @@ def atoms_move() -> tuple[Instant, Floats, float]:
     curved = omega(system, at.X, at.y, at.v, at.v)
     each = force1(system, at.X) + np.tensordot(w, pulls(system, at.X), axes=1) - system.m * curved
     mass = np.eye(3) + system.m * np.tensordot(w, moved.transpose(0, 2, 1) @ moved, axes=1)
-    a = np.linalg.solve(mass, force0(system, at.y) + w @ pushed(moved, each))
+    a = np.asarray(np.linalg.solve(mass, force0(system, at.y) + w @ pushed(moved, each)), dtype=np.float64)
     return at, a, float(at.v @ a + system.m * (w @ (at.U * (moved @ a + curved)).sum(axis=1)))
 
 

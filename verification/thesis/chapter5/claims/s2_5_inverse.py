@@ -72,7 +72,8 @@ def _inverse_bounded() -> Evidence:
     def largest(of: Floats) -> float:
         return float(np.linalg.norm(of, 2, axis=(1, 2)).max())
 
-    grown, inverse = largest(wide) / largest(m), largest(np.linalg.inv(wide)) * LEAST
+    inverted = np.asarray(np.linalg.inv(wide), dtype=np.float64)
+    grown, inverse = largest(wide) / largest(m), largest(inverted) * LEAST
     return Evidence(
         f"{SAMPLES} matrices whose eigenvalues are stretched from the least one on: all stay ≥ δ_m = {LEAST}, but ‖m‖ "
         f"is {grown:.0e} times as large. ‖m⁻¹‖ is {inverse:.2f} of δ_m⁻¹. m is bounded by assumption, not by δ_m.",

@@ -25,7 +25,8 @@ def _system() -> System:
     """The fibre of ``bounded`` as functions of the Lagrangian."""
 
     def sqrt(x: Floats) -> Floats:
-        return np.sqrt(1 + (x**2).sum(axis=-1))
+        found: Floats = np.sqrt(1 + (x**2).sum(axis=-1))
+        return found
 
     return System(bounded.M, lambda X, y: X + np.sin(X) / 2 - y, lambda y: -np.cos(y[0]), sqrt, sqrt)
 

@@ -42,7 +42,7 @@ def ends(count: int, rng: np.random.Generator) -> Floats:
 
 def _correlation(found: Floats) -> tuple[float, Interval]:
     """The correlation of the columns, with its interval by Fisher's transformation."""
-    value = float(np.corrcoef(found.T)[0, 1])
+    value = float(np.asarray(np.corrcoef(found.T))[0, 1])
     half = TWO_SIDED / np.sqrt(len(found) - 3)
     return value, (float(np.tanh(np.arctanh(value) - half)), float(np.tanh(np.arctanh(value) + half)))
 

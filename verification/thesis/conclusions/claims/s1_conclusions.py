@@ -10,7 +10,8 @@ import numpy as np
 import dincl
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
-from verification.thesis.chapter2.discs import RADIUS, Floats, points_of_step
+from verification.thesis.chapter1.sets import Floats
+from verification.thesis.chapter2.discs import RADIUS, points_of_step
 
 SEED, SAMPLES = 61, 30
 TOL = 1e-10

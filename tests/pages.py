@@ -1,0 +1,25 @@
+"""Pages in Markdown as tests read them: their blocks, links and what they name in code."""
+
+import re
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+
+
+def blocks(text: str, language: str) -> list[str]:
+    """The blocks of a language, in their order."""
+    return re.findall(rf"^```{language}\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL)
+
+
+def run(page: Path) -> dict:
+    """Run the Python of a page from top to bottom; return what it leaves."""
+    scope = {"__name__": "page"}
+    for block in blocks(page.read_text("utf-8"), "python"):
+        exec(compile(block, str(page), "exec"), scope)
+    return scope
+
+
+def links(page: Path) -> list[Path]:
+    """The files of the repository that a page links to or shows."""
+    targets = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text("utf-8"))
+    return [(page.parent / target).resolve() for target in targets if "://" not in target]

@@ -1,0 +1,101 @@
+"""The results page, from the tables that ship: ``python -m verification.thesis.results`` writes ``docs/results.md``."""
+
+from __future__ import annotations
+
+from collections import Counter
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from verification.evidence import Kind
+from verification.thesis.chapter4 import kept
+from verification.thesis.chapter5 import sampling
+from verification.thesis.errata import errata
+from verification.thesis.register import register
+
+PAGE = Path(__file__).parents[2] / "docs" / "results.md"
+PROTRUDES, NO_INM = "[BP]", "[B] no INM"
+
+
+def page() -> str:
+    """The text of the page."""
+    environment = Environment(
+        loader=PackageLoader("verification.thesis", "."),
+        autoescape=False,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+        keep_trailing_newline=True,
+    )
+    environment.filters |= {"percent": percent, "signed": signed}
+    return environment.get_template("results.md").render(claims=claims(), emt=emt(), w1=w1())
+
+
+def claims() -> dict[str, Any]:
+    """How many statements there are, by recorded verdict and by what their corrections change."""
+    found = register()
+    return {
+        "all": len(found),
+        "errata": len(errata()),
+        "verdicts": Counter(claim.recorded.name for claim in found),
+        "open": sum(claim.recorded is Kind.OPEN for claim in found),
+        "effects": Counter(claim.correction.effect.value for claim in found if claim.correction is not None),
+    }
+
+
+def emt() -> dict[str, Any]:
+    """What the studies of chapter 4 found, from their kept tables."""
+    printed, ratios, controls = kept.read("printed"), kept.read("ratios"), kept.read("controls")
+    alone = ratios[ratios["study"].str.startswith("figure10") & (ratios["what"] == "basal")]
+    within = printed.groupby(["preset", "time_h"])["agrees"].agg(["sum", "count"])
+    apical = controls.assign(preset=controls["study"].str.endswith("_published")).groupby("preset")["apical"]
+    return {
+        "runs": int(controls["runs"].sum()),
+        "within": {key: (int(row["sum"]), int(row["count"])) for key, row in within.iterrows()},
+        "hardly": _only(ratios, scenario=NO_INM, what="basal", preset="thesis"),
+        "printed": _only(printed, scenario=NO_INM, what="basal", preset="thesis")["printed"],
+        "protruding": sorted(alone[alone["scenario"] == PROTRUDES]["value"]),
+        "apical": {published: (values.min(), values.max()) for published, values in apical},
+        "outside": kept.read("outside").set_index("preset").to_dict("index"),
+        "ranking": {name: rows.head(3).to_dict("records") for name, rows in kept.read("ranking").groupby("preset")},
+    }
+
+
+def w1() -> dict[str, Any]:
+    """How E W1 of random starts falls with N, from the kept distances."""
+    means = sampling.means(pd.read_parquet(sampling.FILE))
+    exponents, laws = sampling.exponents(means), sampling.laws(means)
+    return {
+        "line": exponents[exponents["d"] == 1].iloc[0],
+        "plane": laws[laws["law"].str.startswith("((a")].iloc[0],
+        "space": laws[laws["law"].str.contains(" \\+ b N")].iloc[0],
+        "largest": int(exponents["to"].max()),
+    }
+
+
+def percent(value: float, digits: int = 0) -> str:
+    """0.1 as 10 %."""
+    return f"{100 * value:.{digits}f} %"
+
+
+def signed(value: float, digits: int = 3) -> str:
+    """A number with so many digits behind the point."""
+    return f"{value:.{digits}f}"
+
+
+def _only(table: pd.DataFrame, **wanted: object) -> pd.Series:
+    """The first row with these values; of ratios the preset is in the name of the study."""
+    rows = table if "preset" in table else table.assign(preset=table["study"].map(_preset))
+    for name, value in wanted.items():
+        rows = rows[rows[name] == value]
+    return rows.iloc[0]
+
+
+def _preset(study: str) -> str:
+    return "published" if study.endswith("_published") else "thesis"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), "utf-8")
