@@ -145,7 +145,8 @@ def _daha(context: Context) -> Section:
 
 def _one(table: pd.DataFrame, case: str, eps: float = daha.OWN) -> dict[str, Any]:
     """The row of a case at a tolerance."""
-    return table[(table["case"] == case) & (table["eps"] == eps)].iloc[0].to_dict()
+    row: dict[str, Any] = table[(table["case"] == case) & (table["eps"] == eps)].iloc[0].to_dict()
+    return row
 
 
 def _termination(made: pd.DataFrame, failed: pd.DataFrame) -> dict[str, Any]:
@@ -174,9 +175,10 @@ def _damping(made: pd.DataFrame, fits: pd.DataFrame) -> dict[str, Any]:
 
 def _fit(made: pd.DataFrame, fits: pd.DataFrame, case: str) -> dict[str, Any]:
     """The fit at the end, PBD with the substeps of the preset, beside the iterations that it took DAHA."""
-    mine = fits[(fits["case"] == case) & (fits["t"] == fits["t"].max())].sort_values("substeps").iloc[0]
+    mine = fits[(fits["case"] == case) & (fits["t"] == fits["t"].max())].sort_values("substeps")
+    fit: dict[str, Any] = mine.iloc[0].to_dict()
     steps = _one(made, case)
-    return mine.to_dict() | {
+    return fit | {
         "doubled": case == daha.DOUBLED_CASE,
         "alpha": daha.parameters_of(case, daha.OWN).daha_numbers().alpha,
         "half": steps["half"],

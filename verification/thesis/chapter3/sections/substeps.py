@@ -120,7 +120,8 @@ def _heights(enough: pd.DataFrame, heights: pd.DataFrame) -> dict[str, Any]:
 def _off(heights: pd.DataFrame, name: str) -> dict[str, Any]:
     """The last height with the substeps of the preset."""
     own = (heights["preset"] == name) & (heights["substeps"] == preset(name).numbers().substeps)
-    return heights[own & (heights["t"] == heights["t"].max())].iloc[0].to_dict()
+    row: dict[str, Any] = heights[own & (heights["t"] == heights["t"].max())].iloc[0].to_dict()
+    return row
 
 
 PART = Part(_run_substeps, _substeps)
