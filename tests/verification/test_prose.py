@@ -6,7 +6,7 @@ import pytest
 from jinja2 import UndefinedError
 
 import verification
-from verification.page.prose import fill
+from verification.page.prose import fill, percents
 
 TEMPLATE = """
 {% block first %}
@@ -34,6 +34,11 @@ def test_blocks_are_filled_and_their_white_space_is_single_blanks(template: Path
 def test_a_list_without_entries_is_none(template: Path) -> None:
     said = fill(template, order=1.0, ends=(0, 1), part=0.0, names=[])
     assert said["first"] == "The order is 1 [0, 1], in 0 % of none with 1 < 2."
+
+
+def test_a_part_with_its_interval_in_percent() -> None:
+    assert percents((0.25, 0.204, 0.3)) == "25 % [20, 30]"
+    assert percents((0.0123, -0.0002, 0.03), 1, "+") == "+1.2 % [+0.0, +3.0]"
 
 
 def test_a_value_that_is_not_given_is_an_error(template: Path) -> None:

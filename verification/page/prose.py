@@ -14,7 +14,8 @@ from verification.page.report import number
 def fill(template: Path, **values: Any) -> dict[str, str]:
     """The blocks of a template by name, each with the values put in and its white space made single blanks.
 
-    Filters: ``number`` (three digits), ``percent`` (of a part), ``interval`` (two numbers), ``listed`` (a sequence).
+    Filters: ``number`` (three digits), ``percent`` (of a part), ``percents`` (of a part and its interval), ``interval``
+    (two numbers), ``listed`` (a sequence).
 
     Raises
     ------
@@ -30,13 +31,20 @@ def fill(template: Path, **values: Any) -> dict[str, str]:
 def _environment(folder: Path) -> Environment:
     # Values go in as they are: templates are HTML for paragraphs, plain text for captions, which the page escapes.
     made = Environment(loader=FileSystemLoader(folder), undefined=StrictUndefined, autoescape=False)
-    made.filters |= {"number": number, "percent": percent, "interval": interval, "listed": listed}
+    made.filters |= {"number": number, "interval": interval, "listed": listed}
+    made.filters |= {"percent": percent, "percents": percents}
     return made
 
 
 def percent(part: float, digits: int = 0) -> str:
     """0.25 as ``25 %``."""
     return f"{100 * part:.{digits}f} %"
+
+
+def percents(parts: tuple[float, float, float], digits: int = 0, sign: str = "") -> str:
+    """A part with the ends of its interval, as ``25 % [20, 30]``; the sign "+" marks what is above 0."""
+    part, low, high = (f"{100 * one:{sign}z.{digits}f}" for one in parts)
+    return f"{part} % [{low}, {high}]"
 
 
 def interval(ends: tuple[float, float]) -> str:

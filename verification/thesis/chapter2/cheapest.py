@@ -3,21 +3,21 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Sequence
-from typing import Any
+from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from verification.cheapest import AT_THE_LIMIT, NOT_REACHED, NOT_TRIED, TIE, accuracy
 from verification.order import MIN_STEPS, estimate, order_text
-from verification.page.report import number
+from verification.page.prose import fill
 from verification.speed_accuracy import TARGETS, WorkPrecision
 from verification.thesis.chapter2.methods import CHARTED, PBD
 from verification.thesis.chapter2.work_precision import Form, chart
 
 SETTINGS = {method.label: method.setting for method in CHARTED}
-UNDECIDED = (TIE, AT_THE_LIMIT)
+PROSE = Path(__file__).parent / "prose"
 
 
 def times(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
@@ -73,49 +73,32 @@ def _of_scene(scene: str, one: WorkPrecision, targets: Sequence[float]) -> pd.Da
 def sentence(rows: pd.DataFrame) -> str:
     """The winners of one scene in words, from the table of ``winners``."""
     ordered = rows.sort_values("target", ascending=False)
-    parts = [_part(row) for row in ordered.itertuples() if row.cheapest not in (NOT_REACHED, AT_THE_LIMIT)]
-    for verdict, words in (
-        (AT_THE_LIMIT, "whoever reaches {} does so at the limit of the time given, which decides nothing"),
-        (NOT_REACHED, "no method reaches {} in the time given"),
-    ):
-        named = ordered.loc[ordered["cheapest"] == verdict, "target"]
-        if len(named):
-            parts.append(words.format(", ".join(map(number, named))))
-    text = "; ".join(parts)
-    return f"{text[0].upper()}{text[1:]}."
-
-
-def _part(row: Any) -> str:
-    target = f"to an error of {number(row.target)}"
-    if row.cheapest == TIE:
-        return (
-            f"{target} {_listed(row.tied.split('; '))} cost the same, {number(row.cost)} s, as far as can be measured"
-        )
-    others = []
-    if row.next and row.next != PBD.label:
-        others.append(f"{row.next} takes {number(row.ratio)} times as long")
-    if not row.next:
-        others.append("no other method gets there")
-    elif row.cheapest != PBD.label:
-        got = math.isfinite(row.pbd_ratio)
-        others.append(f"PBD takes {number(row.pbd_ratio)} times as long" if got else "PBD does not get there")
-    return f"{target} {row.cheapest} is the cheapest, with {number(row.cost)} s ({', '.join(others)})"
-
-
-def _listed(names: Iterable[str]) -> str:
-    *first, last = names
-    return f"{', '.join(first)} and {last}"
+    at_the_limit, not_reached = (ordered["cheapest"] == verdict for verdict in (AT_THE_LIMIT, NOT_REACHED))
+    found = ordered[~at_the_limit & ~not_reached]
+    found = found.assign(
+        tied_labels=[row.tied.split("; ") if row.cheapest == TIE else [] for row in found.itertuples()],
+        pbd_gets_there=np.isfinite(found["pbd_ratio"]),
+    )
+    return fill(
+        PROSE / "cheapest.html",
+        found=list(found.itertuples()),
+        pbd=PBD.label,
+        at_the_limit=list(ordered.loc[at_the_limit, "target"]),
+        not_reached=list(ordered.loc[not_reached, "target"]),
+    )["sentence"]
 
 
 def summary(rows: pd.DataFrame) -> str:
     """How often each method wins, and where PBD does, from the table of ``winners``."""
-    decided = rows[~rows["cheapest"].isin((*UNDECIDED, NOT_REACHED))]
-    counts = [f"{name} {count}" for name, count in decided["cheapest"].value_counts(sort=True).items()]
-    own = np.unique(decided.loc[decided["cheapest"] == PBD.label, "target"])[::-1]
-    where = f"PBD is the cheapest at an error of {' and '.join(map(number, own))} only" if len(own) else ""
-    undecided = {word: int((rows["cheapest"] == word).sum()) for word in (*UNDECIDED, NOT_REACHED)}
-    return (
-        f"Of {len(rows)} pairs of scene and error, {len(decided)} have one cheapest method. Cheapest, and how often: "
-        f"{', '.join(counts)}. {where or 'PBD is never alone the cheapest'}. Of the other pairs {undecided[TIE]} are "
-        f"ties, {undecided[AT_THE_LIMIT]} lie at the limit of the time given, {undecided[NOT_REACHED]} are not reached."
-    )
+    counts = rows["cheapest"].value_counts(sort=True)
+    wins = counts.drop([TIE, AT_THE_LIMIT, NOT_REACHED], errors="ignore")
+    return fill(
+        PROSE / "cheapest_summary.html",
+        pairs=len(rows),
+        decided=wins.sum(),
+        wins=list(wins.items()),
+        own=list(np.unique(rows.loc[rows["cheapest"] == PBD.label, "target"])[::-1]),
+        ties=counts.get(TIE, 0),
+        at_the_limit=counts.get(AT_THE_LIMIT, 0),
+        not_reached=counts.get(NOT_REACHED, 0),
+    )["summary"]

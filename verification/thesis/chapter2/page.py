@@ -122,12 +122,7 @@ def _reference(context: Context) -> Section:
 def _convergence(context: Context, name: str) -> Section:
     table, orders = context.tables["convergence"], context.tables["orders"]
     mine = orders[orders["scene"] == name]
-    pbd = list(mine[mine["method"] == PBD.name].itertuples())
-    said = fill(
-        PROSE / "convergence.html",
-        orders=[f"{row.order} at t = {row.t:g}" for row in pbd],
-        overlaps=[f"{row.infeasibility_order} at t = {row.t:g}" for row in pbd],
-    )
+    said = fill(PROSE / "convergence.html", pbd=list(mine[mine["method"] == PBD.name].itertuples()))
     words = {"t": "t", "method": "Method", "verdict": "In words"}
     return Section(
         f"Convergence: {scene(name).title.lower()}",

@@ -81,8 +81,8 @@ def _axis(name: str) -> Axis:
 
 
 PLANES = (
-    Plane("descent", "α and β", "one step", _axis("α"), _axis("β"), SEEDS, descent, ()),
-    Plane("multipliers", "γ and c", "one step", _axis("γ"), _axis("c"), SEEDS, damping, ()),
+    Plane("descent", "α and β", _axis("α"), _axis("β"), SEEDS, descent, ()),
+    Plane("multipliers", "γ and c", _axis("γ"), _axis("c"), SEEDS, damping, ()),
 )
 
 

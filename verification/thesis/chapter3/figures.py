@@ -165,7 +165,8 @@ def maps(tables: dict[str, pd.DataFrame], path: Path) -> Path:
             mine = tables[plane.name]
             panel.set(xscale="log", yscale="log")
             shown = _amplitudes(panel, mine[mine["method"] == name])
-            panel.set(title=f"{LABELS[name]}, {plane.text}", xlabel=plane.x.label, ylabel=plane.y.label)
+            state = "growing" if plane in GROWING else "at rest"
+            panel.set(title=f"{LABELS[name]}, {state}", xlabel=plane.x.label, ylabel=plane.y.label)
             panel.minorticks_off()
             if plane in GROWING:
                 _plain(panel, plane.x.short[::2])

@@ -100,10 +100,10 @@ SPRINGS = Axis("α of both springs", geometric(0.5, 32.0, 4), geometric(0.5, 32.
 
 
 PLANES = (
-    Plane("steps", "dt and substeps", "growing", STEP, SUBSTEPS_AXIS, LABELS, grown_with_step, ()),
-    Plane("damping", "damping and substeps", "growing", DAMPING, SUBSTEPS_AXIS, LABELS, grown_with_damping, ()),
-    Plane("bending", "straightness", "at rest", SCALE, BENDING, LABELS, rest_with_bending, ()),
-    Plane("springs", "springs", "at rest", SCALE, SPRINGS, LABELS, rest_with_springs, ()),
+    Plane("steps", "dt and substeps", STEP, SUBSTEPS_AXIS, LABELS, grown_with_step, ()),
+    Plane("damping", "damping and substeps", DAMPING, SUBSTEPS_AXIS, LABELS, grown_with_damping, ()),
+    Plane("bending", "straightness", SCALE, BENDING, LABELS, rest_with_bending, ()),
+    Plane("springs", "springs", SCALE, SPRINGS, LABELS, rest_with_springs, ()),
 )
 GROWING, RESTING = PLANES[:2], PLANES[2:]
 

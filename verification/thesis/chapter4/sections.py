@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
 from tissue.study.comparisons import PRINTED_LEVEL, Difference, corrected
 from tissue.study.ratios import as_ratio
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3.maps import LABELS
 from verification.thesis.chapter4 import figures, headings, sensitivity, studies
 
@@ -68,10 +69,8 @@ def _isolated(context: Context) -> Section:
     said = fill(
         PROSE / "isolated.html",
         level=PRINTED_LEVEL,
-        agreeing=[
-            f"{preset} preset at {t:g} h {row['sum']} of {row['size']}" for (preset, t), row in agreeing.iterrows()
-        ],
-        gaps=_gaps(table),
+        agreeing=[(preset, t, row["sum"], row["size"]) for (preset, t), row in agreeing.iterrows()],
+        gaps=list(table[~table["agrees"]].itertuples()),
     )
     return Section(
         "Isolated cells",
@@ -81,15 +80,6 @@ def _isolated(context: Context) -> Section:
             *_pictures(context, 10, 11, 12, 13, 14),
         ],
     )
-
-
-def _gaps(table: pd.DataFrame) -> list[str]:
-    """By how much the others miss."""
-    return [
-        f"{row.preset} at {row.time_h:g} h, {row.scenario} {row.what}: {100 * row.difference:+.0f} points "
-        f"[{100 * row.low:+.0f}, {100 * row.high:+.0f}]"
-        for row in table[~table["agrees"]].itertuples()
-    ]
 
 
 def _groups(context: Context) -> Section:
@@ -146,19 +136,18 @@ def _positions(context: Context) -> Section:
     )
 
 
-def _first_fifth(conditional: pd.DataFrame) -> list[str]:
+def _first_fifth(conditional: pd.DataFrame) -> list[dict[str, Any]]:
     """The ratios of the most basal cells, which the thesis has at 70 % to 80 %."""
     table = conditional[(conditional["given"] == "onset_ab") & (conditional["high_edge"] < 0.25)]
     return [
-        f"{study}, {MARKED[str(inm)]}: {number(100 * part['count'].sum() / part['of'].sum())} % of {part['of'].sum()}"
+        {"study": study, "inm": MARKED[str(inm)], "count": part["count"].sum(), "of": part["of"].sum()}
         for (study, inm), part in table.groupby(["study", "inm"], sort=False)
     ]
 
 
 def _questions(context: Context) -> Section:
     table = _complete(context, "answers")
-    verdicts = [f"{row.id}, {LABELS[row.preset]} preset: {row.verdict}" for row in table.itertuples()]
-    said = fill(PROSE / "questions.html", verdicts=verdicts)
+    said = fill(PROSE / "questions.html", labels=LABELS, answers=list(table.itertuples()))
     sentences = table.assign(measured=table["measured"].str.split("\n")).explode("measured")
     return Section(
         "The eight questions",
@@ -212,7 +201,7 @@ def _short(context: Context) -> Section:
         runs=sum(study.runs for study in studies.chosen(context.form(studies.SHORT)).values()),
         comparisons=len(both),
         level=PRINTED_LEVEL,
-        apart=[f"{row.study} {row.scenario} {row.what}" for row in apart.itertuples()],
+        apart=list(apart.itertuples()),
     )
     return Section(
         "The runs of this page beside the complete studies",

@@ -139,7 +139,6 @@ PLANES = (
     Plane(
         name="meanfield_stiff",
         title="stiff springs",
-        text="",
         x=Axis("dt", geometric(0.02, 2.0, 7), geometric(0.01, 4.0, 40)),
         y=Axis("stiffness k0", geometric(1.0, 1e4, 5), geometric(1.0, 1e4, 30)),
         methods={"rattle2": LABELS["rattle2"], "rattle4": LABELS["rattle4"], "rk4": "naive, RK4"},
@@ -149,7 +148,6 @@ PLANES = (
     Plane(
         name="meanfield_pushed",
         title="y through 0",
-        text="",
         x=Axis("speed inwards", geometric(0.25, 8.0, 7), geometric(0.25, 8.0, 30)),
         y=Axis("stiffness k0", geometric(0.5, 8.0, 5), geometric(0.3, 8.0, 20)),
         methods={method: LABELS[method] for method in PUSHED},

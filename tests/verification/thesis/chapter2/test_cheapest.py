@@ -55,9 +55,9 @@ def test_sentences(three):
     found = cheapest.winners(three, FORM, (1e-6, 1e-2, 1e-8))
     text = cheapest.sentence(found)
     assert text == (
-        "To an error of 0.01 PBD is the cheapest, with 2 s (PBD, 16 sweeps takes 2 times as long); "
-        "to an error of 1.0·10⁻⁶ penalty, LSODA is the cheapest, with 7 s (no other method gets there); "
-        "no method reaches 1.0·10⁻⁸ in the time given."
+        "To an error of 0.01 PBD is the cheapest, with 2 s (PBD, 16 sweeps takes 2 times as long). "
+        "To an error of 1.0·10⁻⁶ penalty, LSODA is the cheapest, with 7 s (no other method gets there). "
+        "No method reaches 1.0·10⁻⁸ in the time given."
     )
     assert cheapest.sentence(found.tail(1)) == "No method reaches 1.0·10⁻⁸ in the time given."
     whole = cheapest.summary(found)

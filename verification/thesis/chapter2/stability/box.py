@@ -62,9 +62,6 @@ def cell(method: str, dt: float, fraction: float) -> dict[str, Any]:
 PLANE = Plane(
     name="crowding",
     title="the crowding of a closing box",
-    text="A wall pushes eight intervals together until they fill a given part of the box, at t = 1. Above 1 they do "
-    "not fit: projections must refuse, and a method that answers is wrong whatever it says. A wall that jumps past "
-    "several intervals in one step makes sweeps put them all on one point.",
     x=Axis("step dt", geometric(2e-2, 1.0, 8), geometric(1e-2, 1.0, 11)),
     y=Axis("part of the box filled", (0.5, 0.6, 0.7, 0.8, 0.9, 1.0, 1.1), even(0.45, 1.1, 14), logarithmic=False),
     methods=named(*METHODS),

@@ -136,9 +136,6 @@ def _sweeps_line(sweeps: Floats) -> Floats:
 SWEEPS = Plane(
     name="sweeps",
     title="the number of sweeps",
-    text="200 discs are drawn to one point, X' = −X. The pressure in the middle grows like the square of the radius "
-    "of the heap, and so do the sweeps or the steps that it takes to carry it. At dt = 1 all centres coincide, and "
-    "beyond dt = 2 explicit Euler for −X itself is unstable.",
     x=Axis("step dt", (*geometric(1e-3, 0.5, 9), 1.0, 1.5, 2.2), (*geometric(2e-3, 0.8, 14), 1.0, 1.3, 1.7, 2.2)),
     y=Axis("sweeps", (1, 2, 4, 8, 16), (1, 2, 4, 8, 16, 32, 64)),
     methods=named("pbd"),
@@ -148,8 +145,6 @@ SWEEPS = Plane(
 NUMBERS = Plane(
     name="crowd",
     title="the number of attracted discs",
-    text="n discs are drawn to one point. A single sweep stays feasible for about dt R²/2 < 0.1, R the radius of the "
-    "heap in diameters; beyond it the heap collapses into itself without any sign of instability.",
     x=Axis("step dt", (*geometric(4e-3, 0.5, 7), 1.0, 1.5, 2.2), (*geometric(2e-3, 0.8, 14), 1.0, 1.3, 1.7, 2.2)),
     y=Axis("discs n", (4, 16, 64, 256), (4, 8, 16, 32, 64, 128, 256, 512)),
     methods=named("pbd", "pbd_16", "penalty_tied", "penalty_100", "penalty_printed"),

@@ -1,5 +1,4 @@
 """Stiff drifts: the explicit prediction has a limit of its own, which no projection lifts."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
 
@@ -78,10 +77,6 @@ def _second(rate: Floats) -> Floats:
 PLANE = Plane(
     name="drift",
     title="the stiffness of the drift",
-    text="Two discs, each drawn to its own place, F = −k (x − rest). Methods of first order predict by explicit Euler, "
-    "which is unstable beyond dt k = 2, midpoint catch-up by the explicit midpoint rule, with the same limit; "
-    "second-order PBD (which solves Newton's equation) predicts by symplectic Euler, unstable beyond dt √k = 2. "
-    "Stability of the projections does not help here.",
     x=Axis("step dt", geometric(1e-2, 10.0, 13), geometric(1e-2, 10.0, 25)),
     y=Axis("rate k", geometric(0.1, 100.0, 10), geometric(0.1, 100.0, 19)),
     methods=named("pbd", "linearised_daqp", "midpoint_daqp", "second_order"),

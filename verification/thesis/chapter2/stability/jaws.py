@@ -140,10 +140,6 @@ def _empty_line(speed: Floats) -> Floats:
 PLANE = Plane(
     name="jaws",
     title="the speed of moving sets",
-    text="A point is drawn down onto two discs of radius 1 that close like jaws and squeeze it up to y = √(1 − a²), "
-    "under a ceiling that it never reaches. The linearised set of a step in which a jaw travels farther than "
-    f"{longest_step():.3f} is empty, although the set is not; Daqp as a projection onto S starts from the same "
-    "linearised set. Springs of strength 0.3/dt give way.",
     x=Axis("step dt", geometric(8e-3, 0.4, 9), geometric(4e-3, 0.4, 16)),
     y=Axis("speed of a jaw", geometric(0.25, 8.0, 6), geometric(0.2, 10.0, 11)),
     methods=named(

@@ -9,7 +9,7 @@ import pandas as pd
 
 from verification.page.prose import fill
 from verification.page.report import Chapter, Context, Grid, Picture, Section, Text
-from verification.thesis.chapter2.stability import case, catalogue, decades, pacman
+from verification.thesis.chapter2.stability import case, catalogue, decades, jaws, pacman
 from verification.thesis.chapter2.stability import figures as figures_stability
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.outcome import ERROR, FAR, OVERLAP, WORDS
@@ -87,7 +87,7 @@ def _map(context: Context, plane: Plane) -> Section:
     return Section(
         f"Map: {plane.title}",
         [
-            Text(plane.text),
+            Text(fill(PROSE / "planes.html", longest=jaws.longest_step())[plane.name]),
             Picture(picture, said["rule"]),
             Grid(mine, said["cells"], "stability_outcomes", folded=True),
         ],

@@ -124,10 +124,6 @@ def _chatters(strength: Floats) -> Floats:
 PLANE = Plane(
     name="penalty",
     title="the strength of a penalty",
-    text="An interval in a slit that just fits it, pressed to one side by the force 1. Springs leave the depth "
-    "1/strength, so they are feasible above 10, and explicit Euler blows up beyond dt · strength = 2. The force as "
-    "printed must be stronger than the load, and then chatters by about dt · strength, at every step; "
-    "that counts as unstable once it is thrown farther than the load alone would carry it.",
     x=Axis("step dt", geometric(3e-3, 1.0, 16), geometric(1e-3, 1.0, 37)),
     y=Axis("strength", geometric(0.5, 500.0, 15), geometric(0.5, 1000.0, 37)),
     methods={"penalty_springs": "springs", "penalty_push": "force as printed"},

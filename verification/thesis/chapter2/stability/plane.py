@@ -42,8 +42,8 @@ class Plane:
 
     Attributes
     ----------
-    name, title, text
-        Of the table; for readers; what is seen, a paragraph.
+    name, title
+        Of the table and of the paragraph about it; for readers.
     methods
         Names of the methods and their labels.
     cell
@@ -52,7 +52,6 @@ class Plane:
 
     name: str
     title: str
-    text: str
     x: Axis
     y: Axis
     methods: Mapping[str, str]

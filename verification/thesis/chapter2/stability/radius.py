@@ -136,11 +136,6 @@ def _two(c: Floats) -> Floats:
 PLANE = Plane(
     name="radius",
     title="the prox-regularity radius",
-    text="A point is pressed down upon the gap between two discs of radius 1 whose centres are 2c apart; its place is "
-    "(0, h), h = √(1 − c²), and h is the prox-regularity radius η. Beyond a step of η the nearest feasible point lies "
-    "on the other side. Ipopt and Daqp, which search from the state before the step, stay above until the prediction "
-    "is feasible itself, at 2η; the linearised set cannot be left at all; sweeps alternate between the discs and "
-    "fall through at η at the latest.",
     x=Axis("step / η", geometric(0.02, 4.0, 16), geometric(0.02, 4.0, 28)),
     y=Axis("half distance c", even(0.1, 0.98, 9), even(0.1, 0.98, 17), logarithmic=False),
     methods=named(

@@ -153,11 +153,6 @@ def _pbd_line(n: Floats) -> Floats:
 PLANE = Plane(
     name="row",
     title="the length of a row",
-    text="n intervals with small gaps are pressed onto a wall, each with the force 1. One sweep of PBD leaves the last "
-    "one dt (n + (n − 1)(n − 2)/2) too deep, so dt must shrink like 1/n². Springs of strength 0.3/dt are as deep. "
-    "Where a step carries several of them past the wall, sweeps put them on one point, and the next step is refused. "
-    "The force as printed carries only rows of fewer than its strength. A dual sweep shortens the error by "
-    "cos²(π/(2n)): slow, but within its limit of sweeps for these n.",
     x=Axis("step dt", geometric(1 / 256, 1.0, 9), geometric(1 / 256, 1.0, 17)),
     y=Axis("discs n", (2, 4, 8, 16, 32, 64), (2, 3, 4, 6, 8, 12, 16, 24, 32, 48, 64, 96)),
     methods=named(

@@ -107,9 +107,6 @@ def _damped_step(beta: Floats) -> Floats:
 PLANE = Plane(
     name="saddle",
     title="the two steps of saddle-point methods",
-    text="min x²/2 for x ≥ 1. Arrow-Hurwicz converges for α (2 + β) < 4, the damped form with c dτ = 2 and γ = 0 for "
-    "β dτ < 1 (and short steps), Uzawa, which minimises exactly in x, for steps β < 2. Beyond, they swing or fly "
-    "away; slow ones reach the limit of steps.",
     x=Axis("α", geometric(0.03, 10.0, 9), geometric(0.03, 10.0, 16)),
     y=Axis("β", geometric(0.03, 30.0, 11), geometric(0.03, 30.0, 17)),
     methods=METHODS,

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3 import catch_up, figures_daha
 from verification.thesis.chapter3.judged import floored
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
 ERRORS = {
     "method": "Method",
@@ -31,42 +34,37 @@ def _run(context: Context) -> None:
 def _catch_up(context: Context) -> Section:
     errors, orders = (context.tables[f"tissue_catch_up_{name}"] for name in ("errors", "orders"))
     picture = context.draw("tissue_catch_up", figures_daha.catch_up, errors)
+    said = fill(PROSE / "catch_up.html", **_values(errors))
     return Section(
         "PBD against catch-up on a frozen tissue",
         [
-            Text(_verdict(errors)),
-            Picture(picture, "Error of the nuclei after dt = 0.1 h, median over the tissues."),
-            Grid(named(orders, ORDERS), "Orders", "tissue_catch_up_orders", folded=True),
-            Grid(named(errors, ERRORS), "All errors", "tissue_catch_up_errors", folded=True),
+            Text(said["frozen"]),
+            Picture(picture, said["picture"]),
+            Grid(named(orders, ORDERS), said["orders"], "tissue_catch_up_orders", folded=True),
+            Grid(named(errors, ERRORS), said["errors"], "tissue_catch_up_errors", folded=True),
         ],
     )
 
 
-def _verdict(errors: pd.DataFrame) -> str:
-    own = floored().numbers().substeps
-    pbd = errors[errors["method"] == "PBD"].set_index("steps")
-    parts = []
-    for method, mine in errors[errors["steps"] > errors["least"]].groupby("method", sort=False):
-        rows = mine.sort_values("steps")
-        first, last = rows.iloc[0], rows.iloc[-1]
-        order = np.log(first["rms"] / last["rms"]) / np.log(last["steps"] / first["steps"])
-        parts.append(f"{method} {order:.2f} (from {first['steps']} to {last['steps']} steps)")
+def _values(errors: pd.DataFrame) -> dict[str, Any]:
+    pbd = errors[errors["method"] == "PBD"]
+    own = pbd[pbd["steps"] == floored().numbers().substeps].iloc[0]
     fine = pbd.iloc[-1]
     rivals = errors[(errors["method"] != "PBD") & (errors["rms"] <= fine["rms"])].sort_values("seconds")
-    told = (
-        f"The cheapest of the others that is as exact is {rivals.iloc[0]['method']} with "
-        f"{rivals.iloc[0]['steps']} steps in {number(1e3 * rivals.iloc[0]['seconds'])} ms."
-        if len(rivals)
-        else "None of the others is as exact."
-    )
-    return (
-        "Rules stand still, there is no noise, the start is in S: then the motion has one solution. The reference is "
-        "MidpointCatchUp with projections on all constraints at once, its error of second order taken out; what was "
-        f"taken out bounds its own error, {number(fine['own'])} R_soft. Mean orders beyond the linear limit of "
-        f"explicit Euler, {fine['least']:.0f} steps in dt: {', '.join(parts)}. PBD with {own} "
-        f"substeps, in one sweep each, is off by {number(pbd.loc[own, 'rms'])} R_soft after one dt, with "
-        f"{fine.name} by {number(fine['rms'])} in {number(1e3 * fine['seconds'])} ms, the setting up included. {told}"
-    )
+    beyond = errors[errors["steps"] > errors["least"]].groupby("method", sort=False)
+    return {
+        "own": own.to_dict(),
+        "fine": fine.to_dict(),
+        "rival": rivals.iloc[0].to_dict() if len(rivals) else None,
+        "orders": [{"method": method} | _mean_order(rows.sort_values("steps")) for method, rows in beyond],
+    }
+
+
+def _mean_order(rows: pd.DataFrame) -> dict[str, Any]:
+    """Between the coarsest and the finest of the runs, given from coarse to fine."""
+    first, last = rows.iloc[0], rows.iloc[-1]
+    order = np.log(first["rms"] / last["rms"]) / np.log(last["steps"] / first["steps"])
+    return {"order": order, "first": first["steps"], "last": last["steps"]}
 
 
 PART = Part(_run, _catch_up)

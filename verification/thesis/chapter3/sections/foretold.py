@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 
 from tissue.files.parameters import preset
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3 import disturbed
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
 RATES = {
     "preset": "Preset",
@@ -40,51 +43,38 @@ def _run(context: Context) -> None:
 def _foretold(context: Context) -> Section:
     rates, foretold = context.tables["tissue_rates"], context.tables["tissue_foretold"]
     picture = context.draw("tissue_disturbances", figures_tissue.disturbances, context.tables["tissue_distances"])
+    said = fill(PROSE / "foretold.html", **_chaos(rates), **_until(foretold))
     return Section(
         "How long nuclei can be foretold",
         [
-            Text(_chaos(rates)),
-            Picture(
-                picture,
-                "Distance of the nuclei of two runs, median over the seeds; dashed: the largest. Other noise: the same "
-                "start and divisions.",
-            ),
-            Text(_until(foretold)),
-            Grid(named(rates, RATES), "Growth of small disturbances, with 95 % intervals.", "tissue_rates"),
-            Grid(named(foretold, FORETOLD), "Foretold until", "tissue_foretold", folded=True),
+            Text(said["disturbed"]),
+            Picture(picture, said["picture"]),
+            Text(said["until"]),
+            Grid(named(rates, RATES), said["rates"], "tissue_rates"),
+            Grid(named(foretold, FORETOLD), said["table"], "tissue_foretold", folded=True),
         ],
     )
 
 
-def _chaos(rates: pd.DataFrame) -> str:
+def _chaos(rates: pd.DataFrame) -> dict[str, Any]:
     small = rates[rates["size"] == disturbed.SIZES[1]]
-    steady = (small["low"] <= 0).sum()
-    told = "; ".join(
-        f"{row.preset}, {row.substeps} substeps: {row.rate:.2f} [{row.low:.2f}, {row.high:.2f}]"
-        for row in small.itertuples()
-    )
-    parted = rates.groupby("size")["jumped"].max()
-    shares = ", ".join(f"{number(100 * part)} % of those with {number(size)}" for size, part in parted.items())
-    return (
-        f"Two runs begin {number(disturbed.SIZES[1])} R_soft apart. The logarithm of their distance grows per hour by "
-        f"{told}: slowly, if at all (the interval holds 0 in {steady} of {len(small)} cases), so that rounding does "
-        "not matter. The larger the disturbance, the sooner runs part: in the end at most "
-        f"{shares} are further apart than half the distance of two runs with other noise. The error of "
-        "substeps is of that large kind, and made anew at every step."
-    )
+    return {
+        "size": disturbed.SIZES[1],
+        "small": list(small.itertuples()),
+        "steady": (small["low"] <= 0).sum(),
+        "parted": list(rates.groupby("size")["jumped"].max().items()),
+    }
 
 
-def _until(foretold: pd.DataFrame) -> str:
-    parts = []
+def _until(foretold: pd.DataFrame) -> dict[str, Any]:
+    rows = []
     for name in PRESETS:
-        mine = foretold[foretold["preset"] == name].set_index("substeps")["until"]
-        own, finest = preset(name).numbers().substeps, int(mine.index.max())
-        parts.append(f"{name}, {own} substeps: {mine[own]:g} h, {finest} substeps: {mine[finest]:g} h")
-    return (
-        "A nucleus is foretold as long as the median error, against the reference, is below half the distance of two "
-        f"runs with other noise; afterwards only quantities of the tissue mean anything ({'; '.join(parts)}; looked at "
-        f"until {foretold['looked_at'].max():g} h)."
-    )
+        until = foretold[foretold["preset"] == name].set_index("substeps")["until"]
+        own, finest = preset(name).numbers().substeps, int(until.index.max())
+        rows.append(
+            {"preset": name, "own": own, "own_until": until[own], "finest": finest, "finest_until": until[finest]}
+        )
+    return {"presets": rows, "looked_at": foretold["looked_at"].max()}
 
 
 PART = Part(_run, _foretold)

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import pandas as pd
 
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import growth
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
 RATIOS = {
     "preset": "Preset",
@@ -35,52 +38,35 @@ def _run_growth(context: Context) -> None:
 def _growth(context: Context) -> Section:
     table, ratios, doubling = (context.tables[f"tissue_{name}"] for name in ("growth", "ratios", "doubling"))
     picture = context.draw("tissue_growth", figures_tissue.growth, table, growth.fine(table))
+    said = fill(PROSE / "growth.html", **_values(doubling, ratios, table["t"].max()))
     return Section(
         "Growth of the height",
         [
-            Text(_doubles(doubling, ratios, table["t"].max())),
-            Picture(
-                picture,
-                "Mean height of the apical layer (Figures 14 to 16); bands from the least to the largest of the seeds. "
-                "A cross: from here on runs are lost.",
-            ),
-            Grid(named(doubling, DOUBLING), "Damping that doubles the height, 95 % intervals.", "tissue_doubling"),
-            Grid(named(ratios, RATIOS), "Growth in 48 h, means with 95 % intervals.", "tissue_ratios"),
+            Text(said["doubles"]),
+            Picture(picture, said["picture"]),
+            Grid(named(doubling, DOUBLING), said["doubling"], "tissue_doubling"),
+            Grid(named(ratios, RATIOS), said["ratios"], "tissue_ratios"),
         ],
     )
 
 
-def _doubles(doubling: pd.DataFrame, ratios: pd.DataFrame, end: float) -> str:
-    told = "; ".join(
-        f"{row.preset}, substeps {row.kind}: μ = {number(row.mu)} [{number(row.low)}, {number(row.high)}] h"
-        for row in doubling.sort_values("preset", ascending=False).itertuples()
-    )
-    lost = ratios[ratios["lost"] > 0].sort_values("mu")
-    failed = "; ".join(
-        f"{row.preset}, μ = {row.mu:g} h, {row.substeps} substeps: {row.lost} of {row.runs}"
-        for row in lost.itertuples()
-    )
-    return (
-        f"The height doubles within {end:g} h at: {told}. {_beside_the_thesis(doubling, ratios)}"
-        + (f"Runs lost, their cells thrown out: {failed}. " if failed else "")
-        + "A smaller μ means a larger h/μ, so that substeps that are enough for one damping are not for another: the "
-        "fine runs keep h/μ below a bound."
-    )
+def _values(doubling: pd.DataFrame, ratios: pd.DataFrame, end: float) -> dict[str, Any]:
+    return {
+        "end": end,
+        "doubling": list(doubling.sort_values("preset", ascending=False).itertuples()),
+        "beside": _beside_the_thesis(doubling, ratios),
+        "lost": list(ratios[ratios["lost"] > 0].sort_values("mu").itertuples()),
+    }
 
 
-def _beside_the_thesis(doubling: pd.DataFrame, ratios: pd.DataFrame) -> str:
-    """Which preset behaves as Figures 14 to 16 do; nothing if none comes near a doubling."""
+def _beside_the_thesis(doubling: pd.DataFrame, ratios: pd.DataFrame) -> dict[str, Any] | None:
+    """Which preset behaves as Figures 14 to 16 do; None if none comes near a doubling."""
     least, most = ratios["mu"].min(), ratios["mu"].max()
     if doubling["mu"].isna().all():
-        return ""
+        return None
     nearest = doubling.loc[(doubling["mu"] / least - 1).abs().idxmin(), "preset"]
     slow = ratios[ratios["mu"] == most].groupby("preset")["ratio"].last()
-    grown = ", ".join(f"{name} {slow[name]:.2f}" for name in PRESETS)
-    return (
-        f"The thesis has it double at μ = {least:g} (Figure 16) and grow by less than half with the other method, "
-        f"which is like μ = {most:g} (Figures 14, 15): the {nearest} preset comes nearest to that (at μ = {most:g} "
-        f"heights are multiplied by: {grown}). "
-    )
+    return {"least": least, "most": most, "nearest": nearest, "slow": [(name, slow[name]) for name in PRESETS]}
 
 
 PART = Part(_run_growth, _growth)

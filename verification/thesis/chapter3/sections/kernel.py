@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from verification.page.report import Context, Grid, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Context, Grid, Section, Text
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
 KERNEL = {
     "preset": "Preset",
@@ -28,17 +29,18 @@ def _run_kernel(context: Context) -> None:
 def _kernel(context: Context) -> Section:
     table, exponents = context.tables["tissue_kernel"], context.tables["tissue_kernel_growth"].set_index("preset")
     small = table[table["cells"] == table["cells"].min()].set_index("preset")
-    told = "; ".join(
-        f"{name}: {number(small.loc[name, 'us_best'])} for {small.loc[name, 'cells']} cells, growing as "
-        f"n<sup>{exponents.loc[name, 'exponent']:.2f}</sup>"
+    presets = [
+        {
+            "preset": name,
+            "best": small.loc[name, "us_best"],
+            "cells": small.loc[name, "cells"],
+            "exponent": exponents.loc[name, "exponent"],
+        }
         for name in PRESETS
-    )
-    text = (
-        f"Microseconds per substep, best of {bench.REPEATS} repeats, with two runs at once: {told}. <code>make "
-        "bench</code> measures whole simulations and two threads, too."
-    )
+    ]
+    said = fill(PROSE / "kernel.html", repeats=bench.REPEATS, presets=presets)
     file = f"tissue_kernel{'_full' if context.full else ''}"
-    return Section("The kernel", [Text(text), Grid(named(table, KERNEL), "Time per substep, with the load.", file)])
+    return Section("The kernel", [Text(said["times"]), Grid(named(table, KERNEL), said["table"], file)])
 
 
 PART = Part(_run_kernel, _kernel)

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import NamedTuple
 
 import pandas as pd
 
 from verification.page.report import Context, Section
 from verification.thesis.chapter3.maps import LABELS
+
+PROSE = Path(__file__).parent.parent / "prose"
 
 
 class Part(NamedTuple):

@@ -3,14 +3,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3 import beyond, limits, maps
 from verification.thesis.chapter3 import figures as figures_tissue
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
 LIMITS = {"title": "Case", "theory": "To be expected", "expected": "Predicted", "found": "Found", "agrees": "Agrees"}
 JITTER = {
@@ -47,76 +50,41 @@ def _stability(context: Context) -> Section:
     swing = context.draw("tissue_jitter", figures_tissue.jitter, swings)
     shown = context.draw("tissue_maps", figures_tissue.maps, tables)
     particulars = found[["title", "words"]].rename(columns={"title": "Case", "words": "Particulars"})
+    said = fill(PROSE / "stability.html", **_limits(found), **_swings(swings), **_thrown(thrown))
     return Section(
         "Where substeps become unstable",
         [
-            Text(_linear(found)),
-            Grid(named(found, LIMITS), "The linear limit of h/μ.", "tissue_limits_found"),
-            Grid(particulars, "Particulars", "tissue_limits_found", folded=True),
-            Text(_verdict(swings)),
-            Picture(
-                swing,
-                "Jitter of growing tissues, and the least distance of a nucleus to its apical or basal point.",
-            ),
-            Text(_thrown(thrown)),
-            Picture(
-                shown,
-                "Mean amplitude of the jitter. Line: the linear limit, for growing tissues that of a cell in mitosis, "
-                "for tissues at rest h/μ = 2/λ_max of the whole tissue, contacts left out.",
-            ),
-            Grid(named(swings, JITTER), "Jitter of growing tissues.", "tissue_swing"),
+            Text(said["linear"]),
+            Grid(named(found, LIMITS), said["limits"], "tissue_limits_found"),
+            Grid(particulars, said["particulars"], "tissue_limits_found", folded=True),
+            Text(said["verdict"]),
+            Picture(swing, said["jitter"]),
+            Text(said["thrown"]),
+            Picture(shown, said["maps"]),
+            Grid(named(swings, JITTER), said["table"], "tissue_swing"),
         ],
     )
 
 
-def _linear(found: pd.DataFrame) -> str:
-    return (
-        "Explicit Euler is stable where h/μ times the largest eigenvalue of the Hessian of W is below 2. Bending is "
-        "the stiffest part: 2α(1/u² + 1/v² + 1/(uv)) for a straight cell whose nucleus is u and v from its ends, "
-        "without bound as u → 0. The limit is looked for by bisection, without the formula: "
-        f"{int(found['agrees'].sum())} of {len(found)} cases agree, to 10⁻³ where nothing touches; contacts may hold a "
-        "swing back. Just beyond the limit points swing from substep to substep, and the swing stays bounded: nuclei "
-        "jitter, with the amplitude |X<sub>k+1</sub> − 2 X<sub>k</sub> + X<sub>k−1</sub>|/4."
-    )
+def _limits(found: pd.DataFrame) -> dict[str, Any]:
+    return {"agreeing": int(found["agrees"].sum()), "count": len(found)}
 
 
-def _verdict(swings: pd.DataFrame) -> str:
+def _swings(swings: pd.DataFrame) -> dict[str, Any]:
+    """Each preset with its own substeps, and the most with which cells of the thesis preset are thrown out."""
     own = [preset(name).numbers().substeps for name in swings["preset"]]
     presets = swings[swings["substeps"] == own].set_index("preset")
-    thesis, published = presets.loc["thesis"], presets.loc["published"]
     lost = swings[(swings["preset"] == "thesis") & (swings["lost"] > 0)]
-    fewer = f" With {lost['substeps'].max()} substeps cells are thrown out." if len(lost) else ""
-    holds = "holds" if thesis["beyond"] == 0 else "does not hold"
-    return (
-        "“The PBD method did never diverge. The only condition is that Δt and n have reasonable values such that the "
-        "explicit Euler method converges.” Measured with the parameters of the thesis, h/μ = "
-        f"{number(thesis['scale'])}: {thesis['lost']} of {thesis['runs']} runs diverged; but {_share(thesis)} of the "
-        f"cells are at or beyond the linear limit, so the condition {holds}, and nuclei jitter, by "
-        f"{number(thesis['mean'])} R_soft on average and {number(thesis['largest'])} at most.{fewer} More substeps do "
-        "not cure it: the rest lengths of a passive cell follow its nucleus however near it comes to an end of the "
-        "cell, and bending grows stiffer without bound, so that some nuclei always sit at the limit: the least "
-        "distance, about √(α h/μ), is decided by the step, not by the model. Where rest lengths are not negative "
-        f"(published preset, h/μ = {number(published['scale'])}) nuclei stay {number(published['least'])} R_soft away, "
-        f"{_share(published)} of the cells are beyond the limit, the amplitude is {number(published['mean'])} R_soft."
-    )
+    return {
+        "thesis": presets.loc["thesis"].to_dict(),
+        "published": presets.loc["published"].to_dict(),
+        "fewer": lost["substeps"].max() if len(lost) else None,
+    }
 
 
-def _share(row: pd.Series) -> str:
-    return f"{100 * row['beyond']:.1f} % [{100 * row['low']:.1f}, {100 * row['high']:.1f}]"
-
-
-def _thrown(thrown: pd.DataFrame) -> str:
-    parts = "; ".join(
-        f"{row.preset}: limit {number(row.mitosis)}, none thrown out up to {number(row.held)}, some from "
-        f"{number(row.lost)} on"
-        for row in thrown.itertuples()
-    )
+def _thrown(thrown: pd.DataFrame) -> dict[str, Any]:
     agreeing = 100 * float(np.average(thrown["foretold"], weights=thrown["cells"]))
-    return (
-        "In mitosis the springs hold a nucleus one R_soft from its apical point, which sets a limit of h/μ that needs "
-        f"no state. Growing tissues lose their cells above it ({parts}). Tissues at rest jitter where the "
-        f"Hessian says so, in {number(agreeing)} % of the cells of the lower maps."
-    )
+    return {"thrown": list(thrown.itertuples()), "foretold": agreeing}
 
 
 PART = Part(_run_stability, _stability)

@@ -1,17 +1,19 @@
 """Accuracy against speed of the substeps."""
-# ruff: noqa: RUF001 - formulas for readers are written with Greek letters and minus signs
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import substeps
 from verification.thesis.chapter3.growing import PRESETS
-from verification.thesis.chapter3.sections.part import Part, named
+from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
 ORDERS = {"preset": "Preset", "t": "t [h]", "order": "Order in h [95 %]", "verdict": "In words"}
 ENOUGH = {
@@ -61,76 +63,66 @@ def _substeps(context: Context) -> Section:
     noise = distances[np.isinf(distances["size"])]
     accuracy = context.draw("tissue_accuracy", figures_tissue.accuracy, errors, noise)
     height = context.draw("tissue_heights", figures_tissue.heights, heights)
+    said = fill(PROSE / "substeps.html", **_errors(errors), **_heights(context.tables["tissue_enough"], heights))
     return Section(
         "Substeps: how exact, how fast",
         [
-            Text(_measures(errors)),
-            Text(_own_substeps(errors)),
-            Picture(
-                accuracy,
-                "Median error over the seeds against time; hollow where the reference itself may be off by as much.",
-            ),
-            Text(_heights(context.tables["tissue_enough"], heights)),
-            Picture(
-                height,
-                "Deviation of the mean height of the apical layer from the reference of the same seed: means with 95 % "
-                "intervals; crosses: runs that were lost. The band is 1 %.",
-            ),
-            Grid(named(context.tables["tissue_enough"], ENOUGH), "Heights within 1 %; 0: none tried.", "tissue_enough"),
-            Grid(named(context.tables["tissue_orders"], ORDERS), "Orders of nuclei", "tissue_orders", folded=True),
-            Grid(named(errors, ERRORS), "All errors", "tissue_errors", folded=True),
-            Grid(named(heights, HEIGHTS), "All heights", "tissue_heights", folded=True),
+            Text(said["measures"]),
+            Text(said["own"]),
+            Picture(accuracy, said["accuracy"]),
+            Text(said["heights"]),
+            Picture(height, said["deviation"]),
+            Grid(named(context.tables["tissue_enough"], ENOUGH), said["within"], "tissue_enough"),
+            Grid(named(context.tables["tissue_orders"], ORDERS), said["orders"], "tissue_orders", folded=True),
+            Grid(named(errors, ERRORS), said["errors"], "tissue_errors", folded=True),
+            Grid(named(heights, HEIGHTS), said["all_heights"], "tissue_heights", folded=True),
         ],
     )
 
 
-def _measures(errors: pd.DataFrame) -> str:
+def _errors(errors: pd.DataFrame) -> dict[str, Any]:
     late = errors[(errors["t"] == substeps.TIMED) & (errors["lost"] == 0)]
     far = {name: (mine["rms"] / mine["relative"]).median() for name, mine in late.groupby("preset")}
-    return (
-        "Runs of one seed meet the same noise and the same divisions whatever their substeps, so that a difference is "
-        "an error. The reference has four times as many substeps as the finest run; its own error is stated as "
-        f"{substeps.SAFETY:g} times its distance to half as many. Given are the root mean square over the nuclei, in "
-        "R_soft, and the relative distance |X − Y|/|Y| of the thesis. The latter depends on where the origin is: it is "
-        f"the former over the distance of the nuclei from the origin, here {number(far['thesis'])} R_soft at "
-        f"{substeps.TIMED:g} h, so that 6 % are {number(0.06 * far['thesis'])} R_soft (thesis preset)."
-    )
-
-
-def _own_substeps(errors: pd.DataFrame) -> str:
-    parts = []
-    for name in PRESETS:
-        own = preset(name).numbers().substeps
-        mine = errors[(errors["preset"] == name) & (errors["substeps"] == own)].set_index("t")
-        early, late = mine.loc[1.0], mine.loc[substeps.TIMED]
-        parts.append(
-            f"{name}, {own} substeps: {number(early['rms'])} at 1 h, {number(late['rms'])} at 10 h (relative "
-            f"{number(late['relative'])}), in {number(1e3 * late['seconds'])} ms"
-        )
     lost = errors[(errors["lost"] > 0) & (errors["t"] == substeps.TIMED)].groupby("preset")["substeps"].max()
-    failed = ", ".join(f"{name} up to {count}" for name, count in lost.items())
-    return f"Median errors: {'; '.join(parts)}. Too few substeps throw cells out of the tissue within 10 h: {failed}."
+    return {
+        "safety": substeps.SAFETY,
+        "timed": substeps.TIMED,
+        "far": far["thesis"],
+        "own": [_own_error(errors, name) for name in PRESETS],
+        "lost": list(lost.items()),
+    }
 
 
-def _heights(enough: pd.DataFrame, heights: pd.DataFrame) -> str:
-    parts = []
-    for row in enough.sort_values(["preset", "t"], ascending=[False, True]).itertuples():
-        least = f"from {row.substeps} substeps on" if row.substeps else f"with none tried, up to {row.finest}"
-        parts.append(f"{row.preset}, {row.t:g} h: {least}")
-    told = "; ".join(f"{name} {_off(heights, name)}" for name in PRESETS)
-    return (
-        f"The height is right to {100 * substeps.ENOUGH:g} %, with 95 % confidence over {heights['runs'].max()} seeds "
-        f"and with the error of the reference on top: {'; '.join(parts)}. With its own substeps each preset is off at "
-        f"{heights['t'].max():g} h by: {told}."
-    )
+def _own_error(errors: pd.DataFrame, name: str) -> dict[str, Any]:
+    """The errors of a preset with its own substeps."""
+    own = preset(name).numbers().substeps
+    mine = errors[(errors["preset"] == name) & (errors["substeps"] == own)].set_index("t")
+    late = mine.loc[substeps.TIMED]
+    return {
+        "preset": name,
+        "substeps": own,
+        "early": mine.loc[1.0, "rms"],
+        "late": late["rms"],
+        "relative": late["relative"],
+        "seconds": late["seconds"],
+    }
 
 
-def _off(heights: pd.DataFrame, name: str) -> str:
-    """The deviation of the last height with the substeps of the preset."""
+def _heights(enough: pd.DataFrame, heights: pd.DataFrame) -> dict[str, Any]:
+    return {
+        "enough": substeps.ENOUGH,
+        "seeds": heights["runs"].max(),
+        "reached": list(enough.sort_values(["preset", "t"], ascending=[False, True]).itertuples()),
+        "end": heights["t"].max(),
+        "off": [_off(heights, name) for name in PRESETS],
+    }
+
+
+def _off(heights: pd.DataFrame, name: str) -> dict[str, Any]:
+    """The last height with the substeps of the preset."""
     own = (heights["preset"] == name) & (heights["substeps"] == preset(name).numbers().substeps)
-    row = heights[own & (heights["t"] == heights["t"].max())].iloc[0]
-    mean, low, high = (f"{100 * row[name]:.1f}".replace("-0.0", "0.0") for name in ("deviation", "low", "high"))
-    return f"{mean} % [{low}, {high}]"
+    row: dict[str, Any] = heights[own & (heights["t"] == heights["t"].max())].iloc[0].to_dict()
+    return row
 
 
 PART = Part(_run_substeps, _substeps)

@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import agreement, figures, motion
 from verification.thesis.chapter5.cases import TITLES
@@ -61,14 +61,13 @@ def _values(best: pd.DataFrame, orders: pd.DataFrame) -> dict[str, Any]:
     tolerant = best[~best["method"].str.startswith("rattle")]
     missed = best[~best["reached"]]
     return {
-        "worst": [f"{LABELS[name]}: {number(part.max())}" for name, part in tolerant.groupby("method")["worst"]],
+        "labels": LABELS,
+        "titles": TITLES,
+        "worst": list(tolerant.groupby("method")["worst"].max().items()),
         "claimed": agreement.CLAIMED,
-        "missed": [
-            f"{LABELS[row.method]} ({number(row.worst)} at dt or tol = {number(row.setting)}, {TITLES[row.model]})"
-            for row in missed.loc[missed.groupby("method")["worst"].idxmax()].itertuples()
-        ],
+        "missed": list(missed.loc[missed.groupby("method")["worst"].idxmax()].itertuples()),
         "off": (orders["slope"] - orders["nominal"]).abs().max(),
-        "drifts": [f"{LABELS[name]} {number(part.max())}" for name, part in best.groupby("method")["drift"]],
+        "drifts": list(best.groupby("method")["drift"].max().items()),
     }
 
 

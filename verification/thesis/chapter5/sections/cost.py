@@ -63,7 +63,6 @@ def _section(context: Context) -> Section:
 
 
 def _values(times: pd.DataFrame, sides: pd.DataFrame) -> dict[str, Any]:
-    paired = list(sides[sides["pairs"].notna()].itertuples())
     return {
         "end": cost.T[-1],
         "cheapest": _cheapest(times),
@@ -71,24 +70,25 @@ def _values(times: pd.DataFrame, sides: pd.DataFrame) -> dict[str, Any]:
         "full_enough": cost.FULL.enough,
         "repeats": cost.REPEATS,
         "largest": sides["N"].max(),
-        "passes": [f"{TITLES[row.model]} {number(row.reading)}" for row in sides.itertuples()],
+        "titles": TITLES,
+        "labels": LABELS,
+        "sides": list(sides.itertuples()),
         "paired": cost.PAIRED,
-        "pairs": [f"{number(row.pairs)} times as long" for row in paired],
-        "differs": [number(row.pairs_off) for row in paired],
+        "pairs": list(sides[sides["pairs"].notna()].itertuples()),
     }
 
 
-def _cheapest(times: pd.DataFrame) -> list[str]:
+def _cheapest(times: pd.DataFrame) -> list[dict[str, Any]]:
     """For each model and error, where one was reached."""
-    told = []
+    found = []
     for name, mine in times.groupby("model", sort=False):
         for target in TARGETS:
             reached = mine[mine[f"{target:g}"].notna()].sort_values(f"{target:g}")
             if len(reached):
                 first = reached.iloc[0]
-                seconds = number(first[f"{target:g}"])
-                told.append(f"{TITLES[str(name)]} to {number(target)}: {LABELS[first['method']]}, {seconds} s")
-    return told
+                seconds = first[f"{target:g}"]
+                found.append({"model": name, "target": target, "method": first["method"], "seconds": seconds})
+    return found
 
 
 PART = Part(_run, _section)

@@ -8,10 +8,10 @@ from typing import Any
 import pandas as pd
 
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import energy, figures
-from verification.thesis.chapter5.methods import LABELS, METHODS
+from verification.thesis.chapter5.methods import METHODS
 from verification.thesis.chapter5.sections.words import PROSE, named
 
 SLOPES = {"method": "Method", "model": "Model", "slope": "Power of the setting [95 %]", "least": "Least change of E"}
@@ -57,15 +57,8 @@ def _section(context: Context) -> Section:
 
 
 def _values(trends: pd.DataFrame) -> dict[str, Any]:
-    drifting, holding = (
-        [_one(row) for row in trends[trends["drifts"] == drifts].itertuples()] for drifts in (True, False)
-    )
-    return {"periods": trends["periods"].max(), "drifting": drifting, "holding": holding}
-
-
-def _one(row: Any) -> str:
-    setting = f"{METHODS[row.method].setting} = {number(row.setting)}"
-    return f"{LABELS[row.method]}, {setting}: {number(row.slope)} [{number(row.low)}, {number(row.high)}]"
+    drifting, holding = (list(trends[trends["drifts"] == drifts].itertuples()) for drifts in (True, False))
+    return {"methods": METHODS, "periods": trends["periods"].max(), "drifting": drifting, "holding": holding}
 
 
 PART = Part(_run, _section)

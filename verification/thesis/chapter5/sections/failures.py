@@ -8,7 +8,7 @@ from typing import Any
 import pandas as pd
 
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter2.stability.figures import plane
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import drift, failures, figures, maps
@@ -73,13 +73,11 @@ def _values(context: Context) -> dict[str, Any]:
     return {
         "count": len(found),
         "agreeing": int(found["agrees"].sum()),
-        "off": [f"{row.title} ({row.solver})" for row in found[~found["agrees"]].itertuples()],
-        "cells": [f"{row.map}, {row.method}: {row.right} of {row.cells}" for row in cells.itertuples()],
+        "off": list(found[~found["agrees"]].itertuples()),
+        "cells": list(cells.itertuples()),
         "end": float(context.tables["meanfield_drift"]["t"].max()),
-        "grown": [
-            f"{row.method}: |g − c| with power {row.power_g}, |g'| with {row.power_rate}" for row in naive.itertuples()
-        ],
-        "kept": [f"{row.method} {number(row.end_g)}" for row in growth[growth["power_g"] == "—"].itertuples()],
+        "grown": list(naive.itertuples()),
+        "kept": list(growth[growth["power_g"] == "—"].itertuples()),
     }
 
 

@@ -59,8 +59,9 @@ def _section(context: Context) -> Section:
 def _values(orders: pd.DataFrame) -> dict[str, Any]:
     smooth, jumps = orders[orders["smooth"]], orders[~orders["smooth"]]
     return {
-        "smooth": [f"{TITLES[row.model]} {row.order_error_f}" for row in smooth.itertuples()],
-        "jumps": [f"{row.order_error_f}, and W1 with {row.order_error_w1}" for row in jumps.itertuples()],
+        "titles": TITLES,
+        "smooth": list(smooth.itertuples()),
+        "jumps": list(jumps.itertuples()),
         "mass": orders["mass"].max(),
         "least": orders["least"].min(),
         "apart": orders["moments_apart"].max(),

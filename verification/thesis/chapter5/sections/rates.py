@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.rates import QUANTILES
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, flow_rates, sampling
@@ -100,13 +100,8 @@ def _at_start(exponents: pd.DataFrame, laws: pd.DataFrame) -> dict[str, Any]:
     fits = []
     for d, mine in laws.groupby("d"):
         plain, best = mine.iloc[0], mine.loc[mine["misfit"].idxmin()]
-        better = "" if best["law"] == plain["law"] else f", {best['law']} with {number(best['misfit'])}"
-        fits.append(f"d = {d}: {plain['law']} with χ² = {number(plain['misfit'])} per degree of freedom{better}")
-    powers = [
-        f"d = {row.d}, {row.start}: {row.exponent:.3f} [{row.low:.3f}, {row.high:.3f}], N to {row.to}"
-        for row in exponents.itertuples()
-    ]
-    return {"powers": powers, "fits": fits}
+        fits.append({"d": d, "plain": plain, "better": None if best["law"] == plain["law"] else best})
+    return {"powers": list(exponents.itertuples()), "fits": fits}
 
 
 def _through(fitted: pd.DataFrame, means: pd.DataFrame) -> dict[str, Any]:
@@ -115,15 +110,13 @@ def _through(fitted: pd.DataFrame, means: pd.DataFrame) -> dict[str, Any]:
     alike = (start["low"] <= end["exponent"]) & (end["exponent"] <= start["high"])
     quantiles = fitted[(fitted["start"] == QUANTILES) & (fitted["quantity"] != "start_w1")]
     return {
-        "through": [
-            f"{TITLES[name]} {start['exponent'][name]:.2f}, {end['exponent'][name]:.2f} and {y['exponent'][name]:.2f}"
-            for name in start.index
-        ],
+        "titles": TITLES,
+        "through": [(name, *(one["exponent"][name] for one in (start, end, y))) for name in start.index],
         "alike": int(alike.sum()),
         "models": len(alike),
         "halves": int(y["agrees"].sum()),
-        "quantiles": [f"{TITLES[row.model]}, {row.what}: {row.exponent:.2f}" for row in quantiles.itertuples()],
-        "ratios": [f"{TITLES[name]} {number(value)}" for name, value in _kept(means).items()],
+        "quantiles": list(quantiles.itertuples()),
+        "ratios": list(_kept(means).items()),
     }
 
 

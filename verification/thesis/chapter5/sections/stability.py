@@ -7,7 +7,7 @@ from typing import Any
 import pandas as pd
 
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.report import Context, Grid, Picture, Section, Text
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, stability_constant
 from verification.thesis.chapter5.cases import TITLES
@@ -56,11 +56,9 @@ def _section(context: Context) -> Section:
 
 
 def _values(summary: pd.DataFrame, laws: pd.DataFrame) -> dict[str, Any]:
-    rows = list(summary.itertuples())
     return {
-        "largest": [f"{TITLES[row.model]} {number(row.largest)} (t = {row.at:g})" for row in rows],
-        "rates": [f"{row.rate:.3f} [{row.low:.3f}, {row.high:.3f}]" for row in rows],
-        "bounds": [f"{number(row.bound)} ({number(row.needed)} is enough)" for row in rows],
+        "titles": TITLES,
+        "rows": list(summary.itertuples()),
         "apart": laws["flows_apart"].max(),
         "top": laws.loc[laws["ratio"].idxmax()],
     }
