@@ -40,7 +40,7 @@ from dincl.projection import (
     Projection,
 )
 from dincl.projection.project import project
-from dincl.run.bound import State, Stepper
+from dincl.run.bound import Stepper, StepState
 from dincl.run.outcome import Between, Event, RunOutcome
 from dincl.schemes import (
     PBD,
@@ -100,11 +100,11 @@ __all__ = [
     "Scheme",
     "SecondOrderPBD",
     "Smooth",
-    "State",
     "Stationary",
     "Status",
     "StepFailed",
     "StepFailure",
+    "StepState",
     "Stepper",
     "Stop",
     "Trajectory",

@@ -163,16 +163,15 @@ def _timed(problem: Any, method: Method, attempt: Attempt, t: Floats, budget: Bu
 
 def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget | None) -> _Outcome:
     watched, drift = counted(problem, budget)
-    if method.scheme is not None:
-        path = dincl.solve(watched, _scheme(method, setting), t=t, throw=False)
-        work = asdict(path.stats)
-        counters = {name: work[name] for name in COUNTERS}
-        return _Outcome(reached(path, t), {"status": path.status.name, "detail": path.detail} | counters)
-    assert method.run is not None  # noqa: S101 - a Method has one of the two
-    states = _states(method, method.run(watched, setting, t), problem, len(t))
-    finite = bool(np.isfinite(states).all())
-    status = {"status": "SUCCESS" if finite else "NON_FINITE", "detail": ""}
-    return _Outcome(states, status | {"drift_evaluations": drift.evaluations if drift else np.nan})
+    if method.run is not None:
+        states = _states(method, method.run(watched, setting, t), problem, len(t))
+        status = "SUCCESS" if np.isfinite(states).all() else "NON_FINITE"
+        evaluations = drift.evaluations if drift else np.nan
+        return _Outcome(states, {"status": status, "detail": "", "drift_evaluations": evaluations})
+    path = dincl.solve(watched, _scheme(method, setting), t=t, throw=False)
+    work = asdict(path.stats)
+    counters = {name: work[name] for name in COUNTERS}
+    return _Outcome(reached(path, t), {"status": path.status.name, "detail": path.detail} | counters)
 
 
 def _scheme(method: Method, setting: float) -> dincl.Scheme:

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from dincl.problem import Problem
 
 
-class State(NamedTuple):
+class StepState(NamedTuple):
     """Positions (N, d) and, for second-order schemes, velocities (N, d)."""
 
     x: NDArray[np.float64]
@@ -36,12 +36,12 @@ class Stepper(ABC):
         self.problem = problem
         self.work = Work(degrees_of_freedom=problem.x0.size)
 
-    def start(self) -> State:
+    def start(self) -> StepState:
         """The state at t = 0."""
-        return State(self.problem.x0)
+        return StepState(self.problem.x0)
 
     @abstractmethod
-    def step(self, t: float, h: float, state: State) -> State:
+    def step(self, t: float, h: float, state: StepState) -> StepState:
         """The state at t + h from the one at t, in new arrays; StepFailure if there is none."""
 
     def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:

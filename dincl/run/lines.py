@@ -11,7 +11,7 @@ import numpy as np
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
 from dincl.norms import longest
-from dincl.run.bound import State, Stepper
+from dincl.run.bound import Stepper, StepState
 from dincl.run.grid import TimeGrid
 from dincl.run.outcome import Between
 from dincl.run.segments import Segment, make_segments
@@ -24,7 +24,7 @@ class Checkpoint(NamedTuple):
     """Where a run can be taken up again: the state at step k."""
 
     k: int
-    state: State
+    state: StepState
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 from dincl.norms import longest
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
-from dincl.run.bound import State, Stepper
+from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -56,6 +56,6 @@ class _CatchUpStepper(Stepper):
         super().__init__(problem)
         self._set = FeasibleSet(problem, scheme.projection.solver(), self.work, linearised=scheme.linearised)
 
-    def step(self, t: float, h: float, state: State) -> State:
+    def step(self, t: float, h: float, state: StepState) -> StepState:
         move = h * self.velocity(t, state.x)
-        return State(self._set.nearest(t + h, state.x + move, state.x, 2 * longest(move)).point)
+        return StepState(self._set.nearest(t + h, state.x + move, state.x, 2 * longest(move)).point)

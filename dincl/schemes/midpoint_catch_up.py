@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from dincl.norms import longest
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
-from dincl.run.bound import State, Stepper
+from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ class _MidpointStepper(Stepper):
         self._solver = scheme.projection.solver()
         self._set = FeasibleSet(problem, self._solver, self.work, linearised=True)
 
-    def step(self, t: float, h: float, state: State) -> State:
+    def step(self, t: float, h: float, state: StepState) -> StepState:
         move = h * self.velocity(t, state.x)
         length = longest(move)
         self._solver.tol = max(self._tol, math.sqrt(self._tol * length))
@@ -65,4 +65,4 @@ class _MidpointStepper(Stepper):
         middle = (state.x + predicted) / 2
         self._solver.tol = self._tol
         target = state.x + h * self.velocity(t + h / 2, middle)
-        return State(self._set.nearest(t + h / 2, target, middle, 2 * length, carried_to=t + h).point)
+        return StepState(self._set.nearest(t + h / 2, target, middle, 2 * length, carried_to=t + h).point)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.checks import integer
-from dincl.run.bound import State, Stepper
+from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -46,11 +46,11 @@ class _PBDStepper(Stepper):
         super().__init__(problem)
         self._projections = SweepThrough(problem, sweeps)
 
-    def step(self, t: float, h: float, state: State) -> State:
+    def step(self, t: float, h: float, state: StepState) -> StepState:
         x = h * self.velocity(t, state.x)
         x += state.x
         self._projections.apply(t + h, x, self)
-        return State(x)
+        return StepState(x)
 
 
 class SweepThrough:

@@ -10,7 +10,7 @@ import numpy as np
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.rows.near import Near
-from dincl.run.bound import State, Stepper
+from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -55,7 +55,7 @@ class _PenaltyStepper(Stepper):
         self._near = Near(problem.constraints, self.work)
         self._scheme = scheme
 
-    def step(self, t: float, h: float, state: State) -> State:
+    def step(self, t: float, h: float, state: StepState) -> StepState:
         """x_k + dt (F + penalty force), both at t_k."""
         velocity = self.velocity(t, state.x)
         reach = h * float(np.abs(velocity).max())
@@ -66,4 +66,4 @@ class _PenaltyStepper(Stepper):
             push = overlap if self._scheme.exponent == 2 else np.sign(overlap)
             force = rows.jacobian(state.x).transposed_times(push).reshape(state.x.shape)
             velocity = velocity + self._scheme.strength * force
-        return State(state.x + h * velocity)
+        return StepState(state.x + h * velocity)

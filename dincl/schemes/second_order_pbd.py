@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.checks import array, integer
 from dincl.errors import InvalidProblem
-from dincl.run.bound import State, Stepper
+from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 from dincl.schemes.pbd import SweepThrough
 
@@ -59,11 +59,11 @@ class _SecondOrderStepper(Stepper):
         self._v0 = v0
         self._projections = SweepThrough(problem, sweeps)
 
-    def start(self) -> State:
-        return State(self.problem.x0, self._v0)
+    def start(self) -> StepState:
+        return StepState(self.problem.x0, self._v0)
 
-    def step(self, t: float, h: float, state: State) -> State:
+    def step(self, t: float, h: float, state: StepState) -> StepState:
         before = self._v0 if state.v is None else state.v
         x = state.x + h * (before + h * self.velocity(t, state.x))
         self._projections.apply(t + h, x, self)
-        return State(x, (x - state.x) / h)
+        return StepState(x, (x - state.x) / h)

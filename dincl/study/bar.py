@@ -34,6 +34,7 @@ def progress(title: str, total: float, unit: str, console: Console | None = None
     first: tuple[float, float] | None = None
 
     def done(amount: float) -> None:
+        """Show that ``amount`` is done."""
         nonlocal first, last
         now = time.monotonic()
         first = first or (amount, now)

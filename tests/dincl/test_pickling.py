@@ -32,7 +32,7 @@ class Euler(dincl.Stepper):
     """x + h F."""
 
     def step(self, t, h, state):
-        return dincl.State(state.x + h * self.velocity(t, state.x))
+        return dincl.StepState(state.x + h * self.velocity(t, state.x))
 
 
 @pytest.mark.parametrize("scene", [scenes.two_disks(), scenes.sweeping_interval()], ids=lambda scene: scene.name)

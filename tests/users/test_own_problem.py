@@ -44,7 +44,7 @@ class MyStepper(dincl.Stepper):
 
     def step(self, t, h, state):
         ahead = state.x + h * self.velocity(t + h / 2, state.x + h / 2 * self.velocity(t, state.x))
-        return dincl.State(self.set.nearest(t + h, ahead, state.x, 2 * np.abs(ahead - state.x).max()).point)
+        return dincl.StepState(self.set.nearest(t + h, ahead, state.x, 2 * np.abs(ahead - state.x).max()).point)
 
 
 def play():

@@ -77,7 +77,9 @@ def test_what_is_no_scheme_is_named():
             return state.x
 
     problem = dincl.Problem([[1.0]], lambda t, x: -x)
-    with pytest.raises(dincl.InvalidProblem, match=r"Returns.step returned array\(\[\[1.\]\]\): must be a dincl.State"):
+    with pytest.raises(
+        dincl.InvalidProblem, match=r"Returns.step returned array\(\[\[1.\]\]\): must be a dincl.StepState"
+    ):
         dincl.solve(problem, Forgetful(0.1), t=[1.0])
 
     class Endless(dincl.Scheme):

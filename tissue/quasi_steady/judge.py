@@ -1,7 +1,4 @@
-"""Local minima of the energy over the feasible states, by Ipopt: the judge of other minimisers.
-
-The only file of this package that imports CasADi.
-"""
+"""Local minima of the energy over the feasible states, by Ipopt (CasADi): the judge of other minimisers."""
 
 from __future__ import annotations
 

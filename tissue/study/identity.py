@@ -11,7 +11,7 @@ from importlib import import_module
 from typing import Any
 
 from dincl.provenance import provenance
-from tissue.study.plan import PART, Study
+from tissue.study.plan import PART, TissueStudy
 from tissue.study.wording import in_scenarios
 
 MOST_DIFFERENCES = 12
@@ -19,7 +19,7 @@ IDENTITY = ("replicates", "seed", "trajectories", "part", "scenarios", "code")
 SETTINGS = {"replicates": "replicates", "seed": "seed", "trajectories": "trajectories", "part": "replicates of a part"}
 
 
-def identity(study: Study) -> dict[str, Any]:
+def identity(study: TissueStudy) -> dict[str, Any]:
     """What the rows are a function of, on one kind of processor: equal for two studies with the same rows."""
     return {
         "replicates": study.replicates,

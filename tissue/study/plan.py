@@ -34,7 +34,7 @@ class Piece(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Study:
+class TissueStudy:
     """What a study file says, made by ``load_study``."""
 
     title: str
@@ -65,7 +65,7 @@ class Study:
                 yield Piece(name, first, min(PART, self.replicates - first))
 
 
-def load_study(path: str | PathLike[str]) -> Study:
+def load_study(path: str | PathLike[str]) -> TissueStudy:
     """The study in a TOML file.
 
     Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
@@ -100,7 +100,7 @@ def load_study(path: str | PathLike[str]) -> Study:
     if lines:
         raise refuse(str(path), lines)
     plain = {key: good[key] for key in ("title", "replicates", "seed", "trajectories")}
-    return Study(**plain, scenarios=scenarios, text=path.read_text("utf-8"))
+    return TissueStudy(**plain, scenarios=scenarios, text=path.read_text("utf-8"))
 
 
 def shipped() -> list[str]:

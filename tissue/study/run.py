@@ -10,10 +10,10 @@ from typing import TYPE_CHECKING, Any
 from dincl.study import execute
 from dincl.study.stopped import StudyStopped
 from tissue.study.identity import code, code_differences
-from tissue.study.plan import Piece, Study, load_study
+from tissue.study.plan import Piece, TissueStudy, load_study
 from tissue.study.read import Results
 from tissue.study.seeds import run_seeds
-from tissue.study.store import Store, opened
+from tissue.study.store import StudyStore, opened
 
 if TYPE_CHECKING:
     from tissue.study.outcomes import Outcomes
@@ -61,7 +61,7 @@ def run_study(
 
 
 def carry_out(
-    study: Study, out: str | os.PathLike[str], executor: Executor | None = None, watch: Watch | None = None
+    study: TissueStudy, out: str | os.PathLike[str], executor: Executor | None = None, watch: Watch | None = None
 ) -> Results:
     """Make the runs of a study that is loaded; see ``run_study``."""
     with opened(study, out) as store:
@@ -73,7 +73,7 @@ def carry_out(
     return Results(out)
 
 
-def _compute(store: Store, executor: Executor, watch: Watch) -> None:
+def _compute(store: StudyStore, executor: Executor, watch: Watch) -> None:
     """Compute and store what is missing."""
     todo = store.missing()
     done = store.study.runs - sum(piece.runs for piece in todo)
@@ -91,7 +91,7 @@ def _compute(store: Store, executor: Executor, watch: Watch) -> None:
         raise StudyStopped(f"the workers are lost: {error}") from error
 
 
-def _submitted(executor: Executor, study: Study, piece: Piece) -> Future[Outcomes]:
+def _submitted(executor: Executor, study: TissueStudy, piece: Piece) -> Future[Outcomes]:
     """The outcomes to come of a piece."""
     seeds = run_seeds(study.seed, piece.scenario, piece.replicates)
     whole = [number for number in study.trajectories if number in piece.replicates]

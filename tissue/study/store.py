@@ -19,7 +19,7 @@ from dincl.study.stopped import StudyStopped
 from tissue.study.files import PARTIAL, checksum, set_aside, write_table, write_whole
 from tissue.study.identity import IDENTITY, differences, fingerprint, identity, processor
 from tissue.study.layout import ABOUT, COPY, LOCK, note, part, trajectory
-from tissue.study.plan import Piece, Study
+from tissue.study.plan import Piece, TissueStudy
 
 if TYPE_CHECKING:
     from tissue.study.outcomes import Outcomes
@@ -31,11 +31,11 @@ NOTED = ("title", "fingerprint", "processors", *IDENTITY)
 
 
 @dataclass(frozen=True)
-class Store:
+class StudyStore:
     """The folder of a study while it is computed, made by ``opened``; tables of each piece go in, none comes out."""
 
     folder: Path
-    study: Study
+    study: TissueStudy
     fingerprint: str
 
     def missing(self) -> list[Piece]:
@@ -92,7 +92,7 @@ class Store:
 
 
 @contextmanager
-def opened(study: Study, out: str | os.PathLike[str]) -> Iterator[Store]:
+def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[StudyStore]:
     """The folder of a study, made if it is new, for this process alone.
 
     Raises
@@ -109,7 +109,7 @@ def opened(study: Study, out: str | os.PathLike[str]) -> Iterator[Store]:
         with lock.acquire():
             for partial in folder.rglob(f"{PARTIAL}*"):
                 partial.unlink()
-            store = Store(folder, study, _noted(folder, study))
+            store = StudyStore(folder, study, _noted(folder, study))
             lock.acquire()  # once more, for as long as the study takes
     except Timeout as error:
         raise InvalidProblem(f"{folder}: another process works on it, and goes on undisturbed") from error
@@ -146,7 +146,7 @@ def _check_ours(folder: Path) -> None:
         )
 
 
-def _noted(folder: Path, study: Study) -> str:
+def _noted(folder: Path, study: TissueStudy) -> str:
     """The fingerprint of the study, noted in its folder and checked against what was noted before."""
     new = identity(study)
     mark, old = fingerprint(new), about(folder)

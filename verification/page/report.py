@@ -66,7 +66,7 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Search:
+class SearchField:
     """A field that hides the statements below it that lack a word that is typed, or have another verdict."""
 
     kind: str = field(default="search", init=False)
@@ -91,7 +91,7 @@ class Section:
     """A heading with its parts."""
 
     title: str
-    parts: Sequence[Text | Picture | Grid | Search | Statements]
+    parts: Sequence[Text | Picture | Grid | SearchField | Statements]
 
 
 @dataclass

@@ -12,7 +12,7 @@ from verification.claims import Effect
 from verification.decide import decide_all, differing
 from verification.evidence import Kind
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Grid, Search, Section, Statements, Text
+from verification.page.report import Chapter, Context, Grid, SearchField, Section, Statements, Text
 from verification.thesis import kept
 from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
@@ -56,7 +56,7 @@ def sections(context: Context) -> Sequence[Section]:
     slips = context.tables["claims_errata"]
     said = fill(PROSE / "statements.html", **_values(table), errata=len(slips))
     found = [_counts(table, said), _corrections(table, said), _errata(slips, said)]
-    found.append(Section("All statements, to be searched", [Search()]))
+    found.append(Section("All statements, to be searched", [SearchField()]))
     for number, title in TITLES.items():
         rows = table[table["chapter"] == number]
         if not rows.empty:

@@ -5,7 +5,7 @@ import pytest
 from scipy.optimize import nnls
 
 import dincl
-from dincl import State
+from dincl import StepState
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
 from tissue.model.energy import Forces, forces
 from tissue.quasi_steady.frozen import cells_at, frozen_problem, made_feasible, particles
@@ -176,7 +176,7 @@ def test_what_a_step_makes_of_a_division(name, h, division):
     state, left, problem = division
     scheme, *expected = AFTER_A_DIVISION[name]
     before = particles(state)
-    after = scheme(h).stepper(problem).step(0.0, h, State(before)).x
+    after = scheme(h).stepper(problem).step(0.0, h, StepState(before)).x
     apart = after[left + 1] - after[left]
     found = [
         round(distance(after, before), 1),

@@ -11,7 +11,7 @@ import pandas as pd
 from dincl.study import Key, Row, Study
 from verification.order import Order, estimate, order_text
 from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
-from verification.thesis.chapter2.reference import Reference
+from verification.thesis.chapter2.reference import EventReference
 from verification.thesis.chapter2.runs import distance, reached, scene, solved
 
 SCENES = ("four_disks", "ten_disks_corner")
@@ -35,10 +35,10 @@ SHORT, FULL = ConvergenceForm(8, 6), ConvergenceForm(10, 10)
 
 
 @dataclass(frozen=True)
-class Run:
+class ConvergenceRun:
     """The errors of one run at the times of its scene: one row each."""
 
-    references: Mapping[str, Reference]
+    references: Mapping[str, EventReference]
 
     def __call__(self, key: Key) -> list[Row]:
         times = np.array(TIMES[key["scene"]])
@@ -56,7 +56,7 @@ class Run:
         ]
 
 
-def study(references: Mapping[str, Reference], form: ConvergenceForm) -> Study:
+def study(references: Mapping[str, EventReference], form: ConvergenceForm) -> Study:
     """All runs of the methods compared."""
     runs = [
         {"scene": name, "method": method.name, "dt": STEP / 2**k}
@@ -70,7 +70,7 @@ def study(references: Mapping[str, Reference], form: ConvergenceForm) -> Study:
         title="Convergence",
         key=("scene", "method", "dt"),
         runs=tuple(runs),
-        run=Run(references),
+        run=ConvergenceRun(references),
     )
 
 

@@ -18,7 +18,7 @@ from dincl.study import Key, Row, Study
 from verification.references import Known
 from verification.thesis.chapter2.convergence import STEP
 from verification.thesis.chapter2.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, REFERENCE_TOL
-from verification.thesis.chapter2.reference import Reference, kept_times, stack
+from verification.thesis.chapter2.reference import EventReference, kept_times, stack
 from verification.thesis.chapter2.runs import distance, position_rows, solved
 
 Floats = NDArray[np.float64]
@@ -114,7 +114,7 @@ def extrapolated(table: pd.DataFrame, name: str, method: str = CATCH_UP.name) ->
 
 
 def summary(
-    references: Mapping[str, Reference], table: pd.DataFrame, times: Mapping[str, Sequence[float]]
+    references: Mapping[str, EventReference], table: pd.DataFrame, times: Mapping[str, Sequence[float]]
 ) -> pd.DataFrame:
     """One row for each scene and time: the stated error of the reference, and its distance to extrapolated catch-up.
 
@@ -127,7 +127,7 @@ def summary(
     )
 
 
-def _summary_of(own: Reference, table: pd.DataFrame, name: str, kept: Sequence[float]) -> pd.DataFrame:
+def _summary_of(own: EventReference, table: pd.DataFrame, name: str, kept: Sequence[float]) -> pd.DataFrame:
     full, linear = extrapolated(table, name), extrapolated(table, name, LINEARISED_DAQP.name)
     columns = {
         "t": full.t,

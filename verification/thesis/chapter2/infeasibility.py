@@ -12,7 +12,7 @@ import pandas as pd
 import dincl
 from dincl.study import Key, Row, Study
 from verification.thesis.chapter2.convergence import SCENES, TIMES
-from verification.thesis.chapter2.reference import Reference
+from verification.thesis.chapter2.reference import EventReference
 from verification.thesis.chapter2.runs import about, distance, reached, scene, timed
 
 # From far too weak to unstable.
@@ -54,7 +54,7 @@ SHORT, FULL = InfeasibilityForm((0.02, 0.01)), InfeasibilityForm((0.02, 0.01, 0.
 class Scan:
     """The largest and the mean infeasibility in time, and the position errors, of one run: one row."""
 
-    references: Mapping[str, Reference]
+    references: Mapping[str, EventReference]
 
     def __call__(self, key: Key) -> list[Row]:
         path, run = _run(key)
@@ -86,7 +86,7 @@ def _run(key: Key) -> tuple[dincl.Trajectory, dict[str, Any]]:
     return path, about(path, seconds)
 
 
-def scan(references: Mapping[str, Reference], form: InfeasibilityForm) -> Study:
+def scan(references: Mapping[str, EventReference], form: InfeasibilityForm) -> Study:
     """PBD (exponent 0) and the penalty method at all strengths, for every step and scene."""
     runs = [
         {"scene": name, "dt": dt, "exponent": exponent, "strength": strength}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import dincl
-from dincl import State, Stepper
+from dincl import Stepper, StepState
 from dincl.norms import longest
 from dincl.projection.feasible import FeasibleSet
 
@@ -30,9 +30,9 @@ class _MoreauJeanStepper(Stepper):
         super().__init__(problem)
         self._set = FeasibleSet(problem, scheme.projection.solver(), self.work, linearised=False)
 
-    def step(self, t: float, h: float, state: State) -> State:
+    def step(self, t: float, h: float, state: StepState) -> StepState:
         middle = state.x
         for time in (t, t + h / 2):
             move = h / 2 * self.velocity(time, middle)
             middle = self._set.nearest(t + h / 2, state.x + move, state.x, 2 * longest(move)).point
-        return State(2 * middle - state.x)
+        return StepState(2 * middle - state.x)

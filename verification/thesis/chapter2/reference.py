@@ -22,7 +22,7 @@ EVERY = 0.25
 
 
 @dataclass(frozen=True)
-class Reference(Known):
+class EventReference(Known):
     """The reference of one scene; ``events`` (K,) counts the contacts made or lost until each time."""
 
     events: NDArray[np.int64]
@@ -56,11 +56,11 @@ def run(key: Key) -> list[Row]:
     return [dict(row) | {"error": stated[row["t"]][0], "events": int(stated[row["t"]][1])} for row in rows]
 
 
-def reference(table: pd.DataFrame, name: str) -> Reference:
+def reference(table: pd.DataFrame, name: str) -> EventReference:
     """The reference of a scene, from the table of ``study``."""
     mine = table[table["scene"] == name]
     one = mine[mine["particle"] == 0].sort_values("t")
-    return Reference(*stack(mine), one["error"].to_numpy(), one["events"].to_numpy())
+    return EventReference(*stack(mine), one["error"].to_numpy(), one["events"].to_numpy())
 
 
 def stack(rows: pd.DataFrame) -> tuple[Floats, Floats]:

@@ -44,7 +44,7 @@ FULL = Form({"dt": [0.1 / 2**k for k in range(21)], "tol": [10.0**-k for k in ra
 
 
 @dataclass(frozen=True)
-class Run:
+class ChartRun:
     """All settings of one method on one scene: one row each."""
 
     references: Mapping[str, Known]
@@ -76,7 +76,7 @@ def study(references: Mapping[str, Known], form: Form) -> Study:
         title="Speed against accuracy",
         key=("scene", "method"),
         runs=tuple(runs),
-        run=Run(references, form),
+        run=ChartRun(references, form),
         settings={"references": references, "settings": form.settings, "budget": form.budget},
     )
 

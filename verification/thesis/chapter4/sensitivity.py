@@ -8,7 +8,7 @@ import pandas as pd
 
 from tissue.files.parameters import preset
 from tissue.study.categories import kept_times, outcome
-from tissue.study.plan import Study, flat
+from tissue.study.plan import TissueStudy, flat
 from tissue.study.ratios import ratio
 from tissue.study.read import Results
 from tissue.study.sensitivity import Plan, analyse, plan_sensitivity
@@ -41,11 +41,11 @@ def plan() -> Plan:
     return plan_sensitivity(preset(str(HEAD["base"])).changed(flat(GROUP)), BOUNDS, BASE_POINTS, SEED)
 
 
-def study() -> Study:
+def study() -> TissueStudy:
     """Their runs."""
     points, base = plan(), preset(str(HEAD["base"])).changed(flat(GROUP))
     scenarios = {name: base.changed(flat(sections)) for name, sections in points.scenarios().items()}
-    return Study(
+    return TissueStudy(
         title=str(HEAD["title"]),
         replicates=int(HEAD["replicates"]),
         seed=int(HEAD["seed"]),

@@ -10,7 +10,7 @@ from typing import Any
 
 from dincl.study import progress
 from tissue.study.identity import fingerprint, identity
-from tissue.study.plan import Study, load_study
+from tissue.study.plan import TissueStudy, load_study
 from tissue.study.read import Results
 from tissue.study.run import carry_out
 from verification.thesis.chapter4 import sensitivity
@@ -60,37 +60,37 @@ def preset_of(name: str) -> str:
     return next(preset for preset, suffix in reversed(PRESETS.items()) if name.endswith(suffix))
 
 
-def shortened(name: str, replicates: int) -> Study:
+def shortened(name: str, replicates: int) -> TissueStudy:
     """A study that comes with the package, with fewer replicates."""
     study = load_study(name)
     kept = tuple(number for number in study.trajectories if number < replicates)
     return replace(study, replicates=replicates, trajectories=kept)
 
 
-def chosen(form: EmtForm) -> dict[str, Study]:
+def chosen(form: EmtForm) -> dict[str, TissueStudy]:
     """The studies of a form, by name."""
     return {name: _changed(_study(name, given), form.changes.get(name)) for name, given in form.replicates.items()}
 
 
-def _study(name: str, replicates: int | None) -> Study:
+def _study(name: str, replicates: int | None) -> TissueStudy:
     if name == sensitivity.NAME:
         return sensitivity.study()
     return load_study(name) if replicates is None else shortened(name, replicates)
 
 
-def _changed(study: Study, changes: Mapping[str, Any] | None) -> Study:
+def _changed(study: TissueStudy, changes: Mapping[str, Any] | None) -> TissueStudy:
     if not changes:
         return study
     return replace(study, scenarios={name: given.changed(changes) for name, given in study.scenarios.items()})
 
 
-def place(name: str, study: Study, folder: Path) -> Path:
+def place(name: str, study: TissueStudy, folder: Path) -> Path:
     """Where the results of this version of the study and of the code are."""
     return folder / f"{name}-{fingerprint(identity(study))[:12]}"
 
 
 def completed(
-    studies: Mapping[str, Study],
+    studies: Mapping[str, TissueStudy],
     folder: Path,
     executor: Executor | None,
     watch: Callable[[str, int], None] | None = None,
@@ -104,7 +104,7 @@ def completed(
     return results
 
 
-def watched(studies: Mapping[str, Study], folder: Path, executor: Executor | None) -> dict[str, Results]:
+def watched(studies: Mapping[str, TissueStudy], folder: Path, executor: Executor | None) -> dict[str, Results]:
     """As ``completed``, with a bar for all studies together."""
     stored = dict.fromkeys(studies, 0)
     with progress("EMT", sum(study.runs for study in studies.values()), "runs") as told:

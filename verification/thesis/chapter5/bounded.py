@@ -27,7 +27,7 @@ def root(x: Floats) -> Floats:
     return np.asarray(x / np.sqrt(1 + x**2))
 
 
-class State(NamedTuple):
+class FlowState(NamedTuple):
     """Atoms X with weights w that sum to 1, and y, v of the macroscopic component."""
 
     X: Floats
@@ -36,12 +36,12 @@ class State(NamedTuple):
     v: float
 
 
-def mass(at: State) -> float:
+def mass(at: FlowState) -> float:
     """m_eff of (5.41a)."""
     return float(1 + M * (at.w @ soft(at.X) ** 2))
 
 
-def force(at: State) -> float:
+def force(at: FlowState) -> float:
     """F_eff of (5.41b), with -m Phi^T Omega[v, v]."""
     pull = at.w @ root(at.X[:, None] - at.X[None, :])
     each = -root(at.X) + pull - M * omega(at.X) * at.v**2

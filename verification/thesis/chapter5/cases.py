@@ -19,7 +19,7 @@ STREAMS = {"start": 1, "rates": 2, "pairs": 3, "fit": 4}
 
 
 @dataclass(frozen=True)
-class Case:
+class MotionCase:
     """A model, the density its particles start with, y(0) and y'(0)."""
 
     title: str
@@ -57,19 +57,19 @@ def _cube() -> Model:
 
 
 CASES = {
-    "straight": Case("StraightFibre", lambda: StraightFibre(**FIBRE), _line),
-    "linear": Case("LinearFibre", lambda: LinearFibre(**FIBRE), _line),
-    "wavy": Case("WavyFibre", lambda: WavyFibre(**FIBRE), _line),
-    "element": Case(
+    "straight": MotionCase("StraightFibre", lambda: StraightFibre(**FIBRE), _line),
+    "linear": MotionCase("LinearFibre", lambda: LinearFibre(**FIBRE), _line),
+    "wavy": MotionCase("WavyFibre", lambda: WavyFibre(**FIBRE), _line),
+    "element": MotionCase(
         "TissueElement",
         lambda: TissueElement(m=1.0, k0=1.0, y_rest=(1.2, 1.0, 0.1), k1=0.5),
         lambda: Density.bump([0.6, 0.4], 0.4),
         (1.0, 1.1, 0.1),
         (0.3, -0.2, 0.1),
     ),
-    "interacting": Case("WavyFibre, interacting", _interacting, _line),
-    "uniform": Case("StraightFibre, uniform", lambda: StraightFibre(**FIBRE), lambda: Density.uniform(0.4, 1.6)),
-    "cube": Case(
+    "interacting": MotionCase("WavyFibre, interacting", _interacting, _line),
+    "uniform": MotionCase("StraightFibre, uniform", lambda: StraightFibre(**FIBRE), lambda: Density.uniform(0.4, 1.6)),
+    "cube": MotionCase(
         "Block, g = diag(y)⁻¹X", _cube, lambda: Density.bump([0.6, 0.5, 0.4], 0.4), (1.0, 1.0, 1.0), (0.3, -0.2, 0.1)
     ),
 }

@@ -9,7 +9,7 @@ from verification.thesis.chapter2 import convergence, infeasibility, large_steps
 from verification.thesis.chapter2 import reference as event_driven
 from verification.thesis.chapter2.extrapolation import extrapolate
 from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
-from verification.thesis.chapter2.reference import Reference
+from verification.thesis.chapter2.reference import EventReference
 from verification.thesis.chapter2.runs import distance, exact, reached, scene
 
 TOL = 1e-11
@@ -22,14 +22,14 @@ def catch_up(h: float) -> np.ndarray:
 
 
 @pytest.fixture(scope="module")
-def references() -> dict[str, Reference]:
+def references() -> dict[str, EventReference]:
     rows = pd.DataFrame([row for name in convergence.SCENES for row in event_driven.run({"scene": name})])
     return {name: event_driven.reference(rows, name) for name in convergence.SCENES}
 
 
 @pytest.fixture(scope="module")
-def table(references: dict[str, Reference]) -> pd.DataFrame:
-    run = convergence.Run(references)
+def table(references: dict[str, EventReference]) -> pd.DataFrame:
+    run = convergence.ConvergenceRun(references)
     keys = [
         {"scene": name, "method": method, "dt": 0.1 / 2**k}
         for name in convergence.SCENES
@@ -94,8 +94,8 @@ def test_linearised_catch_up_is_feasible_and_a_soft_penalty_does_not_converge(ta
     assert (orders[orders["method"] == "penalty_10"]["slope"].abs() < 0.5).all()
 
 
-def test_failed_run_is_a_row_for_each_time(references: dict[str, Reference]) -> None:
-    rows = pd.DataFrame(convergence.Run(references)({"scene": "four_disks", "method": "pbd", "dt": 1.0}))
+def test_failed_run_is_a_row_for_each_time(references: dict[str, EventReference]) -> None:
+    rows = pd.DataFrame(convergence.ConvergenceRun(references)({"scene": "four_disks", "method": "pbd", "dt": 1.0}))
     assert rows["t"].tolist() == [1.0, 2.0]
     assert rows["status"].unique().tolist() == ["COINCIDENT_CENTRES"]
     assert rows["error"].isna().any()
@@ -110,7 +110,7 @@ def test_states_that_were_not_reached_are_nan() -> None:
     assert np.isnan(states[1]).all()
 
 
-def test_studies_name_each_run_once(references: dict[str, Reference]) -> None:
+def test_studies_name_each_run_once(references: dict[str, EventReference]) -> None:
     for study in (
         *(convergence.study(references, form) for form in (convergence.SHORT, convergence.FULL)),
         *(infeasibility.scan(references, form) for form in (infeasibility.SHORT, infeasibility.FULL)),
@@ -158,7 +158,7 @@ def test_no_fair_strength_leaves_pbd_alone() -> None:
     assert [run["exponent"] for run in infeasibility.curves(thrown, infeasibility.SHORT).runs] == [0]
 
 
-def test_scan_and_curve_see_the_same_overlap(references: dict[str, Reference]) -> None:
+def test_scan_and_curve_see_the_same_overlap(references: dict[str, EventReference]) -> None:
     key = {"scene": "ten_disks_corner", "dt": 0.05, "exponent": 0, "strength": 0.0}
     row = infeasibility.Scan(references)(key)[0]
     curve = pd.DataFrame(infeasibility.curve(key))

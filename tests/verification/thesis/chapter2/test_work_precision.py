@@ -23,7 +23,7 @@ from verification.thesis.chapter2.methods import (
     LSODA,
     PBD,
 )
-from verification.thesis.chapter2.work_precision import Form, Run
+from verification.thesis.chapter2.work_precision import ChartRun, Form
 from verification.thesis.chapter2.work_references import reference, rows
 
 SLIDE = dincl.scenes.sliding_disc()
@@ -44,7 +44,7 @@ def references():
 
 
 def made(references, scene, method, form=FEW):
-    return pd.DataFrame(Run(references, form)({"scene": scene, "method": method.name}))
+    return pd.DataFrame(ChartRun(references, form)({"scene": scene, "method": method.name}))
 
 
 # References

@@ -9,7 +9,7 @@ import numpy as np
 
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter5.bounded import State, constants, force, mass
+from verification.thesis.chapter5.bounded import FlowState, constants, force, mass
 from verification.thesis.chapter5.claims.s2_3_examples import ONE
 from verification.thesis.chapter5.instant import (
     STEP,
@@ -41,15 +41,15 @@ def wavy_slopes(v: float) -> Floats:
     return np.abs(there - back) / (2 * STEP)
 
 
-def pair(rng: np.random.Generator, count: int, apart: float) -> tuple[State, State]:
+def pair(rng: np.random.Generator, count: int, apart: float) -> tuple[FlowState, FlowState]:
     """Two states of ``count`` particles at a distance of about ``apart``, with |v| <= SPEED."""
     X, y, v = rng.normal(0.0, 2.0, count), rng.normal(), SPEED * rng.uniform(-1, 1)
     w = np.full(count, 1 / count)
-    moved = State(X + apart * rng.uniform(-1, 1, count), w, y + apart * rng.uniform(-1, 1), v)
-    return State(X, w, y, v), moved._replace(v=float(np.clip(v + apart * rng.uniform(-1, 1), -SPEED, SPEED)))
+    moved = FlowState(X + apart * rng.uniform(-1, 1, count), w, y + apart * rng.uniform(-1, 1), v)
+    return FlowState(X, w, y, v), moved._replace(v=float(np.clip(v + apart * rng.uniform(-1, 1), -SPEED, SPEED)))
 
 
-def steepest(f: Callable[[State], float], count: int) -> float:
+def steepest(f: Callable[[FlowState], float], count: int) -> float:
     """The largest |f(a) - f(b)| over max_i |X_i - X_i'| + |y - y'| + |v - v'| of random pairs."""
     rng, found = np.random.default_rng(SEED), 0.0
     for apart in np.repeat([1e-3, 0.1, 2.0], SAMPLES // 3):

@@ -8,7 +8,7 @@ import numpy as np
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter5 import bounded
-from verification.thesis.chapter5.bounded import State, force, mass
+from verification.thesis.chapter5.bounded import FlowState, force, mass
 from verification.thesis.chapter5.instant import Floats, System, instant
 from verification.thesis.chapter5.wavy import T, soft, wavy_flow, wavy_motion
 
@@ -48,7 +48,7 @@ def spread(count: int) -> Floats:
 def _limit_force() -> Evidence:
     """The acceleration of constrained particles, for more and more of them, against the integrals over a density."""
     fine = spread(1000)
-    at = State(fine, np.full(fine.size, 1 / fine.size), Y, YDOT)
+    at = FlowState(fine, np.full(fine.size, 1 / fine.size), Y, YDOT)
     limit = force(at) / mass(at)
     off = []
     for count in (5, 40):
@@ -108,7 +108,7 @@ def _empirical() -> Evidence:
     offsets = np.linspace(-6.0, 6.0, 61)
     bell = np.exp(-(offsets**2) / 2)
     points, weights = (X[:, None] + width * offsets).ravel(), np.tile(bell / bell.sum() / X.size, X.size)
-    at = State(points, weights, Y, YDOT)
+    at = FlowState(points, weights, Y, YDOT)
     found = instant(_system(), X[:, None], np.array([Y]), np.array([YDOT])).a.item()
     off = abs(mass(at) * found - force(at))
     return Evidence(

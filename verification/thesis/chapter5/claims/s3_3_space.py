@@ -7,7 +7,7 @@ import numpy as np
 
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
-from verification.thesis.chapter5.bounded import State, constants, force, mass
+from verification.thesis.chapter5.bounded import FlowState, constants, force, mass
 from verification.thesis.chapter5.claims.s2_3_examples import with_springs
 from verification.thesis.chapter5.instant import STEP, Floats, phi, wavy_system
 from verification.thesis.chapter5.wavy import M as WAVY_M
@@ -173,7 +173,7 @@ def norm(values: Floats) -> float:
 
 def right_side(flow: Floats, y: float, v: float) -> tuple[Floats, float, float]:
     """h(phi, y, v) for the fibre of ``bounded``."""
-    at = State(flow[ATOMS], SHARES, y, v)
+    at = FlowState(flow[ATOMS], SHARES, y, v)
     return soft(flow) * v, v, force(at) / mass(at)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
-from verification.thesis.chapter5.bounded import State, force, mass
+from verification.thesis.chapter5.bounded import FlowState, force, mass
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.wavy import runge_kutta, soft
 
@@ -71,7 +71,7 @@ def moved(X: Floats, y: float, v: float) -> Floats:
     w = np.full(X.size, 1 / X.size)
 
     def rate(z: Floats) -> Floats:
-        at = State(z[2:], w, float(z[0]), float(z[1]))
+        at = FlowState(z[2:], w, float(z[0]), float(z[1]))
         return np.concatenate([[at.v, force(at) / mass(at)], soft(at.X) * at.v])
 
     return np.asarray(runge_kutta(rate, np.concatenate([[y, v], X]), 2.0, 40)[-1])
@@ -126,8 +126,8 @@ def _future() -> Evidence:
     """F_eff of (5.41b) for spread points, against its mean for each point alone, on which no other pulls."""
     X = np.linspace(-1.0, 2.5, 8)
     w, v = np.full(X.size, 1 / X.size), 0.5
-    together = force(State(X, w, 0.3, v))
-    alone = float(np.mean([force(State(X[k : k + 1], np.ones(1), 0.3, v)) for k in range(X.size)]))
+    together = force(FlowState(X, w, 0.3, v))
+    alone = float(np.mean([force(FlowState(X[k : k + 1], np.ones(1), 0.3, v)) for k in range(X.size)]))
     part = abs(together - alone)
     return Evidence(
         f"(5.4), (5.6a), (5.14) and (5.41b) have forces K between particles: on g = X + sin(X)/2 − y, 𝒱(r) = √(1 + "
