@@ -13,7 +13,7 @@ import pandas as pd
 from dincl.study import write
 
 if TYPE_CHECKING:
-    from verification.page.sheet import Axes
+    from verification.page.sheet import Axes, Figure
 
 
 class Result(ABC):
