@@ -192,7 +192,7 @@ def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str,
         "complete" if context.full else "short: fewer and coarser steps (make report FULL=1 runs the complete one)",
     )
     yield from machine(*(chapter.run for chapter in chapters))
-    yield "Times", "seconds of wall time with two runs at once, after a warm-up; building of solvers included"
+    yield "Times", "seconds of CPU time with two runs at once, after a warm-up; building of solvers included"
 
 
 def machine(*makers: Callable[..., Any]) -> Iterator[tuple[str, str]]:

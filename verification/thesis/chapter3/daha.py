@@ -99,9 +99,9 @@ def compared(key: Key, end: float, fine: tuple[float, ...]) -> list[Row]:
     """
     parameters = parameters_of(key["case"], key["eps"], end)
     _warm_up()
-    began = time.perf_counter()
+    began = time.process_time()
     run = simulate_quasi_steady(parameters, key["seed"], throw=False)
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     steps = zip(run.iterations.tolist(), run.terminated.tolist(), run.violation.tolist(), strict=True)
     dt = parameters.numbers().dt
     rows: list[dict[str, Any]] = [

@@ -61,11 +61,11 @@ class Growing:
     def to(self, t: float) -> bool:
         """Go on until time t [h], a multiple of dt; whether the run is fit to go on from there."""
         step = round(t / self.numbers.dt)
-        began = time.perf_counter()
+        began = time.process_time()
         if self.status == SUCCESS:
             self.held, self.made, end = advance_to(self.held, self.made, step, self.numbers, self.random)
             self.status = STATUS[end].name
-        self.seconds += time.perf_counter() - began
+        self.seconds += time.process_time() - began
         # Where cells are thrown out, what ends the run is a matter of chance: that they are is what counts.
         if extent(self.frame().cells) > self.bound:
             self.status = THROWN

@@ -87,9 +87,9 @@ def study(form: FailuresForm) -> Study:
 
 def _row(key: Key) -> list[Row]:
     failure = FAILURES[key["case"]]
-    began = time.perf_counter()
+    began = time.process_time()
     found = failure.look()
-    seconds = time.perf_counter() - began
+    seconds = time.process_time() - began
     return [dict(key) | found._asdict() | {"seconds": seconds}]
 
 
