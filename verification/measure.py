@@ -46,11 +46,14 @@ class Attempt:
     waited: list[float] = field(default_factory=list)
 
     def finished(self) -> dict[str, Any]:
-        """The row: the shortest time, its spread (largest over smallest), whether something else disturbed it."""
+        """The row: the shortest time, its spread (the median over it: an outlier decides nothing), whether it waited."""
         times = {"cpu_seconds": np.nan, "spread": np.nan, "repeats": len(self.cpu), "disturbed": False}
         if self.cpu:
             best = int(np.argmin(self.cpu))
-            times["cpu_seconds"], times["spread"] = self.cpu[best], max(self.cpu) / max(self.cpu[best], 1e-9)
+            times["cpu_seconds"], times["spread"] = (
+                self.cpu[best],
+                float(np.median(self.cpu)) / max(self.cpu[best], 1e-9),
+            )
             times["disturbed"] = self.waited[best] > WAITED
         return self.row | times
 

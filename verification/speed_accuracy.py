@@ -35,7 +35,7 @@ class WorkPrecision(Result):
     ----------
     table
         One row for each method and setting: family, status, errors, ``cpu_seconds`` (the shortest of ``repeats``) with
-        ``spread`` (longest over shortest), ``disturbed`` (the run waited for the processor), counted work.
+        ``spread`` (median over shortest), ``disturbed`` (the run waited for the processor), counted work.
     errors
         Names of the errors, the first is drawn.
     budget

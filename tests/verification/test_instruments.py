@@ -145,7 +145,7 @@ def test_brief_runs_are_repeated_in_turn_and_the_shortest_counts(monkeypatch):
     assert seen == [0.1, 0.05, 0.025, 0.1, 0.025, 0.1, 0.025]
     assert [row["repeats"] for row in rows] == [3, 1, 3]
     assert [row["cpu_seconds"] for row in rows] == pytest.approx([0.05, 2.0, 0.1])
-    assert rows[0]["spread"] == pytest.approx(12.0)
+    assert rows[0]["spread"] == pytest.approx(3.0)
 
 
 def test_methods_are_left_out_of_what_they_are_not_made_for():

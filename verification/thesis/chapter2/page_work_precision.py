@@ -37,7 +37,7 @@ RUNS = {
     "status": "Status",
     "cpu_seconds": "CPU seconds",
     "repeats": "Repeats",
-    "spread": "Longest over shortest",
+    "spread": "Median over shortest",
     "disturbed": "Disturbed",
     "drift_evaluations": "Drift evaluations",
     "candidate_pairs": "Pairs in sweeps",
