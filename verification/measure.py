@@ -46,7 +46,7 @@ class Attempt:
     waited: list[float] = field(default_factory=list)
 
     def finished(self) -> dict[str, Any]:
-        """The row: the shortest time, its spread (the median over it: an outlier decides nothing), whether it waited."""
+        """The row: the shortest time, its spread (median over it: an outlier decides nothing), whether it waited."""
         times = {"cpu_seconds": np.nan, "spread": np.nan, "repeats": len(self.cpu), "disturbed": False}
         if self.cpu:
             best = int(np.argmin(self.cpu))
