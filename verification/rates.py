@@ -79,9 +79,11 @@ class W1Rates(Result):
         return {"Powers of N with 95 % intervals.": self.fit, "Means with 95 % intervals.": self.means}
 
     def __repr__(self) -> str:
-        lines = [f"{row.quantity} at t = {row.t:g}: N^{row.slope:.3f} [{row.low:.3f}, {row.high:.3f}]"
-                 for row in self.fit.itertuples()]  # fmt: skip
-        return f"W1Rates({self.start}; {'; '.join(lines)})"
+        lines = [
+            f"  {row.quantity} at t = {row.t:g}: N^{row.slope:.3f} [{row.low:.3f}, {row.high:.3f}]"
+            for row in self.fit.itertuples()
+        ]
+        return "\n".join([f"W1Rates, {self.start}", *lines])
 
 
 def w1_rates(
@@ -125,7 +127,7 @@ def w1_rates(
     SolveFailed
         If a run of the model ends early.
 
-    Source: Section 5.3.5 and (5.59); for the rates N^-1/2, (log N / N)^1/2, N^-1/3 in d = 1, 2, 3 Ajtai, Komlos and
+    Source: section 3.5 of chapter 5, (5.59); of N^-1/2, (log N / N)^1/2, N^-1/3 in d = 1, 2, 3 Ajtai, Komlos and
     Tusnady (1984); Fournier and Guillin (2015).
     """
     counts = _checked_sizes(sizes)

@@ -137,7 +137,7 @@ def test_weighted_line_with_equal_errors_is_the_plain_one():
 
 def test_result_shows_itself(flow, tmp_path):
     text = repr(flow)
-    assert text.startswith("W1Rates(iid against density; w1 at t = 0: N^-0.")
+    assert text.startswith("W1Rates, iid against density\n  w1 at t = 0: N^-0.")
     axes = flow.plot()
     assert axes.get_xscale() == axes.get_yscale() == "log"
     assert len(axes.get_legend().get_texts()) == len(flow.fit)
