@@ -15,7 +15,7 @@ from tissue.model.numbers import Numbers
 from tissue.model.numbers_daha import Daha
 from tissue.model.numbers_start import StartNumbers
 
-ROOT = Path(__file__).parents[2]
+ROOT = Path(__file__).parents[3]
 THIRD = 1 / 3
 
 THESIS = Numbers(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,6 +41,10 @@ class NamedMethod(Method):
         if self.scheme is None:
             raise dincl.InvalidProblem(f"method {self.name}: run = {describe(self.run)}: a named method is a scheme")
         return self.scheme(setting)
+
+    def __reduce__(self) -> tuple[Callable[[str], NamedMethod], tuple[str]]:
+        """A method travels to other processes by its name: the functions that make schemes do not pickle."""
+        return by_name, (self.name,)
 
     @property
     def colour(self) -> str:
@@ -203,3 +208,8 @@ CHARTED = (
     CHIPMUNK,
 )
 METHODS = {method.name: method for method in (*COMPARED, *CHARTED)}
+
+
+def by_name(name: str) -> NamedMethod:
+    """The method of this name."""
+    return METHODS[name]
