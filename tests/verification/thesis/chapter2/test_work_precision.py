@@ -1,5 +1,6 @@
 """The chart of speed against accuracy says what was measured: its rows, its winners, its sentences."""
 
+import pickle
 from pathlib import Path
 
 import numpy as np
@@ -21,6 +22,7 @@ from verification.thesis.chapter2.methods import (
     EVENT_DRIVEN,
     LINEARISED_DAQP,
     LSODA,
+    METHODS,
     PBD,
 )
 from verification.thesis.chapter2.work_precision import ChartRun, Form
@@ -183,3 +185,11 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     chapter.CHAPTER.run(again)
     for name, table in again.tables.items():
         pd.testing.assert_frame_equal(table, before[name])
+
+
+def test_the_run_of_the_chart_travels_to_other_processes(references):
+    """With its form, whose methods hold functions without a name."""
+    for form in (work_precision.SHORT, work_precision.FULL):
+        run = pickle.loads(pickle.dumps(work_precision.ChartRun(references, form)))
+        assert run.form == form
+        assert all(method is METHODS[method.name] for method in run.form.methods)
