@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
+from verification.page.charts import COLOURS
 from verification.page.sheet import Axes, own_axes
 
-COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
 LOOKS = {"w1": ("E W1", "o", "-"), "error_y": ("E |y_N - y|", "s", "--")}
 
 

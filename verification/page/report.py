@@ -164,6 +164,13 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
         chapter.run(context)
         # At once, so that the figures of a chapter are drawn while the next one runs.
         written.append((chapter.title, list(chapter.sections(context))))
+    context.finish_drawings()
+    facts = list(_facts(chapters, context))
+    return render_page("report.html", context.out / "index.html", chapters=written, facts=facts, safe=Markup)
+
+
+def render_page(template: str, path: Path, **values: Any) -> Path:
+    """Fill a template of this folder and put the page in place at once; ``made`` is the time."""
     environment = Environment(
         loader=PackageLoader("verification.page"),
         autoescape=select_autoescape(),
@@ -171,16 +178,9 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    context.finish_drawings()
-    page = environment.get_template("report.html").render(
-        chapters=written,
-        facts=list(_facts(chapters, context)),
-        made=datetime.now().astimezone().strftime("%Y-%m-%d %H:%M"),
-        safe=Markup,
-    )
-    path = context.out / "index.html"
-    new = path.with_name(".index.html.new")
-    new.write_text(page, "utf-8")
+    made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
+    new = path.with_name(f".{path.name}.new")
+    new.write_text(environment.get_template(template).render(made=made, **values), "utf-8")
     os.replace(new, path)
     return path
 

@@ -3,19 +3,15 @@
 from __future__ import annotations
 
 import base64
-import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from datetime import datetime
 from pathlib import Path
 from typing import Any
-
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 
 from dincl import InvalidProblem
 from dincl.checks import describe
 from verification.measure import measure
-from verification.page.report import Grid, machine
+from verification.page.report import Grid, machine, render_page
 from verification.result import Result
 
 
@@ -45,19 +41,7 @@ def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
             raise InvalidProblem(f"results holds {describe(result)}: must be results of the instruments")
     out = Path(folder)
     shown = [_shown(result, result.save(out)) for result in _named(given)]
-    environment = Environment(
-        loader=PackageLoader("verification.page"),
-        autoescape=select_autoescape(),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
-    page = environment.get_template("results.html").render(results=shown, facts=list(machine(measure)), made=made)
-    path, new = out / "index.html", out / ".index.html.new"
-    new.write_text(page, "utf-8")
-    os.replace(new, path)
-    return path
+    return render_page("results.html", out / "index.html", results=shown, facts=list(machine(measure)))
 
 
 def _named(results: Sequence[Any]) -> list[Any]:

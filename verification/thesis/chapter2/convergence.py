@@ -9,10 +9,11 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Key, Row, Study
+from verification.measure import distance, reached
 from verification.order import Order, estimate, order_text
 from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
 from verification.thesis.chapter2.reference import EventReference
-from verification.thesis.chapter2.runs import distance, reached, scene, solved
+from verification.thesis.chapter2.runs import scene, solved
 
 SCENES = ("four_disks", "ten_disks_corner")
 TIMES = {name: scene(name).times for name in SCENES}

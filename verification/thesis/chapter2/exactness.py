@@ -6,8 +6,9 @@ import numpy as np
 
 import dincl
 from dincl.study import Key, Row, Study
+from verification.measure import distance
 from verification.thesis.chapter2.reference import TOL
-from verification.thesis.chapter2.runs import about, distance, exact, scene, timed
+from verification.thesis.chapter2.runs import about, exact, scene, timed
 
 SCENES = ("sliding_disc", "two_disks", "stack", "step_inclusion", "sweeping_interval")
 # Kept times of each scene, equally spaced from its start to its end.

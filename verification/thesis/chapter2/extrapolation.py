@@ -15,11 +15,12 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
+from verification.measure import distance
 from verification.references import Known
 from verification.thesis.chapter2.convergence import STEP
 from verification.thesis.chapter2.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, REFERENCE_TOL
 from verification.thesis.chapter2.reference import EventReference, kept_times, stack
-from verification.thesis.chapter2.runs import distance, position_rows, solved
+from verification.thesis.chapter2.runs import position_rows, solved
 
 Floats = NDArray[np.float64]
 # |x_{h/2} - x_h| / |x_{h/4} - x_{h/2}| is 2 where c h is the error; outside of this range it is not.

@@ -11,9 +11,10 @@ import pandas as pd
 
 import dincl
 from dincl.study import Key, Row, Study
+from verification.measure import distance, reached
 from verification.thesis.chapter2.convergence import SCENES, TIMES
 from verification.thesis.chapter2.reference import EventReference
-from verification.thesis.chapter2.runs import about, distance, reached, scene, timed
+from verification.thesis.chapter2.runs import about, scene, timed
 
 # From far too weak to unstable.
 SPRINGS = tuple(float(value) for value in np.geomspace(0.01, 10.0, 25))

@@ -13,17 +13,8 @@ import dincl
 from dincl import FixedStep
 from dincl.scenes import Scene
 from dincl.study import Row
+from verification.measure import COUNTERS, reached
 from verification.thesis.chapter2.methods import METHODS
-
-# The counters of a run that become columns.
-COUNTERS = (
-    "steps",
-    "drift_evaluations",
-    "candidate_pairs",
-    "constraint_projections",
-    "solver_calls",
-    "solver_iterations",
-)
 
 
 def scene(name: str) -> Scene:
@@ -65,15 +56,6 @@ def about(path: dincl.Trajectory, seconds: float) -> dict[str, Any]:
     }
 
 
-def reached(path: dincl.Trajectory, times: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The states at ``times``, shape (K, N, d); NaN where the run did not arrive."""
-    states = np.full((len(times), *path.problem.x0.shape), np.nan)
-    for k, t in enumerate(times):
-        for index in np.flatnonzero(path.t == t):
-            states[k] = path.x[index]
-    return states
-
-
 def position_rows(path: dincl.Trajectory, times: NDArray[np.float64], columns: dict[str, Any]) -> list[Row]:
     """One row for each of ``times`` and each particle with its coordinates, and ``columns`` in every row."""
     return [
@@ -81,9 +63,3 @@ def position_rows(path: dincl.Trajectory, times: NDArray[np.float64], columns: d
         for t, state in zip(times, reached(path, times), strict=True)
         for i, x in enumerate(state)
     ]
-
-
-def distance(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    """max_i |X_i - Y_i| at each time, shape (K,), for x, y of shape (K, N, d) [length]."""
-    worst: NDArray[np.float64] = np.sqrt(((x - y) ** 2).sum(axis=-1)).max(axis=-1)
-    return worst

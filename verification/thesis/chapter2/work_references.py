@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 import dincl
 from dincl.scenes import Scene
 from dincl.study import Key, Row, Study, digest
+from verification import references
 from verification.references import Known
 from verification.thesis.kept import keep
 
@@ -37,8 +38,6 @@ TOL = 1e-12
 # Of t, particle, the coordinates and error; the first made by ``main``, the second by ``pile_reference``.
 DATA, MADE_HERE = Path(__file__).parent.parent / "data", "ball_pile_30"
 FILES = {name: DATA / f"{name}.parquet" for name in (MADE_HERE, "pile_1000")}
-# Of an exact solution that was rounded to double numbers, relative to the largest coordinate.
-ROUNDING = 4 * np.finfo(float).eps
 
 
 def study(scenes: Sequence[str] = tuple(SCENES)) -> Study:
@@ -74,14 +73,7 @@ def reference(table: pd.DataFrame, name: str) -> Known:
 
 def _computed(scene: Scene) -> Known:
     end = scene.times[-1]
-    times = np.linspace(0.0, end, round(end / EVERY) + 1)[1:]
-    if scene.exact is not None:
-        x = scene.exact(times)
-        return Known(times, x, np.full(len(times), ROUNDING * np.abs(x).max()))
-    path = dincl.solve(scene, dincl.EventDriven(tol=TOL), t=times, throw=False)
-    if path.error is None or len(path.t) < len(times):
-        raise dincl.StepFailed(path)
-    return Known(path.t, path.x, path.error)
+    return references.reference(scene, TOL)(np.linspace(0.0, end, round(end / EVERY) + 1)[1:])
 
 
 def _from_file(path: Path) -> Known:

@@ -5,12 +5,13 @@ import pandas as pd
 import pytest
 
 import dincl
+from verification.measure import distance, reached
 from verification.thesis.chapter2 import convergence, infeasibility, large_steps
 from verification.thesis.chapter2 import reference as event_driven
 from verification.thesis.chapter2.extrapolation import extrapolate
 from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
 from verification.thesis.chapter2.reference import EventReference
-from verification.thesis.chapter2.runs import distance, exact, reached, scene
+from verification.thesis.chapter2.runs import exact, scene
 
 TOL = 1e-11
 SLIDE = dincl.scenes.sliding_disc()
