@@ -1,6 +1,6 @@
 """Differential inclusions x' in F(t, x) - N(S, x): problems, schemes, projections."""
 
-from dincl import checks, constraints, geometry, projection, rows, scenes, shapes
+from dincl import checks, constraints, drifts, geometry, projection, rows, scenes, shapes
 from dincl.constraints import (
     Constraint,
     DifferentiableConstraint,
@@ -112,6 +112,7 @@ __all__ = [
     "Work",
     "checks",
     "constraints",
+    "drifts",
     "geometry",
     "minimise",
     "project",

@@ -5,7 +5,8 @@ from __future__ import annotations
 import inspect
 import json
 import textwrap
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
@@ -36,12 +37,29 @@ def kernel(function: Function, *, references: bool = True) -> Function:
     references
         Whether to count the references to arrays: not needed by a kernel that makes none.
     """
-    config: Any = numba.config
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": references}
+    with _by_closure():
+        return cast("Function", numba.njit(**options)(function))
+
+
+def c_function(signature: Any, function: Callable[..., Any]) -> Any:
+    """Compile a function at top level of a file that is called by its ``address``; kept on the disk as a kernel is.
+
+    It makes no arrays, and nobody hears of what it raises: it says so by the number that it returns.
+    """
+    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
+    with _by_closure():
+        return numba.cfunc(signature, **options)(function)
+
+
+@contextmanager
+def _by_closure() -> Iterator[None]:
+    """What is declared meanwhile is kept under its closure."""
+    config: Any = numba.config
     before = config.CACHE_LOCATOR_CLASSES
     config.CACHE_LOCATOR_CLASSES = f"{__name__}.{ByClosure.__name__}"
     try:
-        return cast("Function", numba.njit(**options)(function))
+        yield
     finally:
         config.CACHE_LOCATOR_CLASSES = before
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import call, numbers
 from dincl.checks import array, describe
 from dincl.constraints.base import Constraint
+from dincl.drifts.base import CompiledDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.pickles import check_pickles
 from dincl.rows.base import RowsOfOneKind
@@ -94,6 +95,8 @@ class Problem:
             return math.inf
 
     def _check(self) -> None:
+        if isinstance(self.drift, CompiledDrift):
+            self.drift.check(*self.x0.shape)
         try:
             for constraint in self.constraints:
                 constraint.check(*self.x0.shape)

@@ -6,7 +6,7 @@ import numpy as np
 
 from dincl.checks import integer
 from dincl.constraints import HalfSpace, NonOverlap
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from dincl.scenes.layers import layers
 from dincl.scenes.scene import Scene
 
@@ -26,7 +26,7 @@ def ball_pile(n: int, seed: int = 0) -> Scene:
         walls.append(HalfSpace(normal=tuple(-a for a in axis), offset=-start.width, radius=start.radius))
     return Scene(
         start.x,
-        Constant(np.tile([0.0, 0.0, -1.0], (count, 1))),
+        constant(np.tile([0.0, 0.0, -1.0], (count, 1))),
         [NonOverlap(start.radius), *walls],
         name="ball_pile",
         title=f"A pile of {count} balls",

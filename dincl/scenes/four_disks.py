@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dincl.constraints import NonOverlap
-from dincl.scenes.drifts import towards_origin
+from dincl.drifts import attraction
 from dincl.scenes.scene import Scene
 
 RADIUS = 0.5
@@ -21,7 +21,7 @@ def four_disks() -> Scene:
     """
     return Scene(
         START,
-        towards_origin,
+        attraction(0),
         [NonOverlap(RADIUS)],
         name="four_disks",
         title="Four discs drawn to one point",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dincl.constraints import OutsideBall
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from dincl.scenes.exact import Exact
 from dincl.scenes.scene import Scene
 from dincl.scenes.slide import Slide
@@ -33,7 +33,7 @@ def sliding_disc() -> Scene:
     """
     return Scene(
         [SLIDE.start],
-        Constant(np.array([SLIDE.drift])),
+        constant(np.array([SLIDE.drift])),
         [OutsideBall(centre=(0, 0), distance=SLIDE.length)],
         name="sliding_disc",
         title="A disc slides over a fixed disc",

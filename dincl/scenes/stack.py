@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dincl.constraints import HalfSpace, NonOverlap
-from dincl.scenes.drifts import towards_origin
+from dincl.drifts import attraction
 from dincl.scenes.exact import Exact
 from dincl.scenes.scene import Scene
 
@@ -51,7 +51,7 @@ def stack() -> Scene:
     """
     return Scene(
         np.array(START)[:, None],
-        towards_origin,
+        attraction(0),
         [NonOverlap(RADII), HalfSpace(normal=(1,), radius=RADII)],
         name="stack",
         title="A row of intervals pressed against a wall",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dincl.constraints import HalfSpace
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from dincl.scenes.exact import Exact
 from dincl.scenes.scene import Scene
 
@@ -35,7 +35,7 @@ def step_inclusion() -> Scene:
     """
     return Scene(
         [[START]],
-        Constant(np.array([[-1.0]])),
+        constant(np.array([[-1.0]])),
         [HalfSpace(normal=(1,))],
         name="step_inclusion",
         title="The step inclusion",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from dincl.constraints import HalfSpace, Moving
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from dincl.scenes.exact import Exact
 from dincl.scenes.scene import Scene
 
@@ -44,7 +44,7 @@ def sweeping_interval() -> Scene:
     """
     return Scene(
         [[START]],
-        Constant(np.array([[0.0]])),
+        constant(np.array([[0.0]])),
         [Moving(HalfSpace(normal=(1,)), _left_end), Moving(HalfSpace(normal=(-1,), offset=-WIDTH), _left_end)],
         name="sweeping_interval",
         title="A point swept by a moving interval",

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dincl.constraints import HalfSpace, NonOverlap
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from dincl.scenes.scene import Scene
 
 RADIUS = 0.5
@@ -33,7 +33,7 @@ def ten_disks_corner() -> Scene:
     """
     return Scene(
         START,
-        Constant(np.tile([0.0, -1.0], (len(START), 1))),
+        constant(np.tile([0.0, -1.0], (len(START), 1))),
         [NonOverlap(RADIUS), HalfSpace(normal=(1, 1), radius=RADIUS), HalfSpace(normal=(-1, 1), radius=RADIUS)],
         name="ten_disks_corner",
         title="Ten discs falling into a corner",

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from dincl.constraints import NonOverlap
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from dincl.scenes.exact import Exact
 from dincl.scenes.scene import Scene
 from dincl.scenes.slide import Slide
@@ -41,7 +41,7 @@ def two_disks() -> Scene:
     """
     return Scene(
         [SLIDE.start, (0.0, 0.0)],
-        Constant(np.array([SLIDE.drift, (0.0, 0.0)])),
+        constant(np.array([SLIDE.drift, (0.0, 0.0)])),
         [NonOverlap(RADII)],
         name="two_disks",
         title="A disc pushes another one and slides past it",

@@ -9,7 +9,7 @@ import dincl
 from dincl import FixedStep
 
 PUBLIC = [getattr(dincl, name) for name in dincl.__all__ if not inspect.ismodule(getattr(dincl, name))]
-MODULES = (dincl.constraints, dincl.geometry, dincl.projection, dincl.rows)
+MODULES = (dincl.constraints, dincl.drifts, dincl.geometry, dincl.projection, dincl.rows)
 PUBLIC += [getattr(module, name) for module in MODULES for name in module.__all__ if not hasattr(dincl, name)]
 SCHEMES = [item for item in FixedStep.__subclasses__() if item.__module__.startswith("dincl.")]
 FUNCTIONS = [item for item in vars(dincl.scenes).values() if inspect.isfunction(item)]

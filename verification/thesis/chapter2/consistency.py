@@ -9,8 +9,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 import dincl
+from dincl.drifts import constant
 from dincl.geometry import normal_cone, support, tangent_velocity
-from dincl.scenes.drifts import Constant
 from verification.order import estimate, order_text
 from verification.thesis.chapter1.prox_regularity import honeycomb
 
@@ -48,7 +48,7 @@ def _towards(x: Floats, rng: np.random.Generator, centre: Floats) -> Floats:
 
 
 def _pressed(x: Floats, drift: Floats, constraints: Sequence[dincl.Constraint]) -> dincl.Problem:
-    return dincl.Problem(x, Constant(drift), constraints)
+    return dincl.Problem(x, constant(drift), constraints)
 
 
 def single_steps() -> pd.DataFrame:

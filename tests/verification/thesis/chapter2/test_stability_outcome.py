@@ -7,7 +7,7 @@ import pytest
 
 import dincl
 from dincl import FixedStep
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from verification.thesis.chapter2.stability import case
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter2.stability.catalogue import CASES, PLANES
@@ -16,7 +16,7 @@ from verification.thesis.chapter2.stability.outcome import measured
 
 
 def wall(start=1.0):
-    return dincl.Problem([[start]], Constant(np.array([[-1.0]])), [dincl.HalfSpace(normal=(1,))])
+    return dincl.Problem([[start]], constant(np.array([[-1.0]])), [dincl.HalfSpace(normal=(1,))])
 
 
 def test_measured_takes_the_largest_error_of_all_times():
@@ -28,7 +28,7 @@ def test_measured_takes_the_largest_error_of_all_times():
 
 
 def test_measured_tells_falling_from_flying():
-    free = dincl.Problem([[0.0]], Constant(np.array([[-1.0]])))
+    free = dincl.Problem([[0.0]], constant(np.array([[-1.0]])))
     assert measured(free, dincl.PBD(dt=0.5), [50.0], [[0.0]])["outcome"] == "inaccurate"
     flying = dincl.Problem([[1.0]], lambda _t, x: x)
     found = measured(flying, dincl.PBD(dt=0.5), [50.0], [[1.0]])
@@ -38,7 +38,7 @@ def test_measured_tells_falling_from_flying():
 
 
 def test_measured_refuses_what_cannot_begin():
-    problem = dincl.Problem([[1.0]], Constant(np.array([[0.0]])), [dincl.Smooth(lambda x: x[0], lambda _x: np.eye(1))])
+    problem = dincl.Problem([[1.0]], constant(np.array([[0.0]])), [dincl.Smooth(lambda x: x[0], lambda _x: np.eye(1))])
     scheme = dincl.CatchUp(dt=0.1, projection=dincl.ClosedForm())
     found = measured(problem, scheme, [1.0], [[1.0]])
     assert found["outcome"] == "refused"

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import dincl
+from dincl.drifts import attraction, constant
 from dincl.scenes import Scene
-from dincl.scenes.drifts import Constant, towards_origin
 from verification.budget import CpuSeconds, DriftEvaluations, OutOfBudgetError, counted
 from verification.thesis.chapter2.yardsticks import Chipmunk, Lsoda, chipmunk
 
@@ -21,7 +21,7 @@ def a_scene(x0, drift, constraints, radius=0.5):
 
 
 def on_the_floor(speed=2.0):
-    return a_scene([(0.0, 0.75)], Constant(np.array([[0.3, -speed]])), [FLOOR])
+    return a_scene([(0.0, 0.75)], constant(np.array([[0.3, -speed]])), [FLOOR])
 
 
 def error(scheme):
@@ -45,7 +45,7 @@ def test_lsoda_does_not_step_over_a_disc_and_gets_better_with_tol():
 
 
 def test_lsoda_solves_the_free_motion_to_its_own_tolerance():
-    path = dincl.solve(a_scene([(1.0, 2.0)], towards_origin, []), Lsoda(tol=1e-6), t=[0.0, 0.37, 1.0])
+    path = dincl.solve(a_scene([(1.0, 2.0)], attraction(0), []), Lsoda(tol=1e-6), t=[0.0, 0.37, 1.0])
     assert path.t.tolist() == [0.0, 0.37, 1.0]
     assert path.x[:, 0] == pytest.approx(np.exp(-path.t)[:, None] * (1.0, 2.0), abs=1e-6)
 
@@ -70,7 +70,7 @@ def test_jacobian_of_the_springs_is_their_derivative():
     from verification.thesis.chapter2.yardsticks.kept import Kept
 
     problem = a_scene(
-        [(0.0, 0.5), (1.0, 0.5)], Constant(np.array([[1.0, -1.0], [-1.0, -1.0]])), [dincl.NonOverlap(0.5), FLOOR]
+        [(0.0, 0.5), (1.0, 0.5)], constant(np.array([[1.0, -1.0], [-1.0, -1.0]])), [dincl.NonOverlap(0.5), FLOOR]
     )
     springs = lsoda._Springs(problem, 1e-5, 0.1, Kept(problem, np.array([1.0])))
     x = np.array([1e-5, 0.5 - 1e-5, 1.0, 0.5 - 2e-5])
@@ -114,7 +114,7 @@ def test_kept_states_are_joined_by_straight_lines(scheme):
 
 
 def test_chipmunk_makes_euler_steps_where_nothing_touches():
-    path = dincl.solve(a_scene([(1.0, 2.0)], towards_origin, []), Chipmunk(dt=0.1, iterations=10), t=[0.3, 0.35, 1.0])
+    path = dincl.solve(a_scene([(1.0, 2.0)], attraction(0), []), Chipmunk(dt=0.1, iterations=10), t=[0.3, 0.35, 1.0])
     at = [0.9**3, (0.9**3 + 0.9**4) / 2, 0.9**10]
     # t_end / dt steps end at 1, so 0.35 lies in the middle of the fourth.
     assert path.x[:, 0] == pytest.approx(np.array(at)[:, None] * (1.0, 2.0), rel=1e-12)
@@ -144,7 +144,7 @@ def test_chipmunk_converges_with_pairs_and_walls():
 
 
 def test_discs_that_may_overlap_pass_each_other():
-    scene = a_scene([(0.0, 0.6), (2.0, 0.6)], Constant(np.array([[1.0, 0.0], [-1.0, 0.0]])), [FLOOR])
+    scene = a_scene([(0.0, 0.6), (2.0, 0.6)], constant(np.array([[1.0, 0.0], [-1.0, 0.0]])), [FLOOR])
     path = dincl.solve(scene, Chipmunk(dt=0.1, iterations=10), t=[2.0])
     assert path.final == pytest.approx(np.array([(2.0, 0.6), (0.0, 0.6)]))
 
@@ -154,11 +154,11 @@ def test_discs_that_may_overlap_pass_each_other():
     [
         dincl.scenes.ball_pile(5),
         dincl.scenes.sweeping_interval(),
-        dincl.Problem([(0.0, 1.0)], towards_origin),
-        a_scene([(0.0, 1.0)], towards_origin, [dincl.HalfSpace(normal=(0, 1), radius=0.4)]),
-        a_scene([(0.0, 1.0)], towards_origin, [dincl.NonOverlap(0.4)]),
-        a_scene([(0.0, 1.0)], towards_origin, [dincl.OutsideBall(centre=(0, 0), distance=0.5)]),
-        a_scene([(0.0, 1.0)], towards_origin, [dincl.InsideBall(centre=(0, 0), distance=5.0)]),
+        dincl.Problem([(0.0, 1.0)], attraction(0)),
+        a_scene([(0.0, 1.0)], attraction(0), [dincl.HalfSpace(normal=(0, 1), radius=0.4)]),
+        a_scene([(0.0, 1.0)], attraction(0), [dincl.NonOverlap(0.4)]),
+        a_scene([(0.0, 1.0)], attraction(0), [dincl.OutsideBall(centre=(0, 0), distance=0.5)]),
+        a_scene([(0.0, 1.0)], attraction(0), [dincl.InsideBall(centre=(0, 0), distance=5.0)]),
     ],
 )
 def test_chipmunk_refuses_what_it_cannot_run(problem):

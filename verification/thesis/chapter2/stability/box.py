@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, named
 from verification.thesis.chapter2.stability.jaws import Along
 from verification.thesis.chapter2.stability.outcome import measured
@@ -43,7 +43,7 @@ def box(fraction: float) -> dincl.Problem:
         dincl.HalfSpace(normal=(-1,), offset=-first, radius=RADIUS), Along((COUNT / fraction - first,))
     )
     walls = [dincl.HalfSpace(normal=(1,), radius=RADIUS), right]
-    return dincl.Problem(start(), Constant(np.zeros((COUNT, 1))), [dincl.NonOverlap(RADIUS), *walls])
+    return dincl.Problem(start(), constant(np.zeros((COUNT, 1))), [dincl.NonOverlap(RADIUS), *walls])
 
 
 def exact(fraction: float) -> Floats:

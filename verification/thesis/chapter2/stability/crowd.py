@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl import FixedStep
-from dincl.scenes.drifts import towards_origin
+from dincl.drifts import attraction
 from verification.thesis.chapter2.stability.case import Case, Found
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, named
 from verification.thesis.chapter2.stability.outcome import row
@@ -36,7 +36,7 @@ def crowd(n: int) -> dincl.Problem:
     side = math.ceil(math.sqrt(n))
     place = np.indices((side, side)).reshape(2, -1).T[:n].astype(np.float64)
     jitter = np.random.default_rng(n).uniform(-JITTER, JITTER, (n, 2))
-    return dincl.Problem(SPACING * (place - place.mean(axis=0)) + jitter, towards_origin, [dincl.NonOverlap(RADIUS)])
+    return dincl.Problem(SPACING * (place - place.mean(axis=0)) + jitter, attraction(0), [dincl.NonOverlap(RADIUS)])
 
 
 def gyration(x: Floats) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, named
@@ -50,7 +50,7 @@ def jaws(speed: float) -> dincl.Problem:
         for side in (1, -1)
     ]
     ceiling = dincl.HalfSpace(normal=(0, -1), offset=-CEILING)
-    return dincl.Problem([[0.0, LOW]], Constant(np.array([[0.0, -1.0]])), [*obstacles, ceiling])
+    return dincl.Problem([[0.0, LOW]], constant(np.array([[0.0, -1.0]])), [*obstacles, ceiling])
 
 
 def height(travel: float) -> float:
@@ -102,7 +102,7 @@ def closing() -> dincl.Problem:
         dincl.Moving(dincl.HalfSpace(normal=(side, 0), offset=-OPEN / 2, radius=0.5), Along((side, 0.0)))
         for side in (1.0, -1.0)
     ]
-    return dincl.Problem([[0.2, 0.0]], Constant(np.array([[0.3, 0.0]])), walls)
+    return dincl.Problem([[0.2, 0.0]], constant(np.array([[0.3, 0.0]])), walls)
 
 
 def _room(method: str, end: float) -> bool:

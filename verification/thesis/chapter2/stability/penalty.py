@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from dincl.scenes.drifts import Constant, towards_origin
+from dincl.drifts import attraction, constant
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.outcome import OVERLAP, measured
@@ -38,7 +38,7 @@ def limit(problem: dincl.Problem) -> float:
 def pair() -> dincl.Problem:
     """Two discs that are pressed together along the diagonal."""
     push = np.array([[0.6, 0.8], [-0.6, -0.8]])
-    return dincl.Problem([[0.0, 0.0], [0.6, 0.8]], Constant(push), [dincl.NonOverlap(RADIUS)])
+    return dincl.Problem([[0.0, 0.0], [0.6, 0.8]], constant(push), [dincl.NonOverlap(RADIUS)])
 
 
 def hexagon() -> dincl.Problem:
@@ -46,7 +46,7 @@ def hexagon() -> dincl.Problem:
     angle = np.arange(6) * np.pi / 3
     ring = np.column_stack((np.cos(angle), np.sin(angle)))
     x = 1.002 * np.vstack(([[0.0, 0.0]], ring)) + 5e-4 * np.random.default_rng(3).uniform(-1, 1, (7, 2))
-    return dincl.Problem(x, towards_origin, [dincl.NonOverlap(RADIUS)])
+    return dincl.Problem(x, attraction(0), [dincl.NonOverlap(RADIUS)])
 
 
 def rests(problem: dincl.Problem, strength: float, dt: float = DT) -> bool:
@@ -107,7 +107,7 @@ def _printed() -> Found:
 def cell(method: str, dt: float, strength: float) -> dict[str, Any]:
     """An interval in a slit that just fits, pressed to one side by the force 1: it cannot move."""
     walls = [dincl.HalfSpace(normal=(side,), offset=-RADIUS, radius=RADIUS) for side in (1.0, -1.0)]
-    problem = dincl.Problem([[0.0]], Constant(np.array([[1.0]])), walls)
+    problem = dincl.Problem([[0.0]], constant(np.array([[1.0]])), walls)
     scheme = dincl.Penalty(dt=dt, strength=strength, exponent=2 if method == "penalty_springs" else 1)
     steps = max(60, math.ceil(2 / dt))
     return measured(problem, scheme, dt * np.arange(steps - 10, steps + 1), problem.x0)

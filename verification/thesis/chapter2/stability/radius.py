@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, named
@@ -35,7 +35,7 @@ def spread(scheme: dincl.Scheme, step: float) -> float:
     ends = []
     for side in (-half, half):
         start = [[math.sqrt(LENGTH**2 - side**2), side]]
-        push = Constant(np.array([[-step, 0.0]]))
+        push = constant(np.array([[-step, 0.0]]))
         problem = dincl.Problem(start, push, [dincl.OutsideBall(centre=(0, 0), distance=LENGTH)])
         ends.append(dincl.solve(problem, scheme, t=1.0).final)
     return float(np.linalg.norm(ends[1] - ends[0]))
@@ -47,7 +47,7 @@ def pair_spread(scheme: dincl.Scheme, step: float) -> float:
     for side in (-TWIN / 2, TWIN / 2):
         turn = side / math.sqrt(2)  # each of the two is moved across, in opposite directions
         start = np.array([[-LENGTH / 2, -turn], [LENGTH / 2, turn]])
-        push = Constant(np.array([[each, 0.0], [-each, 0.0]]))
+        push = constant(np.array([[each, 0.0], [-each, 0.0]]))
         path = dincl.solve(dincl.Problem(start, push, [dincl.NonOverlap(LENGTH / 2)]), scheme, t=1.0)
         ends.append(path.final)
     return float(np.linalg.norm(ends[1] - ends[0]))
@@ -81,7 +81,7 @@ def opening(c: float) -> tuple[dincl.Problem, float]:
     """
     height = math.sqrt(LENGTH**2 - c**2)
     obstacles = [dincl.OutsideBall(centre=(side * c, 0.0), distance=LENGTH) for side in (1, -1)]
-    return dincl.Problem([[0.0, height]], Constant(np.array([[0.0, -1.0]])), obstacles), height
+    return dincl.Problem([[0.0, height]], constant(np.array([[0.0, -1.0]])), obstacles), height
 
 
 def stays(c: float, make: Callable[[float], dincl.Scheme], dt: float) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl import kernels
-from dincl.scenes.drifts import Constant
+from dincl.drifts import constant
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, TOL, named
 from verification.thesis.chapter2.stability.outcome import ERROR, measured
@@ -36,7 +36,7 @@ def packed(n: int) -> Floats:
 def pressed(n: int, gap: float = 0.0) -> dincl.Problem:
     """n intervals of diameter 1 with gaps, pressed onto a wall at 0: every one of them is pushed with the force 1."""
     x = packed(n) + gap * np.arange(1, n + 1)[:, None]
-    push = Constant(np.full((n, 1), -1.0))
+    push = constant(np.full((n, 1), -1.0))
     return dincl.Problem(x, push, [dincl.NonOverlap(RADIUS), dincl.HalfSpace(normal=(1,), radius=RADIUS)])
 
 
@@ -86,7 +86,7 @@ def _limit_of_sweeps() -> Found:
 def sweeps_needed(n: int) -> int:
     """Sweeps of PBD until a row that overlaps by a tenth of a diameter everywhere does so by ``SORTED`` at most."""
     start = (0.9 * np.arange(n) + RADIUS)[:, None]
-    problem = dincl.Problem(packed(n), Constant(start - packed(n)), pressed(n).constraints)
+    problem = dincl.Problem(packed(n), constant(start - packed(n)), pressed(n).constraints)
     few, many = 0, 1
     while _overlap_after(problem, many) > SORTED:
         few, many = many, 2 * many

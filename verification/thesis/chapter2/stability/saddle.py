@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
+from dincl.drifts import attraction, constant
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Minimiser, Stationary, Uzawa, minimise
-from dincl.scenes.drifts import Constant, towards_origin
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.outcome import row
@@ -27,12 +27,12 @@ METHODS = {"arrow_hurwicz": "Arrow-Hurwicz", "damped": "damped Arrow-Hurwicz, c 
 
 def spring() -> dincl.Problem:
     """min x^2/2 for x >= 1, from 1.5: x = 1 with the multiplier 1; Hessian h = 1, |J|^2 = 1."""
-    return dincl.Problem([[1.5]], towards_origin, [dincl.HalfSpace(normal=(1,), offset=1.0)])
+    return dincl.Problem([[1.5]], attraction(0), [dincl.HalfSpace(normal=(1,), offset=1.0)])
 
 
 def weight() -> dincl.Problem:
     """min x for x >= 1, from 1.5: the same minimum with h = 0."""
-    push = Constant(np.array([[-1.0]]))
+    push = constant(np.array([[-1.0]]))
     return dincl.Problem([[1.5]], push, [dincl.HalfSpace(normal=(1,), offset=1.0)])
 
 

@@ -1,0 +1,186 @@
+"""The usual drifts: a velocity, an attraction, a rotation, and sums of these."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl.checks import array, describe
+from dincl.drifts.base import CompiledDrift
+from dincl.errors import InvalidProblem
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+_ZERO = array("zero", 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class AffineDrift(CompiledDrift):
+    """F_i(x) = c_i + a_i X_i + b_i J X_i, J (x, y) = (-y, x): made by ``constant``, ``attraction``, ``swirl`` and +.
+
+    Added up from left to right; a term that is 0 for all particles is left out. Compiled or not, it gives the same
+    bits. Two drifts are equal if all their numbers are the same, bit for bit.
+
+    Parameters
+    ----------
+    velocity
+        c [length / time], shape () if it is 0, (d,) for all particles, or (N, d).
+    stretch, turn
+        a and b [1 / time], shape () for all particles, or (N,). A turn needs d = 2.
+    """
+
+    velocity: NDArray[np.float64]
+    stretch: NDArray[np.float64]
+    turn: NDArray[np.float64]
+
+    def __call__(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        value, stretch, turn = self._terms
+        if stretch is not None:
+            value = stretch * x if value is None else value + stretch * x
+        if turn is not None:
+            turned = turn * np.column_stack((-x[:, 1], x[:, 0]))
+            value = turned if value is None else value + turned
+        if value is None or value.shape != x.shape:
+            value = np.full_like(x, -0.0 if value is None else value)
+        return value
+
+    def __add__(self, other: Any) -> AffineDrift:
+        if not isinstance(other, AffineDrift):
+            return NotImplemented
+        return AffineDrift(
+            _sum(self.velocity, other.velocity), _sum(self.stretch, other.stretch), _sum(self.turn, other.turn)
+        )
+
+    def __eq__(self, other: object) -> bool:
+        return self._content == other._content if isinstance(other, AffineDrift) else NotImplemented
+
+    def __hash__(self) -> int:
+        return hash(self._content)
+
+    def check(self, count: int, d: int) -> None:
+        for name in ("velocity", "stretch", "turn"):
+            of = getattr(self, name).shape
+            fits = of in ((), (d,), (count, d)) if name == "velocity" else of in ((), (count,))
+            if not fits:
+                raise InvalidProblem(f"drift: its {name} has shape {of}: must fit N = {count} particles in d = {d}")
+        if d != 2 and self.turn.any():
+            raise InvalidProblem(f"drift: a swirl needs particles in the plane, d = 2, but they have d = {d}")
+
+    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+        from dincl.kernels.drifts import affine
+
+        return affine.address, self._data
+
+    @cached_property
+    def _terms(self) -> tuple[NDArray[np.float64] | None, ...]:
+        """c, a and b, to be broadcast against (N, d); None for a term that is left out."""
+        rates = [rate[..., None] if rate.any() else None for rate in (self.stretch, self.turn)]
+        moves = self.velocity.any() or (self.velocity.ndim > 0 and rates == [None, None])
+        return (self.velocity if moves else None, *rates)
+
+    @cached_property
+    def _data(self) -> NDArray[np.float64]:
+        """The numbers of the C function: first, for each term, where its own begin and how far particles lie apart."""
+        head, numbers = np.zeros(6), np.zeros(0)
+        for k, term in enumerate(self._terms):
+            if term is not None:
+                head[2 * k] = head.size + numbers.size
+                head[2 * k + 1] = term.shape[-1] if term.ndim == 2 else 0
+                numbers = np.append(numbers, term)
+        return np.append(head, numbers)
+
+    @cached_property
+    def _content(self) -> tuple[Any, ...]:
+        return tuple((part.shape, part.tobytes()) for part in (self.velocity, self.stretch, self.turn))
+
+
+def constant(velocity: ArrayLike) -> AffineDrift:
+    """F_i(t, x) = velocity [length / time], of shape (d,) for all particles or (N, d).
+
+    Raises
+    ------
+    InvalidProblem
+        If it is of another shape, empty or not finite. A Problem refuses a shape that does not fit its own.
+    """
+    checked = array("velocity", velocity)
+    if checked.ndim not in (1, 2) or checked.size == 0:
+        raise InvalidProblem(f"velocity = {describe(velocity)}: must have shape (d,) or (N, d)")
+    return AffineDrift(checked, _ZERO, _ZERO)
+
+
+def attraction(centre: ArrayLike, rate: ArrayLike = 1.0) -> AffineDrift:
+    """F_i(t, x) = -rate_i (X_i - centre), evaluated as rate_i centre - rate_i X_i.
+
+    Parameters
+    ----------
+    centre
+        Where all particles are drawn to, shape (d,) [length]; 0 is the origin of any dimension.
+    rate
+        One, or one for each particle, shape (N,) [1 / time]; a negative one drives away.
+
+    Raises
+    ------
+    InvalidProblem
+        For other shapes and numbers that are not finite. A Problem refuses a shape that does not fit its own.
+    """
+    middle, rates = _centre(centre), _rate(rate)
+    return AffineDrift(_scaled(rates, middle), array("rate", -rates), _ZERO)
+
+
+def swirl(centre: ArrayLike, rate: ArrayLike) -> AffineDrift:
+    """F_i(t, x) = rate_i J (X_i - centre), J (x, y) = (-y, x): a rotation in the plane, d = 2, counter-clockwise.
+
+    Evaluated as -rate_i J centre + rate_i J X_i.
+
+    Parameters
+    ----------
+    centre
+        The middle of the rotation, shape (2,) [length]; 0 is the origin.
+    rate
+        The angular velocity, one or one for each particle, shape (N,) [1 / time].
+
+    Raises
+    ------
+    InvalidProblem
+        For other shapes and numbers that are not finite. A Problem refuses a shape that does not fit its own.
+    """
+    middle, rates = _centre(centre), _rate(rate)
+    if middle.shape not in ((), (2,)):
+        raise InvalidProblem(f"centre of shape {middle.shape}: must have shape (2,), as a swirl is in the plane")
+    back = middle if middle.ndim == 0 else np.array([middle[1], -middle[0]])
+    return AffineDrift(_scaled(rates, back), _ZERO, rates)
+
+
+def _centre(centre: ArrayLike) -> NDArray[np.float64]:
+    checked = array("centre", centre)
+    if checked.ndim > 1 or checked.size == 0 or (checked.ndim == 0 and checked != 0):
+        raise InvalidProblem(f"centre = {describe(centre)}: must have shape (d,), or be 0 for the origin")
+    return checked
+
+
+def _rate(rate: ArrayLike) -> NDArray[np.float64]:
+    checked = array("rate", rate)
+    if checked.ndim > 1 or checked.size == 0:
+        raise InvalidProblem(f"rate = {describe(rate)}: must be one number, or one for each particle, shape (N,)")
+    return checked
+
+
+def _scaled(rate: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
+    """rate_i place, of shape () if place is 0, (d,) or (N, d)."""
+    return _ZERO if place.ndim == 0 else array("rate times centre", rate[..., None] * place)
+
+
+def _sum(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Of numbers for all particles or for each."""
+    if a.ndim == b.ndim and a.shape != b.shape:
+        raise InvalidProblem(f"drifts of shapes {a.shape} and {b.shape} in a sum: must be for the same particles")
+    try:
+        return array("a sum of drifts", a + b)
+    except ValueError as error:
+        if isinstance(error, InvalidProblem):
+            raise
+        raise InvalidProblem(f"drifts of shapes {a.shape} and {b.shape} in a sum: must have the same d") from error
