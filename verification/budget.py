@@ -5,10 +5,15 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from dincl import Problem
+from dincl import Problem, drifts
 from dincl.checks import integer, number
+from dincl.drifts import CompiledDrift
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
 
 # How much longer than its limit a run may take before it is stopped, and how much shorter it is to be beyond doubt.
 GRACE, CERTAIN = 2.0, 1.5
@@ -101,17 +106,33 @@ class CountedDrift:
         self.evaluations, self.began = 0, time.process_time()
 
     def __call__(self, t: float, x: Any) -> Any:
-        self.evaluations += 1
+        self.made(1)
+        return self._drift(t, x)
+
+    def made(self, evaluations: int) -> None:
+        """Count so many evaluations."""
+        self.evaluations += evaluations
         if self._budget is not None and self._budget.spent(self.began, self.evaluations) > self._budget.limit():
             raise OutOfBudgetError
-        return self._drift(t, x)
+
+
+class CountedCompiledDrift(CountedDrift, CompiledDrift):
+    """A drift that compiled runs call without Python: they say themselves how often, now and then."""
+
+    def __init__(self, drift: CompiledDrift, budget: Budget | None) -> None:
+        super().__init__(drift, budget)
+        self._compiled = drift
+
+    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+        return self._compiled.pointer()
 
 
 def counted(problem: Any, budget: Budget | None) -> tuple[Any, CountedDrift | None]:
     """The problem with a counted drift, and that drift; anything but a dincl.Problem comes back as it is."""
     if not isinstance(problem, Problem):
         return problem, None
-    drift = CountedDrift(problem.drift, budget)
+    compiled = drifts.compiled(problem.drift)
+    drift = CountedDrift(problem.drift, budget) if compiled is None else CountedCompiledDrift(compiled, budget)
     same = object.__new__(type(problem))
     vars(same).update(vars(problem) | {"drift": drift})  # checked already, with the drift inside
     return same, drift

@@ -2,5 +2,6 @@
 
 from dincl.drifts.affine import AffineDrift, attraction, constant, swirl
 from dincl.drifts.base import CompiledDrift
+from dincl.drifts.dispatched import DispatchedDrift, compiled
 
-__all__ = ["AffineDrift", "CompiledDrift", "attraction", "constant", "swirl"]
+__all__ = ["AffineDrift", "CompiledDrift", "DispatchedDrift", "attraction", "compiled", "constant", "swirl"]

@@ -83,11 +83,10 @@ def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, dat
     int
         OK, FAILED if the drift says so, NOT_A_NUMBER if a number of out is none or too large.
     """
-    values = out.reshape(n * d)
-    values[0] = np.nan  # stays if the function returns early without saying so, as an interrupted callback does
+    out.flat[0] = np.nan  # stays if the function returns early without saying so, as an interrupted callback does
     if call_drift(address, t, x, out, n, d, data) != 0:
         return FAILED
     for k in range(n * d):
-        if not abs(values[k]) <= LARGEST:
+        if not abs(out.flat[k]) <= LARGEST:
             return NOT_A_NUMBER
     return OK
