@@ -37,6 +37,7 @@ class Problem:
         Start, shape (N, d), N, d >= 1, feasible to 1e-9 of its largest coordinate [length].
     drift
         F: (t, x) -> velocity of the unconstrained particles, (N, d) -> (N, d) [length / time]. x is read-only.
+        ``dincl.drifts`` has the usual ones.
     constraints
         The sets whose intersection is S, in the order in which PBD projects onto them.
 

@@ -43,9 +43,12 @@ def as_c_function(drift: Any) -> Any:
         kinds = (types.Float, types.Integer)
         if not (isinstance(returned, types.Array) and returned.ndim == 2 and isinstance(returned.dtype, kinds)):
             return None
-        return numba.cfunc(DRIFT)(_wrapped(drift))
+        call = _wrapped(drift)
+        compiled = numba.cfunc(DRIFT)(call)
     except NumbaError:
         return None
+    call.__closure__[0].cell_contents = None  # the machine code needs it no longer, and it may be forgotten
+    return compiled
 
 
 def _wrapped(drift: Any) -> Any:

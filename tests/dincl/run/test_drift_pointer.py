@@ -309,6 +309,15 @@ def test_nothing_outlives_the_pointer(drift):
     assert gone() is None
 
 
+def test_a_function_of_numba_is_forgotten_with_its_machine_code():
+    function = numba.njit(lambda t, x: 3 * x)
+    assert run(dincl.Problem(X, function)).tobytes() == plain(dincl.Problem(X, function)).tobytes()
+    gone = weakref.ref(function)
+    del function
+    gc.collect()
+    assert gone() is None
+
+
 @pytest.mark.parametrize("drift", [attraction(0), njit_decay])
 def test_a_counted_drift_stays_compiled_and_stops_the_run(drift):
     problem, count = counted(dincl.Problem(X, drift), DriftEvaluations(20))
