@@ -28,6 +28,7 @@ from dincl.minimise import (
 )
 from dincl.problem import Problem
 from dincl.projection import (
+    ActiveSet,
     Clarabel,
     ClosedForm,
     CvxpyQP,
@@ -60,6 +61,7 @@ from dincl.work import Work
 
 __all__ = [
     "PBD",
+    "ActiveSet",
     "ArrowHurwicz",
     "Between",
     "CatchUp",

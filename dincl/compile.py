@@ -42,6 +42,13 @@ def kernel(function: Function, *, references: bool = True) -> Function:
         return cast("Function", numba.njit(**options)(function))
 
 
+def inner(function: Function) -> Function:
+    """Compile a part of kernels, which makes no arrays and which Python does not call: that saves time of compiling."""
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
+    with _by_closure():
+        return cast("Function", numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
+
+
 def c_function(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile a function at top level of a file that is called by its ``address``; kept on the disk as a kernel is.
 

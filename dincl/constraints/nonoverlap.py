@@ -64,8 +64,11 @@ class NonOverlap(Constraint):
     def select(self, x: NDArray[np.float64], reach: float) -> DistanceRows:
         """The pairs with a gap of at most 2 reach."""
         discs, radii = self.discs(len(x)), self.radii(len(x))
-        start, partner = near_pairs(x[discs], radii[discs] + reach)
-        i, j = np.repeat(discs, np.diff(start)), discs[partner]
+        if np.isfinite(reach):
+            start, partner = near_pairs(x[discs], radii[discs] + reach)
+            i, j = np.repeat(discs, np.diff(start)), discs[partner]
+        else:
+            i, j = (discs[end] for end in np.tril_indices(len(discs), -1))
         return DistanceRows(i, j, radii[i] + radii[j], 1.0)
 
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:

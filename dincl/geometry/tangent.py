@@ -9,8 +9,8 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.cone import nearest
-from dincl.events.contacts import near
 from dincl.geometry.active import checked, closed, failures_told, of_shape
+from dincl.geometry.contacts import near
 from dincl.norms import longest
 from dincl.rows.affine import AffineRows
 

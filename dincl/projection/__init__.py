@@ -5,6 +5,7 @@ and Jacobian (a ``Csr`` matrix); a ``QpSolver`` sees only quadratic programs. ``
 """
 
 from dincl.csr import Csr
+from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projected, Projection, Solver, check_projection
 from dincl.projection.clarabel import Clarabel
 from dincl.projection.closed_form import ClosedForm
@@ -19,6 +20,7 @@ from dincl.projection.qp import QpAnswer, QpSolver
 from dincl.rows import AffineRows, Rows
 
 __all__ = [
+    "ActiveSet",
     "AffineRows",
     "Clarabel",
     "ClosedForm",

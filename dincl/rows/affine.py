@@ -11,6 +11,7 @@ from dincl import kernels
 from dincl.rows.base import RowsOfOneKind
 from dincl.rows.polynomial import Polynomial
 from dincl.rows.sweeper import Sweeper
+from dincl.rows.tabulated import TableRows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -58,6 +59,18 @@ class AffineRows(RowsOfOneKind):
 
     def sweeper(self, d: int) -> Sweeper:
         return AffineSweeper(self)
+
+    def tabulated(self, d: int) -> TableRows:
+        from dincl.kernels.table import AFFINE
+
+        matrix, row_of = self.matrix, self.matrix.row_of_entry
+        square = matrix.norms_squared()
+        # A unit normal is scaled to length 1 up to rounding, which is then no reason to divide by it.
+        square[np.abs(square - 1) <= 4 * np.finfo(float).eps] = 1.0
+        blocks = np.zeros((len(self), matrix.columns // d))
+        np.add.at(blocks, (row_of, matrix.indices // d), matrix.data**2)
+        numbers = {"kind": AFFINE, "length": self.bound, "square": square, "sway": np.sqrt(blocks).sum(axis=1)}
+        return TableRows(numbers | {"j": -1}, np.diff(matrix.indptr), matrix.indices, matrix.data)
 
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
         """(a . x - b) / s."""

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from dincl.csr import Csr
     from dincl.rows.polynomial import Polynomial
     from dincl.rows.sweeper import Sweeper
+    from dincl.rows.tabulated import TableRows
 
 
 class Rows(ABC):
@@ -100,6 +101,10 @@ class RowsOfOneKind(Rows):
     def squared_jacobian(self, x: NDArray[np.float64]) -> Csr:
         """dh/dx at x."""
         return self.jacobian(x)
+
+    def tabulated(self, d: int) -> TableRows | None:
+        """The rows as compiled code reads them, for particles in dimension d; None if g itself is to be called."""
+        return None
 
     def longest_length(self) -> float:
         """The largest length that a row compares with, by which rounding is measured; 0 if there is none."""

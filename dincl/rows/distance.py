@@ -14,6 +14,7 @@ from dincl.norms import norms
 from dincl.rows.curved import CurvedRows
 from dincl.rows.polynomial import Polynomial
 from dincl.rows.sweeper import Sweeper
+from dincl.rows.tabulated import TableRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -85,6 +86,25 @@ class DistanceRows(CurvedRows):
 
     def sweeper(self, d: int) -> Sweeper:
         return DistanceSweeper(self, d)
+
+    def tabulated(self, d: int) -> TableRows:
+        from dincl.kernels.table import DISTANCE
+
+        m, axes = len(self), np.arange(d)
+        column = axes + d * self.i[:, None]
+        coefficient = np.zeros((m, 2 * d)) if self.anchor is None else np.asarray(self.anchor)
+        if self.j is not None:
+            column = np.hstack((column, axes + d * self.j[:, None]))
+        numbers = {
+            "kind": DISTANCE,
+            "i": self.i,
+            "j": -1 if self.j is None else self.j,
+            "length": self.length,
+            "sign": self.sign,
+            "square": 1.0 if self.j is None else 2.0,
+            "sway": 1.0 if self.j is None else 2.0,
+        }
+        return TableRows(numbers, np.full(m, column.shape[1]), column.ravel(), coefficient.ravel())
 
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
         """sign (|X_i - X_j|^2 - L^2) / (2 L s)."""

@@ -86,7 +86,7 @@ class Selection:
             mine = slice(start, start + len(block))
             start += len(block)
             if len(block) and constraint.displacement(t, self.shape[1]) is not None:
-                velocity = np.tile(self._velocity(t, constraint, spacing), self.shape[0])
+                velocity = np.tile(set_velocity(constraint, t, self.shape[1], spacing), self.shape[0])
                 least[mine] = unit.times(velocity)[mine]
         return least
 
@@ -103,13 +103,13 @@ class Selection:
             return None
         return np.array([np.zeros(d) if before is None or after is None else after - before for before, after in paths])
 
-    def _velocity(self, t: float, constraint: Constraint, spacing: float) -> NDArray[np.float64]:
-        """The derivative of the displacement, without looking at negative times."""
-        first, weights = (-3, CENTRAL) if t >= 3 * spacing else (0, FORWARD)
-        times = [t + (first + k) * spacing for k in range(len(weights))]
-        places = [constraint.displacement(time, self.shape[1]) for time in times]
-        found: NDArray[np.float64] = weights @ np.array(places) / spacing
-        return found
+
+def set_velocity(constraint: Constraint, t: float, d: int, spacing: float) -> NDArray[np.float64]:
+    """The derivative of the displacement of a set, shape (d,), without looking at negative times [length / time]."""
+    first, weights = (-3, CENTRAL) if t >= 3 * spacing else (0, FORWARD)
+    places = [constraint.displacement(t + (first + k) * spacing, d) for k in range(len(weights))]
+    found: NDArray[np.float64] = weights @ np.array(places) / spacing
+    return found
 
 
 def select(constraints: Sequence[Constraint], t: float, x: NDArray[np.float64], reach: float) -> Selection:

@@ -5,6 +5,9 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, NamedTuple
 
+from dincl.checks import LARGEST, bounded, describe
+from dincl.errors import InvalidProblem, StepFailure
+from dincl.status import Status
 from dincl.work import Work
 
 if TYPE_CHECKING:
@@ -12,6 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
+    from dincl.run.grid import TimeGrid
 
 
 class StepState(NamedTuple):
@@ -19,6 +23,14 @@ class StepState(NamedTuple):
 
     x: NDArray[np.float64]
     v: NDArray[np.float64] | None = None
+
+
+class Reached(NamedTuple):
+    """The step to which a run came, its state, and what kept it from going on; None if nothing did."""
+
+    k: int
+    state: StepState
+    failure: StepFailure | None = None
 
 
 class Stepper(ABC):
@@ -29,7 +41,7 @@ class Stepper(ABC):
     problem
         The problem that it is bound to.
     work
-        Counters that the steps add to; the loop counts the steps themselves.
+        Counters that the steps add to; ``advance`` counts the steps themselves.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -43,6 +55,25 @@ class Stepper(ABC):
     @abstractmethod
     def step(self, t: float, h: float, state: StepState) -> StepState:
         """The state at t + h from the one at t, in new arrays; StepFailure if there is none."""
+
+    def advance(self, on: TimeGrid, k: int, end: int, state: StepState) -> Reached:
+        """The steps from t_k to t_end, or until one cannot be made or leaves the finite numbers."""
+        for index in range(k, end):
+            try:
+                after = self.step(on.time(index), on.h, state)
+            except StepFailure as failure:
+                return Reached(index, state, failure)
+            if not isinstance(after, StepState) or getattr(after.x, "shape", None) != state.x.shape:
+                raise InvalidProblem(
+                    f"scheme: {type(self).__name__}.step returned {describe(after)}: must be a dincl.StepState with x "
+                    f"of shape {state.x.shape}"
+                )
+            if not bounded(after.x):
+                detail = f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."
+                return Reached(index, state, StepFailure(Status.NON_FINITE, detail))
+            self.work.steps += 1
+            state = after
+        return Reached(end, state)
 
     def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """The drift F(t, x), shape (N, d), counted; StepFailure if it cannot be evaluated."""

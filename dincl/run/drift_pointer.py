@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
     from dincl.problem import Problem
 
-_WORD, _PLACE = ctypes.c_int64, ctypes.c_void_p
-_DRIFT = ctypes.CFUNCTYPE(_WORD, ctypes.c_double, _PLACE, _PLACE, _WORD, _WORD, _PLACE)
+_WORD, PLACE = ctypes.c_int64, ctypes.c_void_p
+C_FUNCTION = ctypes.CFUNCTYPE(_WORD, ctypes.c_double, PLACE, PLACE, _WORD, _WORD, PLACE)
 _FLOAT64 = np.dtype(np.float64)
 
 
@@ -46,8 +46,8 @@ class DriftPointer:
             self.address, self.data = self._compiled.pointer()
         else:
             self._python = _python_function(problem.drift, self._shape, self._keep)
-            self._callback = _DRIFT(self._python)
-            self.address, self.data = int(ctypes.cast(self._callback, _PLACE).value or 0), np.zeros(1)
+            self._callback = C_FUNCTION(self._python)
+            self.address, self.data = int(ctypes.cast(self._callback, PLACE).value or 0), np.zeros(1)
 
     def __enter__(self) -> DriftPointer:
         self._before = sys.unraisablehook
@@ -89,8 +89,8 @@ def _python_function(drift: Any, shape: tuple[int, ...], keep: Callable[[BaseExc
 
     The drift is given a read-only copy of x, which it may keep: a kernel writes over its own array, or frees it.
     """
-    read = _Made(lambda address: _bytes_of(_numbers_at(address, shape)))
-    written = _Made(lambda address: _numbers_at(address, shape))
+    read = _Made(lambda address: _bytes_of(numbers_at(address, shape)))
+    written = _Made(lambda address: numbers_at(address, shape))
     x, room = _read_only(shape)
     free = sys.getrefcount(x)
 
@@ -123,7 +123,7 @@ class _Made(dict[int, Any]):
         return self[address]
 
 
-def _numbers_at(address: int, shape: tuple[int, ...]) -> NDArray[np.float64]:
+def numbers_at(address: int, shape: tuple[int, ...]) -> NDArray[np.float64]:
     """An array on the numbers at an address."""
     buffer: Any = (ctypes.c_double * math.prod(shape)).from_address(address)
     return np.frombuffer(buffer, np.float64).reshape(shape)

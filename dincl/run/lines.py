@@ -14,7 +14,7 @@ from dincl.norms import longest
 from dincl.run.bound import Stepper, StepState
 from dincl.run.grid import TimeGrid
 from dincl.run.outcome import Between
-from dincl.run.segments import Segment, make_segments
+from dincl.run.segments import Segment, make_segment
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -62,7 +62,7 @@ class StraightLines(Between):
         return segment.at(t, self.grid), Checkpoint(k, segment.before)
 
     def _segment(self, stepper: Stepper, k: int, point: Checkpoint) -> Segment:
-        return next(segment for segment in make_segments(stepper, self.grid, *point) if segment.k == k)
+        return make_segment(stepper, self.grid, k, *point)
 
     def _residual(self, stepper: Stepper, point: Checkpoint) -> float:
         try:

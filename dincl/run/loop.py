@@ -11,7 +11,7 @@ from dincl.errors import StepFailure
 from dincl.run.grid import divide_time
 from dincl.run.lines import Checkpoint, StraightLines
 from dincl.run.outcome import RunOutcome
-from dincl.run.segments import make_segments
+from dincl.run.segments import Segment
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -58,11 +58,21 @@ class _Loop:
         return self._outcome(status, detail)
 
     def _make_steps(self) -> None:
-        for segment in make_segments(self._stepper, self._grid, 0, self._state):
-            while len(self._t) < len(self._times) and self._grid.before(self._times[len(self._t)]) <= segment.k:
-                time = float(self._times[len(self._t)])
-                self._keep(time, segment.at(time, self._grid), Checkpoint(segment.k, segment.before))
-            self._state, self._reached = segment.after, segment.k + 1
+        segment = None
+        for time in self._times[len(self._t) :] if self._grid.steps else ():
+            k = self._grid.before(time)
+            if segment is None or segment.k < k:
+                self._advance(k)
+                before = self._state
+                self._advance(k + 1)
+                segment = Segment(k, before, self._state)
+            self._keep(float(time), segment.at(float(time), self._grid), Checkpoint(k, segment.before))
+
+    def _advance(self, k: int) -> None:
+        """Go on to step k."""
+        self._reached, self._state, failure = self._stepper.advance(self._grid, self._reached, k, self._state)
+        if failure:
+            raise failure
 
     def _keep(self, t: float, x: NDArray[np.float64], checkpoint: Checkpoint) -> None:
         self._t.append(t)

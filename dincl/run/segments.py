@@ -1,18 +1,13 @@
-"""The steps of a run one after another, each with the straight line that it makes."""
+"""The straight line that a step makes."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from dincl.checks import LARGEST, bounded, describe
-from dincl.errors import InvalidProblem, StepFailure
 from dincl.run.bound import StepState
 from dincl.run.grid import ROUNDING
-from dincl.status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
-
     import numpy as np
     from numpy.typing import NDArray
 
@@ -35,17 +30,10 @@ class Segment(NamedTuple):
         return self.before.x + weight * (self.after.x - self.before.x)
 
 
-def make_segments(stepper: Stepper, on: TimeGrid, k: int, state: StepState) -> Iterator[Segment]:
-    """The steps from t_k on; StepFailure ends it when a step cannot be made or leaves the finite numbers."""
-    for index in range(k, on.steps):
-        after = stepper.step(on.time(index), on.h, state)
-        if not isinstance(after, StepState) or getattr(after.x, "shape", None) != state.x.shape:
-            raise InvalidProblem(
-                f"scheme: {type(stepper).__name__}.step returned {describe(after)}: must be a dincl.StepState with x "
-                f"of shape {state.x.shape}"
-            )
-        if not bounded(after.x):
-            raise StepFailure(Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude.")
-        stepper.work.steps += 1
-        yield Segment(index, state, after)
-        state = after
+def make_segment(stepper: Stepper, on: TimeGrid, k: int, first: int, state: StepState) -> Segment:
+    """The step from t_k, when ``state`` is that of step ``first`` <= k; StepFailure if there is none."""
+    before = stepper.advance(on, first, k, state)
+    after = before if before.failure else stepper.advance(on, k, k + 1, before.state)
+    if after.failure:
+        raise after.failure
+    return Segment(k, before.state, after.state)

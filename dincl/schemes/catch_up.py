@@ -6,8 +6,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from dincl.norms import longest
+from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
+from dincl.rows.table import MOST_PARTICLES
 from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
@@ -36,6 +38,10 @@ class CatchUp(FixedStep):
 
     def stepper(self, problem: Problem) -> Stepper:
         self.projection.check(problem)
+        if isinstance(self.projection, ActiveSet) and len(problem.x0) <= MOST_PARTICLES:
+            from dincl.run.compiled_catch_up import EXACT, LINEARISED, CompiledCatchUp
+
+            return CompiledCatchUp(problem, LINEARISED if self.linearised else EXACT, self.projection.tol)
         return _CatchUpStepper(problem, self)
 
 

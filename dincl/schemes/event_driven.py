@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import number
-from dincl.errors import StepFailure
-from dincl.norms import longest
+from dincl.errors import InvalidProblem, StepFailure
+from dincl.rows.table import MOST_PARTICLES
 from dincl.run.outcome import RunOutcome
 from dincl.schemes.base import Scheme
 from dincl.status import Status
@@ -18,17 +18,21 @@ from dincl.work import Work
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.events.march import March
+    from dincl.events.march import EventRun
+    from dincl.events.path import PathPieces
     from dincl.problem import Problem
 
-# The tolerance of a run is this much smaller than that of the run it is compared with.
-TIGHTER = 100.0
+# The tolerance of a step of the first run is this much smaller than that of a state, since a run of many events adds up
+# what its steps leave; that of a run is this much smaller than that of the run before it.
+FIRST, TIGHTER = 100.0, 10.0
 # Runs at most; from the third on, tolerances of practical size have reached the rounding of the integrator.
 MOST_RUNS = 4
 # The stated error over the largest distance between the last two runs.
 SAFETY = 2.0
 # Stated at least, relative to the largest coordinate: what rounding leaves in a state that is put onto its contacts.
 ROUNDING = 16 * np.finfo(float).eps
+# Stated at least, relative to the tolerance: two runs agree at some times better than their steps allow.
+AGREEMENT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -57,60 +61,74 @@ class EventDriven(Scheme):
 
     def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
         """Two runs or more, each compared with the one before it."""
-        from dincl.events.march import March
+        from dincl.events.march import EventRun
+        from dincl.run.small import SmallSystem
 
-        work = Work(degrees_of_freedom=problem.x0.size)
-        before: March | None = None
+        if len(problem.x0) > MOST_PARTICLES:
+            raise InvalidProblem(f"EventDriven: {len(problem.x0)} particles: serves at most {MOST_PARTICLES}")
+        work, system = Work(degrees_of_freedom=problem.x0.size), SmallSystem(problem)
+        before: PathPieces | None = None
         for k in range(MOST_RUNS):
-            march = March(problem, times, self.tol / TIGHTER**k, 2**k, work)
+            march = EventRun(system, times, self.tol / FIRST / TIGHTER**k, 2**k, work)
             try:
-                # Numbers that overflow end the run with a Status; the integrator looks at the next number after t = 0.
-                with np.errstate(all="ignore"):
-                    march.run()
+                march.go()
+                x = march.between.states(times)
             except StepFailure as failure:
-                march.keep_last()
-                detail = f"{failure.detail} This was after t = {march.now:.6g}."
-                return _outcome(march, work, failure.status, detail)
+                return _failed(march, times, work, failure)
             if before is not None:
-                error = _error(before, march, times)
+                error = _error(before, march.between, times, x) + AGREEMENT * self.tol
                 if error.max() <= self.tol:
-                    return _outcome(march, work, Status.SUCCESS, "", error)
-            before = march
+                    return _outcome(march, times, x, work, Status.SUCCESS, "", error)
+            before = march.between
         detail = f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}."
-        return _outcome(march, work, Status.NOT_CONVERGED, detail, error)
+        return _outcome(march, times, x, work, Status.NOT_CONVERGED, detail, error)
 
 
-def _error(coarse: March, fine: March, times: NDArray[np.float64]) -> NDArray[np.float64]:
+def _error(
+    coarse: PathPieces, fine: PathPieces, times: NDArray[np.float64], x: NDArray[np.float64]
+) -> NDArray[np.float64]:
     """SAFETY times the largest distance of two runs at each kept time and halfway to its neighbours, and rounding.
 
     A single distance may be small by chance.
     """
     middle = (np.concatenate(([0.0], times[:-1])) + times) / 2
-    kept = _distance(np.array(coarse.x), np.array(fine.x))
-    between = _distance(coarse.between.states(middle), fine.between.states(middle))
+    kept = _distance(coarse.states(times), x)
+    between = _distance(coarse.states(middle), fine.states(middle))
     window = np.max([kept, between, np.append(between[1:], 0.0)], axis=0)
-    error: NDArray[np.float64] = SAFETY * window + ROUNDING * np.abs(np.array(fine.x)).max()
+    error: NDArray[np.float64] = SAFETY * window + ROUNDING * np.abs(x).max()
     return error
 
 
 def _distance(x: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-    return np.array([longest(a - b) for a, b in zip(x, y, strict=True)])
+    distance: NDArray[np.float64] = np.sqrt(((x - y) ** 2).sum(axis=-1)).max(axis=-1, initial=0.0)
+    return distance
+
+
+def _failed(march: EventRun, times: NDArray[np.float64], work: Work, failure: StepFailure) -> RunOutcome:
+    """The states kept until a run failed, and the one that it reached."""
+    reached = times[times <= march.now]
+    x = march.between.states(reached)
+    if not len(reached) or reached[-1] < march.now:
+        reached, x = np.append(reached, march.now), np.concatenate((x, march.state()[None]))
+    return _outcome(march, reached, x, work, failure.status, f"{failure.detail} This was after t = {march.now:.6g}.")
 
 
 def _outcome(
-    march: March,
+    march: EventRun,
+    t: NDArray[np.float64],
+    x: NDArray[np.float64],
     work: Work,
     status: Status,
     detail: str,
     error: NDArray[np.float64] | None = None,
 ) -> RunOutcome:
     return RunOutcome(
-        t=np.array(march.t),
-        x=np.array(march.x),
+        t=t.copy(),
+        x=x,
         status=status,
         detail=detail,
         stats=work,
         between=march.between,
-        events=tuple(march.events),
+        events=march.events,
         error=error,
     )

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.norms import longest
+from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
+from dincl.rows.table import MOST_PARTICLES
 from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
@@ -47,6 +49,10 @@ class MidpointCatchUp(FixedStep):
 
     def stepper(self, problem: Problem) -> Stepper:
         self.projection.check(problem)
+        if isinstance(self.projection, ActiveSet) and len(problem.x0) <= MOST_PARTICLES:
+            from dincl.run.compiled_catch_up import MIDPOINT, CompiledCatchUp
+
+            return CompiledCatchUp(problem, MIDPOINT, self.projection.tol)
         return _MidpointStepper(problem, self)
 
 

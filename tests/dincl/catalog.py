@@ -32,6 +32,9 @@ FIRST_ORDER = [
     pytest.param(lambda dt: dincl.CatchUp(dt, dincl.Daqp(1e-10)), id="CatchUp"),
     pytest.param(lambda dt: dincl.LinearisedCatchUp(dt, dincl.Daqp(1e-10)), id="LinearisedCatchUp"),
     pytest.param(lambda dt: dincl.MidpointCatchUp(dt, dincl.Daqp(1e-10)), id="MidpointCatchUp"),
+    pytest.param(lambda dt: dincl.CatchUp(dt, dincl.ActiveSet(1e-10)), id="CatchUp-compiled"),
+    pytest.param(lambda dt: dincl.LinearisedCatchUp(dt, dincl.ActiveSet(1e-10)), id="LinearisedCatchUp-compiled"),
+    pytest.param(lambda dt: dincl.MidpointCatchUp(dt, dincl.ActiveSet(1e-10)), id="MidpointCatchUp-compiled"),
     pytest.param(spring, id="Penalty"),
 ]
 SCHEMES = [*FIRST_ORDER, pytest.param(dincl.SecondOrderPBD, id="SecondOrderPBD")]
@@ -40,6 +43,7 @@ SCHEMES = [*FIRST_ORDER, pytest.param(dincl.SecondOrderPBD, id="SecondOrderPBD")
 PROJECTIONS = [
     pytest.param(projection, id=projection.__name__)
     for projection in (
+        dincl.ActiveSet,
         dincl.Clarabel,
         dincl.CvxpyQP,
         dincl.Daqp,

@@ -7,7 +7,7 @@ kept. Beside each time stands the load under which it was measured.
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -21,8 +21,8 @@ from dincl.errors import StepFailure
 from dincl.projection import Projection
 from dincl.rows.affine import linearised
 from dincl.rows.near import Near
+from dincl.run.bound import Reached, Stepper
 from dincl.run.grid import TimeGrid
-from dincl.run.segments import Segment, make_segments
 from dincl.scenes import pile
 from dincl.scenes.scene import Scene
 from dincl.work import Work
@@ -82,10 +82,10 @@ def _pbd_row(name: str, problem: dincl.Problem, warm_up: int) -> dict[str, Any]:
     n = len(problem.x0)
     count = max(20, DISC_STEPS // n)
     stepper = dincl.PBD(DT).stepper(problem)
-    steps = make_segments(stepper, TimeGrid(DT * 10**9, 10**9), 0, stepper.start())
-    _run(steps, warm_up)
+    steps = _Steps(stepper)
+    steps.make(warm_up)
     before = replace(stepper.work)
-    seconds = np.array([_timed(lambda: _run(steps, count)) for _ in range(REPEATS)])
+    seconds = np.array([_timed(lambda: steps.make(count)) for _ in range(REPEATS)])
     made = count * REPEATS * n
     return {
         "scene": name,
@@ -98,9 +98,15 @@ def _pbd_row(name: str, problem: dincl.Problem, warm_up: int) -> dict[str, Any]:
     }
 
 
-def _run(steps: Iterator[Segment], count: int) -> None:
-    for _ in range(count):
-        next(steps)
+class _Steps:
+    """Steps of a scheme, one after the other."""
+
+    def __init__(self, stepper: Stepper) -> None:
+        self._stepper, self._reached = stepper, Reached(0, stepper.start())
+
+    def make(self, count: int) -> None:
+        k, state, _ = self._reached
+        self._reached = self._stepper.advance(TimeGrid(DT * 10**9, 10**9), k, k + count, state)
 
 
 def _timed(action: Callable[[], Any]) -> float:

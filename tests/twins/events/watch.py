@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.events.choice import TOUCHING, ZERO
-from dincl.events.contacts import ContactRows, near
-from dincl.events.roots import first_negative, root
+from dincl.geometry.contacts import ContactRows, near
 from dincl.norms import longest
+from tests.twins.events.choice import TOUCHING, ZERO
+from tests.twins.events.roots import first_negative, root
 
 if TYPE_CHECKING:
-    from dincl.events.choice import ContactChoice
-    from dincl.events.held import Held, HeldMotion
+    from tests.twins.events.choice import ContactChoice
+    from tests.twins.events.held import Held, HeldMotion
 
 Floats = NDArray[np.float64]
 Dense = Callable[[float], Floats]

@@ -12,7 +12,7 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.events.contacts import ContactRows
+    from dincl.geometry.contacts import ContactRows
     from dincl.work import Work
 
 # Newton steps back onto the held contacts; from a state that is off by an integration error one or two are enough.

@@ -16,8 +16,8 @@ from dincl.run.outcome import Between
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.events.held import Held
     from dincl.problem import Problem
+    from tests.twins.events.held import Held
 
 
 class DensePiece(NamedTuple):

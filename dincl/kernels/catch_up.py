@@ -1,0 +1,199 @@
+"""Steps of the catch-up schemes for small systems."""
+
+import numpy as np
+
+from dincl.compile import inner, kernel
+from dincl.kernels.active_set import nearest
+from dincl.kernels.arrays import Floats
+from dincl.kernels.factor import add, times
+from dincl.kernels.system import (
+    COINCIDENT,
+    MISSED,
+    NOT_A_NUMBER,
+    OK,
+    SETS,
+    TOO_FAR,
+    Steps,
+    SystemArrays,
+    bounded,
+    evaluate,
+    farthest,
+    longest,
+)
+from dincl.kernels.table import GRADIENTS, PLACES, ask, distance_from_list, find_near, gap, linearise, sort_near
+
+LINEARISED, EXACT, MIDPOINT = 0, 1, 2
+# A projection that ends farther away than the rows reach is repeated with twice its distance, at most this often.
+MOST_REACHES = 60
+# Linearisations for one projection onto a curved set; a y that violates by less than this part of tol is its own.
+MOST_RELINEARISATIONS, NEGLIGIBLE = 60, 1e-3
+# Rows are listed for this many times the reach asked for, so that one list serves several steps.
+GENEROUS = 4.0
+
+
+@inner
+def list_sorted(system: SystemArrays, x: Floats, reach: float) -> None:
+    """See that every row that matters within ``reach`` of x is listed, in the order of the cloud."""
+    if not distance_from_list(system.sets, x, system.near) + reach <= system.near.reach[0]:
+        find_near(system.rows, system.sets, x, GENEROUS * reach, system.near)
+        sort_near(system.rows, x, system.sets.shift.shape[1], system.near)
+
+
+@inner
+def linearise_near(system: SystemArrays, t: float, x: Floats) -> int:
+    """The listed rows linearised at x: a_r . z >= bound_r with unit gradients."""
+    rows, sets, near, program = system.rows, system.sets, system.near, system.program
+    if ask(sets, t, x, GRADIENTS) != 0:
+        return SETS
+    for q in range(near.number[0]):
+        r = near.row[q]
+        value = linearise(rows, sets, r, x, program.gradient)
+        if value != value:
+            system.blamed[0] = r
+            return COINCIDENT
+        program.bound[r] = times(rows, r, program.gradient, x) - value
+    return OK
+
+
+@inner
+def certify(system: SystemArrays, t: float) -> tuple[int, float]:
+    """Linearise the listed rows at z, and give the residual of z as the nearest point of the curved set to y."""
+    program, near = system.program, system.near
+    code, residual, z = linearise_near(system, t, program.z), 0.0, program.z
+    for k in range(z.size):
+        program.direction[k] = z[k] - program.y[k]
+    for q in range(near.number[0]):
+        r = near.row[q]
+        push = program.multiplier[r]
+        value = times(system.rows, r, program.gradient, z) - program.bound[r]
+        residual = max(residual, -value, abs(min(push, value)))
+        if push > 0.0:
+            add(system.rows, r, program.gradient, -push, program.direction)
+    for k in range(z.size):
+        residual = max(residual, abs(program.direction[k]))
+    return code, residual
+
+
+@inner
+def is_inside(system: SystemArrays, t: float, allowed: float) -> bool:
+    """Whether y violates no listed row by more than ``allowed``."""
+    if ask(system.sets, t, system.program.y, GRADIENTS) != 0:
+        return False
+    for q in range(system.near.number[0]):
+        if gap(system.rows, system.sets, system.near.row[q], system.program.y) < -allowed:
+            return False
+    return True
+
+
+@inner
+def carry(system: SystemArrays, t: float, later: float) -> float:
+    """How far each set is carried from t to a later time, into ``move``; the longest way."""
+    if system.sets.address == 0 or later == t:
+        return 0.0
+    move, shift, longest = system.move, system.sets.shift, 0.0
+    ask(system.sets, later, system.program.y, PLACES)
+    for f in range(move.shape[0]):
+        for k in range(move.shape[1]):
+            move[f, k] = shift[f, k]
+    ask(system.sets, t, system.program.y, PLACES)
+    for f in range(move.shape[0]):
+        square = 0.0
+        for k in range(move.shape[1]):
+            move[f, k] -= shift[f, k]
+            square += move[f, k] * move[f, k]
+        longest = max(longest, np.sqrt(square))
+    return longest
+
+
+@inner
+def shift_bounds(system: SystemArrays) -> None:
+    """Carry the linearised rows along with their sets."""
+    rows, near, program = system.rows, system.near, system.program
+    d = system.move.shape[1]
+    for q in range(near.number[0]):
+        r = near.row[q]
+        for p in range(rows.start[r], rows.start[r + 1]):
+            program.bound[r] += program.gradient[p] * system.move[rows.row[r].family, rows.column[p] % d]
+
+
+@inner
+def project(system: SystemArrays, t: float, around: Floats, reach: float, later: float, exact: bool, tol: float) -> int:
+    """Project y onto S(t), searched from ``around``, or onto its linearisation there, carried to a later time."""
+    d = system.sets.shift.shape[1]
+    carried = carry(system, t, later)
+    if ask(system.sets, t, around, PLACES) != 0:
+        return SETS
+    for _ in range(MOST_REACHES):
+        list_sorted(system, around, reach)
+        code = solve(system, t, around, carried > 0.0, exact, tol)
+        if code != OK:
+            return code
+        distance = farthest(system.program.z, around, d) + carried
+        if distance <= reach:
+            return OK
+        reach = 2.0 * distance
+    return TOO_FAR
+
+
+@inner
+def solve(system: SystemArrays, t: float, around: Floats, carried: bool, exact: bool, tol: float) -> int:
+    """The same with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
+    program, near = system.program, system.near
+    if exact and is_inside(system, t, NEGLIGIBLE * tol):
+        for k in range(program.z.size):
+            program.z[k] = program.y[k]
+        return OK
+    code = linearise_near(system, t, around)
+    if carried:
+        shift_bounds(system)
+    residual = 0.0
+    for _ in range(MOST_RELINEARISATIONS if exact else 1):
+        if code == OK:
+            code = nearest(system.rows, near.row, near.number[0], program, system.chosen)
+        residual = program.answer[1]
+        if code == OK and exact:
+            code, residual = certify(system, t)
+        if code != OK or residual <= tol:
+            break
+    program.answer[1] = residual
+    if system.chosen.number[0] > 0:
+        program.answer[2] += 1.0
+    return MISSED if code == OK and not residual <= tol else code
+
+
+@inner
+def step(system: SystemArrays, method: int, t: float, h: float, x: Floats, tol: float) -> int:
+    """x(t) -> x(t + h), in place; what the midpoint rule needs first is a step of its own, less accurate."""
+    program, velocity, middle, length = system.program, system.velocity, system.middle, 0.0
+    for stage in range(2 if method == MIDPOINT else 1):
+        around, now, rest, allowed = x, t, t + h, tol
+        if stage == 1:
+            around, now, rest = middle, t + 0.5 * h, t + 0.5 * h
+        code = evaluate(system, now, around, velocity)
+        for k in range(x.size):
+            program.y[k] = x[k] + h * velocity[k]
+        if stage == 0:
+            length = h * longest(velocity, system.sets.shift.shape[1])
+            allowed = max(tol, np.sqrt(tol * length)) if method == MIDPOINT else tol
+        if code == OK:
+            code = project(system, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
+        if code != OK:
+            return code
+        for k in range(x.size):
+            middle[k] = 0.5 * (x[k] + program.z[k])
+    if not bounded(program.z):
+        return NOT_A_NUMBER
+    for k in range(x.size):
+        x[k] = program.z[k]
+    return OK
+
+
+@kernel
+def advance(system: SystemArrays, method: int, steps: Steps, x: Floats, tol: float) -> tuple[int, int]:
+    """Make steps of a catch-up scheme; how it ended, and the step reached."""
+    h = steps.end / steps.number
+    for k in range(steps.first, steps.last):
+        code = step(system, method, steps.origin + k * steps.end / steps.number, h, x, tol)
+        if code != OK:
+            return code, k
+    return OK, steps.last

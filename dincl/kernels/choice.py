@@ -1,0 +1,90 @@
+"""Which contacts push from an event on: a least-distance program among the velocities."""
+
+from dincl.compile import inner
+from dincl.kernels.active_set import nearest
+from dincl.kernels.catch_up import list_sorted
+from dincl.kernels.factor import times
+from dincl.kernels.motion import CLOSED, HELD, OPEN, March, least_speed
+from dincl.kernels.system import COINCIDENT, OK, SETS, evaluate, longest
+from dincl.kernels.table import SPEEDS, ask, gap, linearise
+
+# Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
+TOUCHING = 1e-13
+# Pushes and opening speeds below this, relative to the largest speed, are zero. They pass zero linearly in time, so the
+# way that is lost is of the size of its square.
+ZERO = 1e-10
+
+
+@inner
+def choose(march: March) -> int:
+    """Decide which rows are held, which stay closed, and note the changes; OK, or why it failed.
+
+    A contact whose push and opening speed are both zero stays closed without being held. That is watched, and decided
+    when one of them has grown to the threshold.
+    """
+    state, system, held = march.state[0], march.system, march.held
+    program, x, d = system.program, march.x, system.sets.shift.shape[1]
+    code = evaluate(system, state.now, x, program.y)
+    if code == OK and ask(system.sets, state.now, x, SPEEDS) != 0:
+        code = SETS
+    if code != OK:
+        return code
+    state.speed = max(state.speed, longest(program.y, d))
+    count = list_touching(march)
+    if count < 0:
+        return COINCIDENT
+    code = nearest(system.rows, march.touching, count, program, system.chosen)
+    if code != OK:
+        return code
+    note_changes(march, count)
+    held.number[0] = 0
+    for q in range(count):
+        r = march.touching[q]
+        if march.closed[r] == HELD:
+            held.row[held.number[0]] = r
+            held.number[0] += 1
+    return OK
+
+
+@inner
+def list_touching(march: March) -> int:
+    """List the rows whose gap is closed, with gradients and least speeds; their number, -1 if one has no direction."""
+    state, system, x = march.state[0], march.system, march.x
+    rows, sets, near, program = system.rows, system.sets, system.near, system.program
+    allowed, count = TOUCHING * state.size, 0
+    list_sorted(system, x, allowed)
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if gap(rows, sets, r, x) <= allowed:
+            value = linearise(rows, sets, r, x, program.gradient)
+            if value != value:
+                system.blamed[0] = r
+                return -1
+            program.bound[r] = least_speed(system, r)
+            state.speed = max(state.speed, abs(program.bound[r]))
+            march.touching[count] = r
+            count += 1
+    return count
+
+
+@inner
+def note_changes(march: March, count: int) -> None:
+    """Say what each row is now; a row that closes or opens is an event, but for those at the start."""
+    state, program, rows = march.state[0], march.system.program, march.system.rows
+    zero, path = ZERO * state.speed, march.path
+    for q in range(count):
+        r = march.touching[q]
+        opening = times(rows, r, program.gradient, program.z) - program.bound[r]
+        if program.multiplier[r] > zero:
+            march.change[r] = HELD
+        elif opening <= zero:
+            march.change[r] = CLOSED
+    for r in range(rows.row.size):
+        before, now = march.closed[r], march.change[r]
+        if (before == OPEN) != (now == OPEN) and state.phase > 0 and state.events < path.event.shape[0]:
+            path.event[state.events, 0] = state.now
+            path.event[state.events, 1] = r
+            path.event[state.events, 3] = state.phase
+            path.event[state.events, 2] = 0.0 if now == OPEN else 1.0
+            state.events += 1
+        march.closed[r], march.change[r] = now, OPEN

@@ -1,0 +1,198 @@
+"""From event to event: a run of the event-driven method, in pieces that fill the room there is."""
+
+import numpy as np
+
+from dincl.compile import inner, kernel
+from dincl.kernels.arrays import Floats, Offsets
+from dincl.kernels.choice import choose
+from dincl.kernels.factor import times
+from dincl.kernels.motion import March, at, correct, error_of, interpolate, least_speed, move, stages
+from dincl.kernels.system import OK, bounded
+from dincl.kernels.table import SPEEDS, ask, linearise
+from dincl.kernels.watch import NEVER, first_event
+
+# How a call ends besides the codes of ``system``: the time is reached; the room is full, so that it is to be called
+# again; too many changes at one time; no step is short enough.
+DONE, FULL, STUCK, NO_STEP = 20, 21, 22, 23
+# Of the step that the error allows, taken; the least and the most that a step changes from one to the next.
+SAFETY, LEAST, MOST = 0.9, 0.2, 10.0
+# Changes of the contacts at one time.
+MOST_AT_ONCE = 100
+# Pieces for which there is room at the beginning of a step: on the way to an event.
+ROOM = 32
+
+
+@inner
+def make_step(march: March, longest: float) -> tuple[int, float]:
+    """A step from ``x`` that meets the tolerance, no longer than ``longest``: how it ended, and its length."""
+    state = march.state[0]
+    h, exponent, most = min(state.h, longest), -1.0 / (march.pair.order + 1.0), MOST
+    shortened = h < state.h
+    while state.now + h > state.now:
+        code = stages(march, h, 1, march.pair.stages + 1)
+        if code != OK:
+            return code, h
+        error = error_of(march, h)
+        change = min(most, max(LEAST, SAFETY * error**exponent)) if error > 0.0 else most
+        if error < 1.0:
+            # A step that was cut short, and could have been longer still, says nothing of how long.
+            state.h = max(state.h, h * change) if shortened and change == MOST else h * change
+            state.steps += 1
+            return OK, h
+        h, most, shortened = h * (change if error < np.inf else LEAST), 1.0, False
+    return NO_STEP, h
+
+
+@inner
+def keep_piece(march: March, h: float, end: float) -> None:
+    """Add the step, with its dense output, to the path."""
+    state, path = march.state[0], march.path
+    p = state.pieces
+    path.end[p], path.start[p], path.length[p], path.number[p] = end, state.now, h, march.held.number[0]
+    for k in range(march.held.number[0]):
+        path.held[p, k] = march.held.row[k]
+    for k in range(march.x.size):
+        path.x[p, k] = march.x[k]
+        for j in range(7):
+            path.dense[p, j, k] = march.dense[j, k]
+    state.pieces += 1
+
+
+@inner
+def take(march: March, t: float) -> None:
+    """Go on from the end of the step."""
+    march.state[0].now = t
+    for k in range(march.x.size):
+        march.x[k] = march.after[k]
+        march.rate[0, k] = march.rate[march.pair.stages, k]
+    for k in range(march.held.number[0]):
+        march.push[0, k] = march.push[march.pair.stages, k]
+
+
+@inner
+def arrive(march: March, t: float, closing: int) -> int:
+    """Steps to the event at t, and for a gap the way that is left, as short as the dense output is accurate."""
+    state, first = march.state[0], march.state[0].pieces
+    longest = (t - state.now) / state.parts
+    while state.now < t:
+        code, h = make_step(march, min(longest, t - state.now))
+        if code == OK:
+            code = interpolate(march, h)
+        if code != OK or state.pieces == march.path.end.size:
+            return code if code != OK else STUCK
+        end = t if h >= t - state.now else state.now + h
+        keep_piece(march, h, end)
+        take(march, end)
+    if closing >= 0:
+        before = march.path.start[first] if state.pieces > first else state.now
+        wait = max(wait_for(march, closing), before - state.now)
+        for k in range(march.x.size):
+            march.x[k] += wait * march.rate[0, k]
+        state.now += wait
+        if state.pieces > first:
+            march.path.end[state.pieces - 1] = state.now
+    state.choose = 1
+    return correct(march, state.now, march.x)
+
+
+@inner
+def wait_for(march: March, closing: int) -> float:
+    """How long until this gap closes, by one Newton step; 0 if it does not close."""
+    system = march.system
+    ask(system.sets, march.state[0].now, march.x, SPEEDS)
+    gap = linearise(system.rows, system.sets, closing, march.x, system.program.gradient)
+    speed = times(system.rows, closing, system.program.gradient, march.rate[0]) - least_speed(system, closing)
+    return -gap / speed if speed < 0.0 else 0.0
+
+
+@inner
+def begin_phase(march: March) -> int:
+    """Decide on the contacts and give the rate at the start."""
+    state = march.state[0]
+    code = choose(march)
+    if code != OK:
+        return code
+    state.at_once = state.at_once + 1 if state.phase > 0 and state.now == state.chosen_at else 0
+    state.chosen_at, state.choose = state.now, 0
+    state.phase += 1
+    state.longest = (state.end - state.now) / state.parts
+    if state.at_once > MOST_AT_ONCE:
+        return STUCK
+    if state.h == 0.0:
+        reach = state.size * min(1.0, state.tol / state.size) ** (1.0 / (march.pair.order + 1.0))
+        state.h = min(state.longest, 0.1 * reach / state.speed if state.speed > 0.0 else state.longest)
+    return move(march, state.now, march.x, march.rate[0], march.push[0])
+
+
+@inner
+def go_on(march: March) -> int:
+    """A step, and what it leads to: its end, or the first event in it."""
+    state = march.state[0]
+    left = state.end - state.now
+    code, h = make_step(march, min(state.longest, left))
+    if code == OK:
+        code = interpolate(march, h)
+    if code != OK:
+        return code
+    part, closing = first_event(march)
+    if state.code != OK:
+        return int(state.code)
+    if part == NEVER:
+        end = state.end if h >= left else state.now + h
+        keep_piece(march, h, end)
+        take(march, end)
+    else:
+        code = arrive(march, state.now + part * h, closing)
+    return NO_STEP if code == OK and not bounded(march.x) else code
+
+
+@kernel
+def march_on(march: March, most: int) -> int:
+    """Go on until the end, until the room for the path is full, or ``most`` steps: DONE, FULL or a failure."""
+    state, path = march.state[0], march.path
+    for _ in range(most):
+        code = OK
+        if state.choose != 0:
+            code = begin_phase(march)
+        if code == OK and not state.now < state.end:
+            return DONE
+        if code == OK:
+            code = go_on(march)
+        if code != OK:
+            return code
+        if state.pieces > path.end.size - ROOM or state.events > path.event.shape[0] - march.closed.size:
+            return FULL
+    return FULL
+
+
+@inner
+def hold(march: March, p: int) -> None:
+    """Hold the rows of piece p."""
+    march.held.number[0] = march.path.number[p]
+    for k in range(march.held.number[0]):
+        march.held.row[k] = march.path.held[p, k]
+
+
+@kernel
+def states_at(march: March, t: Floats, piece: Offsets, x: Floats) -> int:
+    """Write the states at times t that lie in these pieces into x (K, n): the dense output, put onto the contacts."""
+    path = march.path
+    for q in range(t.size):
+        p = piece[q]
+        hold(march, p)
+        part = (t[q] - path.start[p]) / path.length[p]
+        for k in range(march.x.size):
+            march.point[k] = at(path.dense[p], march.pair.terms, path.x[p, k], k, part)[0]
+        code = correct(march, t[q], march.point)
+        if code != OK:
+            return code
+        for k in range(march.x.size):
+            x[q, k] = march.point[k]
+    return OK
+
+
+@kernel
+def rate_at(march: March, t: float, p: int, x: Floats, rate: Floats) -> int:
+    """Write x' at a state of piece p into ``rate``."""
+    hold(march, p)
+    return move(march, t, x, rate, march.push[16])

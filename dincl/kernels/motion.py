@@ -1,0 +1,266 @@
+"""The smooth motion between two events: some contacts are held, the others do not matter."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dincl.compile import inner
+from dincl.kernels.active_set import across
+from dincl.kernels.arrays import Floats, Offsets
+from dincl.kernels.factor import Chosen, add, append, backward, border, clear, forward, room, times
+from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate
+from dincl.kernels.table import SPEEDS, ask, linearise
+
+EPS = 2.220446049250313e-16
+# What a row is during a phase.
+OPEN, CLOSED, HELD = 0, 1, 2
+# Newton steps back onto the held contacts; from a state that is off by an integration error one or two are enough.
+MOST_CORRECTIONS = 8
+# Gaps at most this large, relative to the size of the problem, need no step back.
+MET = 2e-15
+
+STATE = np.dtype(
+    [
+        ("now", np.float64),
+        ("end", np.float64),
+        ("tol", np.float64),  # the local one of the integrator
+        ("size", np.float64),  # of the problem [length]
+        ("speed", np.float64),  # the largest so far
+        ("h", np.float64),  # the step that the tolerance allows
+        ("longest", np.float64),  # the longest step of this phase
+        ("made", np.float64),  # the length of the step that is looked at
+        ("theta", np.float64),  # the part of that step at which the motion was computed last
+        ("level", np.float64),  # what a gap must not fall below, 0 or less
+        ("code", np.int64),  # how the last computation of a motion ended
+        ("parts", np.int64),
+        ("steps", np.int64),
+        ("phase", np.int64),  # phases so far; a phase lies between two events
+        ("choose", np.int64),  # whether contacts are to be decided
+        ("events", np.int64),
+        ("pieces", np.int64),
+        ("chosen_at", np.float64),  # when contacts were decided last, and how often at that time
+        ("at_once", np.int64),
+    ]
+)
+
+
+class RungeKutta(NamedTuple):
+    """An explicit pair: ``stages`` rates make a step, and ``more`` of them its dense output with ``terms`` terms."""
+
+    stages: int
+    more: int
+    terms: int
+    order: float  # of the error estimate
+    a: Floats
+    c: Floats
+    error: Floats  # (2, stages + 1): of the two estimates; the second is zero if there is but one
+    dense: Floats  # (terms - 3, stages + 1 + more)
+
+
+class Path(NamedTuple):
+    """What a run leaves: its steps with their dense output and the rows that are held, and its events."""
+
+    end: Floats  # (pieces,)
+    start: Floats
+    length: Floats
+    x: Floats  # (pieces, n)
+    dense: Floats  # (pieces, 7, n)
+    held: Offsets  # (pieces, most): the rows that are held
+    number: Offsets  # (pieces,): and how many they are
+    event: Floats  # (events, 4): t, row, whether it closes, and the phase that it ends
+
+
+class March(NamedTuple):
+    """A run of the event-driven method to ``state.end``."""
+
+    system: SystemArrays
+    held: Chosen
+    pair: RungeKutta
+    state: NDArray[np.void]
+    path: Path
+    x: Floats  # (n,)
+    after: Floats  # (n,): the state after a step
+    rate: Floats  # (17, n): the stages of a step; the last one is room for others
+    push: Floats  # (17, most): the pushes of the held rows in each of them
+    dense: Floats  # (7, n)
+    point: Floats  # (n,)
+    closed: Offsets  # (m,): HELD, CLOSED without pushing, or OPEN
+    change: Offsets  # (m,): what it becomes at an event
+    touching: Offsets  # (m,): room for a list of rows
+    bend: Floats  # (N,): how far the dense output leaves a straight line
+
+
+def room_for_path(pieces: int, n: int, most: int, m: int) -> Path:
+    """Room for so many pieces of a run with n coordinates and m rows, fewer than ``most`` of them held."""
+    end, start, length, x, dense = (np.zeros((pieces, *shape)) for shape in ((), (), (), (n,), (7, n)))
+    held, number = np.zeros((pieces, most), dtype=np.int64), np.zeros(pieces, dtype=np.int64)
+    return Path(end, start, length, x, dense, held, number, np.zeros((m + 1024, 4)))
+
+
+def begin_march(system: SystemArrays, pair: RungeKutta, state: NDArray[np.void], path: Path, x: Floats) -> March:
+    """A run from x (n,)."""
+    n, m, most = x.size, system.rows.row.size, system.chosen.row.size
+    closed, change, touching = (np.zeros(m, dtype=np.int64) for _ in range(3))
+    after, rate, push, dense, point = (np.zeros(shape) for shape in ((n,), (17, n), (17, most), (7, n), (n,)))
+    bend = np.zeros(n // system.move.shape[1] if system.move.shape[1] else 0)
+    return March(
+        system, room(most, n), pair, state, path, x, after, rate, push, dense, point, closed, change, touching, bend
+    )
+
+
+@inner
+def factorise(march: March, t: float, x: Floats) -> int:
+    """Unit gradients of the held rows at x, and the factor of their Gram matrix; ``bound`` has their gaps."""
+    system, held = march.system, march.held
+    rows, gradient = system.rows, system.program.gradient
+    if ask(system.sets, t, x, SPEEDS) != 0:
+        return SETS
+    count = held.number[0]
+    clear(held)
+    for k in range(count):
+        r = held.row[k]
+        gap = linearise(rows, system.sets, r, x, gradient)
+        if gap != gap:
+            system.blamed[0], held.number[0] = r, count
+            return COINCIDENT
+        system.program.bound[r] = gap
+        border(rows, r, gradient, held)
+        square = across(rows, r, gradient, held)
+        if not square > 4.0 * EPS:
+            held.number[0] = count
+            return SINGULAR
+        append(rows, held, r, square)
+    return OK
+
+
+@inner
+def least_speed(system: SystemArrays, r: int) -> float:
+    """n_r . c', the speed at which the set of row r moves along its gradient."""
+    rows, speed, total = system.rows, system.sets.speed, 0.0
+    if system.sets.address == 0:
+        return 0.0
+    for p in range(rows.start[r], rows.start[r + 1]):
+        total += system.program.gradient[p] * speed[rows.row[r].family, rows.column[p] % speed.shape[1]]
+    return total
+
+
+@inner
+def move(march: March, t: float, x: Floats, rate: Floats, push: Floats) -> int:
+    """Write x' = F + sum_k push_k n_k with n_k . x' = b_k into ``rate``, and the pushes, which are refined once."""
+    system, held = march.system, march.held
+    rows, gradient, right = system.rows, system.program.gradient, held.right
+    code = evaluate(system, t, x, rate)
+    if code != OK or held.number[0] == 0:
+        return code
+    code = factorise(march, t, x)
+    if code != OK:
+        return code
+    for k in range(held.number[0]):
+        push[k] = 0.0
+    for _ in range(2):
+        for k in range(held.number[0]):
+            r = held.row[k]
+            right[k] = least_speed(system, r) - times(rows, r, gradient, rate)
+        forward(held, 0)
+        backward(held)
+        for k in range(held.number[0]):
+            push[k] += right[k]
+            add(rows, held.row[k], gradient, right[k], rate)
+    return OK
+
+
+@inner
+def correct(march: March, t: float, x: Floats) -> int:
+    """Move x back onto g(t, x) = 0 of the held rows, along their gradients."""
+    system, held = march.system, march.held
+    if held.number[0] == 0:
+        return OK
+    for _ in range(MOST_CORRECTIONS):
+        code = factorise(march, t, x)
+        if code != OK:
+            return code
+        largest = 0.0
+        for k in range(held.number[0]):
+            held.right[k] = system.program.bound[held.row[k]]
+            largest = max(largest, abs(held.right[k]))
+        if largest <= MET * march.state[0].size:
+            break
+        forward(held, 0)
+        backward(held)
+        for k in range(held.number[0]):
+            add(system.rows, held.row[k], system.program.gradient, -held.right[k], x)
+    return OK
+
+
+@inner
+def stages(march: March, h: float, first: int, last: int) -> int:
+    """The rates of the stages ``first`` ... ``last`` - 1 of a step from ``x``, each from those before it."""
+    state, pair, x = march.state[0], march.pair, march.x
+    for i in range(first, last):
+        for k in range(x.size):
+            march.point[k] = 0.0
+        for j in range(i):
+            weight = h * pair.a[i, j]
+            if weight != 0.0:
+                for k in range(x.size):
+                    march.point[k] += weight * march.rate[j, k]
+        for k in range(x.size):
+            march.point[k] += x[k]
+        if i == pair.stages:
+            for k in range(x.size):
+                march.after[k] = march.point[k]
+        code = move(march, state.now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
+        if code != OK:
+            return code
+    return OK
+
+
+@inner
+def error_of(march: March, h: float) -> float:
+    """The estimated error of the step over what the tolerance allows, root of the mean square."""
+    state, pair, n = march.state[0], march.pair, march.x.size
+    absolute, relative = max(state.tol, EPS * state.size), max(state.tol, 2.0 * EPS)
+    first, second = 0.0, 0.0
+    for k in range(n):
+        one, other = 0.0, 0.0
+        for i in range(pair.stages + 1):
+            one += pair.error[0, i] * march.rate[i, k]
+            other += pair.error[1, i] * march.rate[i, k]
+        scale = absolute + relative * max(abs(march.x[k]), abs(march.after[k]))
+        first += (one / scale) * (one / scale)
+        second += (other / scale) * (other / scale)
+    if first == 0.0:
+        return 0.0
+    return float(h * first / np.sqrt((first + 0.01 * second) * n))
+
+
+@inner
+def interpolate(march: March, h: float) -> int:
+    """The dense output of the step, in the nested form of Hairer, Norsett and Wanner."""
+    state, pair, n = march.state[0], march.pair, march.x.size
+    code = stages(march, h, pair.stages + 1, pair.stages + 1 + pair.more)
+    for k in range(n):
+        change = march.after[k] - march.x[k]
+        march.dense[0, k] = change
+        march.dense[1, k] = h * march.rate[0, k] - change
+        march.dense[2, k] = 2.0 * change - h * (march.rate[pair.stages, k] + march.rate[0, k])
+        for j in range(pair.terms - 3):
+            total = 0.0
+            for i in range(pair.stages + 1 + pair.more):
+                total += pair.dense[j, i] * march.rate[i, k]
+            march.dense[3 + j, k] = h * total
+    state.theta, state.made = -1.0, h
+    return code
+
+
+@inner
+def at(dense: Floats, terms: int, x: float, k: int, theta: float) -> tuple[float, float]:
+    """Coordinate k at the part ``theta`` of the step, and its derivative after theta."""
+    value, slope = 0.0, 0.0
+    for j in range(terms - 1, -1, -1):
+        factor, sign = (theta, 1.0) if j % 2 == 0 else (1.0 - theta, -1.0)
+        value += dense[j, k]
+        slope = slope * factor + sign * value
+        value *= factor
+    return x + value, slope

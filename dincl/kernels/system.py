@@ -1,0 +1,97 @@
+"""What compiled steps of a small system share: the drift, the codes by which a step ends, lengths of moves."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dincl.checks import LARGEST
+from dincl.compile import inner
+from dincl.kernels.active_set import LeastDistance
+from dincl.kernels.arrays import Floats, Offsets
+from dincl.kernels.factor import Chosen
+from dincl.kernels.pointers import velocity
+from dincl.kernels.table import NearRows, RowTable, Sets
+
+# How steps end; the first ones are those of ``active_set.nearest``.
+OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
+
+
+class Drift(NamedTuple):
+    """The function at ``address``, see ``pointers``; where it failed, ``failed`` holds t, x and what it gave."""
+
+    address: int
+    data: Floats
+    calls: Offsets  # (2,): how many, and how the last one failed
+    failed: Floats  # (1 + 2 n,)
+
+
+class SystemArrays(NamedTuple):
+    """A small system and room to work in; ``velocity`` is what the drift gave last, ``blamed`` the row of a failure."""
+
+    rows: RowTable
+    sets: Sets
+    near: NearRows
+    program: LeastDistance
+    chosen: Chosen
+    drift: Drift
+    velocity: Floats  # (n,)
+    middle: Floats  # (n,)
+    move: Floats  # (families, d)
+    blamed: Offsets  # (1,)
+
+
+class Steps(NamedTuple):
+    """The steps k = first ... last - 1 of a grid, from t_k = origin + k end / number."""
+
+    origin: float
+    end: float
+    number: int
+    first: int
+    last: int
+
+
+@inner
+def evaluate(system: SystemArrays, t: float, x: Floats, out: Floats) -> int:
+    """F(t, x), finite: OK or DRIFT."""
+    drift, d = system.drift, system.sets.shift.shape[1]
+    drift.calls[0] += 1
+    code = velocity(drift.address, t, x, out, x.size // d, d, drift.data)
+    if code != OK:
+        drift.failed[0], drift.calls[1] = t, code
+        for k in range(x.size):
+            drift.failed[1 + k], drift.failed[1 + x.size + k] = x[k], out[k]
+        return DRIFT
+    return OK
+
+
+@inner
+def bounded(x: Floats) -> bool:
+    """Whether all numbers are finite and none is too large."""
+    fits = True
+    for k in range(x.size):
+        fits = fits and abs(x[k]) <= LARGEST
+    return fits
+
+
+@inner
+def farthest(x: Floats, y: Floats, d: int) -> float:
+    """max_i |X_i - Y_i|."""
+    largest = 0.0
+    for i in range(0, x.size, d):
+        square = 0.0
+        for k in range(d):
+            square += (x[i + k] - y[i + k]) * (x[i + k] - y[i + k])
+        largest = max(largest, square)
+    return float(np.sqrt(largest))
+
+
+@inner
+def longest(x: Floats, d: int) -> float:
+    """max_i |X_i|."""
+    largest = 0.0
+    for i in range(0, x.size, d):
+        square = 0.0
+        for k in range(d):
+            square += x[i + k] * x[i + k]
+        largest = max(largest, square)
+    return float(np.sqrt(largest))

@@ -1,0 +1,326 @@
+"""The first event on the dense output of a step: a gap that closes, a push that vanishes, a contact that stirs."""
+
+import numpy as np
+
+from dincl.compile import inner
+from dincl.kernels.arrays import Floats
+from dincl.kernels.catch_up import carry
+from dincl.kernels.choice import TOUCHING, ZERO
+from dincl.kernels.factor import times
+from dincl.kernels.motion import CLOSED, EPS, OPEN, March, at, least_speed, move
+from dincl.kernels.system import OK
+from dincl.kernels.table import (
+    CALLED,
+    DISTANCE,
+    SPEEDS,
+    ask,
+    distance_from_list,
+    find_near,
+    gap,
+    linearise,
+    sort_near,
+)
+
+# Looked at are the ends of this many equal parts of a step, and the lows in between.
+PARTS = 4
+# Speeds and pushes count as negative below this, relative to the largest speed: ten times what the choice allows.
+NEGATIVE = 10.0 * ZERO
+# What is watched has the number of a row, for its gap; from m on, for the speed of a row that is closed and not held;
+# or stands for the pushes.
+PUSHES = -1
+# A low is looked at closely when it falls below this part of what is around it.
+SUSPICIOUS = 0.5
+# Sets are taken to be carried up to so many times as far as they are at the nodes.
+SAFETY = 2.0
+# A push, or a speed, vanishes linearly in time, and the way that is lost is of second order: the part of a step to
+# which its time is wanted, for a tolerance of 1. A gap is followed to rounding.
+RELEASE = 3e-3
+MOST_ITERATIONS = 100
+# Rows are listed for this many times the reach of a step.
+GENEROUS = 2.0
+# No event in this step.
+NEVER = 2.0
+
+
+@inner
+def signal(march: March, what: int, theta: float) -> tuple[float, float]:
+    """What must not become negative, at a part ``theta`` of the step; for a gap also its derivative after theta."""
+    if what == PUSHES or what >= march.closed.size:
+        return weakness(march, what, theta), 0.0
+    state, system = march.state[0], march.system
+    row, rows, sets, d, h = system.rows.row[what], system.rows, system.sets, system.sets.shift.shape[1], state.made
+    if sets.address != 0 and row.j < 0:
+        dense_state(march, theta)
+        ask(sets, state.now + theta * h, march.point, SPEEDS)
+    value, slope, terms = 0.0, 0.0, march.pair.terms
+    if row.kind == DISTANCE:
+        for k in range(d):
+            one, speed = at(march.dense, terms, march.x[row.i * d + k], row.i * d + k, theta)
+            if row.j >= 0:
+                other, rate = at(march.dense, terms, march.x[row.j * d + k], row.j * d + k, theta)
+            else:
+                other = rows.coefficient[rows.start[what] + k] + sets.shift[row.family, k]
+                rate = h * sets.speed[row.family, k]
+            value += (one - other) * (one - other)
+            slope += 2.0 * (one - other) * (speed - rate)
+        length = row.length + row.sign * state.level
+        return row.sign * (value - length * length), row.sign * slope
+    if row.kind == CALLED:
+        value = linearise(rows, sets, what, march.point, system.program.gradient) - state.level
+        slope = times(rows, what, system.program.gradient, march.rate[16]) - h * least_speed(system, what)
+        return value, slope
+    for p in range(rows.start[what], rows.start[what + 1]):
+        column = rows.column[p]
+        place, speed = at(march.dense, terms, march.x[column], column, theta)
+        value += rows.coefficient[p] * (place - sets.shift[row.family, column % d])
+        slope += rows.coefficient[p] * (speed - h * sets.speed[row.family, column % d])
+    return value - row.length - state.level * np.sqrt(row.square), slope
+
+
+@inner
+def dense_state(march: March, theta: float) -> None:
+    """Write the state at a part of the step into ``point``, and its derivative after theta into the last rate."""
+    march.state[0].theta = -1.0
+    for k in range(march.x.size):
+        march.point[k], march.rate[16, k] = at(march.dense, march.pair.terms, march.x[k], k, theta)
+
+
+@inner
+def weakness(march: March, what: int, theta: float) -> float:
+    """The smallest push, or how far the speed of a closed row is below what makes it a change; negative on failure."""
+    state, system = march.state[0], march.system
+    zero, t = NEGATIVE * state.speed, state.now + theta * state.made
+    if what == PUSHES and theta == 0.0:
+        return float(zero + least(march, march.push[0]))
+    if what == PUSHES and theta == 1.0:
+        return float(zero + least(march, march.push[march.pair.stages]))
+    if state.theta != theta:
+        dense_state(march, theta)
+        state.code = move(march, t, march.point, march.rate[16], march.push[16])
+        state.theta = theta
+    if state.code != OK:
+        return -1.0
+    if what == PUSHES:
+        return float(zero + least(march, march.push[16]))
+    r = what - march.closed.size
+    ask(system.sets, t, march.point, SPEEDS)
+    linearise(system.rows, system.sets, r, march.point, system.program.gradient)
+    speed = times(system.rows, r, system.program.gradient, march.rate[16]) - least_speed(system, r)
+    return float(zero - abs(speed))
+
+
+@inner
+def least(march: March, push: Floats) -> float:
+    """The least of the pushes of the held rows."""
+    found = np.inf
+    for k in range(march.held.number[0]):
+        found = min(found, push[k])
+    return found
+
+
+@inner
+def part(march: March, what: int, theta: float, slope: bool) -> float:
+    """Give the signal, or its falling."""
+    value, rising = signal(march, what, theta)
+    return -rising if slope else value
+
+
+@inner
+def root(march: March, what: int, a: float, first: float, b: float, last: float, slope: bool) -> float:
+    """Where a signal becomes negative that is ``first`` >= 0 at a and ``last`` < 0 at b > a; Chandrupatla (1997)."""
+    if first <= 0.0:
+        return a
+    c, third, share, state = a, first, 0.5, march.state[0]
+    allowed = 2.0 * EPS * max(abs(state.now) / max(state.made, 1e-300), 1.0)
+    if what < 0 or what >= march.closed.size:
+        allowed = max(allowed, RELEASE * np.sqrt(state.tol / state.size))
+    for _ in range(MOST_ITERATIONS):
+        middle = a + share * (b - a)
+        value = part(march, what, middle, slope)
+        if (value > 0.0) == (first > 0.0):
+            c, third = a, first
+        else:
+            c, third, b, last = b, last, a, first
+        a, first = middle, value
+        limit = allowed / abs(b - a)
+        if limit > 0.5 or first == 0.0 or state.code != OK:
+            break
+        xi, phi = (a - b) / (c - b), (first - last) / (third - last)
+        share = 0.5
+        if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
+            share = first / (last - first) * third / (last - third)
+            share += (c - a) / (b - a) * first / (third - first) * last / (third - last)
+        share = min(1.0 - limit, max(limit, share))
+    return a if first <= 0.0 else b
+
+
+@inner
+def first_negative(march: March, what: int, most: float) -> float:
+    """The first root of a signal without derivative that becomes negative at a node, or dips below zero around one."""
+    two, one = np.inf, np.inf
+    for j in range(PARTS + 1):
+        value = part(march, what, j / PARTS, False)
+        if value < 0.0:
+            return root(march, what, (j - 1) / PARTS, one, j / PARTS, value, False) if j > 0 else 0.0
+        if j > 1 and one <= min(two, value):
+            bend = two - 2.0 * one + value
+            depth = (value - two) * (value - two) / (8.0 * bend) if bend > 0.0 else 0.0
+            if one - depth <= SUSPICIOUS * one:
+                lowest = lowest_between(march, what, (j - 2) / PARTS, j / PARTS)
+                low = part(march, what, lowest, False)
+                if low < 0.0:
+                    return root(march, what, (j - 2) / PARTS, two, lowest, low, False)
+        two, one = one, value
+        if j / PARTS > most:
+            break
+    return NEVER
+
+
+@inner
+def lowest_between(march: March, what: int, left: float, right: float) -> float:
+    """Where a signal is lowest, by golden section; the first place at which it is negative ends the search."""
+    golden = 0.6180339887498949
+    a, b = right - golden * (right - left), left + golden * (right - left)
+    at_a, at_b = part(march, what, a, False), part(march, what, b, False)
+    while right - left > 1e-4 and at_a >= 0.0 and at_b >= 0.0:
+        if at_a < at_b:
+            right, b, at_b = b, a, at_a
+            a = right - golden * (right - left)
+            at_a = part(march, what, a, False)
+        else:
+            left, a, at_a = a, b, at_b
+            b = left + golden * (right - left)
+            at_b = part(march, what, b, False)
+    return a if at_a < at_b else b
+
+
+@inner
+def closes(march: March, r: int, most: float) -> float:
+    """When the gap of a row falls below its level."""
+    before, falling = signal(march, r, 0.0)
+    if before < 0.0:
+        return 0.0
+    for j in range(PARTS):
+        left, right = j / PARTS, (j + 1) / PARTS
+        if left > most:
+            break
+        value, slope = signal(march, r, right)
+        end, low = right, value
+        if value >= 0.0 and falling < 0.0 < slope and dips(before, falling / PARTS, value, slope / PARTS):
+            end = root(march, r, left, -falling, right, -slope, True)
+            low = signal(march, r, end)[0]
+        if low < 0.0:
+            return root(march, r, left, before, end, low, False)
+        before, falling = value, slope
+    return NEVER
+
+
+@inner
+def dips(before: float, falling: float, after: float, rising: float) -> bool:
+    """Whether the cubic with these values and slopes at the ends of [0, 1] falls low between them."""
+    cube = 2.0 * (before - after) + falling + rising
+    square = 3.0 * (after - before) - 2.0 * falling - rising
+    root = np.sqrt(max(square * square - 3.0 * cube * falling, 0.0))
+    bottom = -falling / (square + root) if square + root > 0.0 else 0.5
+    low = before + bottom * (falling + bottom * (square + bottom * cube))
+    return not low > SUSPICIOUS * min(before, after)
+
+
+@inner
+def is_suspicious(march: March) -> bool:
+    """Whether a push falls, in one of the stages, much below what it has at the ends of the step."""
+    last = march.pair.stages
+    for k in range(march.held.number[0]):
+        low = min(march.push[0, k], march.push[last, k])
+        if low < 0.0:
+            return True
+        for i in range(1, last + 1 + march.pair.more):
+            if march.push[i, k] < SUSPICIOUS * low:
+                return True
+    return False
+
+
+@inner
+def make_room(march: March) -> float:
+    """How far the dense output is from straight lines for each particle, at most, and the longest way of all.
+
+    x + theta (F_0 + (1 - theta) (F_1 + theta (...))) leaves the line by no more than (|F_1| + |F_2| + ...) / 4.
+    """
+    state, d, carried, farthest = march.state[0], march.system.sets.shift.shape[1], 0.0, 0.0
+    for j in range(1, PARTS + 1):
+        carried = max(carried, carry(march.system, state.now, state.now + j / PARTS * state.made))
+    for i in range(march.bend.size):
+        bend, way = 0.0, 0.0
+        for j in range(march.pair.terms):
+            square = 0.0
+            for k in range(d):
+                square += march.dense[j, i * d + k] * march.dense[j, i * d + k]
+            if j == 0:
+                way = np.sqrt(square)
+            else:
+                bend += 0.25 * np.sqrt(square)
+        march.bend[i] = bend
+        farthest = max(farthest, way + bend)
+    return farthest + SAFETY * carried
+
+
+@inner
+def stays_clear(march: March, r: int) -> bool:
+    """Whether a row at rest is not met on the straight lines of the step, nor as near as the dense output is."""
+    row, rows, d = march.system.rows.row[r], march.system.rows, march.system.sets.shift.shape[1]
+    if row.kind != DISTANCE or (row.j < 0 and march.system.sets.address != 0):
+        return False
+    start, along, way, end = 0.0, 0.0, 0.0, 0.0
+    for k in range(d):
+        i, j = row.i * d + k, row.j * d + k
+        if row.j >= 0:
+            arrow, step = march.x[i] - march.x[j], march.dense[0, i] - march.dense[0, j]
+        else:
+            arrow, step = march.x[i] - rows.coefficient[rows.start[r] + k], march.dense[0, i]
+        start += arrow * arrow
+        along += arrow * step
+        way += step * step
+        end += (arrow + step) * (arrow + step)
+    bend = march.bend[row.i] + (march.bend[row.j] if row.j >= 0 else 0.0)
+    if row.sign < 0.0:
+        return bool(np.sqrt(max(start, end)) + bend < row.length)
+    nearest = start
+    if along < 0.0:
+        nearest = end if -along >= way else start - along * along / way
+    limit = row.length + bend
+    return bool(nearest > limit * limit)
+
+
+@inner
+def first_event(march: March) -> tuple[float, int]:
+    """The part of the step after which something changes, NEVER if nothing does, and the row whose gap closes or -1."""
+    state, system, x = march.state[0], march.system, march.x
+    rows, sets, near, touching = system.rows, system.sets, system.near, TOUCHING * march.state[0].size
+    found, closing = NEVER, -1
+    state.code = OK
+    if march.held.number[0] > 0 and is_suspicious(march):
+        found = first_negative(march, PUSHES, found)
+    reach = make_room(march) + touching
+    if sets.address != 0:
+        ask(sets, state.now, x, SPEEDS)
+    if not distance_from_list(sets, x, near) + reach <= near.reach[0]:
+        find_near(rows, sets, x, GENEROUS * reach, near)
+        sort_near(rows, x, sets.shift.shape[1], near)
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if march.closed[r] == CLOSED:
+            stirs = first_negative(march, r + march.closed.size, found)
+            if stirs < found:
+                found, closing = stirs, -1
+        elif march.closed[r] == OPEN:
+            if stays_clear(march, r):
+                continue
+            if sets.address != 0 and rows.row[r].j < 0:
+                ask(sets, state.now, x, SPEEDS)
+            value = gap(rows, sets, r, x)
+            if value <= rows.row[r].sway * reach + touching:
+                state.level = -touching if value <= touching else 0.0
+                meets = closes(march, r, found)
+                if meets < found:
+                    found, closing = meets, r
+    return found, closing

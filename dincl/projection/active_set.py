@@ -1,0 +1,60 @@
+"""The dense dual active-set method of this package."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dincl.errors import StepFailure
+from dincl.projection.base import Projection
+from dincl.projection.qp import QpAnswer, QpSolver
+from dincl.status import Status
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dincl.csr import Csr
+    from dincl.projection.base import Solver
+
+
+@dataclass(frozen=True)
+class ActiveSet(Projection):
+    """Nearest points by the dual active-set method of Goldfarb and Idnani (1983), compiled.
+
+    The catch-up schemes make whole runs of up to 200 particles in compiled code with it, so that it is the fastest for
+    them: rows are assembled in place, the last active rows are the start, and the Cholesky factor of their Gram matrix
+    is kept in the envelope of the contacts in the order of the cloud. The answer is refined until the active rows are
+    met to rounding.
+
+    Parameters
+    ----------
+    tol
+        Greatest certified residual of a projection [length].
+    """
+
+    def solver(self) -> Solver:
+        return _ActiveSetSolver(self.tol)
+
+
+class _ActiveSetSolver(QpSolver):
+    name = "active set"
+
+    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+        """Solve with the rows in the order of their first coordinates, in which the envelope is narrow."""
+        from dincl.kernels.active_set import CYCLES, INFEASIBLE, least_distance, solve
+        from dincl.kernels.factor import room
+        from dincl.kernels.table import ROW, RowTable
+
+        m, n = matrix.rows, matrix.columns
+        rows = RowTable(np.zeros(m, dtype=ROW), matrix.indptr, matrix.indices, np.zeros(0))
+        first = np.minimum(matrix.indptr[:-1], max(len(matrix.indices) - 1, 0))
+        order = np.argsort(matrix.indices[first], kind="stable") if len(matrix.indices) else np.arange(m)
+        program = least_distance(matrix.data, least, multipliers.copy(), n)
+        code = solve(rows, order, program, room(min(m, n) + 1, n))
+        if code == INFEASIBLE:
+            raise StepFailure(Status.INFEASIBLE, f"{self.name}: no point meets all constraints.")
+        if code == CYCLES:
+            raise StepFailure(Status.NOT_CONVERGED, f"{self.name}: rounding keeps it from an answer.")
+        return QpAnswer(program.z, program.multiplier, int(program.answer[0]))

@@ -1,0 +1,72 @@
+"""What compiled code has to ask Python about sets, as a C function: where they are, and rows that only Python knows."""
+
+from __future__ import annotations
+
+import ctypes
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+
+from dincl.kernels.table import GRADIENTS, SPEEDS, Sets
+from dincl.rows.near import set_velocity
+from dincl.run.drift_pointer import C_FUNCTION, PLACE, numbers_at
+
+if TYPE_CHECKING:
+    from dincl.rows.near import Selection
+
+# Of the differences that give the velocities of moving sets [time], where nobody says otherwise.
+SPACING = 1e-3
+
+
+class SetsPointer:
+    """The sets of a problem at any time.
+
+    Attributes
+    ----------
+    arrays
+        What ``dincl.kernels.table`` reads. Its address, which is 0 if there is nothing to ask, lives as long as this.
+    spacing
+        Of the differences that give the velocities of moving sets [time].
+    """
+
+    def __init__(self, selection: Selection, called: tuple[int, ...]) -> None:
+        count, d = selection.shape
+        families, self.spacing = len(selection.constraints), SPACING
+        self._constraints = selection.constraints
+        self._error: BaseException | None = None
+        self._moving = [f for f, one in enumerate(self._constraints) if one.displacement(0.0, d) is not None]
+        self._called = [(f, selection.blocks[f]) for f in called]
+        self._shape, m = (count, d), sum(len(block) for _, block in self._called)
+        self._callback = C_FUNCTION(self._answer)
+        address = int(ctypes.cast(self._callback, PLACE).value or 0) if self._moving or m else 0
+        empty = np.zeros((families, d)), np.zeros((families, d)), np.zeros(m), np.zeros((m, count * d))
+        self.arrays = Sets(address, np.zeros(1), *empty)
+
+    def failure(self) -> NoReturn:
+        """Raise what was raised while an answer was made."""
+        error, self._error = self._error, None
+        raise error or RuntimeError("no answer of the sets failed")
+
+    def _answer(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
+        try:
+            self._fill(t, x)
+        except BaseException as error:  # noqa: BLE001  # raised again by ``failure``; here it would be printed
+            self._error = error
+            return 1
+        return 0
+
+    def _fill(self, t: float, place: int) -> None:
+        sets, d = self.arrays, self._shape[1]
+        for family in self._moving:
+            sets.shift[family] = self._constraints[family].displacement(t, d)
+            if sets.ask[0] == SPEEDS:
+                sets.speed[family] = set_velocity(self._constraints[family], t, d, self.spacing)
+        if sets.ask[0] < GRADIENTS or not self._called:
+            return
+        x, first = numbers_at(place, self._shape).copy(), 0
+        for family, block in self._called:
+            rows: Any = block.shifted(sets.shift[family]) if family in self._moving else block
+            last = first + len(block)
+            sets.value[first:last] = rows.values(x)
+            sets.jacobian[first:last] = rows.jacobian(x).dense()
+            first = last
