@@ -38,12 +38,14 @@ class AffineDrift(CompiledDrift):
     turn: NDArray[np.float64]
 
     def __call__(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        value: NDArray[np.float64] | None
         value, stretch, turn = self._terms
         if stretch is not None:
             value = stretch * x if value is None else value + stretch * x
         if turn is not None:
-            turned = turn * np.column_stack((-x[:, 1], x[:, 0]))
-            value = turned if value is None else value + turned
+            turned = np.empty_like(x)
+            turned[:, 0], turned[:, 1] = -x[:, 1], x[:, 0]
+            value = turn * turned if value is None else value + turn * turned
         if value is None or value.shape != x.shape:
             value = np.full_like(x, -0.0 if value is None else value)
         return value
@@ -76,11 +78,11 @@ class AffineDrift(CompiledDrift):
         return affine.address, self._data
 
     @cached_property
-    def _terms(self) -> tuple[NDArray[np.float64] | None, ...]:
+    def _terms(self) -> tuple[Any, ...]:
         """c, a and b, to be broadcast against (N, d); None for a term that is left out."""
-        rates = [rate[..., None] if rate.any() else None for rate in (self.stretch, self.turn)]
-        moves = self.velocity.any() or (self.velocity.ndim > 0 and rates == [None, None])
-        return (self.velocity if moves else None, *rates)
+        rates = [_column(rate) if rate.any() else None for rate in (self.stretch, self.turn)]
+        alone = self.velocity.ndim > 0 and not any(rate.any() for rate in (self.stretch, self.turn))
+        return (self.velocity if alone or self.velocity.any() else None, *rates)
 
     @cached_property
     def _data(self) -> NDArray[np.float64]:
@@ -89,7 +91,7 @@ class AffineDrift(CompiledDrift):
         for k, term in enumerate(self._terms):
             if term is not None:
                 head[2 * k] = head.size + numbers.size
-                head[2 * k + 1] = term.shape[-1] if term.ndim == 2 else 0
+                head[2 * k + 1] = term.shape[1] if np.ndim(term) == 2 else 0
                 numbers = np.append(numbers, term)
         return np.append(head, numbers)
 
@@ -167,6 +169,11 @@ def _rate(rate: ArrayLike) -> NDArray[np.float64]:
     if checked.ndim > 1 or checked.size == 0:
         raise InvalidProblem(f"rate = {describe(rate)}: must be one number, or one for each particle, shape (N,)")
     return checked
+
+
+def _column(rate: NDArray[np.float64]) -> NDArray[np.float64] | float:
+    """One number, which NumPy multiplies by faster than by an array, or one for each particle, shape (N, 1)."""
+    return rate[:, None] if rate.ndim else float(rate)
 
 
 def _scaled(rate: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -34,7 +34,7 @@ def compiled(drift: Any) -> CompiledDrift | None:
     """A drift in the form that compiled runs call: itself, or a function that numba compiles; None for any other.
 
     A function of numba is compiled for (float, read-only array of shape (N, d)), once in its life. It must return
-    an array of whole or floating-point numbers with two axes; if it does not, it is called as any other function is.
+    an array of whole or floating-point numbers with two axes, and leave its types open; else this is None.
     """
     if isinstance(drift, CompiledDrift):
         return drift

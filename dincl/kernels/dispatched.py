@@ -45,7 +45,7 @@ def as_c_function(drift: Any) -> Any:
             return None
         call = _wrapped(drift)
         compiled = numba.cfunc(DRIFT)(call)
-    except NumbaError:
+    except (NumbaError, RuntimeError):  # the latter if its types are declared, and others
         return None
     call.__closure__[0].cell_contents = None  # the machine code needs it no longer, and it may be forgotten
     return compiled

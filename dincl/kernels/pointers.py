@@ -72,7 +72,7 @@ def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, dat
     t : float
         Time.
     x, out : (n, d) or (n d,)
-        Positions [length] and velocities [length / time]; out is overwritten.
+        Positions [length] and velocities [length / time], two arrays; out is overwritten.
     n, d : int
         Particles and dimension.
     data : (k,)

@@ -28,6 +28,7 @@ DRIFTS = {
     "centre": attraction((1 / 3, 7.0), rate=1.7),
     "rates": attraction((0.1, 0.0), RATES),
     "rates to the origin": attraction(0, RATES),
+    "rates to the origin of the plane": attraction((0.0, 0.0), RATES),
     "swirl": swirl((0.3, -0.2), 2.2),
     "swirl about the origin": swirl(0, RATES),
     "two": swirl(0, 1.0) + attraction(0),

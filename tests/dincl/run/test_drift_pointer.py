@@ -79,6 +79,16 @@ def njit_transposed(t, x):
     return np.ascontiguousarray(x.T).T
 
 
+@numba.njit(numba.float64[:, :](numba.float64, numba.types.Array(numba.float64, 2, "A", readonly=True)))
+def njit_declared(t, x):
+    return -1 * x
+
+
+@numba.jit(forceobj=True)
+def jit_object(t, x):
+    return -x
+
+
 @numba.njit
 def njit_list(t, x):
     return [(1.0, 2.0) for _ in range(x.shape[0])]
@@ -100,6 +110,8 @@ GOOD = {
     "njit whole": njit_whole,
     "njit transposed": njit_transposed,
     "njit list": njit_list,
+    "njit declared": njit_declared,
+    "jit object": jit_object,
 }
 IN_MACHINE_CODE = {"constant", "swirl", "njit", "njit same", "njit whole", "njit transposed"}
 
