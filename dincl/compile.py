@@ -49,6 +49,11 @@ def inner(function: Function) -> Function:
         return cast("Function", numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
 
 
+def inlined(function: Function) -> Function:
+    """Copy a part of a kernel into the one place that calls it, before types are known: it is compiled with it."""
+    return cast("Function", numba.njit(inline="always", error_model="numpy", _nrt=False)(function))
+
+
 def c_function(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile a function at top level of a file that is called by its ``address``; kept on the disk as a kernel is.
 

@@ -12,6 +12,7 @@ from dincl.events.pairs import pair_for
 from dincl.events.path import PathPieces
 from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
+from dincl.kernels.handles import written
 from dincl.kernels.motion import STATE, Path, begin_march, room_for_path
 from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
@@ -61,7 +62,8 @@ class EventRun:
         for name, value in {"end": times[-1], "tol": tol, "size": size, "parts": parts, "choose": 1}.items():
             self._state[name] = value
         path = room_for_path(kernels.ROOM * 8, n, most, m)
-        self._march = begin_march(system.arrays, pair, self._state, path, self._start(TOUCHING * size))
+        self._march = begin_march(system.place, system.arrays, pair, self._state, path, self._start(TOUCHING * size))
+        self._words = written(self._march)
         self.between = PathPieces(system, TOUCHING * size, pair, size, self._march.x.copy())
         self._changes: list[NDArray[np.float64]] = []
 
@@ -75,7 +77,7 @@ class EventRun:
         while code == kernels.FULL:
             began = time.perf_counter()
             with self._system.drift:
-                code = kernels.march_on(self._march, most)
+                code = kernels.march_on(int(self._words.ctypes.data), most)
             most = 2 * most if time.perf_counter() - began < SHORT else most
             self._drain()
             self._system.count(self._work)

@@ -10,6 +10,7 @@ import numpy as np
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
 from dincl.kernels import events as kernels
+from dincl.kernels.handles import written
 from dincl.kernels.motion import STATE, March, Path, RungeKutta, begin_march, room_for_path
 from dincl.kernels.system import OK
 from dincl.run.outcome import Between
@@ -46,7 +47,7 @@ class PathPieces(Between):
         if later.any() and len(march.path.end):
             made = np.empty((int(later.sum()), x.shape[1]))
             with self._drift():
-                code = kernels.states_at(march, np.asarray(times)[later], self._pieces(times)[later], made)
+                code = kernels.states_at(self._handle, np.asarray(times)[later], self._pieces(times)[later], made)
             if code != OK:
                 self._system.failure(code)
             x[later] = made
@@ -59,7 +60,7 @@ class PathPieces(Between):
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what is bound to this process."""
-        return {name: value for name, value in self.__dict__.items() if name not in ("_bound", "_system")}
+        return {name: value for name, value in self.__dict__.items() if name not in ("_bound", "_words", "_system")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With a system of this process."""
@@ -79,7 +80,15 @@ class PathPieces(Between):
             path = room_for_path(0, self._start.size, 0, 0)
         state = np.zeros(1, dtype=STATE)
         state["size"] = self._size
-        return begin_march(self._system.arrays, self._pair, state, path, self._start.copy())
+        return begin_march(self._system.place, self._system.arrays, self._pair, state, path, self._start.copy())
+
+    @cached_property
+    def _words(self) -> NDArray[np.int64]:
+        return written(self._bound)
+
+    @property
+    def _handle(self) -> int:
+        return int(self._words.ctypes.data)
 
     def _pieces(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
         ends = self._bound.path.end
@@ -93,7 +102,7 @@ class PathPieces(Between):
         rate = np.empty(x.size)
         try:
             with self._drift():
-                code = kernels.rate_at(march, t, piece, x.ravel(), rate)
+                code = kernels.rate_at(self._handle, t, piece, x.ravel(), rate)
             if code != OK:
                 self._system.failure(code)
             reaction = rate - self._problem.velocity(t, x).ravel()

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inner, kernel
+from dincl.compile import inlined, inner, kernel
 from dincl.kernels.active_set import nearest
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, times
@@ -14,11 +14,11 @@ from dincl.kernels.system import (
     SETS,
     TOO_FAR,
     Steps,
-    SystemArrays,
     bounded,
     evaluate,
     farthest,
     longest,
+    system_at,
 )
 from dincl.kernels.table import GRADIENTS, PLACES, ask, distance_from_list, find_near, gap, linearise, sort_near
 
@@ -32,16 +32,18 @@ GENEROUS = 4.0
 
 
 @inner
-def list_sorted(system: SystemArrays, x: Floats, reach: float) -> None:
+def list_sorted(place: int, x: Floats, reach: float) -> None:
     """See that every row that matters within ``reach`` of x is listed, in the order of the cloud."""
+    system = system_at(place)
     if not distance_from_list(system.sets, x, system.near) + reach <= system.near.reach[0]:
         find_near(system.rows, system.sets, x, GENEROUS * reach, system.near)
         sort_near(system.rows, x, system.sets.shift.shape[1], system.near)
 
 
 @inner
-def linearise_near(system: SystemArrays, t: float, x: Floats) -> int:
+def linearise_near(place: int, t: float, x: Floats) -> int:
     """The listed rows linearised at x: a_r . z >= bound_r with unit gradients."""
+    system = system_at(place)
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     if ask(sets, t, x, GRADIENTS) != 0:
         return SETS
@@ -56,10 +58,11 @@ def linearise_near(system: SystemArrays, t: float, x: Floats) -> int:
 
 
 @inner
-def certify(system: SystemArrays, t: float) -> tuple[int, float]:
+def certify(place: int, t: float) -> tuple[int, float]:
     """Linearise the listed rows at z, and give the residual of z as the nearest point of the curved set to y."""
+    system = system_at(place)
     program, near = system.program, system.near
-    code, residual, z = linearise_near(system, t, program.z), 0.0, program.z
+    code, residual, z = linearise_near(place, t, program.z), 0.0, program.z
     for k in range(z.size):
         program.direction[k] = z[k] - program.y[k]
     for q in range(near.number[0]):
@@ -75,8 +78,9 @@ def certify(system: SystemArrays, t: float) -> tuple[int, float]:
 
 
 @inner
-def is_inside(system: SystemArrays, t: float, allowed: float) -> bool:
+def is_inside(place: int, t: float, allowed: float) -> bool:
     """Whether y violates no listed row by more than ``allowed``."""
+    system = system_at(place)
     if ask(system.sets, t, system.program.y, GRADIENTS) != 0:
         return False
     for q in range(system.near.number[0]):
@@ -86,8 +90,9 @@ def is_inside(system: SystemArrays, t: float, allowed: float) -> bool:
 
 
 @inner
-def carry(system: SystemArrays, t: float, later: float) -> float:
+def carry(place: int, t: float, later: float) -> float:
     """How far each set is carried from t to a later time, into ``move``; the longest way."""
+    system = system_at(place)
     if system.sets.address == 0 or later == t:
         return 0.0
     move, shift, longest = system.move, system.sets.shift, 0.0
@@ -106,8 +111,9 @@ def carry(system: SystemArrays, t: float, later: float) -> float:
 
 
 @inner
-def shift_bounds(system: SystemArrays) -> None:
+def shift_bounds(place: int) -> None:
     """Carry the linearised rows along with their sets."""
+    system = system_at(place)
     rows, near, program = system.rows, system.near, system.program
     d = system.move.shape[1]
     for q in range(near.number[0]):
@@ -116,16 +122,17 @@ def shift_bounds(system: SystemArrays) -> None:
             program.bound[r] += program.gradient[p] * system.move[rows.row[r].family, rows.column[p] % d]
 
 
-@inner
-def project(system: SystemArrays, t: float, around: Floats, reach: float, later: float, exact: bool, tol: float) -> int:
+@inlined
+def project(place: int, t: float, around: Floats, reach: float, later: float, exact: bool, tol: float) -> int:
     """Project y onto S(t), searched from ``around``, or onto its linearisation there, carried to a later time."""
+    system = system_at(place)
     d = system.sets.shift.shape[1]
-    carried = carry(system, t, later)
+    carried = carry(place, t, later)
     if ask(system.sets, t, around, PLACES) != 0:
         return SETS
     for _ in range(MOST_REACHES):
-        list_sorted(system, around, reach)
-        code = solve(system, t, around, carried > 0.0, exact, tol)
+        list_sorted(place, around, reach)
+        code = solve(place, t, around, carried > 0.0, exact, tol)
         if code != OK:
             return code
         distance = farthest(system.program.z, around, d) + carried
@@ -135,24 +142,25 @@ def project(system: SystemArrays, t: float, around: Floats, reach: float, later:
     return TOO_FAR
 
 
-@inner
-def solve(system: SystemArrays, t: float, around: Floats, carried: bool, exact: bool, tol: float) -> int:
+@inlined
+def solve(place: int, t: float, around: Floats, carried: bool, exact: bool, tol: float) -> int:
     """The same with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
+    system = system_at(place)
     program, near = system.program, system.near
-    if exact and is_inside(system, t, NEGLIGIBLE * tol):
+    if exact and is_inside(place, t, NEGLIGIBLE * tol):
         for k in range(program.z.size):
             program.z[k] = program.y[k]
         return OK
-    code = linearise_near(system, t, around)
+    code = linearise_near(place, t, around)
     if carried:
-        shift_bounds(system)
+        shift_bounds(place)
     residual = 0.0
     for _ in range(MOST_RELINEARISATIONS if exact else 1):
         if code == OK:
             code = nearest(system.rows, near.row, near.number[0], program, system.chosen)
         residual = program.answer[1]
         if code == OK and exact:
-            code, residual = certify(system, t)
+            code, residual = certify(place, t)
         if code != OK or residual <= tol:
             break
     program.answer[1] = residual
@@ -161,9 +169,10 @@ def solve(system: SystemArrays, t: float, around: Floats, carried: bool, exact: 
     return MISSED if code == OK and not residual <= tol else code
 
 
-@inner
-def step(system: SystemArrays, method: int, t: float, h: float, x: Floats, tol: float) -> int:
+@inlined
+def step(place: int, method: int, t: float, h: float, x: Floats, tol: float) -> int:
     """x(t) -> x(t + h), in place; what the midpoint rule needs first is a step of its own, less accurate."""
+    system = system_at(place)
     program, velocity, middle, length = system.program, system.velocity, system.middle, 0.0
     for stage in range(2 if method == MIDPOINT else 1):
         around, now, rest, allowed = x, t, t + h, tol
@@ -176,7 +185,7 @@ def step(system: SystemArrays, method: int, t: float, h: float, x: Floats, tol: 
             length = h * longest(velocity, system.sets.shift.shape[1])
             allowed = max(tol, np.sqrt(tol * length)) if method == MIDPOINT else tol
         if code == OK:
-            code = project(system, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
+            code = project(place, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
         if code != OK:
             return code
         for k in range(x.size):
@@ -189,11 +198,11 @@ def step(system: SystemArrays, method: int, t: float, h: float, x: Floats, tol: 
 
 
 @kernel
-def advance(system: SystemArrays, method: int, steps: Steps, x: Floats, tol: float) -> tuple[int, int]:
+def advance(place: int, method: int, steps: Steps, x: Floats, tol: float) -> tuple[int, int]:
     """Make steps of a catch-up scheme; how it ended, and the step reached."""
     h = steps.end / steps.number
     for k in range(steps.first, steps.last):
-        code = step(system, method, steps.origin + k * steps.end / steps.number, h, x, tol)
+        code = step(place, method, steps.origin + k * steps.end / steps.number, h, x, tol)
         if code != OK:
             return code, k
     return OK, steps.last

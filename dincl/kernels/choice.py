@@ -1,10 +1,10 @@
 """Which contacts push from an event on: a least-distance program among the velocities."""
 
-from dincl.compile import inner
+from dincl.compile import inlined, inner
 from dincl.kernels.active_set import nearest
 from dincl.kernels.catch_up import list_sorted
 from dincl.kernels.factor import times
-from dincl.kernels.motion import CLOSED, HELD, OPEN, March, least_speed
+from dincl.kernels.motion import CLOSED, HELD, OPEN, least_speed, march_at
 from dincl.kernels.system import COINCIDENT, OK, SETS, evaluate, longest
 from dincl.kernels.table import SPEEDS, ask, gap, linearise
 
@@ -15,13 +15,14 @@ TOUCHING = 1e-13
 ZERO = 1e-10
 
 
-@inner
-def choose(march: March) -> int:
+@inlined
+def choose(run: int) -> int:
     """Decide which rows are held, which stay closed, and note the changes; OK, or why it failed.
 
     A contact whose push and opening speed are both zero stays closed without being held. That is watched, and decided
     when one of them has grown to the threshold.
     """
+    march = march_at(run)
     state, system, held = march.state[0], march.system, march.held
     program, x, d = system.program, march.x, system.sets.shift.shape[1]
     code = evaluate(system, state.now, x, program.y)
@@ -30,13 +31,13 @@ def choose(march: March) -> int:
     if code != OK:
         return code
     state.speed = max(state.speed, longest(program.y, d))
-    count = list_touching(march)
+    count = list_touching(run)
     if count < 0:
         return COINCIDENT
     code = nearest(system.rows, march.touching, count, program, system.chosen)
     if code != OK:
         return code
-    note_changes(march, count)
+    note_changes(run, count)
     held.number[0] = 0
     for q in range(count):
         r = march.touching[q]
@@ -47,12 +48,13 @@ def choose(march: March) -> int:
 
 
 @inner
-def list_touching(march: March) -> int:
+def list_touching(run: int) -> int:
     """List the rows whose gap is closed, with gradients and least speeds; their number, -1 if one has no direction."""
+    march = march_at(run)
     state, system, x = march.state[0], march.system, march.x
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     allowed, count = TOUCHING * state.size, 0
-    list_sorted(system, x, allowed)
+    list_sorted(march.place, x, allowed)
     for q in range(near.number[0]):
         r = near.row[q]
         if gap(rows, sets, r, x) <= allowed:
@@ -68,8 +70,9 @@ def list_touching(march: March) -> int:
 
 
 @inner
-def note_changes(march: March, count: int) -> None:
+def note_changes(run: int, count: int) -> None:
     """Say what each row is now; a row that closes or opens is an event, but for those at the start."""
+    march = march_at(run)
     state, program, rows = march.state[0], march.system.program, march.system.rows
     zero, path = ZERO * state.speed, march.path
     for q in range(count):

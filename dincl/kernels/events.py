@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from dincl.compile import inner, kernel
+from dincl.compile import inlined, inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.choice import choose
 from dincl.kernels.factor import times
-from dincl.kernels.motion import March, at, correct, error_of, interpolate, least_speed, move, stages
+from dincl.kernels.motion import at, correct, error_of, interpolate, least_speed, march_at, move, stages
 from dincl.kernels.system import OK, bounded
 from dincl.kernels.table import SPEEDS, ask, linearise
 from dincl.kernels.watch import NEVER, first_event
@@ -23,16 +23,17 @@ ROOM = 32
 
 
 @inner
-def make_step(march: March, longest: float) -> tuple[int, float]:
+def make_step(run: int, longest: float) -> tuple[int, float]:
     """A step from ``x`` that meets the tolerance, no longer than ``longest``: how it ended, and its length."""
+    march = march_at(run)
     state = march.state[0]
     h, exponent, most = min(state.h, longest), -1.0 / (march.pair.order + 1.0), MOST
     shortened = h < state.h
     while state.now + h > state.now:
-        code = stages(march, h, 1, march.pair.stages + 1)
+        code = stages(run, h, 1, march.pair.stages + 1)
         if code != OK:
             return code, h
-        error = error_of(march, h)
+        error = error_of(run, h)
         change = min(most, max(LEAST, SAFETY * error**exponent)) if error > 0.0 else most
         if error < 1.0:
             # A step that was cut short, and could have been longer still, says nothing of how long.
@@ -44,8 +45,9 @@ def make_step(march: March, longest: float) -> tuple[int, float]:
 
 
 @inner
-def keep_piece(march: March, h: float, end: float) -> None:
+def keep_piece(run: int, h: float, end: float) -> None:
     """Add the step, with its dense output, to the path."""
+    march = march_at(run)
     state, path = march.state[0], march.path
     p = state.pieces
     path.end[p], path.start[p], path.length[p], path.number[p] = end, state.now, h, march.held.number[0]
@@ -59,8 +61,9 @@ def keep_piece(march: March, h: float, end: float) -> None:
 
 
 @inner
-def take(march: March, t: float) -> None:
+def take(run: int, t: float) -> None:
     """Go on from the end of the step."""
+    march = march_at(run)
     march.state[0].now = t
     for k in range(march.x.size):
         march.x[k] = march.after[k]
@@ -69,35 +72,37 @@ def take(march: March, t: float) -> None:
         march.push[0, k] = march.push[march.pair.stages, k]
 
 
-@inner
-def arrive(march: March, t: float, closing: int) -> int:
+@inlined
+def arrive(run: int, t: float, closing: int) -> int:
     """Steps to the event at t, and for a gap the way that is left, as short as the dense output is accurate."""
+    march = march_at(run)
     state, first = march.state[0], march.state[0].pieces
     longest = (t - state.now) / state.parts
     while state.now < t:
-        code, h = make_step(march, min(longest, t - state.now))
+        code, h = make_step(run, min(longest, t - state.now))
         if code == OK:
-            code = interpolate(march, h)
+            code = interpolate(run, h)
         if code != OK or state.pieces == march.path.end.size:
             return code if code != OK else STUCK
         end = t if h >= t - state.now else state.now + h
-        keep_piece(march, h, end)
-        take(march, end)
+        keep_piece(run, h, end)
+        take(run, end)
     if closing >= 0:
         before = march.path.start[first] if state.pieces > first else state.now
-        wait = max(wait_for(march, closing), before - state.now)
+        wait = max(wait_for(run, closing), before - state.now)
         for k in range(march.x.size):
             march.x[k] += wait * march.rate[0, k]
         state.now += wait
         if state.pieces > first:
             march.path.end[state.pieces - 1] = state.now
     state.choose = 1
-    return correct(march, state.now, march.x)
+    return correct(run, state.now, march.x)
 
 
-@inner
-def wait_for(march: March, closing: int) -> float:
+@inlined
+def wait_for(run: int, closing: int) -> float:
     """How long until this gap closes, by one Newton step; 0 if it does not close."""
+    march = march_at(run)
     system = march.system
     ask(system.sets, march.state[0].now, march.x, SPEEDS)
     gap = linearise(system.rows, system.sets, closing, march.x, system.program.gradient)
@@ -105,11 +110,12 @@ def wait_for(march: March, closing: int) -> float:
     return -gap / speed if speed < 0.0 else 0.0
 
 
-@inner
-def begin_phase(march: March) -> int:
+@inlined
+def begin_phase(run: int) -> int:
     """Decide on the contacts and give the rate at the start."""
+    march = march_at(run)
     state = march.state[0]
-    code = choose(march)
+    code = choose(run)
     if code != OK:
         return code
     state.at_once = state.at_once + 1 if state.phase > 0 and state.now == state.chosen_at else 0
@@ -121,43 +127,45 @@ def begin_phase(march: March) -> int:
     if state.h == 0.0:
         reach = state.size * min(1.0, state.tol / state.size) ** (1.0 / (march.pair.order + 1.0))
         state.h = min(state.longest, 0.1 * reach / state.speed if state.speed > 0.0 else state.longest)
-    return move(march, state.now, march.x, march.rate[0], march.push[0])
+    return move(run, state.now, march.x, march.rate[0], march.push[0])
 
 
-@inner
-def go_on(march: March) -> int:
+@inlined
+def go_on(run: int) -> int:
     """A step, and what it leads to: its end, or the first event in it."""
+    march = march_at(run)
     state = march.state[0]
     left = state.end - state.now
-    code, h = make_step(march, min(state.longest, left))
+    code, h = make_step(run, min(state.longest, left))
     if code == OK:
-        code = interpolate(march, h)
+        code = interpolate(run, h)
     if code != OK:
         return code
-    part, closing = first_event(march)
+    part, closing = first_event(run)
     if state.code != OK:
         return int(state.code)
     if part == NEVER:
         end = state.end if h >= left else state.now + h
-        keep_piece(march, h, end)
-        take(march, end)
+        keep_piece(run, h, end)
+        take(run, end)
     else:
-        code = arrive(march, state.now + part * h, closing)
+        code = arrive(run, state.now + part * h, closing)
     return NO_STEP if code == OK and not bounded(march.x) else code
 
 
 @kernel
-def march_on(march: March, most: int) -> int:
+def march_on(run: int, most: int) -> int:
     """Go on until the end, until the room for the path is full, or ``most`` steps: DONE, FULL or a failure."""
+    march = march_at(run)
     state, path = march.state[0], march.path
     for _ in range(most):
         code = OK
         if state.choose != 0:
-            code = begin_phase(march)
+            code = begin_phase(run)
         if code == OK and not state.now < state.end:
             return DONE
         if code == OK:
-            code = go_on(march)
+            code = go_on(run)
         if code != OK:
             return code
         if state.pieces > path.end.size - ROOM or state.events > path.event.shape[0] - march.closed.size:
@@ -166,24 +174,26 @@ def march_on(march: March, most: int) -> int:
 
 
 @inner
-def hold(march: March, p: int) -> None:
+def hold(run: int, p: int) -> None:
     """Hold the rows of piece p."""
+    march = march_at(run)
     march.held.number[0] = march.path.number[p]
     for k in range(march.held.number[0]):
         march.held.row[k] = march.path.held[p, k]
 
 
 @kernel
-def states_at(march: March, t: Floats, piece: Offsets, x: Floats) -> int:
+def states_at(run: int, t: Floats, piece: Offsets, x: Floats) -> int:
     """Write the states at times t that lie in these pieces into x (K, n): the dense output, put onto the contacts."""
+    march = march_at(run)
     path = march.path
     for q in range(t.size):
         p = piece[q]
-        hold(march, p)
+        hold(run, p)
         part = (t[q] - path.start[p]) / path.length[p]
         for k in range(march.x.size):
             march.point[k] = at(path.dense[p], march.pair.terms, path.x[p, k], k, part)[0]
-        code = correct(march, t[q], march.point)
+        code = correct(run, t[q], march.point)
         if code != OK:
             return code
         for k in range(march.x.size):
@@ -192,7 +202,8 @@ def states_at(march: March, t: Floats, piece: Offsets, x: Floats) -> int:
 
 
 @kernel
-def rate_at(march: March, t: float, p: int, x: Floats, rate: Floats) -> int:
+def rate_at(run: int, t: float, p: int, x: Floats, rate: Floats) -> int:
     """Write x' at a state of piece p into ``rate``."""
-    hold(march, p)
-    return move(march, t, x, rate, march.push[16])
+    march = march_at(run)
+    hold(run, p)
+    return move(run, t, x, rate, march.push[16])

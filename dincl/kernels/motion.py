@@ -9,7 +9,8 @@ from dincl.compile import inner
 from dincl.kernels.active_set import across
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.factor import Chosen, add, append, backward, border, clear, forward, room, times
-from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate
+from dincl.kernels.handles import reader
+from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SYSTEM, SystemArrays, evaluate
 from dincl.kernels.table import SPEEDS, ask, linearise
 
 EPS = 2.220446049250313e-16
@@ -72,8 +73,9 @@ class Path(NamedTuple):
 
 
 class March(NamedTuple):
-    """A run of the event-driven method to ``state.end``."""
+    """A run of the event-driven method to ``state.end``; ``place`` is the handle of the system."""
 
+    place: int
     system: SystemArrays
     held: Chosen
     pair: RungeKutta
@@ -98,20 +100,49 @@ def room_for_path(pieces: int, n: int, most: int, m: int) -> Path:
     return Path(end, start, length, x, dense, held, number, np.zeros((m + 1024, 4)))
 
 
-def begin_march(system: SystemArrays, pair: RungeKutta, state: NDArray[np.void], path: Path, x: Floats) -> March:
+def begin_march(
+    place: int, system: SystemArrays, pair: RungeKutta, state: NDArray[np.void], path: Path, x: Floats
+) -> March:
     """A run from x (n,)."""
     n, m, most = x.size, system.rows.row.size, system.chosen.row.size
     closed, change, touching = (np.zeros(m, dtype=np.int64) for _ in range(3))
     after, rate, push, dense, point = (np.zeros(shape) for shape in ((n,), (17, n), (17, most), (7, n), (n,)))
     bend = np.zeros(n // system.move.shape[1] if system.move.shape[1] else 0)
     return March(
-        system, room(most, n), pair, state, path, x, after, rate, push, dense, point, closed, change, touching, bend
+        place,
+        system,
+        room(most, n),
+        pair,
+        state,
+        path,
+        x,
+        after,
+        rate,
+        push,
+        dense,
+        point,
+        closed,
+        change,
+        touching,
+        bend,
     )
 
 
+EXAMPLE = begin_march(
+    0,
+    SYSTEM,
+    RungeKutta(0, 0, 0, 0.0, np.zeros((0, 0)), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0))),
+    np.zeros(1, dtype=STATE),
+    room_for_path(0, 0, 0, 0),
+    np.zeros(0),
+)
+march_at = reader(EXAMPLE)
+
+
 @inner
-def factorise(march: March, t: float, x: Floats) -> int:
+def factorise(run: int, t: float, x: Floats) -> int:
     """Unit gradients of the held rows at x, and the factor of their Gram matrix; ``bound`` has their gaps."""
+    march = march_at(run)
     system, held = march.system, march.held
     rows, gradient = system.rows, system.program.gradient
     if ask(system.sets, t, x, SPEEDS) != 0:
@@ -146,14 +177,15 @@ def least_speed(system: SystemArrays, r: int) -> float:
 
 
 @inner
-def move(march: March, t: float, x: Floats, rate: Floats, push: Floats) -> int:
+def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
     """Write x' = F + sum_k push_k n_k with n_k . x' = b_k into ``rate``, and the pushes, which are refined once."""
+    march = march_at(run)
     system, held = march.system, march.held
     rows, gradient, right = system.rows, system.program.gradient, held.right
     code = evaluate(system, t, x, rate)
     if code != OK or held.number[0] == 0:
         return code
-    code = factorise(march, t, x)
+    code = factorise(run, t, x)
     if code != OK:
         return code
     for k in range(held.number[0]):
@@ -171,13 +203,14 @@ def move(march: March, t: float, x: Floats, rate: Floats, push: Floats) -> int:
 
 
 @inner
-def correct(march: March, t: float, x: Floats) -> int:
+def correct(run: int, t: float, x: Floats) -> int:
     """Move x back onto g(t, x) = 0 of the held rows, along their gradients."""
+    march = march_at(run)
     system, held = march.system, march.held
     if held.number[0] == 0:
         return OK
     for _ in range(MOST_CORRECTIONS):
-        code = factorise(march, t, x)
+        code = factorise(run, t, x)
         if code != OK:
             return code
         largest = 0.0
@@ -194,8 +227,9 @@ def correct(march: March, t: float, x: Floats) -> int:
 
 
 @inner
-def stages(march: March, h: float, first: int, last: int) -> int:
+def stages(run: int, h: float, first: int, last: int) -> int:
     """The rates of the stages ``first`` ... ``last`` - 1 of a step from ``x``, each from those before it."""
+    march = march_at(run)
     state, pair, x = march.state[0], march.pair, march.x
     for i in range(first, last):
         for k in range(x.size):
@@ -210,15 +244,16 @@ def stages(march: March, h: float, first: int, last: int) -> int:
         if i == pair.stages:
             for k in range(x.size):
                 march.after[k] = march.point[k]
-        code = move(march, state.now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
+        code = move(run, state.now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
         if code != OK:
             return code
     return OK
 
 
 @inner
-def error_of(march: March, h: float) -> float:
+def error_of(run: int, h: float) -> float:
     """The estimated error of the step over what the tolerance allows, root of the mean square."""
+    march = march_at(run)
     state, pair, n = march.state[0], march.pair, march.x.size
     absolute, relative = max(state.tol, EPS * state.size), max(state.tol, 2.0 * EPS)
     first, second = 0.0, 0.0
@@ -236,10 +271,11 @@ def error_of(march: March, h: float) -> float:
 
 
 @inner
-def interpolate(march: March, h: float) -> int:
+def interpolate(run: int, h: float) -> int:
     """The dense output of the step, in the nested form of Hairer, Norsett and Wanner."""
+    march = march_at(run)
     state, pair, n = march.state[0], march.pair, march.x.size
-    code = stages(march, h, pair.stages + 1, pair.stages + 1 + pair.more)
+    code = stages(run, h, pair.stages + 1, pair.stages + 1 + pair.more)
     for k in range(n):
         change = march.after[k] - march.x[k]
         march.dense[0, k] = change

@@ -6,11 +6,12 @@ import numpy as np
 
 from dincl.checks import LARGEST
 from dincl.compile import inner
-from dincl.kernels.active_set import LeastDistance
+from dincl.kernels.active_set import LeastDistance, least_distance
 from dincl.kernels.arrays import Floats, Offsets
-from dincl.kernels.factor import Chosen
+from dincl.kernels.factor import Chosen, room
+from dincl.kernels.handles import reader
 from dincl.kernels.pointers import velocity
-from dincl.kernels.table import NearRows, RowTable, Sets
+from dincl.kernels.table import ROW, NearRows, RowTable, Sets, room_for_list
 
 # How steps end; the first ones are those of ``active_set.nearest``.
 OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
@@ -38,6 +39,22 @@ class SystemArrays(NamedTuple):
     middle: Floats  # (n,)
     move: Floats  # (families, d)
     blamed: Offsets  # (1,)
+
+
+# For its types.
+SYSTEM = SystemArrays(
+    RowTable(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
+    Sets(0, np.zeros(1), np.zeros((0, 1)), np.zeros((0, 1)), np.zeros(0), np.zeros((0, 0))),
+    room_for_list(0, 0, 0, 1),
+    least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
+    room(1, 0),
+    Drift(0, np.zeros(1), np.zeros(2, dtype=np.int64), np.zeros(1)),
+    np.zeros(0),
+    np.zeros(0),
+    np.zeros((0, 1)),
+    np.zeros(1, dtype=np.int64),
+)
+system_at = reader(SYSTEM)
 
 
 class Steps(NamedTuple):

@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compile import inlined, inner
 from dincl.kernels.arrays import Floats
 from dincl.kernels.catch_up import carry
 from dincl.kernels.choice import TOUCHING, ZERO
 from dincl.kernels.factor import times
-from dincl.kernels.motion import CLOSED, EPS, OPEN, March, at, least_speed, move
+from dincl.kernels.motion import CLOSED, EPS, OPEN, at, least_speed, march_at, move
 from dincl.kernels.system import OK
 from dincl.kernels.table import (
     CALLED,
@@ -43,14 +43,15 @@ NEVER = 2.0
 
 
 @inner
-def signal(march: March, what: int, theta: float) -> tuple[float, float]:
+def signal(run: int, what: int, theta: float) -> tuple[float, float]:
     """What must not become negative, at a part ``theta`` of the step; for a gap also its derivative after theta."""
+    march = march_at(run)
     if what == PUSHES or what >= march.closed.size:
-        return weakness(march, what, theta), 0.0
+        return weakness(run, what, theta), 0.0
     state, system = march.state[0], march.system
     row, rows, sets, d, h = system.rows.row[what], system.rows, system.sets, system.sets.shift.shape[1], state.made
     if sets.address != 0 and row.j < 0:
-        dense_state(march, theta)
+        dense_state(run, theta)
         ask(sets, state.now + theta * h, march.point, SPEEDS)
     value, slope, terms = 0.0, 0.0, march.pair.terms
     if row.kind == DISTANCE:
@@ -78,30 +79,32 @@ def signal(march: March, what: int, theta: float) -> tuple[float, float]:
 
 
 @inner
-def dense_state(march: March, theta: float) -> None:
+def dense_state(run: int, theta: float) -> None:
     """Write the state at a part of the step into ``point``, and its derivative after theta into the last rate."""
+    march = march_at(run)
     march.state[0].theta = -1.0
     for k in range(march.x.size):
         march.point[k], march.rate[16, k] = at(march.dense, march.pair.terms, march.x[k], k, theta)
 
 
 @inner
-def weakness(march: March, what: int, theta: float) -> float:
+def weakness(run: int, what: int, theta: float) -> float:
     """The smallest push, or how far the speed of a closed row is below what makes it a change; negative on failure."""
+    march = march_at(run)
     state, system = march.state[0], march.system
     zero, t = NEGATIVE * state.speed, state.now + theta * state.made
     if what == PUSHES and theta == 0.0:
-        return float(zero + least(march, march.push[0]))
+        return float(zero + least(run, march.push[0]))
     if what == PUSHES and theta == 1.0:
-        return float(zero + least(march, march.push[march.pair.stages]))
+        return float(zero + least(run, march.push[march.pair.stages]))
     if state.theta != theta:
-        dense_state(march, theta)
-        state.code = move(march, t, march.point, march.rate[16], march.push[16])
+        dense_state(run, theta)
+        state.code = move(run, t, march.point, march.rate[16], march.push[16])
         state.theta = theta
     if state.code != OK:
         return -1.0
     if what == PUSHES:
-        return float(zero + least(march, march.push[16]))
+        return float(zero + least(run, march.push[16]))
     r = what - march.closed.size
     ask(system.sets, t, march.point, SPEEDS)
     linearise(system.rows, system.sets, r, march.point, system.program.gradient)
@@ -110,8 +113,9 @@ def weakness(march: March, what: int, theta: float) -> float:
 
 
 @inner
-def least(march: March, push: Floats) -> float:
+def least(run: int, push: Floats) -> float:
     """The least of the pushes of the held rows."""
+    march = march_at(run)
     found = np.inf
     for k in range(march.held.number[0]):
         found = min(found, push[k])
@@ -119,15 +123,9 @@ def least(march: March, push: Floats) -> float:
 
 
 @inner
-def part(march: March, what: int, theta: float, slope: bool) -> float:
-    """Give the signal, or its falling."""
-    value, rising = signal(march, what, theta)
-    return -rising if slope else value
-
-
-@inner
-def root(march: March, what: int, a: float, first: float, b: float, last: float, slope: bool) -> float:
+def root(run: int, what: int, a: float, first: float, b: float, last: float, slope: bool) -> float:
     """Where a signal becomes negative that is ``first`` >= 0 at a and ``last`` < 0 at b > a; Chandrupatla (1997)."""
+    march = march_at(run)
     if first <= 0.0:
         return a
     c, third, share, state = a, first, 0.5, march.state[0]
@@ -136,7 +134,9 @@ def root(march: March, what: int, a: float, first: float, b: float, last: float,
         allowed = max(allowed, RELEASE * np.sqrt(state.tol / state.size))
     for _ in range(MOST_ITERATIONS):
         middle = a + share * (b - a)
-        value = part(march, what, middle, slope)
+        value, rising = signal(run, what, middle)
+        if slope:
+            value = -rising
         if (value > 0.0) == (first > 0.0):
             c, third = a, first
         else:
@@ -155,21 +155,21 @@ def root(march: March, what: int, a: float, first: float, b: float, last: float,
 
 
 @inner
-def first_negative(march: March, what: int, most: float) -> float:
+def first_negative(run: int, what: int, most: float) -> float:
     """The first root of a signal without derivative that becomes negative at a node, or dips below zero around one."""
     two, one = np.inf, np.inf
     for j in range(PARTS + 1):
-        value = part(march, what, j / PARTS, False)
+        value = signal(run, what, j / PARTS)[0]
         if value < 0.0:
-            return root(march, what, (j - 1) / PARTS, one, j / PARTS, value, False) if j > 0 else 0.0
+            return root(run, what, (j - 1) / PARTS, one, j / PARTS, value, False) if j > 0 else 0.0
         if j > 1 and one <= min(two, value):
             bend = two - 2.0 * one + value
             depth = (value - two) * (value - two) / (8.0 * bend) if bend > 0.0 else 0.0
             if one - depth <= SUSPICIOUS * one:
-                lowest = lowest_between(march, what, (j - 2) / PARTS, j / PARTS)
-                low = part(march, what, lowest, False)
+                lowest = lowest_between(run, what, (j - 2) / PARTS, j / PARTS)
+                low = signal(run, what, lowest)[0]
                 if low < 0.0:
-                    return root(march, what, (j - 2) / PARTS, two, lowest, low, False)
+                    return root(run, what, (j - 2) / PARTS, two, lowest, low, False)
         two, one = one, value
         if j / PARTS > most:
             break
@@ -177,40 +177,40 @@ def first_negative(march: March, what: int, most: float) -> float:
 
 
 @inner
-def lowest_between(march: March, what: int, left: float, right: float) -> float:
+def lowest_between(run: int, what: int, left: float, right: float) -> float:
     """Where a signal is lowest, by golden section; the first place at which it is negative ends the search."""
     golden = 0.6180339887498949
     a, b = right - golden * (right - left), left + golden * (right - left)
-    at_a, at_b = part(march, what, a, False), part(march, what, b, False)
+    at_a, at_b = signal(run, what, a)[0], signal(run, what, b)[0]
     while right - left > 1e-4 and at_a >= 0.0 and at_b >= 0.0:
         if at_a < at_b:
             right, b, at_b = b, a, at_a
             a = right - golden * (right - left)
-            at_a = part(march, what, a, False)
+            at_a = signal(run, what, a)[0]
         else:
             left, a, at_a = a, b, at_b
             b = left + golden * (right - left)
-            at_b = part(march, what, b, False)
+            at_b = signal(run, what, b)[0]
     return a if at_a < at_b else b
 
 
 @inner
-def closes(march: March, r: int, most: float) -> float:
+def closes(run: int, r: int, most: float) -> float:
     """When the gap of a row falls below its level."""
-    before, falling = signal(march, r, 0.0)
+    before, falling = signal(run, r, 0.0)
     if before < 0.0:
         return 0.0
     for j in range(PARTS):
         left, right = j / PARTS, (j + 1) / PARTS
         if left > most:
             break
-        value, slope = signal(march, r, right)
+        value, slope = signal(run, r, right)
         end, low = right, value
         if value >= 0.0 and falling < 0.0 < slope and dips(before, falling / PARTS, value, slope / PARTS):
-            end = root(march, r, left, -falling, right, -slope, True)
-            low = signal(march, r, end)[0]
+            end = root(run, r, left, -falling, right, -slope, True)
+            low = signal(run, r, end)[0]
         if low < 0.0:
-            return root(march, r, left, before, end, low, False)
+            return root(run, r, left, before, end, low, False)
         before, falling = value, slope
     return NEVER
 
@@ -227,8 +227,9 @@ def dips(before: float, falling: float, after: float, rising: float) -> bool:
 
 
 @inner
-def is_suspicious(march: March) -> bool:
+def is_suspicious(run: int) -> bool:
     """Whether a push falls, in one of the stages, much below what it has at the ends of the step."""
+    march = march_at(run)
     last = march.pair.stages
     for k in range(march.held.number[0]):
         low = min(march.push[0, k], march.push[last, k])
@@ -241,14 +242,15 @@ def is_suspicious(march: March) -> bool:
 
 
 @inner
-def make_room(march: March) -> float:
+def make_room(run: int) -> float:
     """How far the dense output is from straight lines for each particle, at most, and the longest way of all.
 
     x + theta (F_0 + (1 - theta) (F_1 + theta (...))) leaves the line by no more than (|F_1| + |F_2| + ...) / 4.
     """
+    march = march_at(run)
     state, d, carried, farthest = march.state[0], march.system.sets.shift.shape[1], 0.0, 0.0
     for j in range(1, PARTS + 1):
-        carried = max(carried, carry(march.system, state.now, state.now + j / PARTS * state.made))
+        carried = max(carried, carry(march.place, state.now, state.now + j / PARTS * state.made))
     for i in range(march.bend.size):
         bend, way = 0.0, 0.0
         for j in range(march.pair.terms):
@@ -265,8 +267,9 @@ def make_room(march: March) -> float:
 
 
 @inner
-def stays_clear(march: March, r: int) -> bool:
+def stays_clear(run: int, r: int) -> bool:
     """Whether a row at rest is not met on the straight lines of the step, nor as near as the dense output is."""
+    march = march_at(run)
     row, rows, d = march.system.rows.row[r], march.system.rows, march.system.sets.shift.shape[1]
     if row.kind != DISTANCE or (row.j < 0 and march.system.sets.address != 0):
         return False
@@ -291,16 +294,17 @@ def stays_clear(march: March, r: int) -> bool:
     return bool(nearest > limit * limit)
 
 
-@inner
-def first_event(march: March) -> tuple[float, int]:
+@inlined
+def first_event(run: int) -> tuple[float, int]:
     """The part of the step after which something changes, NEVER if nothing does, and the row whose gap closes or -1."""
+    march = march_at(run)
     state, system, x = march.state[0], march.system, march.x
     rows, sets, near, touching = system.rows, system.sets, system.near, TOUCHING * march.state[0].size
     found, closing = NEVER, -1
     state.code = OK
-    if march.held.number[0] > 0 and is_suspicious(march):
-        found = first_negative(march, PUSHES, found)
-    reach = make_room(march) + touching
+    if march.held.number[0] > 0 and is_suspicious(run):
+        found = first_negative(run, PUSHES, found)
+    reach = make_room(run) + touching
     if sets.address != 0:
         ask(sets, state.now, x, SPEEDS)
     if not distance_from_list(sets, x, near) + reach <= near.reach[0]:
@@ -309,18 +313,18 @@ def first_event(march: March) -> tuple[float, int]:
     for q in range(near.number[0]):
         r = near.row[q]
         if march.closed[r] == CLOSED:
-            stirs = first_negative(march, r + march.closed.size, found)
+            stirs = first_negative(run, r + march.closed.size, found)
             if stirs < found:
                 found, closing = stirs, -1
         elif march.closed[r] == OPEN:
-            if stays_clear(march, r):
+            if stays_clear(run, r):
                 continue
             if sets.address != 0 and rows.row[r].j < 0:
                 ask(sets, state.now, x, SPEEDS)
             value = gap(rows, sets, r, x)
             if value <= rows.row[r].sway * reach + touching:
                 state.level = -touching if value <= touching else 0.0
-                meets = closes(march, r, found)
+                meets = closes(run, r, found)
                 if meets < found:
                     found, closing = meets, r
     return found, closing

@@ -25,7 +25,7 @@ class CompiledCatchUp(CompiledStepper):
         self._method, self._tol = method, tol
 
     def call(self, steps: Steps, x: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[int, int]:
-        return advance(self.system.arrays, self._method, steps, x, self._tol)
+        return advance(self.system.place, self._method, steps, x, self._tol)
 
     def fail(self, code: int) -> None:
         self.system.failure(code, self._tol)

@@ -12,6 +12,7 @@ from dincl.errors import StepFailure
 from dincl.kernels import system as codes
 from dincl.kernels.active_set import least_distance
 from dincl.kernels.factor import room
+from dincl.kernels.handles import written
 from dincl.kernels.system import Drift, SystemArrays
 from dincl.kernels.table import room_for_list
 from dincl.rows.near import select
@@ -42,8 +43,8 @@ class SmallSystem:
     ----------
     problem
         Which one.
-    arrays
-        What kernels take; they may be called inside of ``with drift``.
+    arrays, place
+        What kernels take, and the handle by which they do; they may be called inside of ``with drift``.
     drift, sets
         What the arrays point to.
     """
@@ -68,6 +69,8 @@ class SmallSystem:
             move=np.zeros((families, d)),
             blamed=np.zeros(1, dtype=np.int64),
         )
+        self._words = written(self.arrays)
+        self.place = int(self._words.ctypes.data)
         self._counted = (0, 0, 0.0, 0.0)
 
     @cached_property
@@ -80,6 +83,8 @@ class SmallSystem:
         arrays, before = self.arrays, self._counted
         drifts, builds = int(arrays.drift.calls[0]), int(arrays.near.number[1])
         iterations, calls = float(arrays.program.answer[0]), float(arrays.program.answer[2])
+        self._words = written(self.arrays)
+        self.place = int(self._words.ctypes.data)
         self._counted = (drifts, builds, iterations, calls)
         work.drift_evaluations += drifts - before[0]
         work.neighbour_builds += builds - before[1]
