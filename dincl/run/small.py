@@ -22,6 +22,7 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
+    from dincl.rows.near import Selection
     from dincl.work import Work
 
 # The name in ``Work.back_ends``.
@@ -42,18 +43,22 @@ class SmallSystem:
     ----------
     problem
         Which one.
+    selection
+        The rows in its table: all of them, if not given.
     arrays
         What kernels take; they may be called inside of ``with drift``.
     drift, sets
         What the arrays point to.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, selection: Selection | None = None) -> None:
         self.problem = problem
-        self._selection = select(problem.constraints, 0.0, problem.x0, np.inf)
+        if selection is None:
+            selection = select(problem.constraints, 0.0, problem.x0, np.inf)
+        self.selection = selection
         n, d = problem.x0.size, problem.x0.shape[1]
-        rows, called = tabulate(self._selection.blocks, n, d)
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(self._selection, called)
+        rows, called = tabulate(self.selection.blocks, n, d)
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called)
         m, families = len(rows.row), len(problem.constraints)
         most = min(m, n) + 1
         self.arrays = SystemArrays(
@@ -73,7 +78,7 @@ class SmallSystem:
     @cached_property
     def names(self) -> tuple[tuple[int, str], ...]:
         """For each row of the table the index of its constraint, and the row in words."""
-        return self._selection.names
+        return self.selection.names
 
     def count(self, work: Work) -> None:
         """Add what was done since this was asked last, and tell the drift."""
