@@ -24,7 +24,7 @@ def choose(march: March) -> int:
     """
     state, system, held = march.state[0], march.system, march.held
     program, x, d = system.program, march.x, system.sets.shift.shape[1]
-    code = evaluate(system, state.now, x, program.y)
+    code = evaluate(system.drift, system.sets.shift.shape[1], state.now, x, program.y)
     if code == OK and ask(system.sets, state.now, x, SPEEDS) != 0:
         code = SETS
     if code != OK:

@@ -150,7 +150,7 @@ def move(march: March, t: float, x: Floats, rate: Floats, push: Floats) -> int:
     """Write x' = F + sum_k push_k n_k with n_k . x' = b_k into ``rate``, and the pushes, which are refined once."""
     system, held = march.system, march.held
     rows, gradient, right = system.rows, system.program.gradient, held.right
-    code = evaluate(system, t, x, rate)
+    code = evaluate(system.drift, system.sets.shift.shape[1], t, x, rate)
     if code != OK or held.number[0] == 0:
         return code
     code = factorise(march, t, x)

@@ -6,7 +6,7 @@ from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats
 from dincl.kernels.pair_list import DONE, SERVED, PairList, is_stale, list_again
 from dincl.kernels.sweep_steps import PAIRS, Families
-from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Steps, SystemArrays, bounded, evaluate
+from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Drift, Steps, bounded, evaluate
 from dincl.kernels.table import DISTANCE, PLACES, RowTable, ask
 
 
@@ -74,9 +74,9 @@ def push_affine(rows: RowTable, r: int, x: Floats, shift: Floats, spring: bool, 
 
 
 @inner
-def push_all(system: SystemArrays, families: Families, x: Floats, spring: bool, force: Floats) -> int:
+def push_all(families: Families, x: Floats, spring: bool, force: Floats) -> int:
     """sum_k max(0, -g_k)^(exponent - 1) grad g_k; how many rows are violated, -1 if one has no direction."""
-    shift, pairs, rows, overlaps = system.sets.shift, families.pairs, system.rows, 0
+    shift, pairs, rows, overlaps = families.sets.shift, families.pairs, families.rows, 0
     d = shift.shape[1]
     if pairs.one.size > 0 and is_stale(pairs, x, d):
         list_again(pairs, x, d)
@@ -102,37 +102,31 @@ def push_all(system: SystemArrays, families: Families, x: Floats, spring: bool, 
     return overlaps
 
 
-@inner
-def step(system: SystemArrays, families: Families, strength: float, spring: bool, t: float, h: float, x: Floats) -> int:
-    """x(t) -> x(t + h), in place."""
-    force, velocity = system.middle, system.velocity
-    code = evaluate(system, t, x, velocity)
-    if code != OK:
-        return code
-    if ask(system.sets, t, x, PLACES) != 0:
-        return SETS
-    overlaps = push_all(system, families, x, spring, force)
-    if overlaps < 0:
-        return COINCIDENT
-    for k in range(x.size):
-        if overlaps > 0:
-            velocity[k] += strength * force[k]
-        force[k] = x[k] + h * velocity[k]
-    if not bounded(force):
-        return NOT_A_NUMBER
-    for k in range(x.size):
-        x[k] = force[k]
-    return OK
-
-
 @kernel
 def advance(
-    system: SystemArrays, families: Families, strength: float, spring: bool, steps: Steps, x: Floats
+    families: Families, drift: Drift, strength: float, spring: bool, steps: Steps, x: Floats, room: Floats
 ) -> tuple[int, int]:
-    """Make steps of the penalty method, of exponent 2 if ``spring`` and else 1; how it ended, and the step reached."""
-    h = steps.end / steps.number
-    for k in range(steps.first, steps.last):
-        code = step(system, families, strength, spring, steps.origin + k * steps.end / steps.number, h, x)
+    """Make steps of the penalty method, of exponent 2 if ``spring`` and else 1; how it ended, and the step reached.
+
+    A step that cannot be made leaves x (n,) as it was; ``room`` (2, n) is written to.
+    """
+    force, velocity, h, d = room[0], room[1], steps.end / steps.number, families.sets.shift.shape[1]
+    for step in range(steps.first, steps.last):
+        t = steps.origin + step * steps.end / steps.number
+        code = evaluate(drift, d, t, x, velocity)
         if code != OK:
-            return code, k
+            return code, step
+        if ask(families.sets, t, x, PLACES) != 0:
+            return SETS, step
+        overlaps = push_all(families, x, spring, force)
+        if overlaps < 0:
+            return COINCIDENT, step
+        for k in range(x.size):
+            if overlaps > 0:
+                velocity[k] += strength * force[k]
+            force[k] = x[k] + h * velocity[k]
+        if not bounded(force):
+            return NOT_A_NUMBER, step
+        for k in range(x.size):
+            x[k] = force[k]
     return OK, steps.last

@@ -7,21 +7,23 @@ import numpy as np
 from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.pair_list import CORRECTIONS, DONE, PairList, part_pairs
-from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Steps, SystemArrays, bounded, evaluate
-from dincl.kernels.table import PLACES, RowTable, ask
+from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Drift, Steps, bounded, evaluate
+from dincl.kernels.table import PLACES, RowTable, Sets, ask
 
 # Whose formula a family of rows has: ``sweep_pairs``, ``sweep_distance``, ``sweep_half_space`` or ``sweep_affine``.
 PAIRS, DISTANCES, WALL, AFFINE = range(4)
 
 
 class Families(NamedTuple):
-    """The rows of the sets, one family after the other: pairs kept apart are in ``pairs``, all others in a RowTable."""
+    """The sets, one family of rows each: pairs kept apart are in ``pairs``, all others in the table ``rows``."""
 
     formula: Offsets  # (families,)
     first: Offsets  # (families + 1,): those of family f are rows first[f] ... first[f + 1] of the table
     moving: Offsets  # (families,): 1 if the set is carried along a path
     blamed: Offsets  # (2,): the family that failed, and its pair in the list, or its row
     pairs: PairList
+    rows: RowTable
+    sets: Sets
 
 
 @inner
@@ -103,9 +105,9 @@ def carry_back(x: Floats, shift: Floats, f: int, way: float, d: int) -> None:
 
 
 @inner
-def sweep(system: SystemArrays, families: Families, x: Floats) -> int:
+def sweep(families: Families, x: Floats) -> int:
     """Project onto one row after another of all sets where they are: OK or COINCIDENT."""
-    shift, pairs = system.sets.shift, families.pairs
+    shift, pairs = families.sets.shift, families.pairs
     d = shift.shape[1]
     for f in range(families.formula.size):
         formula = families.formula[f]
@@ -115,7 +117,7 @@ def sweep(system: SystemArrays, families: Families, x: Floats) -> int:
             if families.moving[f] != 0:
                 carry_back(x, shift, f, -1.0, d)
             first, last = families.first[f], families.first[f + 1]
-            corrections, stopped = sweep_rows(system.rows, formula, first, last, x, d)
+            corrections, stopped = sweep_rows(families.rows, formula, first, last, x, d)
             pairs.number[CORRECTIONS] += corrections
             if families.moving[f] != 0:
                 carry_back(x, shift, f, 1.0, d)
@@ -125,41 +127,33 @@ def sweep(system: SystemArrays, families: Families, x: Floats) -> int:
     return OK
 
 
-@inner
-def step(system: SystemArrays, families: Families, sweeps: int, t: float, h: float, x: Floats, v: Floats) -> int:
-    """x(t) -> x(t + h), in place; of second order if there are velocities."""
-    moved, velocity = system.middle, system.velocity
-    code = evaluate(system, t, x, velocity)
-    if code != OK:
-        return code
-    for k in range(x.size):
-        moved[k] = x[k] + h * (v[k] + h * velocity[k] if v.size > 0 else velocity[k])
-    if ask(system.sets, t + h, x, PLACES) != 0:
-        return SETS
-    for _ in range(sweeps):
-        code = sweep(system, families, moved)
-        if code != OK:
-            return code
-    if not bounded(moved):
-        return NOT_A_NUMBER
-    for k in range(v.size):
-        v[k] = (moved[k] - x[k]) / h
-    for k in range(x.size):
-        x[k] = moved[k]
-    return OK
-
-
 @kernel
 def advance(
-    system: SystemArrays, families: Families, sweeps: int, steps: Steps, x: Floats, v: Floats
+    families: Families, drift: Drift, sweeps: int, steps: Steps, x: Floats, v: Floats, room: Floats
 ) -> tuple[int, int]:
     """Make steps of PBD, or of SecondOrderPBD with velocities v (n,) in place of (0,); how it ended, the step reached.
 
-    Moving sets are seen from where they were carried. ``system.rows`` has the rows of all families but pairs.
+    A step that cannot be made leaves x and v (n,) as they were; ``room`` (2, n) is written to. Moving sets are seen
+    from where they were carried, at the end of the step.
     """
-    h = steps.end / steps.number
-    for k in range(steps.first, steps.last):
-        code = step(system, families, sweeps, steps.origin + k * steps.end / steps.number, h, x, v)
+    moved, velocity, h, d = room[0], room[1], steps.end / steps.number, families.sets.shift.shape[1]
+    for step in range(steps.first, steps.last):
+        t = steps.origin + step * steps.end / steps.number
+        code = evaluate(drift, d, t, x, velocity)
         if code != OK:
-            return code, k
+            return code, step
+        for k in range(x.size):
+            moved[k] = x[k] + h * (v[k] + h * velocity[k] if v.size > 0 else velocity[k])
+        if ask(families.sets, t + h, x, PLACES) != 0:
+            return SETS, step
+        for _ in range(sweeps):
+            code = sweep(families, moved)
+            if code != OK:
+                return code, step
+        if not bounded(moved):
+            return NOT_A_NUMBER, step
+        for k in range(v.size):
+            v[k] = (moved[k] - x[k]) / h
+        for k in range(x.size):
+            x[k] = moved[k]
     return OK, steps.last

@@ -33,8 +33,9 @@ class _WithoutSolver(CompiledStepper):
 
     def __init__(self, problem: Problem, rows: FewRows) -> None:
         super().__init__(problem, rows.selection)
-        self._blocks, self.families = rows.blocks, rows.families
-        self._counted = np.zeros_like(rows.families.pairs.number)
+        self._blocks, self.families = rows.blocks, rows.families(self.system.arrays)
+        self.room = np.zeros((2, problem.x0.size))
+        self._counted = np.zeros_like(rows.pairs.number)
 
     def count(self) -> None:
         done = self.families.pairs.number - self._counted
@@ -76,7 +77,7 @@ class CompiledSweeps(_WithoutSolver):
         return StepState(self.problem.x0, self._v0)
 
     def call(self, steps: Steps, x: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[int, int]:
-        return sweep_steps.advance(self.system.arrays, self.families, self._sweeps, steps, x, v)
+        return sweep_steps.advance(self.families, self.system.arrays.drift, self._sweeps, steps, x, v, self.room)
 
     def met(self, rows: DistanceRows, i: int, j: int) -> StepFailure:
         return coincidence(i, j)
@@ -100,7 +101,8 @@ class CompiledPenalty(_WithoutSolver):
         return None if rows is None else cls(problem, rows, strength, exponent)
 
     def call(self, steps: Steps, x: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[int, int]:
-        return penalty_steps.advance(self.system.arrays, self.families, self._strength, self._spring, steps, x)
+        drift = self.system.arrays.drift
+        return penalty_steps.advance(self.families, drift, self._strength, self._spring, steps, x, self.room)
 
     def met(self, rows: DistanceRows, i: int, j: int) -> StepFailure:
         return rows.coincidence(int(np.flatnonzero((rows.i == i) & (rows.j == j))[0]))

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from dincl.kernels.system import SystemArrays
     from dincl.problem import Problem
     from dincl.rows.base import RowsOfOneKind
     from dincl.rows.sweeper import SweptRows
@@ -27,11 +28,26 @@ FORMULAS = {"pairs": PAIRS, "distances": DISTANCES, "wall": WALL, "affine": AFFI
 
 
 class FewRows(NamedTuple):
-    """All rows of a problem, block by block; ``selection`` has those of the table, which are no pairs kept apart."""
+    """All rows of a problem, block by block: pairs kept apart, and those of the table, which ``selection`` has."""
 
     blocks: tuple[RowsOfOneKind, ...]
+    formula: NDArray[np.int64]
+    pairs: PairList
     selection: Selection
-    families: Families
+
+    def families(self, system: SystemArrays) -> Families:
+        """What kernels take, when ``system`` has the table."""
+        table, d = self.selection.blocks, self.selection.shape[1]
+        moving = [one.displacement(0.0, d) is not None for one in self.selection.constraints]
+        return Families(
+            formula=self.formula,
+            first=_starts(table),
+            moving=np.array(moving, dtype=np.int64),
+            blamed=np.zeros(2, dtype=np.int64),
+            pairs=self.pairs,
+            rows=system.rows,
+            sets=system.sets,
+        )
 
 
 def few_rows(problem: Problem, swept: Sequence[SweptRows | None]) -> FewRows | None:
@@ -44,14 +60,9 @@ def few_rows(problem: Problem, swept: Sequence[SweptRows | None]) -> FewRows | N
     nothing = AffineRows(uniform(np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1)), count * d), np.zeros(0))
     table = tuple(nothing if one.formula == "pairs" else one.rows for one in known)
     pairs = [one.rows if one.formula == "pairs" else nothing for one in known]
-    families = Families(
-        formula=np.array([FORMULAS[one.formula] for one in known], dtype=np.int64),
-        first=_starts(table),
-        moving=np.array([one.displacement(0.0, d) is not None for one in problem.constraints], dtype=np.int64),
-        blamed=np.zeros(2, dtype=np.int64),
-        pairs=_pair_list(pairs, count * d, d),
-    )
-    return FewRows(blocks, Selection(problem.constraints, table, problem.x0.shape), families)
+    formula = np.array([FORMULAS[one.formula] for one in known], dtype=np.int64)
+    selection = Selection(problem.constraints, table, problem.x0.shape)
+    return FewRows(blocks, formula, _pair_list(pairs, count * d, d), selection)
 
 
 def _starts(blocks: Sequence[RowsOfOneKind]) -> NDArray[np.int64]:
