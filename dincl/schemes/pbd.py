@@ -30,6 +30,7 @@ class PBD(FixedStep):
 
     The S_j come in the order of the problem's constraints and, within one of them, of its rows: for NonOverlap i
     ascending, then j < i ascending; particles, pairs, links of a chain as numbered or given. Each P_{S_j} is exact.
+    Steps of few particles are compiled, with the same order and the same formulas.
     """
 
     sweeps: int = 1
