@@ -51,7 +51,8 @@ def inner(function: Function) -> Function:
 
 def inlined(function: Function) -> Function:
     """Copy a part of a kernel into the one place that calls it, before types are known: it is compiled with it."""
-    return cast("Function", numba.njit(inline="always", error_model="numpy", _nrt=False)(function))
+    options: dict[str, Any] = {"inline": "always", "error_model": "numpy", "_nrt": False}
+    return cast("Function", numba.njit(**options)(function))
 
 
 def c_function(signature: Any, function: Callable[..., Any]) -> Any:

@@ -9,7 +9,7 @@ from dincl.callables import call, numbers
 from dincl.checks import describe
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
-from dincl.rows.sweeper import Sweeper
+from dincl.rows.sweeper import Sweeper, SweptRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -75,6 +75,10 @@ class _CarriedSweeper(Sweeper):
     def __init__(self, moving: Moving, at_rest: Sweeper) -> None:
         self._moving, self._at_rest = moving, at_rest
         self.idle = at_rest.idle
+
+    @property
+    def swept(self) -> SweptRows | None:
+        return self._at_rest.swept
 
     def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
         shift = self._moving.displacement(t, x.shape[1])

@@ -11,7 +11,7 @@ from dincl.checks import indices, lengths, spread, within
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
 from dincl.rows.distance import DistanceRows
-from dincl.rows.pairs import PairSweeper, near_pairs
+from dincl.rows.pairs import PairSweeper, all_pairs, near_pairs
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -64,11 +64,10 @@ class NonOverlap(Constraint):
     def select(self, x: NDArray[np.float64], reach: float) -> DistanceRows:
         """The pairs with a gap of at most 2 reach."""
         discs, radii = self.discs(len(x)), self.radii(len(x))
-        if np.isfinite(reach):
-            start, partner = near_pairs(x[discs], radii[discs] + reach)
-            i, j = np.repeat(discs, np.diff(start)), discs[partner]
-        else:
-            i, j = (discs[end] for end in np.tril_indices(len(discs), -1))
+        if not np.isfinite(reach):
+            return all_pairs(radii[discs], discs)
+        start, partner = near_pairs(x[discs], radii[discs] + reach)
+        i, j = np.repeat(discs, np.diff(start)), discs[partner]
         return DistanceRows(i, j, radii[i] + radii[j], 1.0)
 
     def sweeper(self, x: NDArray[np.float64]) -> Sweeper:

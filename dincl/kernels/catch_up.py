@@ -178,7 +178,7 @@ def step(place: int, method: int, t: float, h: float, x: Floats, tol: float) -> 
         around, now, rest, allowed = x, t, t + h, tol
         if stage == 1:
             around, now, rest = middle, t + 0.5 * h, t + 0.5 * h
-        code = evaluate(system, now, around, velocity)
+        code = evaluate(system.drift, system.sets.shift.shape[1], now, around, velocity)
         for k in range(x.size):
             program.y[k] = x[k] + h * velocity[k]
         if stage == 0:

@@ -25,7 +25,7 @@ def choose(run: int) -> int:
     march = march_at(run)
     state, system, held = march.state[0], march.system, march.held
     program, x, d = system.program, march.x, system.sets.shift.shape[1]
-    code = evaluate(system, state.now, x, program.y)
+    code = evaluate(system.drift, system.sets.shift.shape[1], state.now, x, program.y)
     if code == OK and ask(system.sets, state.now, x, SPEEDS) != 0:
         code = SETS
     if code != OK:

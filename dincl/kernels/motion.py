@@ -182,7 +182,7 @@ def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
     march = march_at(run)
     system, held = march.system, march.held
     rows, gradient, right = system.rows, system.program.gradient, held.right
-    code = evaluate(system, t, x, rate)
+    code = evaluate(system.drift, system.sets.shift.shape[1], t, x, rate)
     if code != OK or held.number[0] == 0:
         return code
     code = factorise(run, t, x)

@@ -68,9 +68,8 @@ class Steps(NamedTuple):
 
 
 @inner
-def evaluate(system: SystemArrays, t: float, x: Floats, out: Floats) -> int:
+def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
     """F(t, x), finite: OK or DRIFT."""
-    drift, d = system.drift, system.sets.shift.shape[1]
     drift.calls[0] += 1
     code = velocity(drift.address, t, x, out, x.size // d, d, drift.data)
     if code != OK:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl import kernels
+from dincl.csr import uniform
 from dincl.rows.base import RowsOfOneKind
 from dincl.rows.polynomial import Polynomial
-from dincl.rows.sweeper import Sweeper
+from dincl.rows.sweeper import Sweeper, SweptRows
 from dincl.rows.tabulated import TableRows
 
 if TYPE_CHECKING:
@@ -89,9 +90,13 @@ class AffineSweeper(Sweeper):
     """Rows a . x >= b in their order: a violated one moves x by (b - a . x) a / |a|^2."""
 
     def __init__(self, rows: AffineRows) -> None:
-        self._matrix, self._bound = rows.matrix, rows.bound
+        self._rows, self._matrix, self._bound = rows, rows.matrix, rows.bound
         self.idle = len(rows.bound) == 0
         self._norm2 = rows.matrix.norms_squared()
+
+    @property
+    def swept(self) -> SweptRows:
+        return SweptRows("affine", self._rows)
 
     def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
         matrix = self._matrix
@@ -101,10 +106,17 @@ class AffineSweeper(Sweeper):
 
 
 class WallSweeper(Sweeper):
-    """One wall n . X_i >= bound_i, i ascending: the same for rows that are all one normal."""
+    """One wall n . X_i >= bound_i, i ascending: the same for rows of one unit normal, one for each particle."""
 
     def __init__(self, normal: NDArray[np.float64], bound: NDArray[np.float64]) -> None:
         self._normal, self._bound = normal, bound
+
+    @property
+    def swept(self) -> SweptRows:
+        count, d = len(self._bound), len(self._normal)
+        columns = np.arange(count * d).reshape(count, d)
+        matrix = uniform(columns, np.tile(self._normal, (count, 1)), count * d)
+        return SweptRows("wall", AffineRows(matrix, self._bound))
 
     def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
         work.constraint_projections += kernels.sweeps.sweep_half_space(x, self._normal, self._bound)

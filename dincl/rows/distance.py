@@ -13,7 +13,7 @@ from dincl.errors import StepFailure
 from dincl.norms import norms
 from dincl.rows.curved import CurvedRows
 from dincl.rows.polynomial import Polynomial
-from dincl.rows.sweeper import Sweeper
+from dincl.rows.sweeper import Sweeper, SweptRows
 from dincl.rows.tabulated import TableRows
 from dincl.status import Status
 
@@ -161,6 +161,10 @@ class DistanceSweeper(Sweeper):
         self.idle = len(rows.i) == 0
         self._j = np.full(len(rows.i), -1) if rows.j is None else rows.j
         self._anchor = np.zeros((0, d)) if rows.anchor is None else rows.anchor
+
+    @property
+    def swept(self) -> SweptRows:
+        return SweptRows("distances", self._rows)
 
     def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
         rows = self._rows

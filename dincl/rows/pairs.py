@@ -8,7 +8,8 @@ import numpy as np
 
 from dincl import kernels
 from dincl.errors import StepFailure
-from dincl.rows.sweeper import Sweeper
+from dincl.rows.distance import DistanceRows
+from dincl.rows.sweeper import Sweeper, SweptRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -33,6 +34,21 @@ def near_pairs(x: NDArray[np.float64], reach: NDArray[np.float64]) -> tuple[NDAr
     return found
 
 
+def all_pairs(radius: NDArray[np.float64], among: NDArray[np.int64] | None = None) -> DistanceRows:
+    """|X_i - X_j| >= r_i + r_j for all pairs of discs, i ascending, for each i its j < i ascending.
+
+    ``radius`` is that of the discs, shape (n,), ``among`` names them; None: they are all particles.
+    """
+    i, j = np.tril_indices(len(radius), -1)
+    length = radius[i] + radius[j]
+    return DistanceRows(i, j, length, 1.0) if among is None else DistanceRows(among[i], among[j], length, 1.0)
+
+
+def coincidence(i: int, j: int) -> StepFailure:
+    """Why two discs with one centre cannot be parted."""
+    return StepFailure(Status.COINCIDENT_CENTRES, f"Particles {i} and {j} lie on one point.")
+
+
 class PairSweeper(Sweeper):
     """Example 2.5 for discs: i ascending, then j < i ascending; each overlapping pair parts by half the overlap each.
 
@@ -50,6 +66,10 @@ class PairSweeper(Sweeper):
         self._widest = WIDEST_SKIN * smallest
         self._served = 0
         self._pairs: _Pairs | None = None
+
+    @property
+    def swept(self) -> SweptRows:
+        return SweptRows("pairs", all_pairs(self._radius, self._among))
 
     def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
         if self._among is None:
@@ -77,7 +97,7 @@ class PairSweeper(Sweeper):
         if code == kernels.sweeps.COINCIDENT:
             if self._among is not None:
                 i, j = self._among[i], self._among[j]
-            raise StepFailure(Status.COINCIDENT_CENTRES, f"Particles {i} and {j} lie on one point.")
+            raise coincidence(int(i), int(j))
 
     def _renewed(self, x: NDArray[np.float64], work: Work) -> _Pairs:
         """A new list around x; the width aims at FEWEST ... MOST sweeps, and doubles when it did not last for one."""

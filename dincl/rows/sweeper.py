@@ -6,13 +6,23 @@ This is (2.5) and (2.9), ``P_{S_M} ... P_{S_1}``; the order is that of the rows.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
     from dincl.work import Work
+
+
+class SweptRows(NamedTuple):
+    """What a sweeper goes through, row after row, for compiled code that does the same.
+
+    ``formula`` is that of ``kernels.sweep_steps``: "pairs", "distances", "wall" or "affine"; ``rows`` are of one kind.
+    """
+
+    formula: str
+    rows: Any
 
 
 class Sweeper(ABC):
@@ -22,6 +32,17 @@ class Sweeper(ABC):
     """
 
     idle = False
+
+    def __init_subclass__(cls, **keywords: Any) -> None:
+        """A class that overrides ``sweep`` alone does something else than what it derives from."""
+        super().__init_subclass__(**keywords)
+        if "sweep" in cls.__dict__ and "swept" not in cls.__dict__:
+            cls.swept = Sweeper.swept  # type: ignore[method-assign]
+
+    @property
+    def swept(self) -> SweptRows | None:
+        """The rows, if nothing but a formula of compiled code is applied to them; None if only ``sweep`` knows."""
+        return None
 
     @abstractmethod
     def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:

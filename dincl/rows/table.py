@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 # More rows, or particles, than these are not listed all at once: those of 200 discs.
 MOST_PARTICLES = 200
+# Sweeps over more particles than these are as fast without compiled steps, which look at all pairs for a list.
+MOST_SWEPT = 100
 
 
 def tabulate(blocks: Sequence[RowsOfOneKind], n: int, d: int) -> tuple[Any, tuple[int, ...]]:

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
+    from dincl.rows.near import Selection
 
 # Steps in the first call; each call has twice as many as the last one while it takes less than this [s], so that an
 # interrupt, or a budget, does not wait.
@@ -27,9 +28,9 @@ FEWEST, SHORT = 64, 0.02
 class CompiledStepper(Stepper):
     """A scheme whose steps are a kernel, bound to a problem of few particles."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, selection: Selection | None = None) -> None:
         super().__init__(problem)
-        self.system = SmallSystem(problem)
+        self.system = SmallSystem(problem, selection)
 
     @abstractmethod
     def call(self, steps: Steps, x: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[int, int]:
@@ -55,7 +56,7 @@ class CompiledStepper(Stepper):
             while k < end and code == OK:
                 began = time.perf_counter()
                 code, k = self.call(Steps(origin, on.t_end, on.steps, k, min(end, k + most)), x, v)
-                self.system.count(self.work)
+                self.count()
                 most = 2 * most if time.perf_counter() - began < SHORT else most
         reached = StepState(x.reshape(shape), v.reshape(shape) if v.size else None)
         try:
@@ -64,6 +65,10 @@ class CompiledStepper(Stepper):
         except StepFailure as failure:
             return Reached(k, reached, failure)
         return Reached(k, reached, None)
+
+    def count(self) -> None:
+        """Add what was done since this was asked last to the counters."""
+        self.system.count(self.work)
 
     def fail(self, code: int) -> None:
         """Raise what this code stands for."""

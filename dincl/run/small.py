@@ -23,6 +23,7 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
+    from dincl.rows.near import Selection
     from dincl.work import Work
 
 # The name in ``Work.back_ends``.
@@ -43,18 +44,22 @@ class SmallSystem:
     ----------
     problem
         Which one.
+    selection
+        The rows in its table: all of them, if not given.
     arrays, place
         What kernels take, and the handle by which they do; they may be called inside of ``with drift``.
     drift, sets
         What the arrays point to.
     """
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: Problem, selection: Selection | None = None) -> None:
         self.problem = problem
-        self._selection = select(problem.constraints, 0.0, problem.x0, np.inf)
+        if selection is None:
+            selection = select(problem.constraints, 0.0, problem.x0, np.inf)
+        self.selection = selection
         n, d = problem.x0.size, problem.x0.shape[1]
-        rows, called = tabulate(self._selection.blocks, n, d)
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(self._selection, called)
+        rows, called = tabulate(self.selection.blocks, n, d)
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called)
         m, families = len(rows.row), len(problem.constraints)
         most = min(m, n) + 1
         self.arrays = SystemArrays(
@@ -76,15 +81,13 @@ class SmallSystem:
     @cached_property
     def names(self) -> tuple[tuple[int, str], ...]:
         """For each row of the table the index of its constraint, and the row in words."""
-        return self._selection.names
+        return self.selection.names
 
     def count(self, work: Work) -> None:
         """Add what was done since this was asked last, and tell the drift."""
         arrays, before = self.arrays, self._counted
         drifts, builds = int(arrays.drift.calls[0]), int(arrays.near.number[1])
         iterations, calls = float(arrays.program.answer[0]), float(arrays.program.answer[2])
-        self._words = written(self.arrays)
-        self.place = int(self._words.ctypes.data)
         self._counted = (drifts, builds, iterations, calls)
         work.drift_evaluations += drifts - before[0]
         work.neighbour_builds += builds - before[1]

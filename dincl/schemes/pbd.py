@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.checks import integer
+from dincl.rows.table import MOST_SWEPT
 from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
@@ -29,6 +30,7 @@ class PBD(FixedStep):
 
     The S_j come in the order of the problem's constraints and, within one of them, of its rows: for NonOverlap i
     ascending, then j < i ascending; particles, pairs, links of a chain as numbered or given. Each P_{S_j} is exact.
+    Steps of few particles are compiled, with the same order and the same formulas.
     """
 
     sweeps: int = 1
@@ -38,10 +40,18 @@ class PBD(FixedStep):
         object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1))
 
     def stepper(self, problem: Problem) -> Stepper:
-        return _PBDStepper(problem, self.sweeps)
+        if len(problem.x0) <= MOST_SWEPT:
+            from dincl.run.compiled_sweeps import CompiledSweeps
+
+            compiled = CompiledSweeps.of(problem, self.sweeps)
+            if compiled is not None:
+                return compiled
+        return PBDStepper(problem, self.sweeps)
 
 
-class _PBDStepper(Stepper):
+class PBDStepper(Stepper):
+    """The method for any number of particles, and sets with projections of their own."""
+
     def __init__(self, problem: Problem, sweeps: int) -> None:
         super().__init__(problem)
         self._projections = SweepThrough(problem, sweeps)

@@ -10,6 +10,7 @@ import numpy as np
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.rows.near import Near
+from dincl.rows.table import MOST_PARTICLES
 from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
@@ -46,10 +47,18 @@ class Penalty(FixedStep):
             raise InvalidProblem(f"exponent = {describe(self.exponent)}: must be 1 or 2")
 
     def stepper(self, problem: Problem) -> Stepper:
-        return _PenaltyStepper(problem, self)
+        if len(problem.x0) <= MOST_PARTICLES:
+            from dincl.run.compiled_sweeps import CompiledPenalty
+
+            compiled = CompiledPenalty.of(problem, self.strength, self.exponent)
+            if compiled is not None:
+                return compiled
+        return PenaltyStepper(problem, self)
 
 
-class _PenaltyStepper(Stepper):
+class PenaltyStepper(Stepper):
+    """The method for any number of particles, and sets of which only their functions are known."""
+
     def __init__(self, problem: Problem, scheme: Penalty) -> None:
         super().__init__(problem)
         self._near = Near(problem.constraints, self.work)

@@ -9,6 +9,7 @@ import numpy as np
 
 from dincl.checks import array, integer
 from dincl.errors import InvalidProblem
+from dincl.rows.table import MOST_SWEPT
 from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 from dincl.schemes.pbd import SweepThrough
@@ -50,10 +51,18 @@ class SecondOrderPBD(FixedStep):
         v0 = np.zeros_like(problem.x0) if self.v0 is None else np.asarray(self.v0)
         if v0.shape != problem.x0.shape:
             raise InvalidProblem(f"v0 of shape {v0.shape}: must have the shape of x0, {problem.x0.shape}")
-        return _SecondOrderStepper(problem, v0, self.sweeps)
+        if len(problem.x0) <= MOST_SWEPT:
+            from dincl.run.compiled_sweeps import CompiledSweeps
+
+            compiled = CompiledSweeps.of(problem, self.sweeps, v0)
+            if compiled is not None:
+                return compiled
+        return SecondOrderStepper(problem, v0, self.sweeps)
 
 
-class _SecondOrderStepper(Stepper):
+class SecondOrderStepper(Stepper):
+    """The method for any number of particles, and sets with projections of their own."""
+
     def __init__(self, problem: Problem, v0: NDArray[np.float64], sweeps: int) -> None:
         super().__init__(problem)
         self._v0 = v0
