@@ -74,7 +74,7 @@ class EventRun:
         most, code = FEWEST, kernels.FULL
         while code == kernels.FULL:
             began = time.perf_counter()
-            with self._system.drift:
+            with self._system.drift, self._system.sets:
                 code = kernels.march_on(self._march, most)
             most = 2 * most if time.perf_counter() - began < SHORT else most
             self._drain()

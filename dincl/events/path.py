@@ -18,8 +18,6 @@ from dincl.run.small import SmallSystem
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.run.drift_pointer import DriftPointer
-
 
 class PathPieces(Between):
     """The pieces of a run, in the order of time; ``near`` is how close to closed a gap counts as a contact [length].
@@ -41,11 +39,12 @@ class PathPieces(Between):
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The polynomials, moved back onto the contacts that are held."""
         march = self._bound
+        self._system.sets.spacing = self._spacing
         x = np.tile(self._start, (len(times), 1))
         later = np.asarray(times) > 0
         if later.any() and len(march.path.end):
             made = np.empty((int(later.sum()), x.shape[1]))
-            with self._drift():
+            with self._system.drift, self._system.sets:
                 code = kernels.states_at(march, np.asarray(times)[later], self._pieces(times)[later], made)
             if code != OK:
                 self._system.failure(code)
@@ -64,11 +63,6 @@ class PathPieces(Between):
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With a system of this process."""
         self.__dict__ |= state | {"_system": SmallSystem(state["_problem"])}
-
-    def _drift(self) -> DriftPointer:
-        """Sets move as they did in the run."""
-        self._system.sets.spacing = self._spacing
-        return self._system.drift
 
     @cached_property
     def _bound(self) -> March:
@@ -90,9 +84,10 @@ class PathPieces(Between):
         march = self._bound
         if not len(march.path.end):
             return np.inf
+        self._system.sets.spacing = self._spacing
         rate = np.empty(x.size)
         try:
-            with self._drift():
+            with self._system.drift, self._system.sets:
                 code = kernels.rate_at(march, t, piece, x.ravel(), rate)
             if code != OK:
                 self._system.failure(code)

@@ -181,6 +181,8 @@ def step(system: SystemArrays, method: int, t: float, h: float, x: Floats, tol: 
             return code
         for k in range(x.size):
             middle[k] = 0.5 * (x[k] + program.z[k])
+    if system.sets.ask[1] != 0.0:
+        return SETS
     if not bounded(program.z):
         return NOT_A_NUMBER
     for k in range(x.size):

@@ -7,7 +7,7 @@ from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.choice import choose
 from dincl.kernels.factor import times
 from dincl.kernels.motion import March, at, correct, error_of, interpolate, least_speed, move, stages
-from dincl.kernels.system import OK, bounded
+from dincl.kernels.system import OK, SETS, bounded
 from dincl.kernels.table import SPEEDS, ask, linearise
 from dincl.kernels.watch import NEVER, first_event
 
@@ -135,8 +135,8 @@ def go_on(march: March) -> int:
     if code != OK:
         return code
     part, closing = first_event(march)
-    if state.code != OK:
-        return int(state.code)
+    if state.code != OK or march.system.sets.ask[1] != 0.0:
+        return int(state.code) if state.code != OK else SETS
     if part == NEVER:
         end = state.end if h >= left else state.now + h
         keep_piece(march, h, end)
