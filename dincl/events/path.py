@@ -10,6 +10,7 @@ import numpy as np
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
 from dincl.kernels import events as kernels
+from dincl.kernels.choice import TOUCHING
 from dincl.kernels.motion import STATE, March, Path, RungeKutta, begin_march, room_for_path
 from dincl.kernels.system import OK
 from dincl.run.outcome import Between
@@ -20,21 +21,17 @@ if TYPE_CHECKING:
 
 
 class PathPieces(Between):
-    """The pieces of a run, in the order of time; ``near`` is how close to closed a gap counts as a contact [length].
+    """The pieces of a run, in the order of time; ``size`` is that of the problem, ``start`` is x(0), shape (N d,)."""
 
-    ``start`` is the state (N d,) at t = 0.
-    """
-
-    def __init__(
-        self, system: SmallSystem, near: float, pair: RungeKutta, size: float, start: NDArray[np.float64]
-    ) -> None:
-        self._problem, self._near, self._pair, self._size = system.problem, near, pair, size
+    def __init__(self, system: SmallSystem, pair: RungeKutta, size: float, start: NDArray[np.float64]) -> None:
+        self._problem, self._pair, self._size = system.problem, pair, size
         self._start, self._spacing, self._system = start, system.sets.spacing, system
         self._parts: list[Path] = []
 
-    def add(self, path: Path) -> None:
-        """More pieces."""
+    def add(self, path: Path, size: float) -> None:
+        """More pieces, and the size that the problem has now."""
         self._parts.append(path)
+        self._size = size
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The polynomials, moved back onto the contacts that are held."""
@@ -92,6 +89,6 @@ class PathPieces(Between):
             if code != OK:
                 self._system.failure(code)
             reaction = rate - self._problem.velocity(t, x).ravel()
-            return distance_to_cone(reaction, self._problem.rows_within(t, x, self._near).jacobian(x))
+            return distance_to_cone(reaction, self._problem.rows_within(t, x, TOUCHING * self._size).jacobian(x))
         except StepFailure:
             return np.inf

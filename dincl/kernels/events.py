@@ -7,7 +7,7 @@ from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.choice import choose
 from dincl.kernels.factor import times
 from dincl.kernels.motion import March, at, correct, error_of, interpolate, least_speed, move, stages
-from dincl.kernels.system import OK, SETS, bounded
+from dincl.kernels.system import OK, SETS, bounded, longest
 from dincl.kernels.table import SPEEDS, ask, linearise
 from dincl.kernels.watch import NEVER, first_event
 
@@ -23,10 +23,10 @@ ROOM = 32
 
 
 @inner
-def make_step(march: March, longest: float) -> tuple[int, float]:
-    """A step from ``x`` that meets the tolerance, no longer than ``longest``: how it ended, and its length."""
+def make_step(march: March, limit: float) -> tuple[int, float]:
+    """A step from ``x`` that meets the tolerance, no longer than ``limit``: how it ended, and its length."""
     state = march.state[0]
-    h, exponent, most = min(state.h, longest), -1.0 / (march.pair.order + 1.0), MOST
+    h, exponent, most = min(state.h, limit), -1.0 / (march.pair.order + 1.0), MOST
     shortened = h < state.h
     while state.now + h > state.now:
         code = stages(march, h, 1, march.pair.stages + 1)
@@ -73,9 +73,9 @@ def take(march: March, t: float) -> None:
 def arrive(march: March, t: float, closing: int) -> int:
     """Steps to the event at t, and for a gap the way that is left, as short as the dense output is accurate."""
     state, first = march.state[0], march.state[0].pieces
-    longest = (t - state.now) / state.parts
+    part = (t - state.now) / state.parts
     while state.now < t:
-        code, h = make_step(march, min(longest, t - state.now))
+        code, h = make_step(march, min(part, t - state.now))
         if code == OK:
             code = interpolate(march, h)
         if code != OK or state.pieces == march.path.end.size:
@@ -109,6 +109,8 @@ def wait_for(march: March, closing: int) -> float:
 def begin_phase(march: March) -> int:
     """Decide on the contacts and give the rate at the start."""
     state = march.state[0]
+    # What started small and went far rounds as what is large.
+    state.size = max(state.size, longest(march.x, march.system.sets.shift.shape[1]))
     code = choose(march)
     if code != OK:
         return code
