@@ -1,5 +1,7 @@
 """Runs of the event-driven method that are long, go far, or start small."""
 
+import copy
+
 import numpy as np
 import pytest
 
@@ -44,3 +46,17 @@ def test_a_disc_that_pushes_another_far_away_stays_in_contact(far):
     assert path.events == ()
     assert (np.abs(path.x[:, :, 0] - exact).max(axis=1) <= path.error).all()
     assert path.normal_cone_residual().max() <= 1e-12 * far
+
+
+def test_a_trajectory_says_the_same_twice_and_so_do_its_copies():
+    problem = dincl.Problem(
+        [[0.0, 0.5], [1.2, 0.5]],
+        lambda t, x: np.array([[1.0, np.sin(4 * t)], [-1.0, -1.0]]),
+        [dincl.NonOverlap(0.5), dincl.Moving(dincl.HalfSpace((0, 1)), lambda t: (0.0, 0.1 * np.sin(t)))],
+    )
+    path, t = dincl.solve(problem, dincl.EventDriven(1e-8), [0.5, 1.0]), np.linspace(0, 1, 7)
+    first = path(t)
+    for again in (path, copy.copy(path), copy.deepcopy(path)):
+        assert np.array_equal(again(t), first)
+        assert np.array_equal(again(t[::-1]), first[::-1])
+        assert np.array_equal(again.normal_cone_residual(), path.normal_cone_residual())
