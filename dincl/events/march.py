@@ -64,7 +64,7 @@ class EventRun:
         path = room_for_path(kernels.ROOM * 8, n, most, m)
         self._march = begin_march(system.place, system.arrays, pair, self._state, path, self._start(TOUCHING * size))
         self._words = written(self._march)
-        self.between = PathPieces(system, TOUCHING * size, pair, size, self._march.x.copy())
+        self.between = PathPieces(system, pair, size, self._march.x.copy())
         self._changes: list[NDArray[np.float64]] = []
 
     @property
@@ -76,9 +76,9 @@ class EventRun:
         most, code = FEWEST, kernels.FULL
         while code == kernels.FULL:
             began = time.perf_counter()
-            with self._system.drift:
+            with self._system.drift, self._system.sets:
                 code = kernels.march_on(int(self._words.ctypes.data), most)
-            most = 2 * most if time.perf_counter() - began < SHORT else most
+            most = min(2 * most, MOST_STEPS) if time.perf_counter() - began < SHORT else most
             self._drain()
             self._system.count(self._work)
             if sum(map(len, self._changes)) > MOST_EVENTS or self._state["steps"][0] > MOST_STEPS:
@@ -120,6 +120,6 @@ class EventRun:
         state, path = self._state, self._march.path
         self._work.steps += int(state["steps"][0]) - self._steps
         self._steps = int(state["steps"][0])
-        self.between.add(Path._make(part[: int(state["pieces"][0])].copy() for part in path))
+        self.between.add(Path._make(part[: int(state["pieces"][0])].copy() for part in path), float(state["size"][0]))
         self._changes.append(path.event[: int(state["events"][0])].copy())
         state["pieces"], state["events"] = 0, 0

@@ -10,6 +10,7 @@ import numpy as np
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
 from dincl.kernels import events as kernels
+from dincl.kernels.choice import TOUCHING
 from dincl.kernels.handles import written
 from dincl.kernels.motion import STATE, March, Path, RungeKutta, begin_march, room_for_path
 from dincl.kernels.system import OK
@@ -19,34 +20,29 @@ from dincl.run.small import SmallSystem
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.run.drift_pointer import DriftPointer
-
 
 class PathPieces(Between):
-    """The pieces of a run, in the order of time; ``near`` is how close to closed a gap counts as a contact [length].
+    """The pieces of a run, in the order of time; ``size`` is that of the problem, ``start`` is x(0), shape (N d,)."""
 
-    ``start`` is the state (N d,) at t = 0.
-    """
-
-    def __init__(
-        self, system: SmallSystem, near: float, pair: RungeKutta, size: float, start: NDArray[np.float64]
-    ) -> None:
-        self._problem, self._near, self._pair, self._size = system.problem, near, pair, size
+    def __init__(self, system: SmallSystem, pair: RungeKutta, size: float, start: NDArray[np.float64]) -> None:
+        self._problem, self._pair, self._size = system.problem, pair, size
         self._start, self._spacing, self._system = start, system.sets.spacing, system
         self._parts: list[Path] = []
 
-    def add(self, path: Path) -> None:
-        """More pieces."""
+    def add(self, path: Path, size: float) -> None:
+        """More pieces, and the size that the problem has now."""
         self._parts.append(path)
+        self._size = size
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The polynomials, moved back onto the contacts that are held."""
         march = self._bound
+        self._system.sets.spacing = self._spacing
         x = np.tile(self._start, (len(times), 1))
         later = np.asarray(times) > 0
         if later.any() and len(march.path.end):
             made = np.empty((int(later.sum()), x.shape[1]))
-            with self._drift():
+            with self._system.drift, self._system.sets:
                 code = kernels.states_at(self._handle, np.asarray(times)[later], self._pieces(times)[later], made)
             if code != OK:
                 self._system.failure(code)
@@ -65,11 +61,6 @@ class PathPieces(Between):
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With a system of this process."""
         self.__dict__ |= state | {"_system": SmallSystem(state["_problem"])}
-
-    def _drift(self) -> DriftPointer:
-        """Sets move as they did in the run."""
-        self._system.sets.spacing = self._spacing
-        return self._system.drift
 
     @cached_property
     def _bound(self) -> March:
@@ -99,13 +90,14 @@ class PathPieces(Between):
         march = self._bound
         if not len(march.path.end):
             return np.inf
+        self._system.sets.spacing = self._spacing
         rate = np.empty(x.size)
         try:
-            with self._drift():
+            with self._system.drift, self._system.sets:
                 code = kernels.rate_at(self._handle, t, piece, x.ravel(), rate)
             if code != OK:
                 self._system.failure(code)
             reaction = rate - self._problem.velocity(t, x).ravel()
-            return distance_to_cone(reaction, self._problem.rows_within(t, x, self._near).jacobian(x))
+            return distance_to_cone(reaction, self._problem.rows_within(t, x, TOUCHING * self._size).jacobian(x))
         except StepFailure:
             return np.inf

@@ -61,7 +61,10 @@ def nearest(rows: RowTable, listed: Offsets, count: int, program: LeastDistance,
             break
         program.answer[0] += 1.0
         if not meet(rows, worst, program, chosen):
-            return INFEASIBLE if violation > 1e4 * allowed else CYCLES
+            if violation > 1e4 * allowed:
+                return INFEASIBLE
+            program.multiplier[worst] = 0.0
+            break
     finish(rows, program, chosen, ROUNDING * size)
     worst, violation = most_violated(rows, listed, count, program, True)
     program.answer[1] = max(program.answer[1], violation)

@@ -190,6 +190,8 @@ def step(place: int, method: int, t: float, h: float, x: Floats, tol: float) -> 
             return code
         for k in range(x.size):
             middle[k] = 0.5 * (x[k] + program.z[k])
+    if system.sets.ask[1] != 0.0:
+        return SETS
     if not bounded(program.z):
         return NOT_A_NUMBER
     for k in range(x.size):

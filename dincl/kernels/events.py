@@ -7,7 +7,7 @@ from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.choice import choose
 from dincl.kernels.factor import times
 from dincl.kernels.motion import at, correct, error_of, interpolate, least_speed, march_at, move, stages
-from dincl.kernels.system import OK, bounded
+from dincl.kernels.system import OK, SETS, bounded, longest
 from dincl.kernels.table import SPEEDS, ask, linearise
 from dincl.kernels.watch import NEVER, first_event
 
@@ -23,11 +23,11 @@ ROOM = 32
 
 
 @inner
-def make_step(run: int, longest: float) -> tuple[int, float]:
-    """A step from ``x`` that meets the tolerance, no longer than ``longest``: how it ended, and its length."""
+def make_step(run: int, limit: float) -> tuple[int, float]:
+    """A step from ``x`` that meets the tolerance, no longer than ``limit``: how it ended, and its length."""
     march = march_at(run)
     state = march.state[0]
-    h, exponent, most = min(state.h, longest), -1.0 / (march.pair.order + 1.0), MOST
+    h, exponent, most = min(state.h, limit), -1.0 / (march.pair.order + 1.0), MOST
     shortened = h < state.h
     while state.now + h > state.now:
         code = stages(run, h, 1, march.pair.stages + 1)
@@ -77,9 +77,9 @@ def arrive(run: int, t: float, closing: int) -> int:
     """Steps to the event at t, and for a gap the way that is left, as short as the dense output is accurate."""
     march = march_at(run)
     state, first = march.state[0], march.state[0].pieces
-    longest = (t - state.now) / state.parts
+    part = (t - state.now) / state.parts
     while state.now < t:
-        code, h = make_step(run, min(longest, t - state.now))
+        code, h = make_step(run, min(part, t - state.now))
         if code == OK:
             code = interpolate(run, h)
         if code != OK or state.pieces == march.path.end.size:
@@ -115,6 +115,8 @@ def begin_phase(run: int) -> int:
     """Decide on the contacts and give the rate at the start."""
     march = march_at(run)
     state = march.state[0]
+    # What started small and went far rounds as what is large.
+    state.size = max(state.size, longest(march.x, march.system.sets.shift.shape[1]))
     code = choose(run)
     if code != OK:
         return code
@@ -142,8 +144,8 @@ def go_on(run: int) -> int:
     if code != OK:
         return code
     part, closing = first_event(run)
-    if state.code != OK:
-        return int(state.code)
+    if state.code != OK or march.system.sets.ask[1] != 0.0:
+        return int(state.code) if state.code != OK else SETS
     if part == NEVER:
         end = state.end if h >= left else state.now + h
         keep_piece(run, h, end)

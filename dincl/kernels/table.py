@@ -41,7 +41,10 @@ class RowTable(NamedTuple):
 
 
 class Sets(NamedTuple):
-    """What Python fills in when its function at ``address`` is called; ``ask[0]`` says what is wanted."""
+    """What Python fills in when its function at ``address`` is called.
+
+    ``ask[0]`` says what is wanted. ``ask[1]`` is not 0 once an answer failed; then nothing is asked any more.
+    """
 
     address: int
     ask: Floats
@@ -70,11 +73,17 @@ def room_for_list(m: int, n: int, families: int, d: int) -> NearRows:
 
 @inner
 def ask(sets: Sets, t: float, x: Floats, what: float) -> int:
-    """Let Python fill in what it alone knows; 0 if there is nothing or it went well."""
+    """Let Python fill in what it alone knows; 0 if there is nothing, or if this and all before it went well.
+
+    A step may go on with old answers, and is not made when it ends with a failure.
+    """
     if sets.address == 0:
         return 0
     sets.ask[0] = what
-    return int(call_drift(sets.address, t, x, sets.shift, x.size, sets.shift.shape[1], sets.ask))
+    if sets.ask[1] == 0.0:
+        failed = call_drift(sets.address, t, x, sets.shift, x.size, sets.shift.shape[1], sets.ask)
+        sets.ask[1] = max(sets.ask[1], float(failed))
+    return int(sets.ask[1])
 
 
 @inner

@@ -52,7 +52,7 @@ class CompiledStepper(Stepper):
         shape = self.problem.x0.shape
         x, v = (np.array(part).ravel() if part is not None else np.zeros(0) for part in state)
         most, code = FEWEST, OK
-        with self.system.drift:
+        with self.system.drift, self.system.sets:
             while k < end and code == OK:
                 began = time.perf_counter()
                 code, k = self.call(Steps(origin, on.t_end, on.steps, k, min(end, k + most)), x, v)

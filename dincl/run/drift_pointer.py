@@ -13,6 +13,7 @@ from dincl.callables import call, numbers
 from dincl.drifts import compiled
 from dincl.errors import StepFailure
 from dincl.kernels.pointers import NOT_A_NUMBER
+from dincl.run.callback import Callback
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -27,10 +28,8 @@ C_FUNCTION = ctypes.CFUNCTYPE(_WORD, ctypes.c_double, PLACE, PLACE, _WORD, _WORD
 _FLOAT64 = np.dtype(np.float64)
 
 
-class DriftPointer:
+class DriftPointer(Callback):
     """The address of F as a C function, and what goes with it; a context in which kernels may call it.
-
-    The context catches an interrupt that comes before the first line of a Python function. Outside, ctypes prints it.
 
     Attributes
     ----------
@@ -45,18 +44,9 @@ class DriftPointer:
         if self._compiled is not None:
             self.address, self.data = self._compiled.pointer()
         else:
-            self._python = _python_function(problem.drift, self._shape, self._keep)
-            self._callback = C_FUNCTION(self._python)
+            self.python = _python_function(problem.drift, self._shape, self.keep)
+            self._callback = C_FUNCTION(self.python)
             self.address, self.data = int(ctypes.cast(self._callback, PLACE).value or 0), np.zeros(1)
-
-    def __enter__(self) -> DriftPointer:
-        self._before = sys.unraisablehook
-        if self._compiled is None:
-            sys.unraisablehook = self._unraisable
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        sys.unraisablehook = self._before
 
     def made(self, evaluations: int) -> None:
         """A run made so many evaluations since it last said so; a drift that counts may raise to end it."""
@@ -73,15 +63,8 @@ class DriftPointer:
         self._velocity(t, x.reshape(self._shape))
         raise StepFailure(Status.DRIFT_FAILED, "drift failed in its compiled form alone.")
 
-    def _keep(self, error: BaseException) -> None:
+    def keep(self, error: BaseException) -> None:
         self._error = error
-
-    def _unraisable(self, found: Any) -> None:
-        """An interrupt that came before the first line of the callback, where nothing can catch it."""
-        if found.object is self._python:
-            self._keep(found.exc_value)
-        else:
-            self._before(found)
 
 
 def _python_function(drift: Any, shape: tuple[int, ...], keep: Callable[[BaseException], None]) -> Callable[..., int]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from dincl.kernels.table import GRADIENTS, SPEEDS, Sets
 from dincl.rows.near import set_velocity
+from dincl.run.callback import Callback
 from dincl.run.drift_pointer import C_FUNCTION, PLACE, numbers_at
 
 if TYPE_CHECKING:
@@ -18,8 +19,8 @@ if TYPE_CHECKING:
 SPACING = 1e-3
 
 
-class SetsPointer:
-    """The sets of a problem at any time.
+class SetsPointer(Callback):
+    """The sets of a problem at any time; a context in which kernels may ask for them.
 
     Attributes
     ----------
@@ -37,21 +38,31 @@ class SetsPointer:
         self._moving = [f for f, one in enumerate(self._constraints) if one.displacement(0.0, d) is not None]
         self._called = [(f, selection.blocks[f]) for f in called]
         self._shape, m = (count, d), sum(len(block) for _, block in self._called)
-        self._callback = C_FUNCTION(self._answer)
+        self.python: Any = self._answer
+        self._callback = C_FUNCTION(self.python)
         address = int(ctypes.cast(self._callback, PLACE).value or 0) if self._moving or m else 0
         empty = np.zeros((families, d)), np.zeros((families, d)), np.zeros(m), np.zeros((m, count * d))
-        self.arrays = Sets(address, np.zeros(1), *empty)
+        self.arrays = Sets(address, np.zeros(2), *empty)
 
     def failure(self) -> NoReturn:
         """Raise what was raised while an answer was made."""
         error, self._error = self._error, None
+        self.arrays.ask[1] = 0.0
         raise error or RuntimeError("no answer of the sets failed")
+
+    @property
+    def failed(self) -> bool:
+        """Whether an answer failed, and nobody heard of it yet."""
+        return bool(self.arrays.ask[1])
+
+    def keep(self, error: BaseException) -> None:
+        self._error, self.arrays.ask[1] = error, 1.0
 
     def _answer(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
         try:
             self._fill(t, x)
         except BaseException as error:  # noqa: BLE001  # raised again by ``failure``; here it would be printed
-            self._error = error
+            self.keep(error)
             return 1
         return 0
 

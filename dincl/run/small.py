@@ -47,7 +47,7 @@ class SmallSystem:
     selection
         The rows in its table: all of them, if not given.
     arrays, place
-        What kernels take, and the handle by which they do; they may be called inside of ``with drift``.
+        What kernels take, and the handle by which they do; they may be called inside of ``with drift, sets``.
     drift, sets
         What the arrays point to.
     """
@@ -100,11 +100,11 @@ class SmallSystem:
     def failure(self, code: int, tol: float = 0.0) -> NoReturn:
         """Raise StepFailure, or what a function of the user raised, for the code by which a kernel ended."""
         arrays = self.arrays
+        if self.sets.failed:
+            self.sets.failure()
         if code == codes.DRIFT:
             at, n = arrays.drift.failed, arrays.velocity.size
             self.drift.failure(float(at[0]), at[1 : n + 1], at[n + 1 :], int(arrays.drift.calls[1]))
-        if code == codes.SETS:
-            self.sets.failure()
         if code == codes.COINCIDENT:
             name = self.names[int(arrays.blamed[0])][1]
             raise StepFailure(Status.COINCIDENT_CENTRES, f"Two centres lie on one point: {name}.")
