@@ -37,6 +37,7 @@ from dincl.projection import (
     Piqp,
     Projected,
     ProjectedCG,
+    ProjectedNewton,
     Projection,
 )
 from dincl.projection.project import project
@@ -93,6 +94,7 @@ __all__ = [
     "Problem",
     "Projected",
     "ProjectedCG",
+    "ProjectedNewton",
     "Projection",
     "ProjectionFailed",
     "RelativeMove",

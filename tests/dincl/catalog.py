@@ -47,6 +47,7 @@ PROJECTIONS = [
         dincl.Ipopt,
         dincl.Piqp,
         dincl.ProjectedCG,
+        dincl.ProjectedNewton,
     )
 ]
 
