@@ -22,3 +22,13 @@ def transposed_times(indptr: Offsets, indices: Offsets, data: Floats, y: Floats,
         if y[row] != 0.0:
             for p in range(indptr[row], indptr[row + 1]):
                 out[indices[p]] += y[row] * data[p]
+
+
+@kernel
+def row_squares(indptr: Offsets, data: Floats, out: Floats) -> None:
+    """Write the sum of the squares of each row into ``out``."""
+    for row in range(out.size):
+        total = 0.0
+        for p in range(indptr[row], indptr[row + 1]):
+            total += data[p] * data[p]
+        out[row] = total
