@@ -34,7 +34,7 @@ SLOW = 0.5
 # Where no part of a step descends, or it is slow, so many iterations of conjugate gradients are made, and twice as many
 # the next time.
 ITERATIONS = 30
-MOST_ITERATIONS = 2000
+MOST_SWEEPS, MOST_ITERATIONS = 240, 2000
 # They see the rows whose slope is at most this part of the largest violation; the next time those that it falls to.
 WITHIN = 0.5
 # Multipliers beyond this, in largest violations, raise the question whether the set is empty.
@@ -79,13 +79,14 @@ class _ProjectedNewtonSolver(RecallingSolver):
                 return QpAnswer(u, mu, iterations)
             free = (mu > 0) | (slope < 0)
             before, same = mu, np.array_equal(free, factorised)
-            if started and not (same and residual > SLOW * last):
+            slow = same and residual > SLOW * last
+            if started and not slow:
                 if not same:
                     self._factor.factorise(matrix, free, slope, SHIFT)
                 mu = dual.descended(mu, slope, self._factor.solve(np.where(free, slope, 0.0)))
                 iterations, factorised, last = iterations + 1, free, residual
             if mu is before:
-                mu = dual.iterated(mu, slope, burst, SHARE * tol)
+                mu = dual.searched(mu, slope, burst, SHARE * tol, swept=not slow and burst <= MOST_SWEEPS)
                 iterations, burst = iterations + burst, min(2 * burst, MOST_ITERATIONS)
                 started, last = True, np.inf
             if mu.max() > SUSPICIOUS:
@@ -98,11 +99,11 @@ class _Dual:
     """q(mu) = 1/2 |A^T mu|^2 - least.mu of one program."""
 
     def __init__(self, matrix: Csr, least: NDArray[np.float64]) -> None:
-        from dincl.kernels import products, proportioning
+        from dincl.kernels import accelerated, products, proportioning
 
         self._matrix, self._least = matrix, least
         self._times, self._transposed_times = products.times, products.transposed_times
-        self._minimise = proportioning.bounded_conjugate_gradients
+        self._sweep, self._minimise = accelerated.accelerated_sweeps, proportioning.bounded_conjugate_gradients
         self._arrays = matrix.indptr, matrix.indices, matrix.data
 
     def at(self, mu: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -119,24 +120,34 @@ class _Dual:
         """max(mu - part step, 0) for the greatest of PARTS for which q descends; ``mu`` itself if there is none."""
         for part in PARTS:
             change = np.maximum(-part * step, -mu)
-            promised = float(slope @ change)
-            pushed = self._combined(change)
-            # The change of q from the change of mu: a difference of two values would be rounding when it is small.
-            if promised < 0 and promised + 0.5 * float(pushed @ pushed) <= DESCENT * promised:
+            if self._descends(change, slope):
                 return mu + change
         return mu
 
-    def iterated(
-        self, mu: NDArray[np.float64], slope: NDArray[np.float64], most: int, tol: float
+    def searched(
+        self, mu: NDArray[np.float64], slope: NDArray[np.float64], count: int, tol: float, *, swept: bool
     ) -> NDArray[np.float64]:
-        """Conjugate gradients on the rows that push or nearly do."""
+        """Accelerated sweeps over the rows that push or nearly do, or conjugate gradients, if not ``swept``.
+
+        These find their way among nearly redundant rows, too, at up to four times the cost where there are none.
+        """
         near = (mu > 0) | (slope < WITHIN)
-        rows = self._matrix.take(near)
-        part = mu[near]
-        self._minimise(rows.indptr, rows.indices, rows.data, rows.columns, self._least[near], part, most, tol)
-        found = mu.copy()
+        rows, part, found = self._matrix.take(near), mu[near], mu.copy()
+        arrays = rows.indptr, rows.indices, rows.data, rows.columns, self._least[near]
+        if swept:
+            self._sweep(*arrays, part, count)
+        else:
+            self._minimise(*arrays, part, count, tol)
         found[near] = part
         return found
+
+    def _descends(self, change: NDArray[np.float64], slope: NDArray[np.float64]) -> bool:
+        """Whether q falls by enough of what its slope promises.
+
+        Computed from the change of mu: a difference of two values of q would be rounding when it is small.
+        """
+        promised, pushed = float(slope @ change), self._combined(change)
+        return promised < 0 and promised + 0.5 * float(pushed @ pushed) <= DESCENT * promised
 
     def _combined(self, mu: NDArray[np.float64]) -> NDArray[np.float64]:
         """A^T mu."""
