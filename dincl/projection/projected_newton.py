@@ -31,8 +31,8 @@ DESCENT = 1e-4
 PARTS = (1.0, 0.25, 0.0625)
 # A second step with the same rows that leaves more than this part of the residual meets nearly redundant rows.
 SLOW = 0.5
-# Where no part of a step descends, or it is slow, so many iterations of conjugate gradients are made, and twice as many
-# the next time.
+# Where no part of a step descends, or it is slow, so many sweeps are made, and twice as many the next time; from
+# MOST_SWEEPS on, or where it is slow, they are iterations of conjugate gradients.
 ITERATIONS = 30
 MOST_SWEEPS, MOST_ITERATIONS = 240, 2000
 # They see the rows whose slope is at most this part of the largest violation; the next time those that it falls to.
@@ -44,6 +44,14 @@ SUSPICIOUS = 1e6
 @dataclass(frozen=True)
 class ProjectedNewton(Projection):
     """Nearest points by Newton's method on the multipliers >= 0 (Bertsekas 1982), with sparse factors (QDLDL).
+
+    Best from 100 particles on; below, ``ProjectedCG`` is up to a third faster. Starts from the multipliers of the last
+    solve, also when some rows came or went, and then needs 1 to 4 factorisations. A program that has little in common
+    with the last one is begun by sweeps. Measured in a pile half a unit of time after its start, in milliseconds for a
+    projection with all Python around it (``ProjectedCG``): steps of 0.003, tol = 1e-7, at 10^3 discs 1.0 (2.5), at 10^4
+    7 (29), at 10^5 60 (420), which is linear as only the lowest layers push yet; at 10^3 discs, steps of 4e-4, tol =
+    1e-9, 0.7 (2.4); steps of 1, twice a radius, tol = 1e-6, 250 (13,000). In a pile at rest, where there are as many
+    contacts as unknowns, at 10^3 discs and steps of 0.003 5 (17), of 0.1 50 (130).
 
     Parameters
     ----------
@@ -66,8 +74,8 @@ class _ProjectedNewtonSolver(RecallingSolver):
         """Minimise q(mu) = 1/2 |A^T mu|^2 - least.mu over mu >= 0: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver.
 
         Free are the rows that push and those that should. A step, (A_F A_F^T)^{-1} times the slope of q, ends at the
-        bounds; it is taken if q descends, and else conjugate gradients find rows that should be free. Both descend, so
-        that nothing comes back.
+        bounds; it is taken if q descends, and else other ways to descend are gone to find the rows that are free. As q
+        falls all the time, no state comes back.
         """
         dual, mu = _Dual(matrix, least), multipliers.copy()
         factorised, last = np.zeros(0, dtype=np.bool_), np.inf

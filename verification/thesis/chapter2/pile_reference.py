@@ -41,8 +41,8 @@ def path(
 
         |x(t + h) - 2 x(t + h/2) + x(t)| <= max(jump, SMOOTH h^2),
 
-    and is repeated ten times shorter if not. The scheme is of second order between jumps, and each jump leaves at most
-    ``jump``.
+    and is repeated ten times shorter if not. The scheme is of second order between jumps, and each of them leaves about
+    as much as stands on the right.
     """
     scheme = dincl.MidpointCatchUp(dt=longest_step / 2, projection=dincl.ProjectedNewton(tol=TOL))
     stepper = scheme.stepper(scene)
