@@ -2,7 +2,7 @@
 
 ``python -m verification.thesis.chapter2.pile_reference`` makes it again.
 
-It takes some twelve minutes and writes ``verification/thesis/data/pile_1000.parquet``.
+It takes some nine minutes and writes ``verification/thesis/data/pile_1000.parquet``.
 """
 
 from __future__ import annotations

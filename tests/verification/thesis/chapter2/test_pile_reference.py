@@ -1,10 +1,12 @@
 """The way the reference of the pile is made agrees with the event-driven scheme where that one can go."""
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import dincl
-from verification.thesis.chapter2.pile_reference import TIMES, path, table
+from verification.thesis.chapter2.pile_reference import COUNT, TIMES, path, table
+from verification.thesis.chapter2.work_references import FILES
 
 FEW = np.array([0.25, 0.5])
 
@@ -30,3 +32,11 @@ def test_the_error_of_the_table_is_twice_the_largest_distance_so_far():
     coarse[2, 1] = [3e-6, 4e-6]
     made = table(coarse, fine).groupby("t")["error"].first().to_numpy()
     assert made == pytest.approx([0.0, 0.0, *[1e-5] * (len(TIMES) - 2)])
+
+
+def test_the_kept_table_is_of_the_pile_and_known_to_a_millionth():
+    kept = pd.read_parquet(FILES["pile_1000"])
+    assert len(kept) == COUNT * len(TIMES)
+    assert 0 < kept["error"].max() < 1e-6
+    last = kept[kept["t"] == kept["t"].max()].sort_values("particle")
+    assert dincl.scenes.pile(COUNT).violation(1.0, last[["x", "y"]].to_numpy()) < 1e-8
