@@ -38,6 +38,7 @@ from dincl.projection import (
     Piqp,
     Projected,
     ProjectedCG,
+    ProjectedNewton,
     Projection,
 )
 from dincl.projection.project import project
@@ -95,6 +96,7 @@ __all__ = [
     "Problem",
     "Projected",
     "ProjectedCG",
+    "ProjectedNewton",
     "Projection",
     "ProjectionFailed",
     "RelativeMove",

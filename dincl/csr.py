@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
+from dincl import kernels
+
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
@@ -32,15 +34,21 @@ class Csr(NamedTuple):
 
     def times(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """A x for x of shape (columns,)."""
-        return _sums(self.row_of_entry, self.data * x[self.indices], self.rows)
+        product = np.empty(self.rows)
+        kernels.products.times(self.indptr, self.indices, self.data, x, product)
+        return product
 
     def transposed_times(self, y: NDArray[np.float64]) -> NDArray[np.float64]:
         """A^T y for y of shape (rows,)."""
-        return _sums(self.indices, self.data * y[self.row_of_entry], self.columns)
+        product = np.empty(self.columns)
+        kernels.products.transposed_times(self.indptr, self.indices, self.data, y, product)
+        return product
 
     def norms_squared(self) -> NDArray[np.float64]:
         """|a_k|^2 for each row, shape (rows,)."""
-        return _sums(self.row_of_entry, self.data * self.data, self.rows)
+        squares = np.empty(self.rows)
+        kernels.products.row_squares(self.indptr, self.data, squares)
+        return squares
 
     def dense(self) -> NDArray[np.float64]:
         """A as a new array of shape (rows, columns)."""
@@ -91,8 +99,3 @@ def stack(blocks: Sequence[Csr], columns: int) -> Csr:
         np.concatenate([np.zeros(0), *(block.data for block in blocks)]),
         columns,
     )
-
-
-def _sums(place: NDArray[np.int64], terms: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """For each place 0 ... count - 1 the sum of its terms; bincount gives integers where there is no term at all."""
-    return np.bincount(place, terms, count).astype(np.float64, copy=False)

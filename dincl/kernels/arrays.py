@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Offsets = NDArray[np.int64]
 Indices = NDArray[np.int32]
+Flags = NDArray[np.bool_]
 Axes = tuple[int, ...]
 
 

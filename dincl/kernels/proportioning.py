@@ -4,6 +4,7 @@ import numpy as np
 
 from dincl.compile import kernel
 from dincl.kernels.arrays import Floats, Offsets
+from dincl.kernels.products import times, transposed_times
 
 # Length of a projected gradient step, in units of 1 / |A A^T|; below 2 it descends.
 FIXED_STEP = 1.9
@@ -12,26 +13,6 @@ FIXED_STEP = 1.9
 LONGEST_STEP = 1e12
 # Multipliers that grow beyond this have proved the set to be empty, or rounding has the last word.
 LARGEST = 1e10
-
-
-@kernel
-def _times(indptr: Offsets, indices: Offsets, data: Floats, x: Floats, out: Floats) -> None:
-    """Write A x into ``out``."""
-    for row in range(out.size):
-        total = 0.0
-        for p in range(indptr[row], indptr[row + 1]):
-            total += data[p] * x[indices[p]]
-        out[row] = total
-
-
-@kernel
-def _transposed_times(indptr: Offsets, indices: Offsets, data: Floats, y: Floats, out: Floats) -> None:
-    """Write A^T y into ``out``; rows without weight cost nothing."""
-    out[:] = 0.0
-    for row in range(y.size):
-        if y[row] != 0.0:
-            for p in range(indptr[row], indptr[row + 1]):
-                out[indices[p]] += y[row] * data[p]
 
 
 @kernel
@@ -139,8 +120,8 @@ def bounded_conjugate_gradients(
     """
     u, slope, image, direction = np.empty(columns), np.empty(mu.size), np.empty(mu.size), np.empty(mu.size)
     step = FIXED_STEP / _largest_eigenvalue(indptr, indices, data, columns)
-    _transposed_times(indptr, indices, data, mu, u)
-    _times(indptr, indices, data, u, slope)
+    transposed_times(indptr, indices, data, mu, u)
+    times(indptr, indices, data, u, slope)
     slope -= least
     _restart(mu, slope, True, direction)
     residual = np.inf
@@ -150,8 +131,8 @@ def bounded_conjugate_gradients(
             return iteration, residual
         if resting > pushing:
             _restart(mu, slope, False, direction)
-        _transposed_times(indptr, indices, data, direction, u)
-        _times(indptr, indices, data, u, image)
+        transposed_times(indptr, indices, data, direction, u)
+        times(indptr, indices, data, u, image)
         gain, square, room = 0.0, 0.0, np.inf
         for row in range(mu.size):
             gain += slope[row] * direction[row]
@@ -169,8 +150,8 @@ def bounded_conjugate_gradients(
                 _conjugate(mu, slope, image, square, direction)
         else:
             _expand(mu, slope, image, direction, room, step)
-            _transposed_times(indptr, indices, data, mu, u)
-            _times(indptr, indices, data, u, slope)
+            transposed_times(indptr, indices, data, mu, u)
+            times(indptr, indices, data, u, slope)
             slope -= least
             _restart(mu, slope, True, direction)
     return most, residual

@@ -16,6 +16,7 @@ from dincl.projection.gauss_seidel import GaussSeidel
 from dincl.projection.ipopt import Ipopt
 from dincl.projection.piqp import Piqp
 from dincl.projection.projected_cg import ProjectedCG
+from dincl.projection.projected_newton import ProjectedNewton
 from dincl.projection.qp import QpAnswer, QpSolver
 from dincl.rows import AffineRows, Rows
 
@@ -33,6 +34,7 @@ __all__ = [
     "Piqp",
     "Projected",
     "ProjectedCG",
+    "ProjectedNewton",
     "Projection",
     "QpAnswer",
     "QpSolver",

@@ -9,7 +9,8 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.projection.base import Projection
-from dincl.projection.qp import FARTHEST, QpAnswer, QpSolver, refuse_if_empty
+from dincl.projection.qp import QpAnswer, refuse_if_empty
+from dincl.projection.recall import RecallingSolver
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -47,7 +48,7 @@ class ProjectedCG(Projection):
         return _ProjectedCGSolver(self.tol)
 
 
-class _ProjectedCGSolver(QpSolver):
+class _ProjectedCGSolver(RecallingSolver):
     name = "projected cg"
 
     def __init__(self, tol: float) -> None:
@@ -55,12 +56,10 @@ class _ProjectedCGSolver(QpSolver):
         from dincl.kernels import proportioning
 
         self._minimise = proportioning.bounded_conjugate_gradients
-        self._ties = np.zeros(0, dtype=np.int64)
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
         """By conjugate gradients on the dual: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         mu = multipliers.copy()
-        self._ties = _ties(matrix)
         allowed = SHARE * tol
         iterations, rest = 0, allowed
         for _ in range(ROUNDS):
@@ -78,25 +77,3 @@ class _ProjectedCGSolver(QpSolver):
                 # Rounding has added up in the slope that is only updated.
                 rest *= TIGHTER
         raise StepFailure(Status.NOT_CONVERGED, f"projected cg missed its tolerance in {iterations} iterations.")
-
-    def _recalled(self, matrix: Csr, scale: float) -> NDArray[np.float64]:
-        """The last multipliers of the rows that tie the same coordinates, zeros for the others: a start, no more."""
-        if len(self._places) == len(matrix.indices) and np.array_equal(self._places, matrix.indices):
-            return super()._recalled(matrix, scale)
-        if not len(self._ties) or self._multipliers.max() > FARTHEST * scale:
-            return np.zeros(matrix.rows)
-        ties, order = _ties(matrix), np.argsort(self._ties, kind="stable")
-        known = self._ties[order]
-        place = np.minimum(np.searchsorted(known, ties), len(known) - 1)
-        recalled: NDArray[np.float64] = np.where(known[place] == ties, self._multipliers[order[place]], 0.0)
-        return recalled
-
-
-def _ties(matrix: Csr) -> NDArray[np.int64]:
-    """A number for each row made of its first and its last column; two walls at one particle share one."""
-    if not len(matrix.indices):
-        return np.zeros(matrix.rows, dtype=np.int64)
-    last = len(matrix.indices) - 1
-    first = matrix.indices[np.minimum(matrix.indptr[:-1], last)]
-    ties: NDArray[np.int64] = first * matrix.columns + matrix.indices[np.maximum(matrix.indptr[1:] - 1, 0)]
-    return ties

@@ -48,7 +48,7 @@ class QpSolver(Solver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        self._places = np.zeros(0, dtype=np.int64)
+        self._matrix: Csr | None = None
         self._multipliers = np.zeros(0)
 
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
@@ -80,12 +80,13 @@ class QpSolver(Solver):
         unit = matrix._replace(data=matrix.data / length[matrix.row_of_entry])
         tol = self.tol / (scale * max(1.0, float(length.max())))
         answer = self.qp(unit, missing / scale, self._recalled(unit, scale) / scale, tol)
-        self._places, self._multipliers = unit.indices, answer.multipliers * scale
+        self._matrix, self._multipliers = unit, answer.multipliers * scale
         return y + scale * answer.u.reshape(y.shape), self._multipliers / length, answer.iterations
 
     def _recalled(self, matrix: Csr, scale: float) -> NDArray[np.float64]:
         """The last multipliers if they belong to rows that tie the same coordinates, else zeros: a start, no more."""
-        same = len(self._multipliers) == matrix.rows and np.array_equal(self._places, matrix.indices)
+        last = self._matrix
+        same = last is not None and last.rows == matrix.rows and np.array_equal(last.indices, matrix.indices)
         near = same and self._multipliers.max(initial=0.0) <= FARTHEST * scale
         return self._multipliers if near else np.zeros(matrix.rows)
 

@@ -43,8 +43,8 @@ class DistanceRows(CurvedRows):
 
     def arrows(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """X_i - X_j, or X_i - anchor, shape (m, d)."""
-        other = x[self.j] if self.anchor is None else self.anchor
-        return x[self.i] - other
+        own = x.take(self.i, axis=0)
+        return own - (np.asarray(self.anchor) if self.j is None else x.take(self.j, axis=0))
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.sign * (norms(self.arrows(x)) - self.length)
@@ -145,12 +145,14 @@ class DistanceRows(CurvedRows):
 
     def _entries(self, vectors: NDArray[np.float64], columns: int) -> Csr:
         """Rows that hold ``vectors`` (m, d) at particle i and, with the other sign, at particle j."""
-        axes = np.arange(vectors.shape[1])
-        places = axes + len(axes) * self.i[:, None]
-        if self.j is not None:
-            places = np.hstack((places, axes + len(axes) * self.j[:, None]))
-            vectors = np.hstack((vectors, -vectors))
-        return uniform(places, vectors, columns)
+        m, d = vectors.shape
+        ends = (self.i,) if self.j is None else (self.i, self.j)
+        places, data = np.empty((m, d * len(ends)), dtype=np.int64), np.empty((m, d * len(ends)))
+        for k, end in enumerate(ends):
+            mine = slice(d * k, d * k + d)
+            np.add((d * end)[:, None], np.arange(d), out=places[:, mine])
+            np.multiply(vectors, 1.0 - 2.0 * k, out=data[:, mine])
+        return uniform(places, data, columns)
 
 
 class DistanceSweeper(Sweeper):

@@ -15,7 +15,20 @@ MAY_IMPORT = {
     "tissue": {"dincl"},
     "verification": {"dincl", "meanfield", "tissue"},
 }
-HEAVY = ("SALib", "casadi", "clarabel", "cvxpy", "daqp", "distributed", "matplotlib", "ot", "pint", "piqp", "sklearn")
+HEAVY = (
+    "SALib",
+    "casadi",
+    "clarabel",
+    "cvxpy",
+    "daqp",
+    "distributed",
+    "matplotlib",
+    "ot",
+    "pint",
+    "piqp",
+    "qdldl",
+    "sklearn",
+)
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
 
 

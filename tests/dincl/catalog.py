@@ -51,6 +51,7 @@ PROJECTIONS = [
         dincl.Ipopt,
         dincl.Piqp,
         dincl.ProjectedCG,
+        dincl.ProjectedNewton,
     )
 ]
 

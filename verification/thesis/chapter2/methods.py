@@ -165,6 +165,13 @@ MIDPOINT = _named(
     ("#c2003d", "p", "-"),
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedCG(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
 )
+MIDPOINT_NEWTON = _named(
+    "midpoint_newton",
+    "midpoint catch-up, projected Newton",
+    "midpoint catch-up",
+    ("#7a0026", (6, 0, 0), "--"),
+    lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedNewton(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
+)
 MOREAU_JEAN = _named(
     "moreau_jean_daqp",
     "catch-up, theta = 1/2, Daqp",
@@ -203,6 +210,7 @@ CHARTED = (
     LINEARISED_DAQP,
     MOREAU_JEAN,
     MIDPOINT,
+    MIDPOINT_NEWTON,
     EVENT_DRIVEN,
     LSODA,
     CHIPMUNK,
