@@ -286,7 +286,10 @@ def test_a_result_says_in_a_line_what_it_found(chart):
     assert "  0.01: exact" in text
     own = v.Method("own", run=lambda problem, dt, t: SLIDE.exact(t) + 1.0)
     far = v.work_precision(SLIDE, [own], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0))
-    assert repr(far).endswith("not reached: 0.01, 0.001, 0.0001, 1e-06, 1e-08")
+    assert repr(far).endswith("not reached: 0.01, 0.001, 0.0001, 1e-06, 1e-08, 1e-10, 1e-12")
+    rough = v.Known(np.array(T), SLIDE.exact(np.array(T)), np.full(3, 1e-5))
+    near = v.work_precision(SLIDE, {"PBD": dincl.PBD}, [0.01], T, rough, v.CpuSeconds(1.0))
+    assert repr(near).endswith("not resolved: 1e-06, 1e-08, 1e-10, 1e-12")
     falling = dincl.Problem([[1.0]], lambda t, x: -np.ones_like(x), [dincl.HalfSpace(normal=(1,))])
     named = v.stability_map(falling, partial(dincl.PBD), ("dt", [0.1]), ("dt", [0.1]))
     assert named.title == "Stability"
