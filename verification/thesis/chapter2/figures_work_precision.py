@@ -15,7 +15,7 @@ COSTS = ("cpu_seconds", "drift_evaluations")
 def draw_chart(table: pd.DataFrame, scene: str, form: Form, path: Path) -> Path:
     """Largest error in time against CPU time and against counted work; failed runs are crosses on the upper edge."""
     one = chart(table, scene, form)
-    with sheet(path, 4.4) as figure:
+    with sheet(path, 5.0) as figure:
         panels = figure.subplots(1, len(COSTS), sharey=True)
         for panel, cost in zip(panels, COSTS, strict=True):
             one.plot(panel, cost=cost)
