@@ -27,12 +27,7 @@ NAMES = {
     "setting": "setting",
 }
 # Why a method has no point on a chart, by the status of its first run; of any other status: it failed.
-NOTHING = {
-    "SUCCESS": "not counted",
-    "OUT_OF_BUDGET": "beyond the budget",
-    "REFUSED": "refuses the problem",
-    "LEFT_OUT": "left out",
-}
+NOTHING = {"SUCCESS": "not counted", "OUT_OF_BUDGET": "too slow", "REFUSED": "refused", "LEFT_OUT": "left out"}
 # The colours and words of what belongs to no method.
 FRONT: Mapping[str, Any] = {"color": "#d9d9d9", "linewidth": 9.0, "label": "efficient front"}
 CROSS: dict[str, Any] = {"marker": "x", "mew": 1.6, "linestyle": "none"}
