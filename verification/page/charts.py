@@ -37,17 +37,13 @@ LOWEST = 1e-16
 
 
 def styles(looks: Looks) -> dict[str, dict[str, Any]]:
-    """label -> keywords of a line: a colour for each family, a marker for each of its methods."""
+    """label -> keywords of a line: a colour for each family, a marker for each method."""
     families = list(dict.fromkeys(look["family"] for look in looks.values()))
     colours = dict(zip(families, cycle(COLOURS), strict=False))
-    used = dict.fromkeys(families, 0)
     found = {}
-    for label, look in looks.items():
-        family = look["family"]
-        marker = MARKERS[used[family] % len(MARKERS)]
-        used[family] += 1
+    for (label, look), marker in zip(looks.items(), cycle(MARKERS), strict=False):
         given = {name: value for name, value in look.items() if name != "family"}
-        found[label] = {"color": colours[family], "marker": marker, "linestyle": "-"} | given
+        found[label] = {"color": colours[look["family"]], "marker": marker, "linestyle": "-"} | given
     return found
 
 
@@ -111,7 +107,7 @@ def _legend(panel: Axes) -> None:
     """Beside the axes, where it hides no point; crosses are named if there are any."""
     if any(line.get_gid() == FAILED for line in panel.lines):
         panel.plot([], [], color=GREY, label=FAILED, **CROSS)
-    panel.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.01, 1.0))
 
 
 def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
