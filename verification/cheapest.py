@@ -18,6 +18,9 @@ LEAST_SPREAD = 1.25
 # Statuses of runs that were not made, which is no failure.
 NOT_TRIED = ("LEFT_OUT", "REFUSED")
 TIE, AT_THE_LIMIT, NOT_REACHED = "tie", "at the limit", "not reached"
+# Of an error that the reference itself does not resolve.
+NOT_RESOLVED = "not resolved"
+UNDECIDED = (TIE, AT_THE_LIMIT, NOT_REACHED, NOT_RESOLVED)
 
 
 class Price(NamedTuple):
@@ -70,9 +73,14 @@ def _spreads(rows: pd.DataFrame, cost: str) -> NDArray[np.float64]:
 
 
 def costs(table: pd.DataFrame, targets: Sequence[float], error: str, cost: str) -> pd.DataFrame:
-    """One row for each method and target: cost and spread; infinite where it is not reached."""
+    """One row for each method and target: cost and spread; infinite where it is not reached.
+
+    ``resolved`` tells whether the reference is good enough to say so.
+    """
+    finest = RESOLVED * table["reference_error"].max()
     rows = [
-        {"method": method, "target": target} | cost_of(mine, target, error, cost)._asdict()
+        {"method": method, "target": target, "resolved": not target < finest}
+        | cost_of(mine, target, error, cost)._asdict()
         for method, mine in table.groupby("method", sort=False)
         for target in targets
     ]
@@ -84,7 +92,8 @@ def rank(found: pd.DataFrame, certain: float) -> pd.DataFrame:
 
     ``cheapest`` is the label of the method; "tie" where others cost no more than the spread more (``tied`` names all of
     them); "at the limit" where it rests on a run that costs more than ``certain``, so that on another day it could be
-    stopped by its budget; "not reached". ``ratio`` is how much more the ``next`` method outside of the tie costs.
+    stopped by its budget; "not reached"; "not resolved" where the reference is no better. ``ratio`` is how much more
+    the ``next`` method outside of the tie costs.
     """
     groups = found.groupby("target", sort=False)
     rows = [{"target": target} | _first(group, certain) for target, group in groups]
@@ -92,7 +101,8 @@ def rank(found: pd.DataFrame, certain: float) -> pd.DataFrame:
 
 
 def _first(rows: pd.DataFrame, certain: float) -> dict[str, Any]:
-    nobody: dict[str, Any] = {"cheapest": NOT_REACHED, "cost": np.nan, "tied": "", "next": "", "ratio": np.nan}
+    word = NOT_REACHED if rows["resolved"].all() else NOT_RESOLVED
+    nobody: dict[str, Any] = {"cheapest": word, "cost": np.nan, "tied": "", "next": "", "ratio": np.nan}
     there = rows[np.isfinite(rows["value"])].sort_values("value", kind="stable")
     if there.empty:
         return nobody

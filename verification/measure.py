@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 import dincl
 from dincl.checks import describe
 from verification.budget import Budget, CpuSeconds, OutOfBudgetError, counted
+from verification.machine_code import machine_code
 from verification.method import Method
 from verification.references import Known
 
@@ -34,6 +35,8 @@ BRIEF, REPEATS = 0.2, 3
 WAITED, RESOLVED_BY_CLOCK = 1.2, 2e-3
 # What a program of somebody else may raise when it fails; other errors are mistakes in the call and are not caught.
 FAILURES = (ArithmeticError, RuntimeError, ValueError, np.linalg.LinAlgError)
+# A run in which machine code was made or loaded is made again, at most so often: some programs compile in every run.
+MOST_AGAIN = 8
 
 
 @dataclass
@@ -69,9 +72,10 @@ def measure(
 ) -> list[dict[str, Any]]:
     """Rows of one method, from coarse to fine settings, until one costs more than the budget.
 
-    Each run is timed alone, after one run that is thrown away, in which libraries are loaded and kernels compiled.
-    Repeats are interleaved: all settings, and then all again. ``status`` is that of the Trajectory, or REFUSED (the
-    method cannot serve the problem), FAILED (it raised), OUT_OF_BUDGET, LEFT_OUT (after a setting that was).
+    Each run is timed alone, after runs that are thrown away, in which libraries are loaded and kernels compiled. A run
+    in which machine code was made or loaded is made again: it gives no time and spends no budget. Repeats are
+    interleaved: all settings, and then all again. ``status`` is that of the Trajectory, or REFUSED (the method cannot
+    serve the problem), FAILED (it raised), OUT_OF_BUDGET, LEFT_OUT (after a setting that was).
     """
     attempts = [
         Attempt(setting, {"method": method.label, "setting": setting} | _nothing(errors)) for setting in settings
@@ -121,8 +125,12 @@ def _after(before: Attempt, budget: Budget | None) -> str:
 
 
 def _warm_up(problem: Any, method: Method, setting: float, t: Floats) -> None:
-    with suppress(OutOfBudgetError, *FAILURES):
-        _run(problem, method, setting, t, CpuSeconds(BRIEF))
+    """Brief runs until one finds all its machine code there; one that is stopped may not have come to all of it."""
+    for _ in range(MOST_AGAIN):
+        with machine_code() as made, suppress(OutOfBudgetError, *FAILURES):
+            _run(problem, method, setting, t, CpuSeconds(BRIEF))
+        if not made:
+            return
 
 
 def _first(
@@ -153,15 +161,30 @@ def _timed(problem: Any, method: Method, attempt: Attempt, t: Floats, budget: Bu
     collecting = gc.isenabled()
     gc.disable()
     try:
-        wall, cpu = time.perf_counter(), time.process_time()
-        outcome = _run(problem, method, attempt.setting, t, budget)
-        cpu, wall = time.process_time() - cpu, time.perf_counter() - wall
+        for _ in range(MOST_AGAIN):
+            with machine_code() as made:
+                outcome, cpu, wall = _clocked(problem, method, attempt.setting, t, budget)
+            if not made:
+                break
     finally:
         if collecting:
             gc.enable()
+    if outcome is None:
+        raise OutOfBudgetError
     attempt.cpu.append(cpu)
     attempt.waited.append(wall / cpu if cpu > RESOLVED_BY_CLOCK else 1.0)
     return outcome
+
+
+def _clocked(
+    problem: Any, method: Method, setting: float, t: Floats, budget: Budget | None
+) -> tuple[_Outcome | None, float, float]:
+    """A run, its CPU time and wall time [s]; None if its budget ended it."""
+    outcome = None
+    wall, cpu = time.perf_counter(), time.process_time()
+    with suppress(OutOfBudgetError):
+        outcome = _run(problem, method, setting, t, budget)
+    return outcome, time.process_time() - cpu, time.perf_counter() - wall
 
 
 def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget | None) -> _Outcome:

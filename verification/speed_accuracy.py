@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
@@ -22,7 +23,7 @@ from verification.result import Result
 if TYPE_CHECKING:
     from verification.page.sheet import Axes
 
-TARGETS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8)
+TARGETS = (1e-2, 1e-3, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12)
 COSTS = ("cpu_seconds", *COUNTERS)
 Settings = Sequence[float] | Mapping[str, Sequence[float]]
 
@@ -54,6 +55,7 @@ class WorkPrecision(Result):
     def cheapest(self, targets: Sequence[float] = TARGETS, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
         """Who reaches each error at the smallest cost: a label, "tie", "at the limit" of the budget, "not reached".
 
+        Or "not resolved": the error is below what the reference can tell.
         Two CPU times count as different only if their ratio exceeds the measured spread; see ``cheapest.rank``.
         """
         found = cheapest.costs(self.table, _checked_targets(targets), self._error(error), _checked_cost(cost))
@@ -77,7 +79,10 @@ class WorkPrecision(Result):
         return cheapest.front(self.table, self._error(error), _checked_cost(cost))
 
     def plot(self, ax: Axes | None = None, error: str = "", cost: str = "cpu_seconds") -> Axes:
-        """Error against cost in logarithms, families by colour; runs that failed are crosses on the upper edge."""
+        """Error against cost in logarithms, families by colour; runs that failed are crosses on the upper edge.
+
+        A grey band behind the curves joins the efficient runs, those of ``front``.
+        """
         from verification.page.charts import draw_work_precision
 
         panel = draw_work_precision(self.table, self.looks, self._error(error), _checked_cost(cost), ax)
@@ -95,14 +100,15 @@ class WorkPrecision(Result):
 
     def __repr__(self) -> str:
         won = self.cheapest()
-        reached = won[won["cheapest"] != cheapest.NOT_REACHED]
+        nobody = {word: won["cheapest"] == word for word in (cheapest.NOT_REACHED, cheapest.NOT_RESOLVED)}
+        reached = won[~np.any(list(nobody.values()), axis=0)]
         lines = [f"  {row.target:g}: {row.cheapest}" for row in reached.itertuples()]
-        missed = ", ".join(f"{target:g}" for target in won["target"].drop(reached.index))
+        missed = {word: ", ".join(f"{target:g}" for target in won.loc[here, "target"]) for word, here in nobody.items()}
         return "\n".join(
             [
                 f"WorkPrecision of {len(self.looks)} methods; cheapest by CPU time at an error of",
                 *lines,
-                *([f"  not reached: {missed}"] if missed else []),
+                *(f"  {word}: {targets}" for word, targets in missed.items() if targets),
             ]
         )
 

@@ -99,6 +99,11 @@ def test_what_rests_on_a_run_near_the_limit_decides_nothing():
     assert ranked(a, certain=4.0)["cheapest"].tolist() == ["A"]
 
 
+def test_what_the_reference_does_not_resolve_is_not_called_unreached():
+    table = measured([1e-1, 1e-9], [1.0, 2.0], reference_error=1e-5)
+    assert ranked(table, targets=(1e-4, 1e-6))["cheapest"].tolist() == ["A", "not resolved"]
+
+
 def test_front_holds_the_runs_that_no_other_beats():
     table = pd.concat([measured([1e-1, 1e-3], [1.0, 4.0]), measured([1e-2, 1e-2], [2.0, 5.0], method="B")])
     found = front(table, "largest", "cpu_seconds")

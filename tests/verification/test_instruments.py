@@ -83,7 +83,7 @@ def test_a_program_of_ones_own_stands_beside_the_schemes(chart):
 
 
 def test_chart_names_the_cheapest_of_all_and_of_each_family(chart):
-    found = chart.cheapest([1e-2, 1e-6])
+    found = chart.cheapest([1e-4, 1e-6])
     assert found["cheapest"].tolist() == ["exact", "exact"]
     by_family = chart.families([1e-2])
     assert dict(zip(by_family["family"], by_family["method"], strict=True)) == {"own": "exact", "PBD": "PBD"}
@@ -283,10 +283,13 @@ def test_bad_methods_and_maps_are_named():
 
 def test_a_result_says_in_a_line_what_it_found(chart):
     text = repr(chart)
-    assert "  0.01: exact" in text
+    assert "  0.0001: exact" in text
     own = v.Method("own", run=lambda problem, dt, t: SLIDE.exact(t) + 1.0)
     far = v.work_precision(SLIDE, [own], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0))
-    assert repr(far).endswith("not reached: 0.01, 0.001, 0.0001, 1e-06, 1e-08")
+    assert repr(far).endswith("not reached: 0.01, 0.001, 0.0001, 1e-06, 1e-08, 1e-10, 1e-12")
+    rough = v.Known(np.array(T), SLIDE.exact(np.array(T)), np.full(3, 1e-5))
+    near = v.work_precision(SLIDE, {"PBD": dincl.PBD}, [0.01], T, rough, v.CpuSeconds(1.0))
+    assert repr(near).endswith("not resolved: 1e-06, 1e-08, 1e-10, 1e-12")
     falling = dincl.Problem([[1.0]], lambda t, x: -np.ones_like(x), [dincl.HalfSpace(normal=(1,))])
     named = v.stability_map(falling, partial(dincl.PBD), ("dt", [0.1]), ("dt", [0.1]))
     assert named.title == "Stability"

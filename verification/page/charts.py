@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.cheapest import NOT_TRIED, RESOLVED, accuracy
+from verification.cheapest import NOT_TRIED, RESOLVED, accuracy, front
 from verification.outcome import COLOURS as OUTCOME_COLOURS
 from verification.page.sheet import GREY, Axes, own_axes
 
@@ -26,22 +26,24 @@ NAMES = {
     "cpu_seconds": "CPU time [s]",
     "setting": "setting",
 }
+# Why a method has no point on a chart, by the status of its first run; of any other status: it failed.
+NOTHING = {"SUCCESS": "not counted", "OUT_OF_BUDGET": "too slow", "REFUSED": "refused", "LEFT_OUT": "left out"}
+# The colours and words of what belongs to no method.
+FRONT: Mapping[str, Any] = {"color": "#d9d9d9", "linewidth": 9.0, "label": "efficient front"}
+CROSS: dict[str, Any] = {"marker": "x", "mew": 1.6, "linestyle": "none"}
+FAILED = "run that failed"
 # Errors below this are rounding; they are drawn on the lower edge.
 LOWEST = 1e-16
 
 
 def styles(looks: Looks) -> dict[str, dict[str, Any]]:
-    """label -> keywords of a line: a colour for each family, a marker for each of its methods."""
+    """label -> keywords of a line: a colour for each family, a marker for each method."""
     families = list(dict.fromkeys(look["family"] for look in looks.values()))
     colours = dict(zip(families, cycle(COLOURS), strict=False))
-    used = dict.fromkeys(families, 0)
     found = {}
-    for label, look in looks.items():
-        family = look["family"]
-        marker = MARKERS[used[family] % len(MARKERS)]
-        used[family] += 1
+    for (label, look), marker in zip(looks.items(), cycle(MARKERS), strict=False):
         given = {name: value for name, value in look.items() if name != "family"}
-        found[label] = {"color": colours[family], "marker": marker, "linestyle": "-"} | given
+        found[label] = {"color": colours[look["family"]], "marker": marker, "linestyle": "-"} | given
     return found
 
 
@@ -55,7 +57,7 @@ def draw_orders(table: pd.DataFrame, fits: pd.DataFrame, looks: Looks, error: st
         _failures(panel, rows, "setting", look)
     _floor(panel, table, error)
     panel.set(xlabel=NAMES["setting"], ylabel=NAMES[error])
-    panel.legend(fontsize="small")
+    _legend(panel)
     return panel
 
 
@@ -64,32 +66,48 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     panel = own_axes(ax)
     for label, look in styles(looks).items():
         rows = table[table["method"] == label].sort_values("setting", ascending=False)
-        _line(panel, rows, cost, accuracy(rows, error), look, label)
+        if not _line(panel, rows, cost, accuracy(rows, error), look, label):
+            panel.plot([], [], label=f"{label}: {NOTHING.get(rows['status'].iloc[0], 'failed')}", **look)
         _failures(panel, rows, cost, look)
+    _front(panel, front(table, error, cost), cost)
     _floor(panel, table, error)
     panel.set(xlabel=NAMES.get(cost, cost.replace("_", " ")), ylabel=NAMES[error])
-    panel.legend(fontsize="small")
+    _legend(panel)
     return panel
 
 
-def _line(panel: Axes, rows: pd.DataFrame, x: str, y: pd.Series, look: dict[str, Any], label: str) -> None:
-    """A curve; values of zero stand on the lower edge."""
+def _line(panel: Axes, rows: pd.DataFrame, x: str, y: pd.Series, look: dict[str, Any], label: str) -> bool:
+    """A curve, if there is anything of it; values of zero stand on the lower edge."""
     done = ((rows["status"] == "SUCCESS") & (rows[x] > 0)).to_numpy()
     if not done.any():
-        return
+        return False
     values = y.to_numpy(float)[done].clip(LOWEST)
     panel.loglog(rows[x].to_numpy(float)[done], values, label=label, **look)
     if "role" in rows:
         hollow = (rows["role"].to_numpy() != "used")[done]
         outside = {"color": look["color"], "marker": look["marker"], "linestyle": "none", "markerfacecolor": "white"}
         panel.loglog(rows[x].to_numpy(float)[done][hollow], values[hollow], **outside)
+    return True
 
 
 def _failures(panel: Axes, rows: pd.DataFrame, x: str, look: dict[str, Any]) -> None:
     failed = rows[~rows["status"].isin(("SUCCESS", *NOT_TRIED)) & (rows[x] > 0)]
-    panel.plot(
-        failed[x], np.full(len(failed), 0.97), "x", color=look["color"], transform=panel.get_xaxis_transform(), mew=1.6
-    )
+    if len(failed):
+        edge = {"color": look["color"], "transform": panel.get_xaxis_transform(), "gid": FAILED}
+        panel.plot(failed[x], np.full(len(failed), 0.97), **CROSS | edge)
+
+
+def _front(panel: Axes, runs: pd.DataFrame, x: str) -> None:
+    """A quiet band behind the curves that joins the efficient runs."""
+    runs = runs[runs[x] > 0]
+    panel.loglog(runs[x], runs["accuracy"].clip(lower=LOWEST), solid_capstyle="round", zorder=0.5, **FRONT)
+
+
+def _legend(panel: Axes) -> None:
+    """Beside the axes, where it hides no point; crosses are named if there are any."""
+    if any(line.get_gid() == FAILED for line in panel.lines):
+        panel.plot([], [], color=GREY, label=FAILED, **CROSS)
+    panel.legend(fontsize="small", frameon=False, loc="upper left", bbox_to_anchor=(1.01, 1.0))
 
 
 def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:

@@ -56,7 +56,7 @@ def own_axes(ax: Axes | None) -> Axes:
     if ax is not None:
         return ax
     with mpl.rc_context(STYLE):
-        figure = Figure(figsize=(6.4, 4.4), layout="constrained", dpi=DPI)
+        figure = Figure(figsize=(8.0, 4.4), layout="constrained", dpi=DPI)
         FigureCanvasAgg(figure)
         panel: Axes = figure.subplots()
         return panel

@@ -10,6 +10,7 @@ import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from verification.evidence import Kind
+from verification.thesis.chapter2.kept_winners import sentences
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter5 import sampling
 from verification.thesis.errata import errata
@@ -30,7 +31,7 @@ def page() -> str:
         keep_trailing_newline=True,
     )
     environment.filters |= {"percent": percent, "signed": signed}
-    return environment.get_template("results.md").render(claims=claims(), emt=emt(), w1=w1())
+    return environment.get_template("results.md").render(claims=claims(), emt=emt(), w1=w1(), chart=sentences())
 
 
 def claims() -> dict[str, Any]:

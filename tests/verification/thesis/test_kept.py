@@ -23,7 +23,7 @@ def test_each_kept_table_names_the_command_that_makes_it(file: Path) -> None:
 def test_tables_of_before_their_provenance_was_kept_say_so() -> None:
     found = kept.all_changes()
     assert found.keys() == {file.stem for file in FILES}
-    assert found["ball_pile_30"] == ["nothing is noted of what it was made by"]
+    assert found["w1_rates"] == ["nothing is noted of what it was made by"]
 
 
 def test_a_table_knows_whether_its_code_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

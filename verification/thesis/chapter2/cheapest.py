@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from verification.cheapest import AT_THE_LIMIT, NOT_REACHED, NOT_TRIED, TIE, accuracy
+from verification.cheapest import AT_THE_LIMIT, NOT_REACHED, NOT_RESOLVED, NOT_TRIED, TIE, UNDECIDED, accuracy
 from verification.order import MIN_STEPS, estimate, order_text
 from verification.page.prose import fill
 from verification.speed_accuracy import TARGETS, WorkPrecision
@@ -73,8 +73,8 @@ def _of_scene(scene: str, one: WorkPrecision, targets: Sequence[float]) -> pd.Da
 def sentence(rows: pd.DataFrame) -> str:
     """The winners of one scene in words, from the table of ``winners``."""
     ordered = rows.sort_values("target", ascending=False)
-    at_the_limit, not_reached = (ordered["cheapest"] == verdict for verdict in (AT_THE_LIMIT, NOT_REACHED))
-    found = ordered[~at_the_limit & ~not_reached]
+    nobody = {word: ordered["cheapest"] == word for word in (AT_THE_LIMIT, NOT_REACHED, NOT_RESOLVED)}
+    found = ordered[~np.any(list(nobody.values()), axis=0)]
     found = found.assign(
         tied_labels=[row.tied.split("; ") if row.cheapest == TIE else [] for row in found.itertuples()],
         pbd_gets_there=np.isfinite(found["pbd_ratio"]),
@@ -83,22 +83,19 @@ def sentence(rows: pd.DataFrame) -> str:
         PROSE / "cheapest.html",
         found=list(found.itertuples()),
         pbd=PBD.label,
-        at_the_limit=list(ordered.loc[at_the_limit, "target"]),
-        not_reached=list(ordered.loc[not_reached, "target"]),
+        **{word.replace(" ", "_"): list(ordered.loc[here, "target"]) for word, here in nobody.items()},
     )["sentence"]
 
 
 def summary(rows: pd.DataFrame) -> str:
     """How often each method wins, and where PBD does, from the table of ``winners``."""
     counts = rows["cheapest"].value_counts(sort=True)
-    wins = counts.drop([TIE, AT_THE_LIMIT, NOT_REACHED], errors="ignore")
+    wins = counts.drop(list(UNDECIDED), errors="ignore")
     return fill(
         PROSE / "cheapest_summary.html",
         pairs=len(rows),
         decided=wins.sum(),
         wins=list(wins.items()),
         own=list(np.unique(rows.loc[rows["cheapest"] == PBD.label, "target"])[::-1]),
-        ties=counts.get(TIE, 0),
-        at_the_limit=counts.get(AT_THE_LIMIT, 0),
-        not_reached=counts.get(NOT_REACHED, 0),
+        **{word.replace(" ", "_"): counts.get(word, 0) for word in UNDECIDED},
     )["summary"]

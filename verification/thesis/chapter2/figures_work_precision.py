@@ -10,12 +10,14 @@ from verification.page.sheet import sheet
 from verification.thesis.chapter2.work_precision import Form, chart
 
 COSTS = ("cpu_seconds", "drift_evaluations")
+# Letters of a label beyond which no four of them fit side by side.
+LONG = 32
 
 
 def draw_chart(table: pd.DataFrame, scene: str, form: Form, path: Path) -> Path:
-    """Largest error in time against CPU time and against counted work; failed runs are crosses on the upper edge."""
+    """Largest error in time against CPU time and against counted work, with one legend below both."""
     one = chart(table, scene, form)
-    with sheet(path, 4.4) as figure:
+    with sheet(path, 5.0) as figure:
         panels = figure.subplots(1, len(COSTS), sharey=True)
         for panel, cost in zip(panels, COSTS, strict=True):
             one.plot(panel, cost=cost)
@@ -24,5 +26,6 @@ def draw_chart(table: pd.DataFrame, scene: str, form: Form, path: Path) -> Path:
         panels[0].set_ylim(top=10)
         panels[1].set_ylabel("")
         handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        columns = 3 if max(map(len, labels)) > LONG else 4
+        figure.legend(handles, labels, loc="outside lower center", ncols=columns)
     return path

@@ -22,8 +22,8 @@ QP_TOL = 1e-10
 TIED_STRENGTH = 0.3
 # Projections over dt^3 [length / time^3]: with a hundredth of it errors of order 2 are the same in both first digits.
 MIDPOINT_TOL = 10.0
-# Unknowns up to which dense factorisations, or a general solver in every step, are worth waiting for.
-DENSE = 200
+# Of the methods with the active set: the shape of their scheme, and what tells them from it without colours.
+RIM = {"markeredgecolor": "black", "markersize": 6.0, "linewidth": 2.0}
 
 
 @dataclass(frozen=True)
@@ -72,14 +72,16 @@ def _named(
     *,
     costly: bool = False,
     setting: str = "dt",
-    most: int | None = None,
+    rimmed: bool = False,
 ) -> NamedMethod:
-    """With a colour, a marker and a line; hollow markers where the line is not solid."""
+    """With a colour, a marker and a line; hollow markers where the line is not solid, large ones with a black rim."""
     colour, marker, line = look
     drawn: dict[str, Any] = {"color": colour, "marker": marker, "linestyle": line}
     if line != "-":
         drawn["markerfacecolor"] = "none"
-    return NamedMethod(label, family, scheme, setting=setting, most_unknowns=most, look=drawn, name=name, costly=costly)
+    if rimmed:
+        drawn |= RIM
+    return NamedMethod(label, family, scheme, setting=setting, look=drawn, name=name, costly=costly)
 
 
 def _penalty(strength: float, colour: str, marker: str) -> NamedMethod:
@@ -100,7 +102,6 @@ CATCH_UP = _named(
     ("#0072b2", "s", "-"),
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Ipopt(tol=REFERENCE_TOL)),
     costly=True,
-    most=DENSE,
 )
 CATCH_UP_DAQP = _named(
     "catch_up_daqp",
@@ -108,7 +109,22 @@ CATCH_UP_DAQP = _named(
     "catch-up",
     ("#003f66", "D", ":"),
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
-    most=DENSE,
+)
+CATCH_UP_ACTIVE = _named(
+    "catch_up_active",
+    "catch-up, ActiveSet",
+    "catch-up",
+    ("#2a9df4", (4, 0, 45), "-"),
+    lambda dt: dincl.CatchUp(dt=dt, projection=dincl.ActiveSet(tol=CHECK_TOL)),
+    rimmed=True,
+)
+LINEARISED_ACTIVE = _named(
+    "linearised_active",
+    "linearised catch-up, ActiveSet",
+    "linearised catch-up",
+    ("#00c896", (3, 0, 0), "-"),
+    lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.ActiveSet(tol=CHECK_TOL)),
+    rimmed=True,
 )
 LINEARISED_DAQP = _named(
     "linearised_daqp",
@@ -116,7 +132,6 @@ LINEARISED_DAQP = _named(
     "linearised catch-up",
     ("#5f9e4a", "P", ":"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
-    most=DENSE,
 )
 LINEARISED_CLARABEL = _named(
     "linearised_clarabel",
@@ -172,13 +187,20 @@ MIDPOINT_NEWTON = _named(
     ("#7a0026", (6, 0, 0), "--"),
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedNewton(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
 )
+MIDPOINT_ACTIVE = _named(
+    "midpoint_active",
+    "midpoint catch-up, ActiveSet",
+    "midpoint catch-up",
+    ("#ff6f8f", (5, 0, 0), "-"),
+    lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ActiveSet(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
+    rimmed=True,
+)
 MOREAU_JEAN = _named(
     "moreau_jean_daqp",
     "catch-up, theta = 1/2, Daqp",
     "catch-up, theta = 1/2",
     ("#4f7cac", (5, 1, 0), ":"),
     lambda dt: MoreauJean(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
-    most=DENSE,
 )
 EVENT_DRIVEN = _named(
     "event_driven",
@@ -187,7 +209,6 @@ EVENT_DRIVEN = _named(
     ("#000000", "H", "-"),
     lambda tol: dincl.EventDriven(tol=tol),
     setting="tol",
-    most=DENSE,
 )
 # The yardsticks: programs of others.
 LSODA = _named(
@@ -205,12 +226,15 @@ CHARTED = (
     PENALTY_TIED,
     CATCH_UP,
     CATCH_UP_DAQP,
+    CATCH_UP_ACTIVE,
     LINEARISED_CLARABEL,
     LINEARISED_PIQP,
     LINEARISED_DAQP,
+    LINEARISED_ACTIVE,
     MOREAU_JEAN,
     MIDPOINT,
     MIDPOINT_NEWTON,
+    MIDPOINT_ACTIVE,
     EVENT_DRIVEN,
     LSODA,
     CHIPMUNK,

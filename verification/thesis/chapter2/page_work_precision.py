@@ -52,13 +52,9 @@ PROSE = Path(__file__).parent / "prose"
 
 def run(context: Context) -> None:
     """Complete the references and the study; keep what they say."""
-    where = context.folder, context.executor
     form = _form(context)
-    known = work_references.study(form.scenes).complete(*where)
-    context.tables["work_references"] = known
-    references = {name: work_references.reference(known, name) for name in form.scenes}
-    table = work_precision.study(references, form).complete(*where)
-    context.tables["work_precision"] = table
+    known, table = work_precision.complete(form, context.folder, context.executor)
+    context.tables |= {"work_references": known, "work_precision": table}
     context.keep("work_times", cheapest.times(table, form))
     context.keep("work_winners", cheapest.winners(table, form))
 

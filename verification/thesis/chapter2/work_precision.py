@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from concurrent.futures import Executor
 from dataclasses import dataclass
-from importlib.metadata import version
-from importlib.util import find_spec
+from pathlib import Path
 
 import pandas as pd
 
@@ -13,6 +13,7 @@ from dincl.study import Key, Row, Study
 from verification.budget import Budget, CpuSeconds
 from verification.references import Known
 from verification.speed_accuracy import WorkPrecision, rows_of, settings_of
+from verification.thesis.chapter2 import work_references
 from verification.thesis.chapter2.methods import CHARTED, METHODS, NamedMethod
 from verification.thesis.chapter2.work_references import SCENES
 
@@ -39,8 +40,8 @@ class Form:
     methods: tuple[NamedMethod, ...] = CHARTED
 
 
-SHORT = Form({"dt": [0.1 / 4**k for k in range(9)], "tol": [1e-2, 1e-4, 1e-6, 1e-8, 1e-10]}, CpuSeconds(0.5))
-FULL = Form({"dt": [0.1 / 2**k for k in range(21)], "tol": [10.0**-k for k in range(1, 11)]}, CpuSeconds(20.0))
+SHORT = Form({"dt": [0.1 / 4**k for k in range(9)], "tol": [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]}, CpuSeconds(0.5))
+FULL = Form({"dt": [0.1 / 2**k for k in range(21)], "tol": [10.0**-k for k in range(1, 13)]}, CpuSeconds(20.0))
 
 
 @dataclass(frozen=True)
@@ -81,5 +82,8 @@ def study(references: Mapping[str, Known], form: Form) -> Study:
     )
 
 
-def _version(package: str) -> str:
-    return version(package) if find_spec(package) else "none"
+def complete(form: Form, folder: Path, executor: Executor) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The tables of the references and of the runs, with what was missing in ``folder``."""
+    known = work_references.study(form.scenes).complete(folder, executor)
+    references = {name: work_references.reference(known, name) for name in form.scenes}
+    return known, study(references, form).complete(folder, executor)

@@ -1,8 +1,7 @@
 """The scenes of the chart of speed against accuracy, and what their errors are measured against.
 
-Exact solutions where there are any; otherwise the event-driven scheme, whose error estimate is stated. For the piles it
-is a table that was computed once, that of the balls in half a minute by
-``python -m verification.thesis.chapter2.work_references``.
+Exact solutions where there are any; otherwise the event-driven scheme, whose error estimate is stated. For the pile of
+a thousand discs it is a table that was computed once.
 """
 
 from __future__ import annotations
@@ -20,7 +19,6 @@ from dincl.scenes import Scene
 from dincl.study import Key, Row, Study, digest
 from verification import references
 from verification.references import Known
-from verification.thesis.kept import keep
 
 Floats = NDArray[np.float64]
 SCENES: Mapping[str, Callable[[], Scene]] = {
@@ -34,10 +32,10 @@ SCENES: Mapping[str, Callable[[], Scene]] = {
 # Between two times at which errors are looked at, where the reference does not say; the times of the scenes are among
 # them [time].
 EVERY = 0.05
-TOL = 1e-12
-# Of t, particle, the coordinates and error; the first made by ``main``, the second by ``pile_reference``.
-DATA, MADE_HERE = Path(__file__).parent.parent / "data", "ball_pile_30"
-FILES = {name: DATA / f"{name}.parquet" for name in (MADE_HERE, "pile_1000")}
+# Tighter than that of any method on the chart.
+TOL = 1e-13
+# Of t, particle, the coordinates and error; made by ``pile_reference``.
+FILES = {"pile_1000": Path(__file__).parent.parent / "data" / "pile_1000.parquet"}
 
 
 def study(scenes: Sequence[str] = tuple(SCENES)) -> Study:
@@ -87,14 +85,3 @@ def _stacked(table: pd.DataFrame) -> Known:
     axes = [name for name in "xyz" if name in ordered and ordered[name].notna().all()]
     x = ordered[axes].to_numpy().reshape(len(t), -1, len(axes))
     return Known(t, x, ordered["error"].to_numpy().reshape(len(t), -1).max(axis=1))
-
-
-def main() -> None:
-    """Compute the reference that this module keeps, and write its table."""
-    table = pd.DataFrame(_rows(MADE_HERE, _computed(SCENES[MADE_HERE]()))).drop(columns="scene")
-    keep(table, FILES[MADE_HERE], main)
-    print(table.groupby("t")["error"].first())
-
-
-if __name__ == "__main__":
-    main()

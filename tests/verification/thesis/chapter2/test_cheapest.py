@@ -66,6 +66,13 @@ def test_sentences(three):
     assert "PBD is never alone the cheapest" in cheapest.summary(found[found["target"] < 1e-3])
 
 
+def test_what_the_reference_does_not_tell_is_said(three):
+    found = cheapest.winners(three.assign(reference_error=1e-7), FORM, (1e-6, 1e-8))
+    assert found["cheapest"].tolist() == [LSODA.label, "not resolved"]
+    assert cheapest.sentence(found).endswith("The reference does not tell errors of 1.0·10⁻⁸.")
+    assert "0 are not reached, and 1 are finer than the reference" in cheapest.summary(found)
+
+
 def test_a_tie_and_the_limit_are_said(three):
     like = measured([1e-1, 1e-3], [1.1, 4.4], method=PBD_16)
     tied = cheapest.winners(pd.concat([measured([1e-1, 1e-3], [1.0, 4.0]), like]), FORM, (1e-2,))

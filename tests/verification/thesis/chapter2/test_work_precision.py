@@ -17,12 +17,17 @@ from verification.references import Known
 from verification.thesis.chapter2 import cheapest, work_precision, work_references
 from verification.thesis.chapter2 import page_work_precision as chapter
 from verification.thesis.chapter2.methods import (
+    CATCH_UP_ACTIVE,
+    CATCH_UP_DAQP,
     CHARTED,
     CHIPMUNK,
     EVENT_DRIVEN,
+    LINEARISED_ACTIVE,
     LINEARISED_DAQP,
     LSODA,
     METHODS,
+    MIDPOINT,
+    MIDPOINT_ACTIVE,
     PBD,
 )
 from verification.thesis.chapter2.work_precision import ChartRun, Form
@@ -138,13 +143,29 @@ def test_rows_carry_the_names_of_scene_and_method(references):
     assert one.looks[CHIPMUNK.label]["color"] == CHIPMUNK.colour
 
 
-def test_methods_are_left_out_of_what_they_are_not_made_for(references, monkeypatch):
-    scenes = {"pile": lambda: dincl.scenes.pile(200), "balls": lambda: dincl.scenes.ball_pile(2)}
+@pytest.mark.parametrize(
+    ("method", "like"),
+    [(LINEARISED_ACTIVE, LINEARISED_DAQP), (CATCH_UP_ACTIVE, CATCH_UP_DAQP), (MIDPOINT_ACTIVE, MIDPOINT)],
+    ids=lambda method: method.name,
+)
+def test_the_active_set_is_on_the_chart(references, method, like):
+    assert method in CHARTED
+    assert pickle.loads(pickle.dumps(method)) is method
+    ours, theirs = method.make(0.01), like.make(0.01)
+    assert type(ours) is type(theirs)
+    assert ours.projection == dincl.ActiveSet(theirs.projection.tol)
+    found = made(references, "four_disks", method)
+    assert (found["status"] == "SUCCESS").all()
+    assert (found["largest"] < 2 * found["setting"]).all()
+
+
+def test_who_cannot_run_says_why(monkeypatch):
+    scenes = {"pile": lambda: dincl.scenes.pile(201), "balls": lambda: dincl.scenes.ball_pile(2)}
     monkeypatch.setattr(work_precision, "SCENES", scenes)
     none = {name: Known(np.ones(1), make().x0[None], np.zeros(1)) for name, make in scenes.items()}
-    large = made(none, "pile", LINEARISED_DAQP)
-    assert set(large["status"]) == {"LEFT_OUT"}
-    assert "400" in large["detail"].iloc[0]
+    large = made(none, "pile", EVENT_DRIVEN)
+    assert large["status"].tolist() == ["REFUSED", "LEFT_OUT"]
+    assert "201 particles" in large["detail"].iloc[0]
     refused = made(none, "balls", CHIPMUNK)
     assert refused["status"].iloc[0] == "REFUSED"
     assert "Chipmunk" in refused["detail"].iloc[0]
@@ -158,6 +179,12 @@ def test_study_names_each_run_once():
         assert len({(run["scene"], run["method"]) for run in study.runs}) == len(study.runs)
         assert len(study.runs) == len(CHARTED) * len(work_references.SCENES)
     assert studies[0].provenance() != studies[1].provenance()
+
+
+def test_references_are_tighter_than_every_method_on_the_chart():
+    for form in (work_precision.SHORT, work_precision.FULL):
+        assert min(form.settings["tol"]) == pytest.approx(1e-12)
+        assert min(form.settings["tol"]) > work_references.TOL
 
 
 # The chapter
