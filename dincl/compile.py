@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import json
+import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -12,6 +13,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 from numba.core.caching import CacheImpl, _CacheLocator
+from numba.core.event import Listener, register
 
 from dincl.provenance import closure, libraries
 from dincl.provenance.source import read_source, source
@@ -75,6 +77,23 @@ def _by_closure() -> Iterator[None]:
         yield
     finally:
         config.CACHE_LOCATOR_CLASSES = before
+
+
+class _Announcement(Listener):
+    """Says once, to who sits at a terminal, what takes so long."""
+
+    said = False
+
+    def on_start(self, event: Any) -> None:
+        if not self.said and sys.stderr.isatty():
+            print("Compiling machine code; this happens once, and may take a minute.", file=sys.stderr)
+        self.said = True
+
+    def on_end(self, event: Any) -> None:
+        """Nothing."""
+
+
+register("numba:compile", _Announcement())
 
 
 class ByClosure(_CacheLocator):

@@ -41,8 +41,8 @@ class EventDriven(Scheme):
     r"""x' = argmin {|v - F(t, x)| : n_k . v >= b_k for all closed contacts k}, from event to event  (1.26), (1.30).
 
     Between events the contacts that push are fixed, and x' = F + sum_k push_k n_k with n_k . x' = b_k is integrated by
-    the Runge-Kutta pair of order 8 of Dormand and Prince with dense output, and held on g_k = 0. An event is a gap that
-    closes, or a push that becomes zero; there the least-distance program decides anew.
+    a Runge-Kutta pair with dense output, of order 3, 5 or 8 as the tolerance asks, and held on g_k = 0. An event is a
+    gap that closes, or a push that becomes zero; there the least-distance program decides anew.
 
     Parameters
     ----------
@@ -51,8 +51,10 @@ class EventDriven(Scheme):
         tolerance until it moves by less than half of that; a run that does not get there, because it reaches the
         rounding of its steps, ends NOT_CONVERGED, with its states and their estimate.
 
-    ``Trajectory.error`` holds the estimate, ``Trajectory.events`` the events. For at most a few dozen particles: every
-    event costs a dense factorisation.
+    ``Trajectory.error`` holds the estimate, ``Trajectory.events`` the events. For at most 200 particles: a run is made
+    in compiled code, and its cost is that of its events times that of a factorisation of the contacts. Measured to
+    1e-12, with all Python around it: 2 ms for four discs with 5 events, 8 ms for ten with 20, 60 ms for thirty with 80,
+    190 ms for thirty balls with 125. A tolerance of 1e-3 costs a half to three quarters of that: events are as many.
     """
 
     tol: float = field()
