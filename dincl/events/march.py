@@ -13,7 +13,7 @@ from dincl.events.path import PathPieces
 from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.handles import written
-from dincl.kernels.motion import STATE, Path, begin_march, room_for_path
+from dincl.kernels.march import STATE, Path, begin_march, room_for_path
 from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
 from dincl.projection.feasible import FeasibleSet

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.kernels.motion import RungeKutta
+from dincl.kernels.march import RungeKutta
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -12,7 +12,7 @@ from dincl.errors import StepFailure
 from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.handles import written
-from dincl.kernels.motion import STATE, March, Path, RungeKutta, begin_march, room_for_path
+from dincl.kernels.march import STATE, March, Path, RungeKutta, begin_march, room_for_path
 from dincl.kernels.system import OK
 from dincl.run.outcome import Between
 from dincl.run.small import SmallSystem

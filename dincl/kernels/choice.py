@@ -4,7 +4,8 @@ from dincl.compile import inlined, inner
 from dincl.kernels.active_set import nearest
 from dincl.kernels.catch_up import list_sorted
 from dincl.kernels.factor import times
-from dincl.kernels.motion import CLOSED, HELD, OPEN, least_speed, march_at
+from dincl.kernels.march import CLOSED, HELD, OPEN, march_at
+from dincl.kernels.motion import least_speed
 from dincl.kernels.system import COINCIDENT, OK, SETS, evaluate, longest
 from dincl.kernels.table import SPEEDS, ask, gap, linearise
 

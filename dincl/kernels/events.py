@@ -6,10 +6,12 @@ from dincl.compile import inlined, inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.choice import choose
 from dincl.kernels.factor import times
-from dincl.kernels.motion import at, correct, error_of, interpolate, least_speed, march_at, move, stages
+from dincl.kernels.march import march_at
+from dincl.kernels.motion import at, correct, error_of, interpolate, least_speed, move, stages
+from dincl.kernels.signals import NEVER
 from dincl.kernels.system import OK, SETS, bounded, longest
 from dincl.kernels.table import SPEEDS, ask, linearise
-from dincl.kernels.watch import NEVER, first_event
+from dincl.kernels.watch import first_event
 
 # How a call ends besides the codes of ``system``: the time is reached; the room is full, so that it is to be called
 # again; too many changes at one time; no step is short enough.

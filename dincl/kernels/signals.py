@@ -1,0 +1,180 @@
+"""What must not become negative during a step, on its dense output: gaps, pushes, speeds; and where it does."""
+
+import numpy as np
+
+from dincl.compile import inner
+from dincl.kernels.arrays import Floats
+from dincl.kernels.choice import ZERO
+from dincl.kernels.factor import times
+from dincl.kernels.march import march_at
+from dincl.kernels.motion import EPS, at, least_speed, move
+from dincl.kernels.system import OK
+from dincl.kernels.table import CALLED, DISTANCE, SPEEDS, ask, linearise
+
+# Looked at are the ends of this many equal parts of a step, and the lows in between.
+PARTS = 4
+# Speeds and pushes count as negative below this, relative to the largest speed: ten times what the choice allows.
+NEGATIVE = 10.0 * ZERO
+# What is watched has the number of a row, for its gap; from m on, for the speed of a row that is closed and not held;
+# or stands for the pushes.
+PUSHES = -1
+# A low is looked at closely when it falls below this part of what is around it.
+SUSPICIOUS = 0.5
+# A push, or a speed, vanishes linearly in time, and the way that is lost is of second order: the part of a step to
+# which its time is wanted, for a tolerance of 1. A gap is followed to rounding.
+RELEASE = 3e-3
+MOST_ITERATIONS = 100
+# No event in this step.
+NEVER = 2.0
+
+
+@inner
+def signal(run: int, what: int, theta: float) -> tuple[float, float]:
+    """What must not become negative, at a part ``theta`` of the step; for a gap also its derivative after theta."""
+    march = march_at(run)
+    if what == PUSHES or what >= march.closed.size:
+        return weakness(run, what, theta), 0.0
+    state, system = march.state[0], march.system
+    row, rows, sets, d, h = system.rows.row[what], system.rows, system.sets, system.sets.shift.shape[1], state.made
+    if sets.address != 0 and row.j < 0:
+        dense_state(run, theta)
+        ask(sets, state.now + theta * h, march.point, SPEEDS)
+    value, slope, terms = 0.0, 0.0, march.pair.terms
+    if row.kind == DISTANCE:
+        for k in range(d):
+            one, speed = at(march.dense, terms, march.x[row.i * d + k], row.i * d + k, theta)
+            if row.j >= 0:
+                other, rate = at(march.dense, terms, march.x[row.j * d + k], row.j * d + k, theta)
+            else:
+                other = rows.coefficient[rows.start[what] + k] + sets.shift[row.family, k]
+                rate = h * sets.speed[row.family, k]
+            value += (one - other) * (one - other)
+            slope += 2.0 * (one - other) * (speed - rate)
+        length = row.length + row.sign * state.level
+        return row.sign * (value - length * length), row.sign * slope
+    if row.kind == CALLED:
+        value = linearise(rows, sets, what, march.point, system.program.gradient) - state.level
+        slope = times(rows, what, system.program.gradient, march.rate[16]) - h * least_speed(system, what)
+        return value, slope
+    for p in range(rows.start[what], rows.start[what + 1]):
+        column = rows.column[p]
+        place, speed = at(march.dense, terms, march.x[column], column, theta)
+        value += rows.coefficient[p] * (place - sets.shift[row.family, column % d])
+        slope += rows.coefficient[p] * (speed - h * sets.speed[row.family, column % d])
+    return value - row.length - state.level * np.sqrt(row.square), slope
+
+
+@inner
+def dense_state(run: int, theta: float) -> None:
+    """Write the state at a part of the step into ``point``, and its derivative after theta into the last rate."""
+    march = march_at(run)
+    march.state[0].theta = -1.0
+    for k in range(march.x.size):
+        march.point[k], march.rate[16, k] = at(march.dense, march.pair.terms, march.x[k], k, theta)
+
+
+@inner
+def weakness(run: int, what: int, theta: float) -> float:
+    """The smallest push, or how far the speed of a closed row is below what makes it a change; negative on failure."""
+    march = march_at(run)
+    state, system = march.state[0], march.system
+    zero, t = NEGATIVE * state.speed, state.now + theta * state.made
+    if what == PUSHES and theta == 0.0:
+        return float(zero + least(run, march.push[0]))
+    if what == PUSHES and theta == 1.0:
+        return float(zero + least(run, march.push[march.pair.stages]))
+    if state.theta != theta:
+        dense_state(run, theta)
+        state.code = move(run, t, march.point, march.rate[16], march.push[16])
+        state.theta = theta
+    if state.code != OK:
+        return -1.0
+    if what == PUSHES:
+        return float(zero + least(run, march.push[16]))
+    r = what - march.closed.size
+    ask(system.sets, t, march.point, SPEEDS)
+    linearise(system.rows, system.sets, r, march.point, system.program.gradient)
+    speed = times(system.rows, r, system.program.gradient, march.rate[16]) - least_speed(system, r)
+    return float(zero - abs(speed))
+
+
+@inner
+def least(run: int, push: Floats) -> float:
+    """The least of the pushes of the held rows."""
+    march = march_at(run)
+    found = np.inf
+    for k in range(march.held.number[0]):
+        found = min(found, push[k])
+    return found
+
+
+@inner
+def root(run: int, what: int, a: float, first: float, b: float, last: float, slope: bool) -> float:
+    """Where a signal becomes negative that is ``first`` >= 0 at a and ``last`` < 0 at b > a; Chandrupatla (1997)."""
+    march = march_at(run)
+    if first <= 0.0:
+        return a
+    c, third, share, state = a, first, 0.5, march.state[0]
+    allowed = 2.0 * EPS * max(abs(state.now) / max(state.made, 1e-300), 1.0)
+    if what < 0 or what >= march.closed.size:
+        allowed = max(allowed, RELEASE * np.sqrt(state.tol / state.size))
+    for _ in range(MOST_ITERATIONS):
+        middle = a + share * (b - a)
+        value, rising = signal(run, what, middle)
+        if slope:
+            value = -rising
+        if (value > 0.0) == (first > 0.0):
+            c, third = a, first
+        else:
+            c, third, b, last = b, last, a, first
+        a, first = middle, value
+        limit = allowed / abs(b - a)
+        if limit > 0.5 or first == 0.0 or state.code != OK:
+            break
+        xi, phi = (a - b) / (c - b), (first - last) / (third - last)
+        share = 0.5
+        if phi * phi < xi and (1.0 - phi) * (1.0 - phi) < 1.0 - xi:
+            share = first / (last - first) * third / (last - third)
+            share += (c - a) / (b - a) * first / (third - first) * last / (third - last)
+        share = min(1.0 - limit, max(limit, share))
+    return a if first <= 0.0 else b
+
+
+@inner
+def first_negative(run: int, what: int, most: float) -> float:
+    """The first root of a signal without derivative that becomes negative at a node, or dips below zero around one."""
+    two, one = np.inf, np.inf
+    for j in range(PARTS + 1):
+        value = signal(run, what, j / PARTS)[0]
+        if value < 0.0:
+            return root(run, what, (j - 1) / PARTS, one, j / PARTS, value, False) if j > 0 else 0.0
+        if j > 1 and one <= min(two, value):
+            bend = two - 2.0 * one + value
+            depth = (value - two) * (value - two) / (8.0 * bend) if bend > 0.0 else 0.0
+            if one - depth <= SUSPICIOUS * one:
+                lowest = lowest_between(run, what, (j - 2) / PARTS, j / PARTS)
+                low = signal(run, what, lowest)[0]
+                if low < 0.0:
+                    return root(run, what, (j - 2) / PARTS, two, lowest, low, False)
+        two, one = one, value
+        if j / PARTS > most:
+            break
+    return NEVER
+
+
+@inner
+def lowest_between(run: int, what: int, left: float, right: float) -> float:
+    """Where a signal is lowest, by golden section; the first place at which it is negative ends the search."""
+    golden = 0.6180339887498949
+    a, b = right - golden * (right - left), left + golden * (right - left)
+    at_a, at_b = signal(run, what, a)[0], signal(run, what, b)[0]
+    while right - left > 1e-4 and at_a >= 0.0 and at_b >= 0.0:
+        if at_a < at_b:
+            right, b, at_b = b, a, at_a
+            a = right - golden * (right - left)
+            at_a = signal(run, what, a)[0]
+        else:
+            left, a, at_a = a, b, at_b
+            b = left + golden * (right - left)
+            at_b = signal(run, what, b)[0]
+    return a if at_a < at_b else b
