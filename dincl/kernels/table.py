@@ -103,7 +103,7 @@ def distance(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 @inner
 def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """g_r(x) over the length of its gradient; of called rows, as Python gave it."""
+    """g_r(x) of a distance; of other rows over the length of the gradient, which Python gave for called ones."""
     row = rows.row[r]
     if row.kind == DISTANCE:
         return float(row.sign * (distance(rows, sets, r, x) - row.length))
@@ -121,7 +121,9 @@ def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 @inner
 def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """Write the unit gradient of row r at x into its entries of ``gradient``; its ``gap``, NaN without a direction.
+    """Write the gradient of row r at x into its entries of ``gradient``; its ``gap``, NaN without a direction.
+
+    Its length is 1, and root 2 for the distance of a pair, whose two ends have a unit vector each.
 
     Two that are held together and meet are farthest from violating: zero is a subgradient, and right there. A gradient
     that vanishes stays as it is.
