@@ -1,6 +1,6 @@
 """Which contacts push from an event on: a least-distance program among the velocities."""
 
-from dincl.compile import inlined, inner
+from dincl.compile import inner
 from dincl.kernels.active_set import nearest
 from dincl.kernels.catch_up import list_sorted
 from dincl.kernels.factor import times
@@ -16,7 +16,7 @@ TOUCHING = 1e-13
 ZERO = 1e-10
 
 
-@inlined
+@inner
 def choose(run: int) -> int:
     """Decide which rows are held, which stay closed, and note the changes; OK, or why it failed.
 

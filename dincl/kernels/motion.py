@@ -105,27 +105,23 @@ def correct(run: int, t: float, x: Floats) -> int:
 
 
 @inner
-def stages(run: int, h: float, first: int, last: int) -> int:
-    """The rates of the stages ``first`` ... ``last`` - 1 of a step from ``x``, each from those before it."""
+def stage(run: int, h: float, i: int) -> int:
+    """The rate of stage i of a step from ``x``, from those before it."""
     march = march_at(run)
-    state, pair, x = march.state[0], march.pair, march.x
-    for i in range(first, last):
-        for k in range(x.size):
-            march.point[k] = 0.0
-        for j in range(i):
-            weight = h * pair.a[i, j]
-            if weight != 0.0:
-                for k in range(x.size):
-                    march.point[k] += weight * march.rate[j, k]
-        for k in range(x.size):
-            march.point[k] += x[k]
-        if i == pair.stages:
+    pair, x = march.pair, march.x
+    for k in range(x.size):
+        march.point[k] = 0.0
+    for j in range(i):
+        weight = h * pair.a[i, j]
+        if weight != 0.0:
             for k in range(x.size):
-                march.after[k] = march.point[k]
-        code = move(run, state.now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
-        if code != OK:
-            return code
-    return OK
+                march.point[k] += weight * march.rate[j, k]
+    for k in range(x.size):
+        march.point[k] += x[k]
+    if i == pair.stages:
+        for k in range(x.size):
+            march.after[k] = march.point[k]
+    return move(run, march.state[0].now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
 
 
 @inner
@@ -149,12 +145,11 @@ def error_of(run: int, h: float) -> float:
 
 
 @inner
-def interpolate(run: int, h: float) -> int:
+def interpolate(run: int, h: float) -> None:
     """The dense output of the step, in the nested form of Hairer, Norsett and Wanner."""
     march = march_at(run)
-    state, pair, n = march.state[0], march.pair, march.x.size
-    code = stages(run, h, pair.stages + 1, pair.stages + 1 + pair.more)
-    for k in range(n):
+    state, pair = march.state[0], march.pair
+    for k in range(march.x.size):
         change = march.after[k] - march.x[k]
         march.dense[0, k] = change
         march.dense[1, k] = h * march.rate[0, k] - change
@@ -165,7 +160,6 @@ def interpolate(run: int, h: float) -> int:
                 total += pair.dense[j, i] * march.rate[i, k]
             march.dense[3 + j, k] = h * total
     state.theta, state.made = -1.0, h
-    return code
 
 
 @inner
