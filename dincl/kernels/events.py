@@ -9,7 +9,7 @@ from dincl.kernels.factor import times
 from dincl.kernels.march import march_at
 from dincl.kernels.motion import at, correct, error_of, interpolate, least_speed, move, stage
 from dincl.kernels.signals import NEVER
-from dincl.kernels.system import OK, SETS, bounded, longest
+from dincl.kernels.system import OK, SETS, bounded, longest, system_at
 from dincl.kernels.table import SPEEDS, ask, linearise
 from dincl.kernels.watch import first_event
 
@@ -101,7 +101,7 @@ def arrive(run: int, t: float, closing: int) -> int:
 def wait_for(run: int, closing: int) -> float:
     """How long until this gap closes, by one Newton step; 0 if it does not close."""
     march = march_at(run)
-    system = march.system
+    system = system_at(march.place)
     ask(system.sets, march.state[0].now, march.x, SPEEDS)
     gap = linearise(system.rows, system.sets, closing, march.x, system.program.gradient)
     speed = times(system.rows, closing, system.program.gradient, march.rate[0]) - least_speed(system, closing)
@@ -129,11 +129,11 @@ def begin_phase(run: int) -> int:
 def march_on(run: int, most: int) -> int:
     """Go on until the end, until the room for the path is full, or ``most`` steps: DONE, FULL or a failure."""
     march = march_at(run)
-    state, path = march.state[0], march.path
+    state, path, sets = march.state[0], march.path, system_at(march.place).sets
     for _ in range(most):
         if state.choose != 0:
             # What started small and went far rounds as what is large.
-            state.size = max(state.size, longest(march.x, march.system.sets.shift.shape[1]))
+            state.size = max(state.size, longest(march.x, sets.shift.shape[1]))
             code = choose(run)
             if code == OK:
                 code = begin_phase(run)
@@ -148,7 +148,7 @@ def march_on(run: int, most: int) -> int:
         if code != OK:
             return code
         part, closing = first_event(run)
-        if state.code != OK or march.system.sets.ask[1] != 0.0:
+        if state.code != OK or sets.ask[1] != 0.0:
             return int(state.code) if state.code != OK else SETS
         if part == NEVER:
             take(run, h, state.end if h >= left else state.now + h)

@@ -7,7 +7,7 @@ from dincl.kernels.active_set import across
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, append, backward, border, clear, forward, times
 from dincl.kernels.march import march_at
-from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate
+from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate, system_at
 from dincl.kernels.table import SPEEDS, ask, linearise
 
 EPS = 2.220446049250313e-16
@@ -21,7 +21,7 @@ MET = 2e-15
 def factorise(run: int, t: float, x: Floats) -> int:
     """Unit gradients of the held rows at x, and the factor of their Gram matrix; ``bound`` has their gaps."""
     march = march_at(run)
-    system, held = march.system, march.held
+    system, held = system_at(march.place), march.held
     rows, gradient = system.rows, system.program.gradient
     if ask(system.sets, t, x, SPEEDS) != 0:
         return SETS
@@ -58,7 +58,7 @@ def least_speed(system: SystemArrays, r: int) -> float:
 def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
     """Write x' = F + sum_k push_k n_k with n_k . x' = b_k into ``rate``, and the pushes, which are refined once."""
     march = march_at(run)
-    system, held = march.system, march.held
+    system, held = system_at(march.place), march.held
     rows, gradient, right = system.rows, system.program.gradient, held.right
     code = evaluate(system.drift, system.sets.shift.shape[1], t, x, rate)
     if code != OK or held.number[0] == 0:
@@ -84,7 +84,7 @@ def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
 def correct(run: int, t: float, x: Floats) -> int:
     """Move x back onto g(t, x) = 0 of the held rows, along their gradients."""
     march = march_at(run)
-    system, held = march.system, march.held
+    system, held = system_at(march.place), march.held
     if held.number[0] == 0:
         return OK
     for _ in range(MOST_CORRECTIONS):

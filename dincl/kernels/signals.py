@@ -8,7 +8,7 @@ from dincl.kernels.choice import ZERO
 from dincl.kernels.factor import times
 from dincl.kernels.march import march_at
 from dincl.kernels.motion import EPS, at, least_speed, move
-from dincl.kernels.system import OK
+from dincl.kernels.system import OK, system_at
 from dincl.kernels.table import CALLED, DISTANCE, SPEEDS, ask, linearise
 
 # Looked at are the ends of this many equal parts of a step, and the lows in between.
@@ -34,7 +34,7 @@ def signal(run: int, what: int, theta: float) -> tuple[float, float]:
     march = march_at(run)
     if what == PUSHES or what >= march.closed.size:
         return weakness(run, what, theta), 0.0
-    state, system = march.state[0], march.system
+    state, system = march.state[0], system_at(march.place)
     row, rows, sets, d, h = system.rows.row[what], system.rows, system.sets, system.sets.shift.shape[1], state.made
     if sets.address != 0 and row.j < 0:
         dense_state(run, theta)
@@ -77,7 +77,7 @@ def dense_state(run: int, theta: float) -> None:
 def weakness(run: int, what: int, theta: float) -> float:
     """The smallest push, or how far the speed of a closed row is below what makes it a change; negative on failure."""
     march = march_at(run)
-    state, system = march.state[0], march.system
+    state, system = march.state[0], system_at(march.place)
     zero, t = NEGATIVE * state.speed, state.now + theta * state.made
     if what == PUSHES and theta == 0.0:
         return float(zero + least(run, march.push[0]))

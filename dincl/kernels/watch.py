@@ -7,7 +7,7 @@ from dincl.kernels.catch_up import carry
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.march import CLOSED, OPEN, march_at
 from dincl.kernels.signals import NEVER, PARTS, PUSHES, SUSPICIOUS, first_negative
-from dincl.kernels.system import OK
+from dincl.kernels.system import OK, system_at
 from dincl.kernels.table import DISTANCE, SPEEDS, ask, distance_from_list, find_near, gap, sort_near
 
 # Sets are taken to be carried up to so many times as far as they are at the nodes.
@@ -38,7 +38,7 @@ def make_room(run: int) -> float:
     x + theta (F_0 + (1 - theta) (F_1 + theta (...))) leaves the line by no more than (|F_1| + |F_2| + ...) / 4.
     """
     march = march_at(run)
-    state, d, carried, farthest = march.state[0], march.system.sets.shift.shape[1], 0.0, 0.0
+    state, d, carried, farthest = march.state[0], system_at(march.place).sets.shift.shape[1], 0.0, 0.0
     for j in range(1, PARTS + 1):
         carried = max(carried, carry(march.place, state.now, state.now + j / PARTS * state.made))
     for i in range(march.bend.size):
@@ -60,8 +60,9 @@ def make_room(run: int) -> float:
 def stays_clear(run: int, r: int) -> bool:
     """Whether a row at rest is not met on the straight lines of the step, nor as near as the dense output is."""
     march = march_at(run)
-    row, rows, d = march.system.rows.row[r], march.system.rows, march.system.sets.shift.shape[1]
-    if row.kind != DISTANCE or (row.j < 0 and march.system.sets.address != 0):
+    rows, sets = system_at(march.place).rows, system_at(march.place).sets
+    row, d = rows.row[r], sets.shift.shape[1]
+    if row.kind != DISTANCE or (row.j < 0 and sets.address != 0):
         return False
     start, along, way, end = 0.0, 0.0, 0.0, 0.0
     for k in range(d):
@@ -88,7 +89,7 @@ def stays_clear(run: int, r: int) -> bool:
 def first_event(run: int) -> tuple[float, int]:
     """The part of the step after which something changes, NEVER if nothing does, and the row whose gap closes or -1."""
     march = march_at(run)
-    state, system, x = march.state[0], march.system, march.x
+    state, system, x = march.state[0], system_at(march.place), march.x
     rows, sets, near, touching = system.rows, system.sets, system.near, TOUCHING * march.state[0].size
     found, closing = NEVER, -1
     state.code = OK
