@@ -70,7 +70,6 @@ class EventDriven(Scheme):
             raise InvalidProblem(f"EventDriven: {len(problem.x0)} particles: serves at most {MOST_PARTICLES}")
         work, system = Work(degrees_of_freedom=problem.x0.size), SmallSystem(problem)
         start, before = start_of(problem, work), None
-        # Compared are kept states and those halfway to the ones before: a single distance may be small by chance.
         compared = np.concatenate((times, (np.concatenate(([0.0], times[:-1])) + times) / 2))
         for k in range(MOST_RUNS):
             march = EventRun(system, start, times, self.tol / FIRST / TIGHTER**k, 2**k, work)
@@ -78,6 +77,10 @@ class EventDriven(Scheme):
                 march.go()
                 x = march.between.states(compared)
             except StepFailure as failure:
+                # What is too coarse to order the events of a crowd may stop a run that a finer one passes.
+                if failure.status is Status.NOT_CONVERGED and k < MOST_RUNS - 2:
+                    before = None
+                    continue
                 return _failed(march, times, work, failure)
             if before is not None:
                 error = _error(before, x) + AGREEMENT * self.tol
@@ -91,7 +94,7 @@ class EventDriven(Scheme):
 def _error(coarse: NDArray[np.float64], fine: NDArray[np.float64]) -> NDArray[np.float64]:
     """SAFETY times the largest distance of two runs (2 K, N, d) at each kept time and halfway to its neighbours.
 
-    And what rounding leaves in a state.
+    A single distance may be small by chance. And what rounding leaves in a state.
     """
     kept, between = np.sqrt(((coarse - fine) ** 2).sum(axis=-1)).max(axis=-1, initial=0.0).reshape(2, -1)
     window = np.max([kept, between, np.append(between[1:], 0.0)], axis=0)
