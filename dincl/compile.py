@@ -14,10 +14,9 @@ from typing import Any, TypeVar, cast
 import numba
 from numba import types
 from numba.core.caching import CacheImpl, _CacheLocator
-from numba.core.codegen import JITCodeLibrary
-from numba.core.compiler import Compiler
 from numba.core.event import Listener, register
 
+from dincl.parts import PartCompiler
 from dincl.provenance import closure, libraries
 from dincl.provenance.source import read_source, source
 
@@ -59,7 +58,7 @@ def maker(function: Function) -> Function:
 
 def _part(function: Function, *, references: bool) -> Function:
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": references}
-    compiled: Any = _once(numba.njit(pipeline_class=_PartCompiler, error_model="numpy", **options)(function))
+    compiled: Any = _once(numba.njit(pipeline_class=PartCompiler, error_model="numpy", **options)(function))
     # There is no machine code that Python could call: it runs the text, and finds nothing that numba has compiled.
     compiled._compile_for_args, compiled._insert = lambda *_: function, lambda *_: None
     return cast("Function", compiled)
@@ -106,7 +105,7 @@ class _Announcement(Listener):
 
     def on_start(self, event: Any) -> None:
         if not self.said and sys.stderr.isatty():
-            print("Compiling machine code; this happens once, and may take a minute.", file=sys.stderr)
+            print("Compiling machine code; this happens once, and takes half a minute.", file=sys.stderr)
         self.said = True
 
     def on_end(self, event: Any) -> None:
@@ -114,40 +113,6 @@ class _Announcement(Listener):
 
 
 register("numba:compile", _Announcement())
-
-
-class _Part(JITCodeLibrary):
-    """Code that is optimised and emitted with the kernels that it is a part of, and not by itself as well.
-
-    That makes all kernels in a third less of the time, and their parts may be small.
-    """
-
-    def get_pointer_to_function(self, name: str) -> int:
-        """None: it is nowhere by itself."""
-        return 0
-
-    @property
-    def codegen(self) -> _Part:
-        """Asked for to be told the environment of the function."""
-        return self
-
-    def set_env(self, name: str, environment: Any) -> None:
-        """A function that Python does not call has no use for it."""
-
-    def _optimize_final_module(self) -> None:
-        """Left to the kernels."""
-
-    def _finalize_final_module(self) -> None:
-        self._finalized = True
-
-
-class _PartCompiler(Compiler):
-    """The usual way of numba, but for what comes out."""
-
-    def define_pipelines(self) -> Any:
-        library: Any = _Part
-        self.state.library = library(self.state.targetctx.codegen(), self.state.func_id.func_qualname)
-        return super().define_pipelines()  # type: ignore[no-untyped-call]
 
 
 class ByClosure(_CacheLocator):
