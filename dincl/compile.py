@@ -18,7 +18,7 @@ from numba.core.event import Listener, register
 
 from dincl.parts import PartCompiler
 from dincl.provenance import closure, libraries
-from dincl.provenance.source import read_source, source
+from dincl.provenance.source import digest_of, read_source, source
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 # Of each file, what it was when it was first looked at: the functions that are compiled in this process.
@@ -138,8 +138,12 @@ class ByClosure(_CacheLocator):
         return _stamp(self._function.__module__, self._function)
 
     def get_disambiguator(self) -> str:
-        """Tell functions of one name in one file apart by their text: lines shift with every remark."""
-        return source(textwrap.dedent(inspect.getsource(self._function))).digest
+        """Tell functions of one name in one file apart by their text: lines shift with every remark.
+
+        And by what they reach: numba cannot read what was kept for types that have another name by now.
+        """
+        text = textwrap.dedent(inspect.getsource(self._function))
+        return digest_of((source(text).digest + self.get_source_stamp()).encode())
 
 
 def _stamp(module: str, function: Callable[..., Any]) -> str:

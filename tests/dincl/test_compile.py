@@ -19,6 +19,33 @@ def scaled(x: float) -> float:
     return factor() * x + SHIFT
 '''
 INNER = "from dincl.compile import kernel\n\n\n@kernel\ndef factor() -> float:\n    return 2.0\n"
+KINDS = """
+from typing import NamedTuple
+
+
+class Pair(NamedTuple):
+    x: float
+
+
+def made(x: float) -> Pair:
+    return Pair(x)
+"""
+TAKES_A_PAIR = """
+from dincl.compile import kernel
+from called.kinds import made
+
+
+@kernel
+def first(pair):
+    return pair.x
+
+
+def scaled(x):
+    return first(made(x))
+
+
+scaled.stats = first.stats
+"""
 PROGRAM = """
 from called.caller import scaled
 value = scaled(10.0)
@@ -80,3 +107,12 @@ def test_functions_of_one_name_are_told_apart(folder: Path) -> None:
     for _ in range(2):
         run = subprocess.run([sys.executable, "-c", program], env=env, capture_output=True, text=True, check=True)
         assert float(run.stdout) == 21.0
+
+
+def test_what_was_kept_for_a_type_that_is_gone_is_not_read(folder: Path) -> None:
+    """The files of numba hold the types of arguments, which it cannot make of a class that was renamed."""
+    (folder / "called" / "kinds.py").write_text(KINDS)
+    (folder / "called" / "caller.py").write_text(TAKES_A_PAIR)
+    assert called(folder) == (10.0, 1)
+    replace(folder, "kinds", "Pair", "Renamed")
+    assert called(folder) == (10.0, 1)
