@@ -15,9 +15,12 @@ from verification.page.prose import fill
 from verification.speed_accuracy import TARGETS, WorkPrecision
 from verification.thesis.chapter2.methods import CHARTED, PBD
 from verification.thesis.chapter2.work_precision import Form, chart
+from verification.thesis.chapter2.work_references import SCENES
 
 SETTINGS = {method.label: method.setting for method in CHARTED}
 PROSE = Path(__file__).parent / "prose"
+# Compared in the summary: the cheapest way to the first error, and that of PBD to the second one.
+FINE, COARSE = 1e-12, 1e-3
 
 
 def times(table: pd.DataFrame, form: Form, targets: Sequence[float] = TARGETS) -> pd.DataFrame:
@@ -87,15 +90,30 @@ def sentence(rows: pd.DataFrame) -> str:
     )["sentence"]
 
 
+def against_pbd(rows: pd.DataFrame) -> pd.DataFrame:
+    """What the cheapest method needs for the error FINE, and PBD for COARSE, from the table of ``winners``.
+
+    Columns scene, fine, coarse [s], for the scenes where both are reached.
+    """
+    cost = rows.assign(pbd=rows["cost"] * rows["pbd_ratio"]).set_index(["scene", "target"])
+    fine, coarse = cost["cost"].xs(FINE, level="target"), cost["pbd"].xs(COARSE, level="target")
+    return pd.DataFrame({"fine": fine, "coarse": coarse}).dropna().reset_index()
+
+
 def summary(rows: pd.DataFrame) -> str:
-    """How often each method wins, and where PBD does, from the table of ``winners``."""
+    """How often each method wins, where PBD does, and what the finest error costs, from the table of ``winners``."""
     counts = rows["cheapest"].value_counts(sort=True)
     wins = counts.drop(list(UNDECIDED), errors="ignore")
+    both = against_pbd(rows)
+    both["title"] = both["scene"].map(lambda scene: SCENES[scene]().title.lower())
     return fill(
         PROSE / "cheapest_summary.html",
         pairs=len(rows),
         decided=wins.sum(),
         wins=list(wins.items()),
         own=list(np.unique(rows.loc[rows["cheapest"] == PBD.label, "target"])[::-1]),
+        fine=FINE,
+        coarse=COARSE,
+        both=list(both.itertuples()),
         **{word.replace(" ", "_"): counts.get(word, 0) for word in UNDECIDED},
     )["summary"]

@@ -13,7 +13,7 @@ from verification.measure import BRIEF, REPEATS
 from verification.page.prose import fill
 from verification.page.report import Chapter, Context, Grid, Picture, Section, Text, number
 from verification.speed_accuracy import TARGETS
-from verification.thesis.chapter2 import cheapest, figures_work_precision, work_precision, work_references
+from verification.thesis.chapter2 import cheapest, figures_work_precision, reach, work_precision, work_references
 from verification.thesis.chapter2.methods import METHODS
 from verification.thesis.chapter2.work_references import SCENES
 
@@ -47,6 +47,9 @@ RUNS = {
     "overlap": "Overlap",
     "detail": "Detail",
 }
+REACH = {"discs": "Discs", "events": "Events", "target": "Error", "cheapest": "Cheapest"} | {
+    method.name: method.label for method in reach.METHODS
+}
 PROSE = Path(__file__).parent / "prose"
 
 
@@ -57,11 +60,12 @@ def run(context: Context) -> None:
     context.tables |= {"work_references": known, "work_precision": table}
     context.keep("work_times", cheapest.times(table, form))
     context.keep("work_winners", cheapest.winners(table, form))
+    context.keep("work_reach", reach.table())
 
 
 def sections(context: Context) -> Sequence[Section]:
     """What is measured and who wins, then one section for each scene."""
-    return [_summary(context), *(_scene(context, name) for name in _form(context).scenes)]
+    return [_summary(context), _reach(context), *(_scene(context, name) for name in _form(context).scenes)]
 
 
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
@@ -91,6 +95,12 @@ def _summary(context: Context) -> Section:
     grid = Grid(_named(winners, WINNERS), said["table"], "work_winners")
     texts = [Text(said[name]) for name in ("error", "time", "second_order", "yardsticks", "references", "limits")]
     return Section("Who is cheapest", [Text(cheapest.summary(winners)), grid, *texts])
+
+
+def _reach(context: Context) -> Section:
+    said = reach.said()
+    grid = Grid(_named(context.tables["work_reach"], REACH), said["table"], "work_reach")
+    return Section("How far the event-driven scheme pays", [Text(said["said"]), grid])
 
 
 def _scene(context: Context, name: str) -> Section:
