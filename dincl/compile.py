@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+from numba import types
 from numba.core.caching import CacheImpl, _CacheLocator
 from numba.core.event import Listener, register
 
@@ -41,14 +42,14 @@ def kernel(function: Function, *, references: bool = True) -> Function:
     """
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": references}
     with _by_closure():
-        return cast("Function", numba.njit(**options)(function))
+        return cast("Function", _once(numba.njit(**options)(function)))
 
 
 def inner(function: Function) -> Function:
     """Compile a part of kernels, which makes no arrays and which Python does not call: that saves time of compiling."""
     options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
     with _by_closure():
-        return cast("Function", numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function))
+        return cast("Function", _once(numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)))
 
 
 def inlined(function: Function) -> Function:
@@ -65,6 +66,18 @@ def c_function(signature: Any, function: Callable[..., Any]) -> Any:
     options: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
     with _by_closure():
         return numba.cfunc(signature, **options)(function)
+
+
+def _once(compiled: Any) -> Any:
+    """Compile it but once if kernels call it with constants: numba has a type for each of them."""
+    template = compiled.get_call_template
+
+    def general(arguments: Any, names: Any) -> Any:
+        named = {name: types.unliteral(kind) for name, kind in names.items()}
+        return template(tuple(map(types.unliteral, arguments)), named)
+
+    compiled.get_call_template = general
+    return compiled
 
 
 @contextmanager
