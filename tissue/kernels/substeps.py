@@ -1,0 +1,72 @@
+"""The substeps of position based dynamics between two updates of the rules (Method 3.7, (3.34)).
+
+Written once, and compiled twice: for one tissue, with a double for each cell, and for eight, with eight.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from numba import types
+
+from dincl.compile import c_function, inner
+from tissue.kernels.board import Board, board_at, wide_board_at
+from tissue.kernels.forces import junctions, move, push_in_pairs, push_in_rows
+from tissue.kernels.lanes import WIDTH
+from tissue.kernels.normals import shake
+from tissue.kernels.sweeps import order_basal, separate
+
+_SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
+
+
+@inner
+def shaken(wide: Board, rows: int, number: int) -> None:
+    """The noise of substep ``number``, if it comes in substeps."""
+    if wide.deviation > 0.0:
+        shake(wide.x, wide.y, wide.id, rows, wide.deviation, wide.noise_key, number)
+
+
+@inner
+def make_substep(board: Board, n: int, wide: Board, rows: int) -> None:
+    """A substep of the n cells on the board when their nuclei know how they push: forces, one sweep of projections.
+
+    What a cell does by itself is done for eight at once: ``wide`` is the board in ``rows`` of eight cells, of one
+    tissue or of eight.
+    """
+    junctions(board, n, wide, rows)
+    move(wide, rows)
+    separate(board, n)
+    order_basal(board, n)
+
+
+def _alone(flat: int, wide: int, n: int) -> int:
+    board, in_rows, rows = board_at(flat), wide_board_at(wide), (n + WIDTH - 1) // WIDTH
+    for word in range(2):
+        for lane in range(WIDTH):
+            in_rows.noise_key[word, lane] = board.noise_key[word]
+    for number in range(board.substeps):
+        shaken(in_rows, rows, number)
+        push_in_rows(board, n, in_rows, rows)
+        make_substep(board, n, in_rows, rows)
+    return 0
+
+
+def _abreast(flat: int, wide: int, n: int) -> int:
+    board = wide_board_at(wide)
+    for number in range(board.substeps):
+        shaken(board, n, number)
+        push_in_pairs(board, n)
+        make_substep(board, n, board, n)
+    return 0
+
+
+@cache
+def _compiled(width: int) -> Any:
+    return c_function(_SIGNATURE, _alone if width == 1 else _abreast)
+
+
+def substeps_address(width: int) -> int:
+    """The machine code of ``make_substeps`` for so many tissues, compiled on first use."""
+    address: int = _compiled(width).address
+    return address
