@@ -52,10 +52,10 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
     |A - B| - 2 for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink
     towards 0. What has begun of the EMT takes the place of these.
     """
-    cells = store.cells
+    cells, n = store.cells, store.sizes[CELLS]
     keep_ax, keep_bx = math.exp(-numbers.rate_ax * numbers.dt), math.exp(-numbers.rate_bx * numbers.dt)
     keep_aa = math.exp(-numbers.rate_aa * numbers.dt)
-    for i in range(store.sizes[CELLS]):
+    for i in range(n):
         rest_ax, rest_bx = cells.rest_ax[i], cells.rest_bx[i]
         if cells.moves[i] and in_g2(cells, i, t, numbers):
             wanted_ax = 0.0

@@ -10,7 +10,7 @@ from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.kernels.cycle import draw_cycle
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
-from tissue.model.cells import Integers
+from tissue.model.cells import Cells, Integers
 from tissue.model.numbers import Numbers
 
 
@@ -20,8 +20,15 @@ def count_due(store: Store, t: float) -> int:
     cells = store.cells
     count = 0
     for i in range(store.sizes[CELLS]):
-        count += t - cells.birth[i] >= cells.cycle[i]
+        count += is_due(cells, i, t)
     return count
+
+
+@inner
+def is_due(cells: Cells, i: int, t: float) -> bool:
+    """Whether cell i ends its cycle by time t."""
+    due: bool = t - cells.birth[i] >= cells.cycle[i]
+    return due
 
 
 @kernel
@@ -30,7 +37,7 @@ def divide(store: Store, t: float, numbers: Numbers, draws: Generator) -> None:
     cells, sizes = store.cells, store.sizes
     i = 0
     while i < sizes[CELLS]:
-        if t - cells.birth[i] >= cells.cycle[i]:
+        if is_due(cells, i, t):
             two = cells.divides[i] and draws.random() < numbers.two_daughters
             cells.birth[i] = t
             cells.cycle[i] = draw_cycle(numbers, draws)

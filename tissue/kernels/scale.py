@@ -71,9 +71,9 @@ def measure(store: Store, positions: Floats, controls: Floats) -> None:
 
     Most need no look at the apical path: y_AB lies between y / high and y / low.
     """
-    cells, (low, high) = store.cells, apical_range(store)
+    cells, n, (low, high) = store.cells, store.sizes[CELLS], apical_range(store)
     controls[0], controls[1], controls[2], controls[3] = 0.0, 0.0, 0.0, math.inf
-    for i in range(store.sizes[CELLS]):
+    for i in range(n):
         k = cells.emt[i]
         if k >= 0:
             positions[k] = ab_position(store, i)
