@@ -105,18 +105,8 @@ class Boards:
         block = dict(zip(names, self.block, strict=True))
         for name in WHOLE:
             block[name] = block[name].view(np.int64)
-        self.pairs = np.zeros(1, np.int64)
-        h = numbers.dt / numbers.substeps
-        same: dict[str, Any] = {
-            "low": np.zeros(capacity, np.int64),
-            "high": np.zeros(capacity, np.int64),
-            "cells": np.zeros(width, np.int64),
-            "pairs": self.pairs,
-            "substeps": int(numbers.substeps),
-            "repulsion": float(scale * numbers.repulsion),
-            "max_basal": float(numbers.max_basal),
-            "deviation": float(np.sqrt(numbers.variance * h)) if numbers.noise_in_substeps else 0.0,
-        }
+        same = _common(capacity, width, numbers, scale)
+        self.pairs: Integers = same["pairs"]
         flat = {name: line[: SHORT.get(name, m) * (width if name in SHORT else 1)] for name, line in block.items()}
         wide = {name: line.reshape(-1, WIDTH)[: SHORT.get(name)] for name, line in block.items()}
         if width == 1:
@@ -124,6 +114,19 @@ class Boards:
         # For kernels these are ``Board``.
         self.flat: Any = Handed(Board(**flat, **same), _FLAT)
         self.wide: Any = Handed(Board(**wide, **same), _WIDE)
+
+
+def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[str, Any]:
+    """What is the same in both forms."""
+    lengths = {"low": capacity, "high": capacity, "cells": width, "pairs": 1}
+    variance = numbers.variance * numbers.dt / numbers.substeps if numbers.noise_in_substeps else 0.0
+    return {
+        **{name: np.zeros(length, np.int64) for name, length in lengths.items()},
+        "substeps": int(numbers.substeps),
+        "repulsion": float(scale * numbers.repulsion),
+        "max_basal": float(numbers.max_basal),
+        "deviation": float(np.sqrt(variance)),
+    }
 
 
 def _aligned(lines: int, length: int) -> NDArray[np.float64]:

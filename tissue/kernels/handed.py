@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 from typing import Any, get_type_hints
 
 import numba
@@ -21,13 +22,21 @@ GENERATOR = 3
 
 
 class Handed:
-    """A tuple in memory, which kernels see as one of the fields of ``example``: see ``dincl.kernels.handles``."""
+    """A named tuple of arrays and numbers in memory; kernels take it as its address, see ``dincl.kernels.handles``.
 
-    def __init__(self, parts: Any, example: Any) -> None:
+    Attributes
+    ----------
+    parts
+        The arrays, which kernels change in place.
+    address
+        Where the tuple is, as long as this object lives.
+    """
+
+    def __init__(self, parts: Any, kind: Any) -> None:
         self.parts = parts
         self._words = written(parts)
         self.address: int = self._words.ctypes.data
-        self._numba_type_ = example
+        self._numba_type_ = kind  # how numba knows its type
 
 
 _unboxing: Any = unbox  # whose types do not say what it takes
@@ -60,8 +69,6 @@ def handed_numbers(numbers: Numbers) -> Any:
 
 def generator_words(generator: Generator) -> Integers:
     """What ``generator_at`` reads, (GENERATOR,); the generator must outlive it."""
-    import ctypes
-
     bits: Any = generator.bit_generator
     functions = (
         ctypes.cast(getattr(bits.ctypes, name), ctypes.c_void_p).value for name in ("next_double", "next_uint64")

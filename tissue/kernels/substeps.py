@@ -5,7 +5,7 @@ Written once, and compiled twice: for one tissue, with a double for each cell, a
 
 from __future__ import annotations
 
-from functools import cache
+from threading import Lock
 from typing import Any
 
 from numba import types
@@ -41,6 +41,7 @@ def make_substep(board: Board, n: int, wide: Board, rows: int) -> None:
 
 
 def _alone(flat: int, wide: int, n: int) -> int:
+    """All substeps of one dt for a tissue of n cells, whose board has these addresses; 0."""
     board, in_rows, rows = board_at(flat), wide_board_at(wide), (n + WIDTH - 1) // WIDTH
     for word in range(2):
         for lane in range(WIDTH):
@@ -53,6 +54,7 @@ def _alone(flat: int, wide: int, n: int) -> int:
 
 
 def _abreast(flat: int, wide: int, n: int) -> int:
+    """The same for eight tissues of up to n cells."""
     board = wide_board_at(wide)
     for number in range(board.substeps):
         shaken(board, n, number)
@@ -61,12 +63,15 @@ def _abreast(flat: int, wide: int, n: int) -> int:
     return 0
 
 
-@cache
-def _compiled(width: int) -> Any:
-    return c_function(_SIGNATURE, _alone if width == 1 else _abreast)
+# By width, for the life of the process; threads come one at a time.
+_COMPILED: dict[int, Any] = {}
+_COMPILING = Lock()
 
 
 def substeps_address(width: int) -> int:
-    """The machine code of ``make_substeps`` for so many tissues, compiled on first use."""
-    address: int = _compiled(width).address
+    """The machine code of all substeps of one dt for so many tissues, compiled on first use."""
+    with _COMPILING:
+        if width not in _COMPILED:
+            _COMPILED[width] = c_function(_SIGNATURE, _alone if width == 1 else _abreast)
+    address: int = _COMPILED[width].address
     return address
