@@ -16,6 +16,7 @@ from numba import types
 from numba.core.caching import CacheImpl, _CacheLocator
 from numba.core.event import Listener, register
 
+from dincl.parts import PartCompiler
 from dincl.provenance import closure, libraries
 from dincl.provenance.source import read_source, source
 
@@ -46,16 +47,21 @@ def kernel(function: Function, *, references: bool = True) -> Function:
 
 
 def inner(function: Function) -> Function:
-    """Compile a part of kernels, which makes no arrays and which Python does not call: that saves time of compiling."""
-    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": False}
-    with _by_closure():
-        return cast("Function", _once(numba.njit(cache=True, nogil=True, error_model="numpy", **options)(function)))
+    """Compile a part of kernels that makes no arrays; called from Python, its text is run."""
+    return _part(function, references=False)
 
 
-def inlined(function: Function) -> Function:
-    """Copy a part of a kernel into the one place that calls it, before types are known: it is compiled with it."""
-    options: dict[str, Any] = {"inline": "always", "error_model": "numpy", "_nrt": False}
-    return cast("Function", numba.njit(**options)(function))
+def maker(function: Function) -> Function:
+    """Compile a part of kernels that makes arrays; called from Python, its text is run."""
+    return _part(function, references=True)
+
+
+def _part(function: Function, *, references: bool) -> Function:
+    options: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True, "_nrt": references}
+    compiled: Any = _once(numba.njit(pipeline_class=PartCompiler, error_model="numpy", **options)(function))
+    # There is no machine code that Python could call: it runs the text, and finds nothing that numba has compiled.
+    compiled._compile_for_args, compiled._insert = lambda *_: function, lambda *_: None
+    return cast("Function", compiled)
 
 
 def c_function(signature: Any, function: Callable[..., Any]) -> Any:
@@ -99,7 +105,7 @@ class _Announcement(Listener):
 
     def on_start(self, event: Any) -> None:
         if not self.said and sys.stderr.isatty():
-            print("Compiling machine code; this happens once, and may take a minute.", file=sys.stderr)
+            print("Compiling machine code; this happens once, and takes half a minute.", file=sys.stderr)
         self.said = True
 
     def on_end(self, event: Any) -> None:

@@ -24,6 +24,7 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dincl.problem import Problem
     from dincl.work import Work
 
 # Of the differences that give the velocities of moving sets, as a part of the run.
@@ -31,11 +32,26 @@ SPACING = 1e-3
 # Changes of the contacts allowed in one run, and steps: a hundred discs with 300 events take about a thousand.
 MOST_EVENTS, MOST_STEPS = 100_000, 1_000_000
 # Steps in the first call of a kernel; as many more in each call as keep it shorter than this [s].
-FEWEST, SHORT = 16, 0.02
+FEWEST, SHORT = 64, 0.02
+
+
+def size_of(problem: Problem) -> float:
+    """The largest distance of a particle from the origin; 1 for a problem that is all there, and has no size."""
+    return longest(problem.x0) or 1.0
+
+
+def start_of(problem: Problem, work: Work) -> NDArray[np.float64]:
+    """x0 (N d,), put onto S if it lies outside by more than rounding."""
+    x0, allowed = problem.x0, TOUCHING * size_of(problem)
+    violation = problem.violation(0.0, x0)
+    if violation <= allowed:
+        return x0.ravel()
+    feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)
+    return feasible.nearest(0.0, x0, x0, violation).point.ravel()
 
 
 class EventRun:
-    """A run of the event-driven scheme to the last of ``times``; what it reached stays when it fails.
+    """A run of the event-driven scheme from ``start`` to the last of ``times``; what it reached stays when it fails.
 
     ``tol`` is the local tolerance of the integrator. Into so many ``parts`` at least is the way to the end, or to the
     next event, divided, and so much shorter are the differences that give velocities of moving sets: runs that differ
@@ -50,21 +66,28 @@ class EventRun:
         The dense output so far.
     """
 
-    def __init__(self, system: SmallSystem, times: NDArray[np.float64], tol: float, parts: int, work: Work) -> None:
+    def __init__(
+        self,
+        system: SmallSystem,
+        start: NDArray[np.float64],
+        times: NDArray[np.float64],
+        tol: float,
+        parts: int,
+        work: Work,
+    ) -> None:
         problem = system.problem
         self._system, self._work, self._steps = system, work, 0
         system.sets.spacing = SPACING * float(times[-1]) / parts or SPACING
-        # A problem all at the origin has no size of its own; then coordinates are compared with 1.
-        size = longest(problem.x0) or 1.0
+        size = size_of(problem)
         pair = pair_for(tol / size)
         n, m, most = problem.x0.size, len(system.arrays.rows.row), len(system.arrays.chosen.row)
         self._state = np.zeros(1, dtype=STATE)
         for name, value in {"end": times[-1], "tol": tol, "size": size, "parts": parts, "choose": 1}.items():
             self._state[name] = value
         path = room_for_path(kernels.ROOM * 8, n, most, m)
-        self._march = begin_march(system.place, system.arrays, pair, self._state, path, self._start(TOUCHING * size))
+        self._march = begin_march(system.place, system.arrays, pair, self._state, path, start.copy())
         self._words = written(self._march)
-        self.between = PathPieces(system, pair, size, self._march.x.copy())
+        self.between = PathPieces(system, pair, size, start)
         self._changes: list[NDArray[np.float64]] = []
 
     @property
@@ -105,15 +128,6 @@ class EventRun:
     def state(self) -> NDArray[np.float64]:
         """The state reached, shape (N, d)."""
         return self._march.x.reshape(self._system.problem.x0.shape).copy()
-
-    def _start(self, allowed: float) -> NDArray[np.float64]:
-        """x0, put onto S if it lies outside by more than rounding."""
-        x0 = self._system.problem.x0
-        violation = self._system.problem.violation(0.0, x0)
-        if violation <= allowed:
-            return x0.ravel().copy()
-        feasible = FeasibleSet(self._system.problem, ActiveSet(allowed).solver(), self._work, linearised=False)
-        return feasible.nearest(0.0, x0, x0, violation).point.ravel().copy()
 
     def _drain(self) -> None:
         """Take the pieces and events out of the room of the kernel."""

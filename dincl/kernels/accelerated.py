@@ -2,12 +2,12 @@
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.products import transposed_times
 
 
-@kernel
+@inner
 def _sweep(indptr: Offsets, indices: Offsets, data: Floats, least: Floats, mu: Floats, u: Floats) -> None:
     """Minimise over one multiplier >= 0 after the other, for rows of length 1; u = A^T mu goes along."""
     for row in range(mu.size):
@@ -46,11 +46,14 @@ def accelerated_sweeps(
     -----
     O'Donoghue, Candes: Adaptive restart for accelerated gradient schemes, Found. Comput. Math. 15 (2015).
     """
-    u, y, new = np.empty(columns), mu.copy(), mu.copy()
+    u, y, new = np.empty(columns), np.empty(mu.size), np.empty(mu.size)
+    for row in range(mu.size):
+        y[row] = mu[row]
     weight, lowest = 1.0, np.inf
     for _ in range(sweeps):
         transposed_times(indptr, indices, data, y, u)
-        new[:] = y
+        for row in range(mu.size):
+            new[row] = y[row]
         _sweep(indptr, indices, data, least, new, u)
         value = 0.0
         for column in range(columns):
@@ -58,7 +61,8 @@ def accelerated_sweeps(
         for row in range(mu.size):
             value -= least[row] * new[row]
         if value > lowest and weight > 1.0:
-            y[:] = mu
+            for row in range(mu.size):
+                y[row] = mu[row]
             weight = 1.0
             continue
         lowest = value

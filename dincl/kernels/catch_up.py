@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inlined, inner, kernel
+from dincl.compile import inner, kernel
 from dincl.kernels.active_set import nearest
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, times
@@ -122,7 +122,7 @@ def shift_bounds(place: int) -> None:
             program.bound[r] += program.gradient[p] * system.move[rows.row[r].family, rows.column[p] % d]
 
 
-@inlined
+@inner
 def project(place: int, t: float, around: Floats, reach: float, later: float, exact: bool, tol: float) -> int:
     """Project y onto S(t), searched from ``around``, or onto its linearisation there, carried to a later time."""
     system = system_at(place)
@@ -142,7 +142,7 @@ def project(place: int, t: float, around: Floats, reach: float, later: float, ex
     return TOO_FAR
 
 
-@inlined
+@inner
 def solve(place: int, t: float, around: Floats, carried: bool, exact: bool, tol: float) -> int:
     """The same with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
     system = system_at(place)
@@ -169,42 +169,37 @@ def solve(place: int, t: float, around: Floats, carried: bool, exact: bool, tol:
     return MISSED if code == OK and not residual <= tol else code
 
 
-@inlined
-def step(place: int, method: int, t: float, h: float, x: Floats, tol: float) -> int:
-    """x(t) -> x(t + h), in place; what the midpoint rule needs first is a step of its own, less accurate."""
-    system = system_at(place)
-    program, velocity, middle, length = system.program, system.velocity, system.middle, 0.0
-    for stage in range(2 if method == MIDPOINT else 1):
-        around, now, rest, allowed = x, t, t + h, tol
-        if stage == 1:
-            around, now, rest = middle, t + 0.5 * h, t + 0.5 * h
-        code = evaluate(system.drift, system.sets.shift.shape[1], now, around, velocity)
-        for k in range(x.size):
-            program.y[k] = x[k] + h * velocity[k]
-        if stage == 0:
-            length = h * longest(velocity, system.sets.shift.shape[1])
-            allowed = max(tol, np.sqrt(tol * length)) if method == MIDPOINT else tol
-        if code == OK:
-            code = project(place, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
-        if code != OK:
-            return code
-        for k in range(x.size):
-            middle[k] = 0.5 * (x[k] + program.z[k])
-    if system.sets.ask[1] != 0.0:
-        return SETS
-    if not bounded(program.z):
-        return NOT_A_NUMBER
-    for k in range(x.size):
-        x[k] = program.z[k]
-    return OK
-
-
 @kernel
 def advance(place: int, method: int, steps: Steps, x: Floats, tol: float) -> tuple[int, int]:
-    """Make steps of a catch-up scheme; how it ended, and the step reached."""
-    h = steps.end / steps.number
-    for k in range(steps.first, steps.last):
-        code = step(place, method, steps.origin + k * steps.end / steps.number, h, x, tol)
-        if code != OK:
-            return code, k
+    """Make steps x(t) -> x(t + h) of a catch-up scheme, in place; how it ended, and the step reached.
+
+    What the midpoint rule needs first is a step of its own, less accurate.
+    """
+    system = system_at(place)
+    program, velocity, middle, d = system.program, system.velocity, system.middle, system.sets.shift.shape[1]
+    h, length = steps.end / steps.number, 0.0
+    for step in range(steps.first, steps.last):
+        t = steps.origin + step * steps.end / steps.number
+        for stage in range(2 if method == MIDPOINT else 1):
+            around, now, rest, allowed = x, t, t + h, tol
+            if stage == 1:
+                around, now, rest = middle, t + 0.5 * h, t + 0.5 * h
+            code = evaluate(system.drift, d, now, around, velocity)
+            for k in range(x.size):
+                program.y[k] = x[k] + h * velocity[k]
+            if stage == 0:
+                length = h * longest(velocity, d)
+                allowed = max(tol, np.sqrt(tol * length)) if method == MIDPOINT else tol
+            if code == OK:
+                code = project(place, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
+            if code != OK:
+                return code, step
+            for k in range(x.size):
+                middle[k] = 0.5 * (x[k] + program.z[k])
+        if system.sets.ask[1] != 0.0:
+            return SETS, step
+        if not bounded(program.z):
+            return NOT_A_NUMBER, step
+        for k in range(x.size):
+            x[k] = program.z[k]
     return OK, steps.last

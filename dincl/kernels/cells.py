@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compile import inner, maker
 from dincl.kernels.arrays import Axes, Floats, Indices
 
 # A grid spans at most so many axes; distances always use all of them.
@@ -28,7 +28,7 @@ class Sorted(NamedTuple):
     reach: Floats  # (n,)
 
 
-@kernel
+@maker
 def sort_by_cell(cell: Indices, cells: int, x: Floats, reach: Floats, axes: Axes) -> Sorted:
     """Sort the discs by the number of their cell, each in 0 .. cells - 1: a counting sort."""
     first = np.zeros(cells + 2, np.int32)
@@ -49,7 +49,7 @@ def sort_by_cell(cell: Indices, cells: int, x: Floats, reach: Floats, axes: Axes
     return Sorted(first[: cells + 1], disc, x_sorted, reach_sorted)
 
 
-@kernel
+@inner
 def is_near(x: Floats, reach: Floats, i: int, j: int, axes: Axes) -> bool:
     """Whether |X_i - X_j| <= reach_i + reach_j, compared by their squares."""
     square = 0.0
@@ -60,11 +60,12 @@ def is_near(x: Floats, reach: Floats, i: int, j: int, axes: Axes) -> bool:
     return bool(square <= limit * limit)
 
 
-@kernel
+@maker
 def longer(pairs: Indices, count: int, more: int) -> Indices:
     """Copy pairs[:count] into a list with room for `more` others, twice over; TooManyPairs if that is too long."""
     if count + more > MOST_PAIRS:
         raise TooManyPairs
     copied = np.empty((2 * (count + more), 2), np.int32)
-    copied[:count] = pairs[:count]
+    for p in range(count):
+        copied[p, 0], copied[p, 1] = pairs[p, 0], pairs[p, 1]
     return copied

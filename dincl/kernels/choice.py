@@ -1,12 +1,12 @@
 """Which contacts push from an event on: a least-distance program among the velocities."""
 
-from dincl.compile import inlined, inner
+from dincl.compile import inner
 from dincl.kernels.active_set import nearest
 from dincl.kernels.catch_up import list_sorted
 from dincl.kernels.factor import times
 from dincl.kernels.march import CLOSED, HELD, OPEN, march_at
 from dincl.kernels.motion import least_speed
-from dincl.kernels.system import COINCIDENT, OK, SETS, evaluate, longest
+from dincl.kernels.system import COINCIDENT, OK, SETS, evaluate, longest, system_at
 from dincl.kernels.table import SPEEDS, ask, gap, linearise
 
 # Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
@@ -16,7 +16,7 @@ TOUCHING = 1e-13
 ZERO = 1e-10
 
 
-@inlined
+@inner
 def choose(run: int) -> int:
     """Decide which rows are held, which stay closed, and note the changes; OK, or why it failed.
 
@@ -24,7 +24,7 @@ def choose(run: int) -> int:
     when one of them has grown to the threshold.
     """
     march = march_at(run)
-    state, system, held = march.state[0], march.system, march.held
+    state, system, held = march.state[0], system_at(march.place), march.held
     program, x, d = system.program, march.x, system.sets.shift.shape[1]
     code = evaluate(system.drift, system.sets.shift.shape[1], state.now, x, program.y)
     if code == OK and ask(system.sets, state.now, x, SPEEDS) != 0:
@@ -52,7 +52,7 @@ def choose(run: int) -> int:
 def list_touching(run: int) -> int:
     """List the rows whose gap is closed, with gradients and least speeds; their number, -1 if one has no direction."""
     march = march_at(run)
-    state, system, x = march.state[0], march.system, march.x
+    state, system, x = march.state[0], system_at(march.place), march.x
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     allowed, count = TOUCHING * state.size, 0
     list_sorted(march.place, x, allowed)
@@ -74,7 +74,8 @@ def list_touching(run: int) -> int:
 def note_changes(run: int, count: int) -> None:
     """Say what each row is now; a row that closes or opens is an event, but for those at the start."""
     march = march_at(run)
-    state, program, rows = march.state[0], march.system.program, march.system.rows
+    state, system = march.state[0], system_at(march.place)
+    program, rows = system.program, system.rows
     zero, path = ZERO * state.speed, march.path
     for q in range(count):
         r = march.touching[q]

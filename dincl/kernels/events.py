@@ -2,14 +2,14 @@
 
 import numpy as np
 
-from dincl.compile import inlined, inner, kernel
+from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.choice import choose
 from dincl.kernels.factor import times
 from dincl.kernels.march import march_at
-from dincl.kernels.motion import at, correct, error_of, interpolate, least_speed, move, stages
+from dincl.kernels.motion import at, correct, error_of, interpolate, least_speed, move, stage
 from dincl.kernels.signals import NEVER
-from dincl.kernels.system import OK, SETS, bounded, longest
+from dincl.kernels.system import OK, SETS, bounded, longest, system_at
 from dincl.kernels.table import SPEEDS, ask, linearise
 from dincl.kernels.watch import first_event
 
@@ -26,55 +26,55 @@ ROOM = 32
 
 @inner
 def make_step(run: int, limit: float) -> tuple[int, float]:
-    """A step from ``x`` that meets the tolerance, no longer than ``limit``: how it ended, and its length."""
+    """A step from ``x`` that meets the tolerance, no longer than ``limit``, and its dense output.
+
+    How it ended, and its length.
+    """
     march = march_at(run)
-    state = march.state[0]
-    h, exponent, most = min(state.h, limit), -1.0 / (march.pair.order + 1.0), MOST
+    state, pair = march.state[0], march.pair
+    h, exponent, most, i = min(state.h, limit), -1.0 / (pair.order + 1.0), MOST, 1
     shortened = h < state.h
-    while state.now + h > state.now:
-        code = stages(run, h, 1, march.pair.stages + 1)
+    while i < pair.stages + 1 + pair.more:
+        if not state.now + h > state.now:
+            return NO_STEP, h
+        code = stage(run, h, i)
         if code != OK:
             return code, h
-        error = error_of(run, h)
-        change = min(most, max(LEAST, SAFETY * error**exponent)) if error > 0.0 else most
-        if error < 1.0:
-            # A step that was cut short, and could have been longer still, says nothing of how long.
-            state.h = max(state.h, h * change) if shortened and change == MOST else h * change
-            state.steps += 1
-            return OK, h
-        h, most, shortened = h * (change if error < np.inf else LEAST), 1.0, False
-    return NO_STEP, h
+        i += 1
+        if i == pair.stages + 1:
+            error = error_of(run, h)
+            change = min(most, max(LEAST, SAFETY * error**exponent)) if error > 0.0 else most
+            if error < 1.0:
+                # A step that was cut short, and could have been longer still, says nothing of how long.
+                state.h = max(state.h, h * change) if shortened and change == MOST else h * change
+            else:
+                h, most, shortened, i = h * (change if error < np.inf else LEAST), 1.0, False, 1
+    state.steps += 1
+    interpolate(run, h)
+    return OK, h
 
 
 @inner
-def keep_piece(run: int, h: float, end: float) -> None:
-    """Add the step, with its dense output, to the path."""
+def take(run: int, h: float, t: float) -> None:
+    """Add the step, with its dense output, to the path, and go on from its end at t."""
     march = march_at(run)
     state, path = march.state[0], march.path
     p = state.pieces
-    path.end[p], path.start[p], path.length[p], path.number[p] = end, state.now, h, march.held.number[0]
+    path.end[p], path.start[p], path.length[p], path.number[p] = t, state.now, h, march.held.number[0]
     for k in range(march.held.number[0]):
         path.held[p, k] = march.held.row[k]
+        march.push[0, k] = march.push[march.pair.stages, k]
     for k in range(march.x.size):
         path.x[p, k] = march.x[k]
         for j in range(7):
             path.dense[p, j, k] = march.dense[j, k]
+        march.x[k] = march.after[k]
+        march.rate[0, k] = march.rate[march.pair.stages, k]
     state.pieces += 1
+    state.now = t
 
 
 @inner
-def take(run: int, t: float) -> None:
-    """Go on from the end of the step."""
-    march = march_at(run)
-    march.state[0].now = t
-    for k in range(march.x.size):
-        march.x[k] = march.after[k]
-        march.rate[0, k] = march.rate[march.pair.stages, k]
-    for k in range(march.held.number[0]):
-        march.push[0, k] = march.push[march.pair.stages, k]
-
-
-@inlined
 def arrive(run: int, t: float, closing: int) -> int:
     """Steps to the event at t, and for a gap the way that is left, as short as the dense output is accurate."""
     march = march_at(run)
@@ -82,13 +82,9 @@ def arrive(run: int, t: float, closing: int) -> int:
     part = (t - state.now) / state.parts
     while state.now < t:
         code, h = make_step(run, min(part, t - state.now))
-        if code == OK:
-            code = interpolate(run, h)
         if code != OK or state.pieces == march.path.end.size:
             return code if code != OK else STUCK
-        end = t if h >= t - state.now else state.now + h
-        keep_piece(run, h, end)
-        take(run, end)
+        take(run, h, t if h >= t - state.now else state.now + h)
     if closing >= 0:
         before = march.path.start[first] if state.pieces > first else state.now
         wait = max(wait_for(run, closing), before - state.now)
@@ -101,27 +97,22 @@ def arrive(run: int, t: float, closing: int) -> int:
     return correct(run, state.now, march.x)
 
 
-@inlined
+@inner
 def wait_for(run: int, closing: int) -> float:
     """How long until this gap closes, by one Newton step; 0 if it does not close."""
     march = march_at(run)
-    system = march.system
+    system = system_at(march.place)
     ask(system.sets, march.state[0].now, march.x, SPEEDS)
     gap = linearise(system.rows, system.sets, closing, march.x, system.program.gradient)
     speed = times(system.rows, closing, system.program.gradient, march.rate[0]) - least_speed(system, closing)
     return -gap / speed if speed < 0.0 else 0.0
 
 
-@inlined
+@inner
 def begin_phase(run: int) -> int:
-    """Decide on the contacts and give the rate at the start."""
+    """Count the phase that begins once the contacts are decided; its longest step, and the first one of a run."""
     march = march_at(run)
     state = march.state[0]
-    # What started small and went far rounds as what is large.
-    state.size = max(state.size, longest(march.x, march.system.sets.shift.shape[1]))
-    code = choose(run)
-    if code != OK:
-        return code
     state.at_once = state.at_once + 1 if state.phase > 0 and state.now == state.chosen_at else 0
     state.chosen_at, state.choose = state.now, 0
     state.phase += 1
@@ -131,47 +122,40 @@ def begin_phase(run: int) -> int:
     if state.h == 0.0:
         reach = state.size * min(1.0, state.tol / state.size) ** (1.0 / (march.pair.order + 1.0))
         state.h = min(state.longest, 0.1 * reach / state.speed if state.speed > 0.0 else state.longest)
-    return move(run, state.now, march.x, march.rate[0], march.push[0])
-
-
-@inlined
-def go_on(run: int) -> int:
-    """A step, and what it leads to: its end, or the first event in it."""
-    march = march_at(run)
-    state = march.state[0]
-    left = state.end - state.now
-    code, h = make_step(run, min(state.longest, left))
-    if code == OK:
-        code = interpolate(run, h)
-    if code != OK:
-        return code
-    part, closing = first_event(run)
-    if state.code != OK or march.system.sets.ask[1] != 0.0:
-        return int(state.code) if state.code != OK else SETS
-    if part == NEVER:
-        end = state.end if h >= left else state.now + h
-        keep_piece(run, h, end)
-        take(run, end)
-    else:
-        code = arrive(run, state.now + part * h, closing)
-    return NO_STEP if code == OK and not bounded(march.x) else code
+    return OK
 
 
 @kernel
 def march_on(run: int, most: int) -> int:
     """Go on until the end, until the room for the path is full, or ``most`` steps: DONE, FULL or a failure."""
     march = march_at(run)
-    state, path = march.state[0], march.path
+    state, path, sets = march.state[0], march.path, system_at(march.place).sets
     for _ in range(most):
-        code = OK
         if state.choose != 0:
-            code = begin_phase(run)
-        if code == OK and not state.now < state.end:
+            # What started small and went far rounds as what is large.
+            state.size = max(state.size, longest(march.x, sets.shift.shape[1]))
+            code = choose(run)
+            if code == OK:
+                code = begin_phase(run)
+            if code == OK:
+                code = move(run, state.now, march.x, march.rate[0], march.push[0])
+            if code != OK:
+                return code
+        left = state.end - state.now
+        if not left > 0.0:
             return DONE
-        if code == OK:
-            code = go_on(run)
+        code, h = make_step(run, min(state.longest, left))
         if code != OK:
             return code
+        part, closing = first_event(run)
+        if state.code != OK or sets.ask[1] != 0.0:
+            return int(state.code) if state.code != OK else SETS
+        if part == NEVER:
+            take(run, h, state.end if h >= left else state.now + h)
+        else:
+            code = arrive(run, state.now + part * h, closing)
+        if code != OK or not bounded(march.x):
+            return code if code != OK else NO_STEP
         if state.pieces > path.end.size - ROOM or state.events > path.event.shape[0] - march.closed.size:
             return FULL
     return FULL

@@ -2,25 +2,24 @@
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compile import kernel, maker
 from dincl.kernels.arrays import Flags, Floats, Offsets
 
 
-@kernel
+@maker
 def _by_column(indptr: Offsets, indices: Offsets, columns: int, chosen: Offsets) -> tuple[Offsets, Offsets]:
     """Give the rows that have an entry in each column, as places in ``chosen``, ascending."""
     start = np.zeros(columns + 1, np.int64)
     for row in chosen:
         for p in range(indptr[row], indptr[row + 1]):
-            start[indices[p] + 1] += 1
+            start[indices[p]] += 1
     for column in range(columns):
         start[column + 1] += start[column]
-    place = start.copy()
     entry = np.empty(start[columns], np.int64)
-    for k in range(chosen.size):
+    for k in range(chosen.size - 1, -1, -1):
         for p in range(indptr[chosen[k]], indptr[chosen[k] + 1]):
-            entry[place[indices[p]]] = k
-            place[indices[p]] += 1
+            start[indices[p]] -= 1
+            entry[start[indices[p]]] = k
     return start, entry
 
 
@@ -43,7 +42,7 @@ def gram_pattern(indptr: Offsets, indices: Offsets, columns: int, chosen: Offset
         For each column its rows, ascending; the last one is the diagonal.
     """
     first, with_entry = _by_column(indptr, indices, columns, chosen)
-    met = np.full(chosen.size, -1, np.int64)
+    met = np.zeros(chosen.size, np.int64)  # the last k that met it, plus 1
     start = np.zeros(chosen.size + 1, np.int64)
     room = np.empty(16 * chosen.size + 16, np.int64)
     size = 0
@@ -54,19 +53,31 @@ def gram_pattern(indptr: Offsets, indices: Offsets, columns: int, chosen: Offset
                 other = with_entry[q]
                 if other >= k:
                     break
-                if met[other] != k:
-                    met[other] = k
-                    if size + 1 >= room.size:
-                        room = np.concatenate((room, np.empty_like(room)))
-                    room[size] = other
+                if met[other] != k + 1:
+                    met[other] = k + 1
+                    place = size
+                    while place > start[k] and room[place - 1] > other:
+                        room[place] = room[place - 1]
+                        place -= 1
+                    room[place] = other
                     size += 1
-        room[start[k] : size].sort()
-        if size + 1 >= room.size:
-            room = np.concatenate((room, np.empty_like(room)))
+                    if size == room.size:
+                        room = _longer(room)
         room[size] = k
         size += 1
         start[k + 1] = size
-    return start, room[:size].copy()
+        if size == room.size:
+            room = _longer(room)
+    return start, room[:size]
+
+
+@maker
+def _longer(entry: Offsets) -> Offsets:
+    """Copy it, with room for as many others."""
+    copied = np.empty(2 * entry.size, np.int64)
+    for p in range(entry.size):
+        copied[p] = entry[p]
+    return copied
 
 
 @kernel

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compile import kernel, maker
 from dincl.kernels.arrays import Axes, Floats, Indices, Offsets
 from dincl.kernels.cells import GRID_AXES, PAIRS_PER_DISC, is_near, longer, sort_by_cell
 from dincl.kernels.rows import rows_of_pairs
@@ -36,12 +36,16 @@ def grid_shape(x: Floats, reach: Floats) -> tuple[Offsets, Floats, float]:
     edge : float
         Edge of a cell [length].
     """
-    shape = np.ones(GRID_AXES, np.int64)
+    shape = np.zeros(GRID_AXES, np.int64)
     low = np.zeros(GRID_AXES)
-    largest, smallest = reach.max(), reach.min()
+    largest, smallest = reach[0], reach[0]
+    for i in range(reach.size):
+        largest, smallest = max(largest, reach[i]), min(smallest, reach[i])
     edge = 2.0 * CELL_MARGIN * largest
     fits = largest <= SPREAD_LIMIT * smallest
     room = CELLS_PER_DISC * max(x.shape[0], FEW_DISCS)
+    for k in range(GRID_AXES):
+        shape[k] = 1
     for k in range(min(x.shape[1], GRID_AXES)):
         lowest, highest = x[0, k], x[0, k]
         for i in range(x.shape[0]):
@@ -54,10 +58,10 @@ def grid_shape(x: Floats, reach: Floats) -> tuple[Offsets, Floats, float]:
         room /= cells
         fits = fits and room >= 1.0
         shape[k] = int(cells) if fits else 1
-    return (shape if fits else np.empty(0, np.int64)), low, edge
+    return shape[: GRID_AXES if fits else 0], low, edge
 
 
-@kernel
+@maker
 def _cell_of_each(x: Floats, shape: Offsets, low: Floats, edge: float, axes: Axes) -> Indices:
     """Number of the cell of each disc, the last axis running fastest."""
     per_length = 1.0 / edge
@@ -73,18 +77,19 @@ def _cell_of_each(x: Floats, shape: Offsets, low: Floats, edge: float, axes: Axe
     return cell
 
 
-@kernel
+@maker
 def _rows_ahead(shape: Offsets, axes: Axes) -> Offsets:
     """Steps from a cell to the middles of the rows of three cells, along the last axis, that follow it.
 
     Together with the cell next to it these are half of its neighbours; it follows the other half.
     """
-    steps = np.zeros(1, np.int64)
-    stride = 1
-    for k in range(min(len(axes), GRID_AXES) - 1, 0, -1):
-        stride *= shape[k]
-        steps = np.concatenate((steps - stride, steps, steps + stride))
-    return steps[steps > 0]
+    steps = np.zeros(4, np.int64)
+    if len(axes) < 3:
+        steps[0] = shape[1]
+        return steps[: len(axes) - 1]
+    row, layer = shape[2], shape[1] * shape[2]
+    steps[0], steps[1], steps[2], steps[3] = row, layer - row, layer, layer + row
+    return steps
 
 
 @kernel

@@ -3,6 +3,8 @@
 A tuple of sixty arrays has four hundred numbers. Passed by value they cost a minute of compiling.
 """
 
+import ctypes
+import struct
 from collections.abc import Callable
 from typing import Any
 
@@ -19,6 +21,7 @@ from dincl.kernels.arrays import Offsets
 # Decorators whose types do not say what they take.
 _instruction: Any = intrinsic
 _lowering: Any = lower_getattr_generic
+_NOTHING: Any = ctypes.c_char * 0
 
 
 class Handle(types.Type):
@@ -71,11 +74,19 @@ def reader(example: Any) -> Callable[[int], Any]:
 def written(parts: Any) -> Offsets:
     """The words of a tuple of arrays, tuples and numbers, as numba has them in memory; the arrays must outlive them."""
     words: list[int] = []
+    _write(parts, words)
+    return np.array(words, dtype=np.int64)
+
+
+def _write(parts: Any, words: list[int]) -> None:
     for part in parts:
         if isinstance(part, np.ndarray):
-            words += [0, 0, part.size, part.itemsize, part.ctypes.data, *part.shape, *part.strides]
+            # Three times as fast as ``part.ctypes.data``, and refused if it is read-only or has gaps.
+            place = ctypes.addressof(_NOTHING.from_buffer(part))
+            words += (0, 0, part.size, part.itemsize, place, *part.shape, *part.strides)
         elif isinstance(part, tuple):
-            words += written(part).tolist()
+            _write(part, words)
+        elif isinstance(part, float):
+            words += struct.unpack("q", struct.pack("d", part))
         else:
-            words.append(int(np.array(part, dtype=np.float64 if isinstance(part, float) else np.int64).view(np.int64)))
-    return np.array(words, dtype=np.int64)
+            words.append(part)

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compile import kernel
+from dincl.compile import inner, kernel, maker
 from dincl.kernels.arrays import Axes, Floats, Indices, Offsets
 from dincl.kernels.cells import GRID_AXES, PAIRS_PER_DISC, is_near, longer, sort_by_cell
 from dincl.kernels.rows import rows_of_pairs
@@ -33,28 +33,35 @@ HALF_WORD = np.uint64(32)
 EMPTY = -1
 
 
-@kernel
-def _smallest_cell(x: Floats, reach: Floats) -> float:
+@inner
+def _smallest_cell(x: Floats, smallest: float) -> float:
     """Edge of the cells of level 0."""
-    edge = 2.0 * CELL_MARGIN * float(reach.min())
-    if np.abs(x).max() < ROUNDED_CELLS * edge:
+    edge, farthest = 2.0 * CELL_MARGIN * smallest, 0.0
+    for i in range(x.shape[0]):
+        for k in range(x.shape[1]):
+            farthest = max(farthest, abs(x[i, k]))
+    if farthest < ROUNDED_CELLS * edge:
         return edge
     return math.ldexp(1.0, math.frexp(edge)[1])
 
 
-@kernel
-def _levels_of(reach: Floats) -> tuple[Indices, Offsets]:
+@maker
+def _levels_of(reach: Floats, smallest: float) -> tuple[Indices, Offsets]:
     """Level l of each disc, the least with reach <= 2^l times the smallest; and the levels in use, ascending."""
-    smallest = reach.min() * REACH_MARGIN
     level = np.empty(reach.size, np.int32)
     used = np.zeros(LEVELS, np.bool_)
     for i in range(reach.size):
-        level[i] = min(max(math.frexp(reach[i] / smallest)[1], 0), LEVELS - 1)
+        level[i] = min(max(math.frexp(reach[i] / (smallest * REACH_MARGIN))[1], 0), LEVELS - 1)
         used[level[i]] = True
-    return level, np.flatnonzero(used)
+    found, count = np.empty(LEVELS, np.int64), 0
+    for number in range(LEVELS):
+        if used[number]:
+            found[count] = number
+            count += 1
+    return level, found[:count]
 
 
-@kernel
+@inner
 def _number_of(cells: float) -> int:
     """floor(cells); beyond 2^53 another monotone numbering, so that nothing overflows and no two floats are merged."""
     value = np.floor(cells)
@@ -65,7 +72,7 @@ def _number_of(cells: float) -> int:
     return number if value > 0.0 else -number
 
 
-@kernel
+@inner
 def _key_of(x: Floats, i: int, edge: float, level: int, axes: Axes) -> np.uint64:
     """Key of the cell that holds X_i in the grid of a level."""
     scale = math.ldexp(1.0, -level)
@@ -75,7 +82,7 @@ def _key_of(x: Floats, i: int, edge: float, level: int, axes: Axes) -> np.uint64
     return key
 
 
-@kernel
+@inner
 def _slot_of(key: np.uint64, level: int, keys: Keys, levels: Indices) -> np.int64:
     """Slot of the open-addressing table with this key and level, or the empty slot where they belong."""
     mixed = key ^ (np.uint64(level) * LEVEL_FACTOR)
@@ -86,14 +93,16 @@ def _slot_of(key: np.uint64, level: int, keys: Keys, levels: Indices) -> np.int6
     return slot
 
 
-@kernel
+@maker
 def _fill_table(x: Floats, edge: float, level: Indices, axes: Axes) -> tuple[Keys, Indices, Indices]:
     """Enter the cells of all discs: keys and levels of the table, and the slot of each disc."""
     size = 4
     while size < 2 * x.shape[0]:
         size *= 2
     keys = np.zeros(size, np.uint64)
-    levels = np.full(size, EMPTY, np.int32)
+    levels = np.empty(size, np.int32)
+    for k in range(size):
+        levels[k] = EMPTY
     slots = np.empty(x.shape[0], np.int32)
     for i in range(x.shape[0]):
         key = _key_of(x, i, edge, level[i], axes)
@@ -102,12 +111,16 @@ def _fill_table(x: Floats, edge: float, level: Indices, axes: Axes) -> tuple[Key
     return keys, levels, slots
 
 
-@kernel
+@maker
 def _steps_to_neighbours(axes: Axes) -> Keys:
     """Differences of keys between a cell and all its neighbours and itself, which is in the middle."""
-    steps = np.zeros(1, np.uint64)
-    for k in range(min(len(axes), GRID_AXES)):
-        steps = np.concatenate((steps - AXIS_FACTORS[k], steps, steps + AXIS_FACTORS[k]))
+    used = min(len(axes), GRID_AXES)
+    steps = np.zeros(3**used, np.uint64)
+    for number in range(steps.size):
+        digits = number
+        for k in range(used):
+            steps[number] += np.uint64(digits % 3) * AXIS_FACTORS[k] - AXIS_FACTORS[k]
+            digits //= 3
     return steps
 
 
@@ -117,9 +130,11 @@ def hierarchy_pairs(x: Floats, reach: Floats, axes: Axes) -> tuple[Offsets, Indi
 
     Arguments and result as in ``neighbours.near_pairs``, n >= 1. Cost n times the number of levels, plus the pairs.
     """
-    n = x.shape[0]
-    level, levels_used = _levels_of(reach)
-    edge = _smallest_cell(x, reach)
+    n, smallest = x.shape[0], reach[0]
+    for i in range(n):
+        smallest = min(smallest, reach[i])
+    level, levels_used = _levels_of(reach, smallest)
+    edge = _smallest_cell(x, smallest)
     keys, levels, slots = _fill_table(x, edge, level, axes)
     first, disc, x_sorted, reach_sorted = sort_by_cell(slots, keys.size, x, reach, axes)
     steps = _steps_to_neighbours(axes)
@@ -127,7 +142,9 @@ def hierarchy_pairs(x: Floats, reach: Floats, axes: Axes) -> tuple[Offsets, Indi
     count = 0
     for p in range(n):
         i = disc[p]
-        for asked in levels_used[np.searchsorted(levels_used, level[i]) :]:
+        for asked in levels_used:
+            if asked < level[i]:
+                continue
             key = _key_of(x_sorted, p, edge, asked, axes)
             # In its own level a disc asks half of the cells around it, and is asked from the other half.
             for number in range(steps.size // 2 if asked == level[i] else 0, steps.size):

@@ -68,7 +68,6 @@ class March(NamedTuple):
     """A run of the event-driven method to ``state.end``; ``place`` is the handle of the system."""
 
     place: int
-    system: SystemArrays
     held: Chosen
     pair: RungeKutta
     state: NDArray[np.void]
@@ -102,7 +101,6 @@ def begin_march(
     bend = np.zeros(n // system.move.shape[1] if system.move.shape[1] else 0)
     return March(
         place,
-        system,
         room(most, n),
         pair,
         state,

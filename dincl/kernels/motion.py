@@ -7,7 +7,7 @@ from dincl.kernels.active_set import across
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, append, backward, border, clear, forward, times
 from dincl.kernels.march import march_at
-from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate
+from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate, system_at
 from dincl.kernels.table import SPEEDS, ask, linearise
 
 EPS = 2.220446049250313e-16
@@ -21,7 +21,7 @@ MET = 2e-15
 def factorise(run: int, t: float, x: Floats) -> int:
     """Unit gradients of the held rows at x, and the factor of their Gram matrix; ``bound`` has their gaps."""
     march = march_at(run)
-    system, held = march.system, march.held
+    system, held = system_at(march.place), march.held
     rows, gradient = system.rows, system.program.gradient
     if ask(system.sets, t, x, SPEEDS) != 0:
         return SETS
@@ -58,7 +58,7 @@ def least_speed(system: SystemArrays, r: int) -> float:
 def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
     """Write x' = F + sum_k push_k n_k with n_k . x' = b_k into ``rate``, and the pushes, which are refined once."""
     march = march_at(run)
-    system, held = march.system, march.held
+    system, held = system_at(march.place), march.held
     rows, gradient, right = system.rows, system.program.gradient, held.right
     code = evaluate(system.drift, system.sets.shift.shape[1], t, x, rate)
     if code != OK or held.number[0] == 0:
@@ -84,7 +84,7 @@ def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
 def correct(run: int, t: float, x: Floats) -> int:
     """Move x back onto g(t, x) = 0 of the held rows, along their gradients."""
     march = march_at(run)
-    system, held = march.system, march.held
+    system, held = system_at(march.place), march.held
     if held.number[0] == 0:
         return OK
     for _ in range(MOST_CORRECTIONS):
@@ -105,27 +105,23 @@ def correct(run: int, t: float, x: Floats) -> int:
 
 
 @inner
-def stages(run: int, h: float, first: int, last: int) -> int:
-    """The rates of the stages ``first`` ... ``last`` - 1 of a step from ``x``, each from those before it."""
+def stage(run: int, h: float, i: int) -> int:
+    """The rate of stage i of a step from ``x``, from those before it."""
     march = march_at(run)
-    state, pair, x = march.state[0], march.pair, march.x
-    for i in range(first, last):
-        for k in range(x.size):
-            march.point[k] = 0.0
-        for j in range(i):
-            weight = h * pair.a[i, j]
-            if weight != 0.0:
-                for k in range(x.size):
-                    march.point[k] += weight * march.rate[j, k]
-        for k in range(x.size):
-            march.point[k] += x[k]
-        if i == pair.stages:
+    pair, x = march.pair, march.x
+    for k in range(x.size):
+        march.point[k] = 0.0
+    for j in range(i):
+        weight = h * pair.a[i, j]
+        if weight != 0.0:
             for k in range(x.size):
-                march.after[k] = march.point[k]
-        code = move(run, state.now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
-        if code != OK:
-            return code
-    return OK
+                march.point[k] += weight * march.rate[j, k]
+    for k in range(x.size):
+        march.point[k] += x[k]
+    if i == pair.stages:
+        for k in range(x.size):
+            march.after[k] = march.point[k]
+    return move(run, march.state[0].now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
 
 
 @inner
@@ -149,12 +145,11 @@ def error_of(run: int, h: float) -> float:
 
 
 @inner
-def interpolate(run: int, h: float) -> int:
+def interpolate(run: int, h: float) -> None:
     """The dense output of the step, in the nested form of Hairer, Norsett and Wanner."""
     march = march_at(run)
-    state, pair, n = march.state[0], march.pair, march.x.size
-    code = stages(run, h, pair.stages + 1, pair.stages + 1 + pair.more)
-    for k in range(n):
+    state, pair = march.state[0], march.pair
+    for k in range(march.x.size):
         change = march.after[k] - march.x[k]
         march.dense[0, k] = change
         march.dense[1, k] = h * march.rate[0, k] - change
@@ -165,7 +160,6 @@ def interpolate(run: int, h: float) -> int:
                 total += pair.dense[j, i] * march.rate[i, k]
             march.dense[3 + j, k] = h * total
     state.theta, state.made = -1.0, h
-    return code
 
 
 @inner

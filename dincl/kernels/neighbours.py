@@ -8,7 +8,7 @@ import numpy as np
 
 from dincl.compile import kernel
 from dincl.kernels.arrays import Axes, Floats, Indices, Offsets, axes_of
-from dincl.kernels.cells import MOST_PAIRS, PAIRS_PER_DISC, TooManyPairs, is_near
+from dincl.kernels.cells import MOST_PAIRS, TooManyPairs, is_near
 from dincl.kernels.grid import grid_pairs, grid_shape
 from dincl.kernels.hierarchy import hierarchy_pairs
 
@@ -63,13 +63,9 @@ def brute_force_pairs(x: Floats, reach: Floats) -> tuple[Offsets, Indices]:
 def _all_pairs(x: Floats, reach: Floats, axes: Axes) -> tuple[Offsets, Indices]:
     n = x.shape[0]
     start = np.zeros(n + 1, np.int64)
-    partner = np.empty(PAIRS_PER_DISC * n, np.int32)
+    partner = np.empty(n * (n - 1) // 2, np.int32)
     count = 0
     for i in range(n):
-        if count + i > partner.size:
-            grown = np.empty(2 * (count + i), np.int32)
-            grown[:count] = partner[:count]
-            partner = grown
         for j in range(i):
             partner[count] = j
             count += is_near(x, reach, i, j, axes)

@@ -1,6 +1,6 @@
 """The near ones among all pairs of a few discs, listed for many sweeps."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -36,6 +36,11 @@ class PairList(NamedTuple):
     number: Offsets  # (4,)
 
 
+# For its types.
+_EMPTY: Any = [np.zeros(0, dtype=np.float64 if kind == "f" else np.int64) for kind in "iiifiiiiffffii"]
+NO_PAIRS = PairList(*_EMPTY)
+
+
 @inner
 def list_again(pairs: PairList, x: Floats, d: int) -> None:
     """List the pairs closer than their length plus 2 skin; the skin grows if the last list did not serve for long."""
@@ -45,15 +50,15 @@ def list_again(pairs: PairList, x: Floats, d: int) -> None:
             pairs.skin[0] *= 2.0
         elif served > pairs.lasts[1]:
             pairs.skin[0] /= 2.0
-    room, count = 2.0 * pairs.skin[0], 0
+    one, other, length, room, count = pairs.one, pairs.other, pairs.length, 2.0 * pairs.skin[0], 0
     for f in range(pairs.first.size - 1):
         for p in range(pairs.first[f], pairs.first[f + 1]):
-            i, j, square, least = pairs.one[p], pairs.other[p], 0.0, pairs.length[p] + room
+            i, j, square, least = one[p], other[p], 0.0, length[p] + room
             for k in range(d):
                 square += (x[i + k] - x[j + k]) * (x[i + k] - x[j + k])
             if square <= least * least:
                 pairs.near_one[count], pairs.near_other[count] = i, j
-                pairs.near_length[count] = pairs.length[p]
+                pairs.near_length[count] = length[p]
                 count += 1
         pairs.near_first[f + 1] = count
     for k in range(x.size):
@@ -65,11 +70,11 @@ def list_again(pairs: PairList, x: Floats, d: int) -> None:
 @inner
 def is_stale(pairs: PairList, x: Floats, d: int) -> bool:
     """Whether a disc is farther than the skin from where it was listed, or nothing was listed yet."""
-    farthest = 0.0
-    for q in range(pairs.disc.size):
-        i, square = pairs.disc[q], 0.0
+    disc, reference, farthest = pairs.disc, pairs.reference, 0.0
+    for q in range(disc.size):
+        i, square = disc[q], 0.0
         for k in range(d):
-            square += (x[i + k] - pairs.reference[i + k]) * (x[i + k] - pairs.reference[i + k])
+            square += (x[i + k] - reference[i + k]) * (x[i + k] - reference[i + k])
         farthest = max(farthest, square)
     return bool(farthest > pairs.skin[0] * pairs.skin[0] or pairs.number[BUILDS] == 0)
 
@@ -77,10 +82,10 @@ def is_stale(pairs: PairList, x: Floats, d: int) -> bool:
 @inner
 def part_near(pairs: PairList, f: int, x: Floats, d: int) -> tuple[int, int]:
     """Go through the near pairs of a family, as ``sweeps.sweep_pairs`` does: corrections, and what stopped it."""
-    corrections, reference = 0, pairs.reference
-    allowed = pairs.skin[0] * pairs.skin[0]
+    corrections, reference, allowed = 0, pairs.reference, pairs.skin[0] * pairs.skin[0]
+    one, other, lengths = pairs.near_one, pairs.near_other, pairs.near_length
     for q in range(pairs.near_first[f], pairs.near_first[f + 1]):
-        i, j, length, square = pairs.near_one[q], pairs.near_other[q], pairs.near_length[q], 0.0
+        i, j, length, square = one[q], other[q], lengths[q], 0.0
         for k in range(d):
             square += (x[i + k] - x[j + k]) * (x[i + k] - x[j + k])
         if square >= length * length:
@@ -109,12 +114,13 @@ def part_pairs(pairs: PairList, f: int, x: Floats, d: int) -> int:
     """
     if is_stale(pairs, x, d):
         list_again(pairs, x, d)
+    backup = pairs.backup
     for k in range(x.size):
-        pairs.backup[k] = x[k]
+        backup[k] = x[k]
     corrections, stopped = part_near(pairs, f, x, d)
     while stopped == STALE:
         for k in range(x.size):
-            x[k] = pairs.backup[k]
+            x[k] = backup[k]
         list_again(pairs, x, d)
         corrections, stopped = part_near(pairs, f, x, d)
     pairs.number[SERVED] += 1

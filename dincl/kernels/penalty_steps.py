@@ -5,17 +5,17 @@ import numpy as np
 from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats
 from dincl.kernels.pair_list import DONE, SERVED, PairList, is_stale, list_again
-from dincl.kernels.sweep_steps import PAIRS, Families
-from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Drift, Steps, bounded, evaluate
+from dincl.kernels.sweep_steps import PAIRS, Families, families_at
+from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Steps, bounded, evaluate
 from dincl.kernels.table import DISTANCE, PLACES, RowTable, ask
 
 
 @inner
 def push_pairs(pairs: PairList, f: int, x: Floats, d: int, spring: bool, force: Floats) -> tuple[int, int]:
     """Add the force of the near pairs of a family that overlap: how many do, and one whose centres coincide or DONE."""
-    overlaps = 0
+    overlaps, one, other, lengths = 0, pairs.near_one, pairs.near_other, pairs.near_length
     for q in range(pairs.near_first[f], pairs.near_first[f + 1]):
-        i, j, length, square = pairs.near_one[q], pairs.near_other[q], pairs.near_length[q], 0.0
+        i, j, length, square = one[q], other[q], lengths[q], 0.0
         for k in range(d):
             square += (x[i + k] - x[j + k]) * (x[i + k] - x[j + k])
         distance = np.sqrt(square)
@@ -76,7 +76,7 @@ def push_affine(rows: RowTable, r: int, x: Floats, shift: Floats, spring: bool, 
 @inner
 def push_all(families: Families, x: Floats, spring: bool, force: Floats) -> int:
     """sum_k max(0, -g_k)^(exponent - 1) grad g_k; how many rows are violated, -1 if one has no direction."""
-    shift, pairs, rows, overlaps = families.sets.shift, families.pairs, families.rows, 0
+    shift, pairs, rows, overlaps = families.system.sets.shift, families.pairs, families.system.rows, 0
     d = shift.shape[1]
     if pairs.one.size > 0 and is_stale(pairs, x, d):
         list_again(pairs, x, d)
@@ -103,20 +103,19 @@ def push_all(families: Families, x: Floats, spring: bool, force: Floats) -> int:
 
 
 @kernel
-def advance(
-    families: Families, drift: Drift, strength: float, spring: bool, steps: Steps, x: Floats, room: Floats
-) -> tuple[int, int]:
+def advance(place: int, strength: float, spring: bool, steps: Steps, x: Floats, room: Floats) -> tuple[int, int]:
     """Make steps of the penalty method, of exponent 2 if ``spring`` and else 1; how it ended, and the step reached.
 
     A step that cannot be made leaves x (n,) as it was; ``room`` (2, n) is written to.
     """
-    force, velocity, h, d = room[0], room[1], steps.end / steps.number, families.sets.shift.shape[1]
+    families = families_at(place)
+    sets, force, velocity, h = families.system.sets, room[0], room[1], steps.end / steps.number
     for step in range(steps.first, steps.last):
         t = steps.origin + step * steps.end / steps.number
-        code = evaluate(drift, d, t, x, velocity)
+        code = evaluate(families.system.drift, sets.shift.shape[1], t, x, velocity)
         if code != OK:
             return code, step
-        if ask(families.sets, t, x, PLACES) != 0:
+        if ask(sets, t, x, PLACES) != 0:
             return SETS, step
         overlaps = push_all(families, x, spring, force)
         if overlaps < 0:

@@ -1,4 +1,4 @@
-"""Calls of C functions by their address, so that one compiled kernel serves every drift and every path of a set."""
+"""Calls of C functions by their address, so that one compiled kernel serves every drift and every moving set."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ from numba import types
 from numba.extending import intrinsic
 
 from dincl.checks import LARGEST
-from dincl.compile import kernel
+from dincl.compile import inner
 from dincl.kernels.arrays import Floats
 
 # What ``velocity`` returns.
 OK, FAILED, NOT_A_NUMBER = 0, 1, 2
 
 _instruction: Any = intrinsic  # whose types do not say that the first argument is not the caller's
-_DOUBLE, _WORD = ir.DoubleType(), ir.IntType(64)
 
 
 def _kind(given: Any) -> str:
@@ -27,41 +26,30 @@ def _kind(given: Any) -> str:
     return "f" if isinstance(given, types.Float) else "i" if isinstance(given, types.Integer) else "?"
 
 
-def _c_call(given: tuple[Any, ...], kinds: str) -> Any:
-    """The signature and the code of ``address(*arguments) -> int64``; None if the types are others."""
-    if "".join(map(_kind, given)) != kinds:
-        return None
-    places = {"f": _DOUBLE, "i": _WORD, "p": _DOUBLE.as_pointer()}
-    taken = {"f": types.float64, "i": types.int64}
-    signature = types.int64(*(taken.get(kind, of) for kind, of in zip(kinds, given, strict=True)))
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        plain = [
-            context.make_array(of)(context, builder, value).data if isinstance(of, types.Array) else value
-            for of, value in zip(signature.args, values, strict=True)
-        ]
-        function = ir.FunctionType(_WORD, [places[kind] for kind in kinds[1:]])
-        return builder.call(builder.inttoptr(plain[0], function.as_pointer()), plain[1:])
-
-    return signature, generate
-
-
 @_instruction
 def call_drift(typing: Any, address: Any, t: Any, x: Any, out: Any, n: Any, d: Any, data: Any) -> Any:
     """``int64 f(double t, double *x, double *out, int64 n, int64 d, double *data)`` at ``address``; 0 is success.
 
     The arrays are float64, C-contiguous, of any shape. They must be as long as the function takes them to be.
     """
-    return _c_call((address, t, x, out, n, d, data), "ifppiip")
+    if "".join(map(_kind, (address, t, x, out, n, d, data))) != "ifppiip":
+        return None
+    word, place = types.int64, ir.DoubleType().as_pointer()
+    signature = word(word, types.float64, x, out, word, word, data)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        plain = [
+            context.make_array(of)(context, builder, value).data if isinstance(of, types.Array) else value
+            for of, value in zip(signature.args, values, strict=True)
+        ]
+        taken = [ir.DoubleType(), place, place, ir.IntType(64), ir.IntType(64), place]
+        function = ir.FunctionType(ir.IntType(64), taken)
+        return builder.call(builder.inttoptr(plain[0], function.as_pointer()), plain[1:])
+
+    return signature, generate
 
 
-@_instruction
-def call_path(typing: Any, address: Any, t: Any, out: Any) -> Any:
-    """``int64 g(double t, double *out)`` at ``address``; 0 is success."""
-    return _c_call((address, t, out), "ifp")
-
-
-@kernel
+@inner
 def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, data: Floats) -> int:
     """out = F(t, x), with the check that all numbers are finite and at most LARGEST in magnitude.
 

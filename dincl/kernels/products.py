@@ -17,7 +17,8 @@ def times(indptr: Offsets, indices: Offsets, data: Floats, x: Floats, out: Float
 @kernel
 def transposed_times(indptr: Offsets, indices: Offsets, data: Floats, y: Floats, out: Floats) -> None:
     """Write A^T y into ``out``; rows without weight cost nothing."""
-    out[:] = 0.0
+    for column in range(out.size):
+        out[column] = 0.0
     for row in range(y.size):
         if y[row] != 0.0:
             for p in range(indptr[row], indptr[row + 1]):

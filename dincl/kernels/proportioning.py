@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compile import inner, kernel, maker
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.products import times, transposed_times
 
@@ -15,7 +15,7 @@ LONGEST_STEP = 1e12
 LARGEST = 1e10
 
 
-@kernel
+@maker
 def _largest_eigenvalue(indptr: Offsets, indices: Offsets, data: Floats, columns: int) -> float:
     """Bound the eigenvalues of A A^T by the largest row sum of |A| |A|^T."""
     total = np.zeros(columns)
@@ -30,7 +30,18 @@ def _largest_eigenvalue(indptr: Offsets, indices: Offsets, data: Floats, columns
     return largest
 
 
-@kernel
+@inner
+def _slope(
+    indptr: Offsets, indices: Offsets, data: Floats, least: Floats, mu: Floats, u: Floats, slope: Floats
+) -> None:
+    """Write u = A^T mu and A u - least."""
+    transposed_times(indptr, indices, data, mu, u)
+    times(indptr, indices, data, u, slope)
+    for row in range(mu.size):
+        slope[row] -= least[row]
+
+
+@inner
 def _measures(mu: Floats, slope: Floats, step: float) -> tuple[float, float, float, float]:
     """Give max |min(mu, slope)|, the descent that pushing rows and resting rows promise, and max mu."""
     residual, pushing, resting, largest = 0.0, 0.0, 0.0, 0.0
@@ -45,7 +56,7 @@ def _measures(mu: Floats, slope: Floats, step: float) -> tuple[float, float, flo
     return residual, pushing, resting, largest
 
 
-@kernel
+@inner
 def _restart(mu: Floats, slope: Floats, pushing: bool, direction: Floats) -> None:
     """Write the slope on the pushing rows, or on the resting rows that should push, into ``direction``."""
     for row in range(mu.size):
@@ -55,7 +66,7 @@ def _restart(mu: Floats, slope: Floats, pushing: bool, direction: Floats) -> Non
             direction[row] = slope[row] if mu[row] <= 0.0 and slope[row] < 0.0 else 0.0
 
 
-@kernel
+@inner
 def _conjugate(mu: Floats, slope: Floats, image: Floats, square: float, direction: Floats) -> None:
     """Turn ``direction`` to the slope on the pushing rows, conjugate to itself: image = A A^T direction."""
     overlap = 0.0
@@ -67,7 +78,7 @@ def _conjugate(mu: Floats, slope: Floats, image: Floats, square: float, directio
         direction[row] = (slope[row] if mu[row] > 0.0 else 0.0) - share * direction[row]
 
 
-@kernel
+@inner
 def _expand(mu: Floats, slope: Floats, image: Floats, direction: Floats, room: float, step: float) -> None:
     """Go as far as multipliers stay >= 0, then along the slope with projection: rows come to rest, in place."""
     for row in range(mu.size):
@@ -120,9 +131,7 @@ def bounded_conjugate_gradients(
     """
     u, slope, image, direction = np.empty(columns), np.empty(mu.size), np.empty(mu.size), np.empty(mu.size)
     step = FIXED_STEP / _largest_eigenvalue(indptr, indices, data, columns)
-    transposed_times(indptr, indices, data, mu, u)
-    times(indptr, indices, data, u, slope)
-    slope -= least
+    _slope(indptr, indices, data, least, mu, u, slope)
     _restart(mu, slope, True, direction)
     residual = np.inf
     for iteration in range(most):
@@ -142,16 +151,15 @@ def bounded_conjugate_gradients(
             square += u[column] * u[column]
         length = min(gain / square, LONGEST_STEP)
         if length <= room:
-            mu -= length * direction
-            slope -= length * image
+            for row in range(mu.size):
+                mu[row] -= length * direction[row]
+                slope[row] -= length * image[row]
             if resting > pushing:
                 _restart(mu, slope, True, direction)
             else:
                 _conjugate(mu, slope, image, square, direction)
         else:
             _expand(mu, slope, image, direction, room, step)
-            transposed_times(indptr, indices, data, mu, u)
-            times(indptr, indices, data, u, slope)
-            slope -= least
+            _slope(indptr, indices, data, least, mu, u, slope)
             _restart(mu, slope, True, direction)
     return most, residual

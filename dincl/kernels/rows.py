@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compile import maker
 from dincl.kernels.arrays import Indices, Offsets
 
 
-@kernel
+@maker
 def _group(key: Indices, value: Indices, rows: int) -> tuple[Offsets, Indices]:
     """Collect the values of equal key, each in 0 .. rows - 1, into rows, keeping their order: a counting sort."""
     place = np.zeros(rows + 2, np.int64)
@@ -21,7 +21,7 @@ def _group(key: Indices, value: Indices, rows: int) -> tuple[Offsets, Indices]:
     return place[: rows + 1], entry
 
 
-@kernel
+@maker
 def rows_of_pairs(pairs: Indices, n: int) -> tuple[Offsets, Indices]:
     """Sort pairs of discs, in linear time, into rows of the larger number.
 
@@ -39,9 +39,11 @@ def rows_of_pairs(pairs: Indices, n: int) -> tuple[Offsets, Indices]:
     entry : (m,) int32
         Row i holds the partners j < i, ascending.
     """
-    smaller = np.minimum(pairs[:, 0], pairs[:, 1])
-    larger = np.maximum(pairs[:, 0], pairs[:, 1])
+    smaller, larger = np.empty(len(pairs), np.int32), np.empty(len(pairs), np.int32)
+    for p in range(len(pairs)):
+        smaller[p], larger[p] = min(pairs[p, 0], pairs[p, 1]), max(pairs[p, 0], pairs[p, 1])
     start, larger = _group(smaller, larger, n)
     for j in range(n):
-        smaller[start[j] : start[j + 1]] = j
+        for p in range(start[j], start[j + 1]):
+            smaller[p] = j
     return _group(larger, smaller, n)

@@ -8,7 +8,7 @@ from dincl.kernels.choice import ZERO
 from dincl.kernels.factor import times
 from dincl.kernels.march import march_at
 from dincl.kernels.motion import EPS, at, least_speed, move
-from dincl.kernels.system import OK
+from dincl.kernels.system import OK, system_at
 from dincl.kernels.table import CALLED, DISTANCE, SPEEDS, ask, linearise
 
 # Looked at are the ends of this many equal parts of a step, and the lows in between.
@@ -34,7 +34,7 @@ def signal(run: int, what: int, theta: float) -> tuple[float, float]:
     march = march_at(run)
     if what == PUSHES or what >= march.closed.size:
         return weakness(run, what, theta), 0.0
-    state, system = march.state[0], march.system
+    state, system = march.state[0], system_at(march.place)
     row, rows, sets, d, h = system.rows.row[what], system.rows, system.sets, system.sets.shift.shape[1], state.made
     if sets.address != 0 and row.j < 0:
         dense_state(run, theta)
@@ -77,7 +77,7 @@ def dense_state(run: int, theta: float) -> None:
 def weakness(run: int, what: int, theta: float) -> float:
     """The smallest push, or how far the speed of a closed row is below what makes it a change; negative on failure."""
     march = march_at(run)
-    state, system = march.state[0], march.system
+    state, system = march.state[0], system_at(march.place)
     zero, t = NEGATIVE * state.speed, state.now + theta * state.made
     if what == PUSHES and theta == 0.0:
         return float(zero + least(run, march.push[0]))
@@ -142,24 +142,46 @@ def root(run: int, what: int, a: float, first: float, b: float, last: float, slo
 
 @inner
 def first_negative(run: int, what: int, most: float) -> float:
-    """The first root of a signal without derivative that becomes negative at a node, or dips below zero around one."""
-    two, one = np.inf, np.inf
+    """When a signal becomes negative at a node, or dips below zero between nodes; NEVER if not until ``most``."""
+    two, one, falling, is_gap = np.inf, np.inf, 0.0, 0 <= what < march_at(run).closed.size
     for j in range(PARTS + 1):
-        value = signal(run, what, j / PARTS)[0]
-        if value < 0.0:
-            return root(run, what, (j - 1) / PARTS, one, j / PARTS, value, False) if j > 0 else 0.0
-        if j > 1 and one <= min(two, value):
-            bend = two - 2.0 * one + value
-            depth = (value - two) * (value - two) / (8.0 * bend) if bend > 0.0 else 0.0
-            if one - depth <= SUSPICIOUS * one:
-                lowest = lowest_between(run, what, (j - 2) / PARTS, j / PARTS)
-                low = signal(run, what, lowest)[0]
-                if low < 0.0:
-                    return root(run, what, (j - 2) / PARTS, two, lowest, low, False)
-        two, one = one, value
-        if j / PARTS > most:
+        theta = j / PARTS
+        value, slope = signal(run, what, theta)
+        left, before, end, low = theta - 1.0 / PARTS, one, theta, value
+        if not value < 0.0 and is_gap and falling < 0.0 < slope and dips(one, falling / PARTS, value, slope / PARTS):
+            end = root(run, what, left, -falling, theta, -slope, True)
+        elif not value < 0.0 and not is_gap and j > 1 and sinks(two, one, value):
+            left, before = theta - 2.0 / PARTS, two
+            end = lowest_between(run, what, left, theta)
+        if end < theta:
+            low = signal(run, what, end)[0]
+        if low < 0.0:
+            return root(run, what, left, before, end, low, False) if j > 0 else 0.0
+        if theta > most:
             break
+        two, one, falling = one, value, slope
     return NEVER
+
+
+@inner
+def dips(before: float, falling: float, after: float, rising: float) -> bool:
+    """Whether the cubic with these values and slopes at the ends of [0, 1] falls low between them."""
+    cube = 2.0 * (before - after) + falling + rising
+    square = 3.0 * (after - before) - 2.0 * falling - rising
+    root = np.sqrt(max(square * square - 3.0 * cube * falling, 0.0))
+    bottom = -falling / (square + root) if square + root > 0.0 else 0.5
+    low = before + bottom * (falling + bottom * (square + bottom * cube))
+    return not low > SUSPICIOUS * min(before, after)
+
+
+@inner
+def sinks(before: float, value: float, after: float) -> bool:
+    """Whether the parabola through three values falls low around the middle one."""
+    if not value <= min(before, after):
+        return False
+    bend = before - 2.0 * value + after
+    depth = (after - before) * (after - before) / (8.0 * bend) if bend > 0.0 else 0.0
+    return value - depth <= SUSPICIOUS * value
 
 
 @inner

@@ -2,50 +2,18 @@
 
 import numpy as np
 
-from dincl.compile import inlined, inner
+from dincl.compile import inner
 from dincl.kernels.catch_up import carry
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.march import CLOSED, OPEN, march_at
-from dincl.kernels.signals import NEVER, PARTS, PUSHES, SUSPICIOUS, first_negative, root, signal
-from dincl.kernels.system import OK
+from dincl.kernels.signals import NEVER, PARTS, PUSHES, SUSPICIOUS, first_negative
+from dincl.kernels.system import OK, system_at
 from dincl.kernels.table import DISTANCE, SPEEDS, ask, distance_from_list, find_near, gap, sort_near
 
 # Sets are taken to be carried up to so many times as far as they are at the nodes.
 SAFETY = 2.0
 # Rows are listed for this many times the reach of a step.
 GENEROUS = 2.0
-
-
-@inner
-def closes(run: int, r: int, most: float) -> float:
-    """When the gap of a row falls below its level."""
-    before, falling = signal(run, r, 0.0)
-    if before < 0.0:
-        return 0.0
-    for j in range(PARTS):
-        left, right = j / PARTS, (j + 1) / PARTS
-        if left > most:
-            break
-        value, slope = signal(run, r, right)
-        end, low = right, value
-        if value >= 0.0 and falling < 0.0 < slope and dips(before, falling / PARTS, value, slope / PARTS):
-            end = root(run, r, left, -falling, right, -slope, True)
-            low = signal(run, r, end)[0]
-        if low < 0.0:
-            return root(run, r, left, before, end, low, False)
-        before, falling = value, slope
-    return NEVER
-
-
-@inner
-def dips(before: float, falling: float, after: float, rising: float) -> bool:
-    """Whether the cubic with these values and slopes at the ends of [0, 1] falls low between them."""
-    cube = 2.0 * (before - after) + falling + rising
-    square = 3.0 * (after - before) - 2.0 * falling - rising
-    root = np.sqrt(max(square * square - 3.0 * cube * falling, 0.0))
-    bottom = -falling / (square + root) if square + root > 0.0 else 0.5
-    low = before + bottom * (falling + bottom * (square + bottom * cube))
-    return not low > SUSPICIOUS * min(before, after)
 
 
 @inner
@@ -70,7 +38,7 @@ def make_room(run: int) -> float:
     x + theta (F_0 + (1 - theta) (F_1 + theta (...))) leaves the line by no more than (|F_1| + |F_2| + ...) / 4.
     """
     march = march_at(run)
-    state, d, carried, farthest = march.state[0], march.system.sets.shift.shape[1], 0.0, 0.0
+    state, d, carried, farthest = march.state[0], system_at(march.place).sets.shift.shape[1], 0.0, 0.0
     for j in range(1, PARTS + 1):
         carried = max(carried, carry(march.place, state.now, state.now + j / PARTS * state.made))
     for i in range(march.bend.size):
@@ -92,8 +60,9 @@ def make_room(run: int) -> float:
 def stays_clear(run: int, r: int) -> bool:
     """Whether a row at rest is not met on the straight lines of the step, nor as near as the dense output is."""
     march = march_at(run)
-    row, rows, d = march.system.rows.row[r], march.system.rows, march.system.sets.shift.shape[1]
-    if row.kind != DISTANCE or (row.j < 0 and march.system.sets.address != 0):
+    rows, sets = system_at(march.place).rows, system_at(march.place).sets
+    row, d = rows.row[r], sets.shift.shape[1]
+    if row.kind != DISTANCE or (row.j < 0 and sets.address != 0):
         return False
     start, along, way, end = 0.0, 0.0, 0.0, 0.0
     for k in range(d):
@@ -116,11 +85,11 @@ def stays_clear(run: int, r: int) -> bool:
     return bool(nearest > limit * limit)
 
 
-@inlined
+@inner
 def first_event(run: int) -> tuple[float, int]:
     """The part of the step after which something changes, NEVER if nothing does, and the row whose gap closes or -1."""
     march = march_at(run)
-    state, system, x = march.state[0], march.system, march.x
+    state, system, x = march.state[0], system_at(march.place), march.x
     rows, sets, near, touching = system.rows, system.sets, system.near, TOUCHING * march.state[0].size
     found, closing = NEVER, -1
     state.code = OK
@@ -146,7 +115,7 @@ def first_event(run: int) -> tuple[float, int]:
             value = gap(rows, sets, r, x)
             if value <= rows.row[r].sway * reach + touching:
                 state.level = -touching if value <= touching else 0.0
-                meets = closes(run, r, found)
+                meets = first_negative(run, r, found)
                 if meets < found:
                     found, closing = meets, r
     return found, closing

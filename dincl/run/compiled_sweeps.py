@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.kernels import penalty_steps, sweep_steps
+from dincl.kernels.handles import written
 from dincl.kernels.pair_list import BUILDS, CORRECTIONS, LOOKED_AT
 from dincl.kernels.system import COINCIDENT
 from dincl.rows.distance import DistanceRows
@@ -34,7 +35,8 @@ class _WithoutSolver(CompiledStepper):
     def __init__(self, problem: Problem, rows: FewRows) -> None:
         super().__init__(problem, rows.selection)
         self._blocks, self.families = rows.blocks, rows.families(self.system.arrays)
-        self.room = np.zeros((2, problem.x0.size))
+        self._words = written(self.families)
+        self.place, self.room = int(self._words.ctypes.data), np.zeros((2, problem.x0.size))
         self._counted = np.zeros_like(rows.pairs.number)
 
     def count(self) -> None:
@@ -77,7 +79,7 @@ class CompiledSweeps(_WithoutSolver):
         return StepState(self.problem.x0, self._v0)
 
     def call(self, steps: Steps, x: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[int, int]:
-        return sweep_steps.advance(self.families, self.system.arrays.drift, self._sweeps, steps, x, v, self.room)
+        return sweep_steps.advance(self.place, self._sweeps, steps, x, v, self.room)
 
     def met(self, rows: DistanceRows, i: int, j: int) -> StepFailure:
         return coincidence(i, j)
@@ -101,8 +103,7 @@ class CompiledPenalty(_WithoutSolver):
         return None if rows is None else cls(problem, rows, strength, exponent)
 
     def call(self, steps: Steps, x: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[int, int]:
-        drift = self.system.arrays.drift
-        return penalty_steps.advance(self.families, drift, self._strength, self._spring, steps, x, self.room)
+        return penalty_steps.advance(self.place, self._strength, self._spring, steps, x, self.room)
 
     def met(self, rows: DistanceRows, i: int, j: int) -> StepFailure:
         return rows.coincidence(int(np.flatnonzero((rows.i == i) & (rows.j == j))[0]))

@@ -45,8 +45,7 @@ class FewRows(NamedTuple):
             moving=np.array(moving, dtype=np.int64),
             blamed=np.zeros(2, dtype=np.int64),
             pairs=self.pairs,
-            rows=system.rows,
-            sets=system.sets,
+            system=system,
         )
 
 

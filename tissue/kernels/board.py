@@ -95,14 +95,14 @@ class Boards:
     """A board of two forms, on the same memory: ``flat``, (m,) numbers, and ``wide``, (m / WIDTH, WIDTH).
 
     Cell i of a tissue alone is number i, that of tissue k of eight number WIDTH i + k. The ``noise_key`` of a tissue
-    alone is apart in both: two words, and two for each lane. ``block`` has the arrays of numbers for each cell as rows.
+    alone is apart in both: two words, and two for each lane. ``block`` has the arrays with a number for each cell.
     """
 
     def __init__(self, capacity: int, width: int, numbers: Numbers, scale: float) -> None:
         m = -(-capacity * width // WIDTH) * WIDTH
         names = Board._fields[: Board._fields.index("low")]
         self.block = _aligned(len(names), m)
-        block = dict(zip(names, self.block, strict=True))
+        block = {name: line[:m] for name, line in zip(names, self.block, strict=True)}
         for name in WHOLE:
             block[name] = block[name].view(np.int64)
         same = _common(capacity, width, numbers, scale)
@@ -130,10 +130,13 @@ def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[s
 
 
 def _aligned(lines: int, length: int) -> NDArray[np.float64]:
-    """Zeros, of which eight lie in one line of the cache, and no two lines of cells behind each other in its sets."""
+    """Zeros, lines of this length and eight more, which none uses: so no two lines share a place in the cache.
+
+    Eight numbers lie in one line of the cache.
+    """
     zeros = np.zeros(lines * (length + WIDTH) + WIDTH - 1)
     begin = -zeros.ctypes.data % (8 * WIDTH) // 8
-    return zeros[begin : begin + lines * (length + WIDTH)].reshape(lines, -1)[:, :length]
+    return zeros[begin : begin + lines * (length + WIDTH)].reshape(lines, -1)
 
 
 def _example(*shape: int) -> Board:

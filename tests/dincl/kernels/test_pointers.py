@@ -13,12 +13,11 @@ from numba.core.errors import TypingError
 
 from dincl.checks import LARGEST
 from dincl.compile import kernel
-from dincl.kernels import pointers
-from dincl.kernels.pointers import FAILED, NOT_A_NUMBER, OK, call_drift, call_path
+from dincl.kernels.pointers import FAILED, NOT_A_NUMBER, OK, call_drift
+from tests.dincl.run.drift_runs import asked
 
 WORD, PLACE = ctypes.c_int64, ctypes.POINTER(ctypes.c_double)
 DRIFT = ctypes.CFUNCTYPE(WORD, ctypes.c_double, PLACE, PLACE, WORD, WORD, PLACE)
-PATH = ctypes.CFUNCTYPE(WORD, ctypes.c_double, PLACE)
 ROOT = Path(__file__).parents[3]
 PROGRAM = """
 import ctypes, sys
@@ -51,11 +50,6 @@ def through(at, t, x, out, n, d, data):
     return call_drift(at, t, x, out, n, d, data)
 
 
-@partial(kernel, references=False)
-def along(at, t, out):
-    return call_path(at, t, out)
-
-
 @pytest.mark.parametrize("shape", [(6,), (3, 2), (1, 3, 2)])
 def test_every_argument_arrives(shape):
     def drift(t, x, out, n, d, data):
@@ -67,16 +61,6 @@ def test_every_argument_arrives(shape):
     x, out = np.arange(6.0).reshape(shape), np.zeros(shape)
     assert through(address(function), 2.0, x, out, 3, 2, np.array([0.5])) == 7
     assert np.array_equal(out, 2.0 * x + 32.5)
-
-
-def test_a_path_fills_the_displacement():
-    def path(t, out):
-        out[0], out[1] = t, -t
-        return -3
-
-    function, out = PATH(path), np.zeros(2)
-    assert along(address(function), 1.5, out) == -3
-    assert out.tolist() == [1.5, -1.5]
 
 
 @pytest.mark.parametrize("wrong", [np.zeros((3, 2), np.float32), np.zeros((3, 4))[:, ::2], np.zeros((2, 3)).T])
@@ -104,13 +88,13 @@ def test_every_number_is_checked(place, value, code):
         return 0
 
     function = DRIFT(drift)
-    assert pointers.velocity(address(function), 0.0, np.zeros((3, 2)), np.zeros((3, 2)), 3, 2, np.zeros(1)) == code
+    assert asked(address(function), 0.0, np.zeros((3, 2)), np.zeros((3, 2)), 3, 2, np.zeros(1)) == code
 
 
 @pytest.mark.parametrize(("returned", "code"), [(1, FAILED), (-1, FAILED), (0, NOT_A_NUMBER)])
 def test_a_drift_that_does_not_answer_is_seen(returned, code):
     function, out = DRIFT(lambda *_: returned), np.zeros((3, 2))
-    assert pointers.velocity(address(function), 0.0, np.zeros((3, 2)), out, 3, 2, np.zeros(1)) == code
+    assert asked(address(function), 0.0, np.zeros((3, 2)), out, 3, 2, np.zeros(1)) == code
 
 
 def test_one_machine_code_serves_any_address_in_any_process(tmp_path):

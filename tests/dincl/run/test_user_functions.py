@@ -11,7 +11,7 @@ import pytest
 
 import dincl
 from dincl.compile import kernel
-from dincl.kernels.pointers import call_path
+from dincl.kernels.pointers import call_drift
 from dincl.kernels.system import SETS
 from dincl.kernels.table import PLACES, ask
 from dincl.run.small import SmallSystem
@@ -27,7 +27,7 @@ LATE = 0.62
 def interrupted(interrupt, sets, x, out):
     """An interrupt that arrives in compiled code, before the sets are asked for."""
     if interrupt != 0:
-        call_path(interrupt, 0.0, out)
+        call_drift(interrupt, 0.0, x, out, 0, 0, out)
     return ask(sets, 0.0, x, PLACES)
 
 

@@ -41,7 +41,7 @@ class Form:
 
 
 SHORT = Form({"dt": [0.1 / 4**k for k in range(9)], "tol": [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]}, CpuSeconds(0.5))
-FULL = Form({"dt": [0.1 / 2**k for k in range(21)], "tol": [10.0**-k for k in range(1, 13)]}, CpuSeconds(20.0))
+FULL = Form({"dt": [0.1 / 2**k for k in range(21)], "tol": [10.0**-k for k in range(1, 13)]}, CpuSeconds(5.0))
 
 
 @dataclass(frozen=True)
