@@ -9,7 +9,9 @@ from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
 from tissue.files.scenario import drawn
+from tissue.kernels.board import Boards
 from tissue.kernels.cycle import set_phases
+from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import Store, stored
 from tissue.kernels.sweeps import part
 from tissue.model.cells import Cells, Emt, Flags, Floats, no_emt
@@ -56,8 +58,8 @@ def first_state(
     cells, (emt, moves) = _drawn(start, numbers, draws), group or (no_emt(), NOBODY)
     _choose_middle(cells, moves)
     held = stored(cells, emt=emt, capacity=2 * start.cells)
-    set_phases(held, 0.0, numbers)
-    return held, _part(held, start.cells)
+    set_phases(held, 0.0, handed_numbers(numbers))
+    return held, _part(held, start.cells, numbers)
 
 
 def _choose_middle(cells: Cells, moves: Flags) -> None:
@@ -112,15 +114,17 @@ def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
     return np.sort(draws.uniform(-width / 2, width / 2, n))
 
 
-def _part(held: Store, n: int) -> Parted:
+def _part(held: Store, n: int, numbers: Numbers) -> Parted:
     """Sweep over the pairs until none overlap."""
     cells = held.cells
     x, y = cells.x[:n].copy(), cells.y[:n].copy()
-    sweeps = part(cells, n, TOUCHING, MOST_SWEEPS, held.scratch)
+    board = Boards(n, 1, numbers, 0.0).flat
+    board.parts.x[:n], board.parts.y[:n], board.parts.radius[:n] = x, y, cells.radius[:n]
+    sweeps = part(board, n, TOUCHING, MOST_SWEEPS)
     if sweeps < 0:
         raise InvalidProblem(
             f"tissue.cells = {n}: more than fit: their hard discs could not be parted in {MOST_SWEEPS} sweeps; must be "
             "fewer cells, a larger box or smaller hard discs"
         )
-    held.scratch.counts[:] = 0
+    cells.x[:n], cells.y[:n] = board.parts.x[:n], board.parts.y[:n]
     return Parted(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))

@@ -1,6 +1,7 @@
 """Kernels of the tissue called like their twins, on copies, with what changes handed back; and compared with them."""
 
 import sys
+from typing import Any, NamedTuple
 
 import numpy as np
 import pytest
@@ -8,11 +9,11 @@ import pytest
 from tests.tissue import states as tissue_states
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
-from tissue.kernels import advance, scale, store, substeps, sweeps
-from tissue.kernels.batch import board as boards
-from tissue.kernels.batch.advance import advance as batch_advance
-from tissue.kernels.batch.group import grouped, replicate
-from tissue.kernels.lanes import WIDTH
+from tissue.kernels import advance, kernel, scale, store
+from tissue.kernels.board import Boards, copy_in, copy_out
+from tissue.kernels.group import Group
+from tissue.kernels.handed import handed_numbers
+from tissue.kernels.sweeps import order_basal, separate
 from tissue.model.cells import Emt, emt_cells
 from tissue.model.energy import Forces
 
@@ -26,8 +27,13 @@ NEAR_BY = 1e-8
 # Nothing changes but by divisions, phases and forces; no second daughters.
 STILL = tissue_states.numbers(variance=0.0, rate_ax=0.0, rate_bx=0.0, rate_aa=0.0, two_daughters=0.0)
 ROOM = 8
-IN_USE = store.CELLS
-RUNNING = np.zeros(WIDTH, np.int64)
+
+
+class Random(NamedTuple):
+    """The generators of a run, as in ``Streams``."""
+
+    cycle: Any
+    noise: Any
 
 
 def held(tissue, capacity=None):
@@ -45,23 +51,24 @@ def taken(kept):
 def apply_rules(tissue, t, numbers, draws, noise):
     """As ``twins.apply_rules``."""
     kept = held(tissue)
-    advance.apply_rules(kept, t, numbers, draws, noise)
+    advance.apply_rules(kept, t, handed_numbers(numbers), draws, noise)
     return taken(kept)
 
 
 def make_substeps(cells, layers, numbers, noise):
     """As ``twins.make_substeps``, without noise: of this the kernel has a key from the rules."""
     assert noise is None
-    kept = held(Tissue(cells, layers, len(cells.x)))
-    assert substeps.make_substeps(kept, numbers)
-    return taken(kept).cells
+    group = Group([held(Tissue(cells, layers, len(cells.x)))], numbers)
+    assert group.make_substeps()
+    return taken(group.stores[0]).cells
 
 
 def steps(tissue, made, wanted, numbers, draws, noise):
     """As ``twins.steps``."""
-    kept = held(tissue, 4 * len(tissue.cells.x) + ROOM)
-    assert advance.advance(kept, made, wanted, numbers, draws, noise) == (wanted, advance.DONE)
-    return taken(kept)
+    group = Group([held(tissue, 4 * len(tissue.cells.x) + ROOM)], numbers, [Random(draws, noise)])
+    assert group.call(made, wanted) == (wanted, advance.DONE)
+    assert not group.ended.any()
+    return taken(group.stores[0])
 
 
 def measure(tissue, positions, controls):
@@ -72,25 +79,31 @@ def measure(tissue, positions, controls):
 def together(states, wanted, given_numbers, seeds):
     """The states after steps made side by side; ``ended`` of each."""
     room = 4 * max(len(state.cells.x) for state in states)
-    group = grouped([held(state, room) for state in states])
-    draws, noise = zip(*[generators(seed) for seed in seeds], strict=True)
-    ended = RUNNING.copy()
-    made = batch_advance(group, boards.board_for(room), ended, 0, wanted, given_numbers, draws, noise)
-    assert made == (wanted, advance.DONE)
-    return [taken(replicate(group, k)) for k in range(WIDTH)], ended
+    random = [Random(*generators(seed)) for seed in seeds]
+    group = Group([held(state, room) for state in states], given_numbers, random)
+    assert group.call(0, wanted) == (wanted, advance.DONE)
+    return [taken(kept) for kept in group.stores], group.ended
 
 
-def separate(kept):
-    """One sweep of the hard discs of a store; whether the lists had room."""
-    n = int(kept.sizes[IN_USE])
-    return sweeps.refresh(kept.cells, n, kept.scratch) and sweeps.separate(kept.cells, n, kept.scratch)
+@kernel
+def _sweeps(stores, ended, flat, wide, numbers):
+    n = copy_in(stores, ended, flat, numbers, 1.0)
+    if len(ended) == 1:
+        separate(flat, n)
+        order_basal(flat, n)
+    else:
+        separate(wide, n)
+        order_basal(wide, n)
+    copy_out(flat, stores)
 
 
-def order_basal(cells, layers, largest):
-    """The basal points after both sweeps."""
-    kept = held(Tissue(cells, layers, len(cells.x)))
-    sweeps.order_basal(kept.cells, kept.layers, len(layers.basal), largest, kept.scratch)
-    return taken(kept).cells.bx
+def swept(states, given_numbers):
+    """The cells of one tissue, or of eight, after one sweep of all projections."""
+    kept, width = [held(state) for state in states], len(states)
+    boards = Boards(max(len(one.cells.x) for one in kept), width, given_numbers, 1.0)
+    places = np.array([one.address for one in kept])
+    _sweeps(places, np.zeros(width, np.int64), boards.flat, boards.wide, handed_numbers(given_numbers))
+    return [taken(one).cells for one in kept]
 
 
 def generators(seed, count=2):

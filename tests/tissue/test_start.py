@@ -6,8 +6,7 @@ from scipy import stats
 
 import dincl
 from tissue.files.parameters import preset
-from tissue.kernels.scratch import COUNTERS
-from tissue.kernels.store import contents
+from tissue.kernels.store import COUNTERS, contents
 from tissue.model.numbers_start import StartNumbers
 from tissue.start import first_state
 
@@ -143,7 +142,7 @@ def test_parting_moves_only_as_far_as_it_says():
 def test_parting_is_not_counted_as_work_of_the_run():
     held, parted = first_state(THESIS, preset("thesis").numbers(), np.random.default_rng(0))
     assert parted.sweeps > 0
-    assert dict(zip(COUNTERS, held.scratch.counts.tolist(), strict=True)) == dict.fromkeys(COUNTERS, 0)
+    assert dict(zip(COUNTERS, held.counts.tolist(), strict=True)) == dict.fromkeys(COUNTERS, 0)
 
 
 def test_more_cells_than_fit():

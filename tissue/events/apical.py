@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 
+from dincl.compile import inner
 from tissue.events.layer import find, remove
-from tissue.kernels import kernel
 from tissue.kernels.store import APICAL, Store
 from tissue.model.numbers import Numbers
 
 
-@kernel
+@inner
 def begin(store: Store, i: int, numbers: Numbers) -> None:
     """The apical point of cell i leaves the layer, and a new junction joins its neighbours.
 
@@ -30,7 +30,7 @@ def begin(store: Store, i: int, numbers: Numbers) -> None:
     cells.stiff_ax[i] = numbers.alpha_ax * numbers.freed_stiffness
 
 
-@kernel
+@inner
 def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
     """For each dt after: the spring relaxes from its length ``rest`` before towards 0, and (3.2) holds no more."""
     store.cells.rest_ax[i] = rest * math.exp(-numbers.rate_ax * numbers.dt)

@@ -4,24 +4,24 @@ from __future__ import annotations
 
 import math
 
+from dincl.compile import inner
 from tissue.events.layer import find, remove
-from tissue.kernels import kernel
 from tissue.kernels.store import BASAL, Store
 from tissue.model.numbers import Numbers
 
 
-@kernel
+@inner
 def begin(store: Store, i: int, numbers: Numbers) -> None:
     """The basal point of cell i leaves the layer and moves freely: (C2) to (C4) hold for its neighbours without it."""
     k = find(store.layers.basal, store.sizes[BASAL], i)
     if k < 0:
         return
     store.sizes[BASAL] = remove(store.layers.basal, store.sizes[BASAL], k)
-    store.scratch.by_moves[i] = 1.0
+    store.motion.by_moves[i] = 1.0
     store.cells.stiff_bx[i] = numbers.alpha_bx * numbers.freed_stiffness
 
 
-@kernel
+@inner
 def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
     """For each dt after: the spring relaxes from its length ``rest`` before towards 0, and (3.3) holds no more."""
     store.cells.rest_bx[i] = rest * math.exp(-numbers.rate_bx * numbers.dt)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from tissue.kernels import kernel
+from dincl.compile import inner
 from tissue.model.cells import Integers
 
 
-@kernel
+@inner
 def find(layer: Integers, size: int, i: int) -> int:
     """The place of cell i in a layer of this size, -1 if it is not there."""
     for k in range(size):
@@ -15,7 +15,7 @@ def find(layer: Integers, size: int, i: int) -> int:
     return -1
 
 
-@kernel
+@inner
 def remove(layer: Integers, size: int, k: int) -> int:
     """Take the k-th cell out of a layer: those before and behind are neighbours from now on. The new size."""
     for place in range(k, size - 1):

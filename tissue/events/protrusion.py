@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from tissue.kernels import kernel
+from dincl.compile import inner
 from tissue.kernels.store import Store
 from tissue.model.numbers import Numbers
 
 
-@kernel
+@inner
 def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
     """For each dt: how the basal point of cell i moves, and what its spring does, by where the point is now.
 
@@ -17,11 +17,11 @@ def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
     nothing to hold on to above the basal line: the spring has no force, or gives way as fast as the point runs. Below
     the line its rest length tends from ``rest``, before this dt, to 0.
     """
-    cells, scratch = store.cells, store.scratch
+    cells, motion = store.cells, store.motion
     running = cells.by[i] > -numbers.run_depth
     moves = 1.0 if not running and numbers.forced_below else 0.0
-    scratch.bx_moves[i] = scratch.by_moves[i] = moves
-    scratch.runs[i] = numbers.run_speed * numbers.dt / numbers.substeps if running else 0.0
+    motion.bx_moves[i] = motion.by_moves[i] = moves
+    motion.runs[i] = numbers.run_speed * numbers.dt / numbers.substeps if running else 0.0
     stiffness = numbers.alpha_bx * numbers.freed_stiffness
     if cells.by[i] <= 0.0:
         cells.rest_bx[i] = rest * math.exp(-numbers.dt / numbers.contraction)

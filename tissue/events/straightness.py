@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from tissue.kernels import kernel
+from dincl.compile import inner
 from tissue.kernels.store import Store
 from tissue.model.numbers import Numbers
 
 
-@kernel
+@inner
 def begin(store: Store, i: int, numbers: Numbers) -> None:
     """The bending spring of cell i weakens, to 0 in the thesis."""
     store.cells.stiff_axb[i] = numbers.bent_stiffness

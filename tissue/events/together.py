@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from dincl.compile import inner
 from tissue.events import apical, basal, bits, protrusion, straightness
-from tissue.kernels import kernel
 from tissue.kernels.scale import ab_position
 from tissue.kernels.store import CELLS, Store
 from tissue.model.numbers import Numbers
 
 
-@kernel
+@inner
 def begin_events(store: Store, t: float, numbers: Numbers) -> None:
     """Begin each event whose time has come; where it is the first one of a cell, keep its y_AB before it (4.8)."""
     cells, emt = store.cells, store.emt
@@ -33,7 +33,7 @@ def begin_events(store: Store, t: float, numbers: Numbers) -> None:
         cells.events[i] |= new
 
 
-@kernel
+@inner
 def last_events(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
     """For each dt what the events of cell i put in place of the rules; its rest lengths before these are given."""
     events = store.cells.events[i]

@@ -2,46 +2,98 @@
 
 from __future__ import annotations
 
+from typing import Any
+
+from llvmlite import ir
+from numba import types
 from numpy.random import Generator
 
 from tissue.events.together import begin_events
 from tissue.kernels import kernel
+from tissue.kernels.board import LOST, RUNNING, board_at, copy_in, copy_out
 from tissue.kernels.cycle import adapt_rest_lengths, set_phases
 from tissue.kernels.division import count_due, divide
-from tissue.kernels.neighbours import LOST
-from tissue.kernels.normals import draw_key
+from tissue.kernels.handed import generator_at, numbers_at
+from tissue.kernels.lanes import instruction
+from tissue.kernels.noise import add_noise, draw_key
 from tissue.kernels.scale import watch_sides
-from tissue.kernels.store import CELLS, Store
-from tissue.kernels.substeps import add_noise, make_substeps
-from tissue.model.cells import Cells
+from tissue.kernels.store import CELLS, Store, store_at
+from tissue.model.cells import Integers
 from tissue.model.numbers import Numbers
 
-# How a call ended: all steps made; no room for the daughters that may come; no room in the lists of close pairs;
-# a cell that is lost.
-DONE, FULL, CROWDED, NON_FINITE = range(4)
+# How a call ended: all steps made; no room for the daughters that may come.
+DONE, FULL = range(2)
 
 
 @kernel
 def advance(
-    store: Store, made: int, steps: int, numbers: Numbers, draws: Generator, noise: Generator
+    stores: Integers, random: Integers, ended: Integers, made: int, steps: int, how: Integers
 ) -> tuple[int, int]:
     """Make the steps ``made`` to ``steps``, the k-th to t = (k + 1) dt; how many are made then, and how the call ended.
 
-    After FULL nothing is lost: put the cells into a larger store and go on.
+    A tissue that is lost stays as it is from then on: ``ended`` is set to the step that failed. After FULL nothing is
+    lost: put the cells into larger stores and go on.
+
+    Parameters
+    ----------
+    stores, ended
+        (1,) or (WIDTH,): where the tissues are; RUNNING for those to go on with.
+    random
+        (2, k, GENERATOR): their generators of draws and of noise.
+    how
+        (4,): where the numbers and the board are, seen flat and as substeps see it, and the substeps for it.
     """
+    numbers = numbers_at(how[0])
     while made < steps:
         t = (made + 1) * numbers.dt
-        if store.sizes[CELLS] + count_due(store, t) > len(store.cells.x):
-            return made, FULL
-        apply_rules(store, t, numbers, draws, noise)
-        listed = make_substeps(store, numbers)
-        if find_lost(store.cells, store.sizes[CELLS]) >= 0:
-            return made, NON_FINITE
-        if not listed:
-            return made, CROWDED
-        watch_sides(store, t)
+        for k in range(len(stores)):
+            if ended[k] == RUNNING and is_full(store_at(stores[k]), t):
+                return made, FULL
+        for k in range(len(stores)):
+            if ended[k] == RUNNING:
+                draws, noise = generator_at(random[0], k), generator_at(random[1], k)
+                apply_rules(store_at(stores[k]), t, numbers, draws, noise)
+        if not make_substeps(stores, ended, how):  # nobody runs any more
+            return steps, DONE
+        for k in range(len(stores)):
+            if ended[k] == RUNNING:
+                store = store_at(stores[k])
+                if find_lost(store) >= 0:
+                    ended[k] = made + 1
+                else:
+                    watch_sides(store, t)
         made += 1
     return made, DONE
+
+
+@kernel
+def make_substeps(stores: Integers, ended: Integers, how: Integers) -> int:
+    """All substeps of one dt, without the rules: the largest number of cells of the tissues that run."""
+    numbers, flat = numbers_at(how[0]), board_at(how[1])
+    n = copy_in(stores, ended, flat, numbers, numbers.dt / numbers.substeps / numbers.mu)
+    if n > 0:
+        call_substeps(how[3], how[1], how[2], n)
+        copy_out(flat, stores)
+    return n
+
+
+@instruction
+def call_substeps(typing: Any, address: Any, flat: Any, wide: Any, n: Any) -> Any:
+    """Make the substeps for n cells on the board by the function at the address."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        word = ir.IntType(64)
+        function = ir.FunctionType(word, [word, word, word])
+        return builder.call(builder.inttoptr(values[0], function.as_pointer()), values[1:])
+
+    return types.int64(types.int64, types.int64, types.int64, types.int64), generate
+
+
+@kernel
+def is_full(store: Store, t: float) -> bool:
+    """Whether the daughters that may come at time t have no room."""
+    full: bool = store.sizes[CELLS] + count_due(store, t) > len(store.cells.x)
+    return full
 
 
 @kernel
@@ -52,15 +104,16 @@ def apply_rules(store: Store, t: float, numbers: Numbers, draws: Generator, nois
     set_phases(store, t, numbers)
     adapt_rest_lengths(store, t, numbers)
     if numbers.noise_in_substeps:
-        draw_key(noise, store.scratch.noise_key)
+        draw_key(noise, store.noise_key)
     else:
-        add_noise(store.cells, store.sizes[CELLS], numbers.variance * numbers.dt, noise)
+        add_noise(store, numbers.variance * numbers.dt, noise)
 
 
 @kernel
-def find_lost(cells: Cells, n: int) -> int:
+def find_lost(store: Store) -> int:
     """The first cell whose coordinates add up to LOST in magnitude, or are not numbers; -1 if there is none."""
-    for i in range(n):
+    cells = store.cells
+    for i in range(store.sizes[CELLS]):
         nucleus, apical = abs(cells.x[i]) + abs(cells.y[i]), abs(cells.ax[i]) + abs(cells.ay[i])
         basal = abs(cells.bx[i]) + abs(cells.by[i])
         if not nucleus + apical + basal < LOST:  # nor if it is NaN

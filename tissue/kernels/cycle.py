@@ -9,21 +9,21 @@ import math
 
 from numpy.random import Generator
 
+from dincl.compile import inner
 from tissue.events.together import last_events
 from tissue.kernels import kernel
-from tissue.kernels.scratch import STALE
 from tissue.kernels.store import CELLS, Store
 from tissue.model.cells import Cells
 from tissue.model.numbers import Numbers
 
 
-@kernel
+@inner
 def draw_cycle(numbers: Numbers, draws: Generator) -> float:
     """t_cycle ~ U(T_min, T_max)  (3.1)."""
     return numbers.min_cycle + (numbers.max_cycle - numbers.min_cycle) * draws.random()
 
 
-@kernel
+@inner
 def in_g2(cells: Cells, i: int, t: float, numbers: Numbers) -> bool:
     """Whether t_age >= t_G2 = t_cycle - T_G2 - T_mitosis: the active part of G2, or mitosis."""
     late: bool = t - cells.birth[i] >= cells.cycle[i] - numbers.g2 - numbers.mitosis
@@ -40,8 +40,6 @@ def set_phases(store: Store, t: float, numbers: Numbers) -> None:
         mitosis = t - cells.birth[i] >= cells.cycle[i] - numbers.mitosis
         enlarged = changes and (late if numbers.enlarge_in_g2 else mitosis)
         radius = numbers.enlarged_radius if enlarged else numbers.hard_radius
-        if radius > cells.radius[i]:  # the lists know smaller discs
-            store.scratch.flags[STALE] = 1
         cells.radius[i] = radius
         cells.stiff_aa[i] = numbers.alpha_aa * (numbers.g2_stiffening if changes and late else 1.0)
 
@@ -54,10 +52,10 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
     |A - B| - 2 for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink
     towards 0. What has begun of the EMT takes the place of these.
     """
-    cells = store.cells
+    cells, n = store.cells, store.sizes[CELLS]
     keep_ax, keep_bx = math.exp(-numbers.rate_ax * numbers.dt), math.exp(-numbers.rate_bx * numbers.dt)
     keep_aa = math.exp(-numbers.rate_aa * numbers.dt)
-    for i in range(store.sizes[CELLS]):
+    for i in range(n):
         rest_ax, rest_bx = cells.rest_ax[i], cells.rest_bx[i]
         if cells.moves[i] and in_g2(cells, i, t, numbers):
             wanted_ax = 0.0

@@ -2,153 +2,115 @@
 
 from __future__ import annotations
 
-from typing import Final, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.kernels.advance import CROWDED, DONE, NON_FINITE
-from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
-from tissue.kernels.lanes import WIDTH, fma, load, store
-from tissue.kernels.multipliers import (
-    REACH,
-    Multipliers,
-    hold_basal,
-    hold_discs,
-    list_pairs,
-    multipliers_for,
-)
-from tissue.kernels.neighbours import LOST, make_lists
-from tissue.kernels.scratch import Scratch
-from tissue.kernels.store import APICAL, BASAL, CELLS, Store
-from tissue.model.cells import Cells, Floats
+from tissue.kernels.advance import DONE
+from tissue.kernels.board import LOST, Board, Boards, copy_in, copy_out
+from tissue.kernels.forces import junctions, move, push_in_rows
+from tissue.kernels.handed import Handed, kind_of_handle
+from tissue.kernels.lanes import WIDTH
+from tissue.kernels.multipliers import Multipliers, hold_basal, hold_discs, is_stale, list_pairs, multipliers_for
+from tissue.kernels.store import BASAL, store_at
+from tissue.model.cells import COORDINATES, Floats, Integers
 from tissue.model.numbers import Numbers
 from tissue.model.numbers_daha import Daha
 
-# How a call ended, beside DONE, CROWDED and NON_FINITE: all iterations made, and the rule does not hold yet.
-UNFINISHED = 1 + max(DONE, CROWDED, NON_FINITE)
+# How a call ended, beside DONE: too many pairs are near each other; coordinates beyond all bounds; all iterations made,
+# and the rule does not hold yet.
+CROWDED, NON_FINITE, UNFINISHED = range(DONE + 1, DONE + 4)
 # Bound of |z_n|^2 + |z_{n+1} - z_n|^2: below it |z_{n+1}| is below LOST.
 TOO_FAR = LOST**2 / 2
-# The first fields of Cells are the coordinates x, y, ax, ay, bx, by.
-COORDINATES: Final = 6
-BX = Cells._fields.index("bx")
 
 
 class Memory(NamedTuple):
-    """What the iteration remembers beside the positions, by coordinate."""
+    """What the iteration remembers beside the positions, by coordinate (COORDINATES, capacity)."""
 
     multipliers: Multipliers
-    before: tuple[Floats, ...]  # z_{n-1}, or z_n while it moves on
-    change: tuple[Floats, ...]  # z_{n+1} - z_n without the part of the forces
-    sums: Floats  # (2 WIDTH,)
+    points: Floats  # the coordinates of the board
+    before: Floats  # z_{n-1}, or z_n while it moves on
+    change: Floats  # z_{n+1} - z_n without the part of the forces
 
 
-def memory_for(cells: Cells) -> Memory:
-    """Room for the capacity of ``cells``; all multipliers are zero."""
-    before, change = (tuple(np.zeros(len(cells.x)) for _ in range(COORDINATES)) for _ in range(2))
-    return Memory(multipliers_for(cells), before, change, np.zeros(2 * WIDTH))
+def boards_for(capacity: int, numbers: Numbers, daha: Daha) -> Boards:
+    """Boards for so many cells, whose displacements are those of one iteration."""
+    return Boards(capacity, 1, numbers, daha.dtau**2 / (1 + daha.c * daha.dtau / 2) * daha.alpha)
+
+
+def memory_for(boards: Boards) -> Any:
+    """Room for what is on a board, ``Handed``: for kernels it is ``Memory``. All multipliers are zero."""
+    points = boards.block[: len(COORDINATES)]
+    parts = Memory(multipliers_for(points.shape[1]), points, np.zeros(points.shape), np.zeros(points.shape))
+    return Handed(parts, kind_of_handle(parts))
 
 
 @kernel
-def iterate(held: Store, numbers: Numbers, daha: Daha, memory: Memory) -> tuple[int, int]:
+def iterate(
+    stores: Integers, ended: Integers, flat: Board, wide: Board, numbers: Numbers, daha: Daha, memory: Memory
+) -> tuple[int, int]:
     """Move the cells until |z_{n+1} - z_n| <= dtau eps |z_n| (3.24): the number of iterations, and how the call ended.
 
     z_{n+1} = z_n + ((1 - a) (z_n - z_{n-1}) - dtau^2 p_n) / (1 + a) with a = c dtau / 2 is (3.25), solved. It begins
-    with the multipliers in ``memory``.
+    with the multipliers in ``memory``; the boards are those of ``boards_for``.
     """
-    cells, n = held.cells, held.sizes[CELLS]
-    points = cells[:COORDINATES]
-    half = daha.c * daha.dtau / 2
+    store, half = store_at(stores[0]), daha.c * daha.dtau / 2
     weight, inertia = daha.dtau**2 / (1 + half), (1 - half) / (1 + half)
-    scale = weight * daha.alpha
-    prepare(cells, n, held.layers, held.sizes[APICAL], numbers, scale, held.scratch)
-    if not _begin(held, memory):
-        return 0, CROWDED
-    for made in range(1, daha.most_iterations + 1):
-        for k in range(COORDINATES):
-            _remember(points[k], n, inertia, memory.before[k], memory.change[k])
-        _react(held, numbers, daha, weight, memory)
-        _force(held, numbers, scale)
-        memory.sums[:] = 0.0
-        for k in range(COORDINATES):
-            _move(points[k], n, memory.before[k], memory.change[k], memory.sums)
-        moved, size = memory.sums[:WIDTH].sum(), memory.sums[WIDTH:].sum()
+    n = copy_in(stores, ended, flat, numbers, weight * daha.alpha)
+    rows, layer, basal = (n + WIDTH - 1) // WIDTH, store.layers.basal, store.sizes[BASAL]
+    made, end = 0, UNFINISHED if list_pairs(flat, n, memory.multipliers) else CROWDED
+    _begin(memory, n)
+    while made < daha.most_iterations and end == UNFINISHED:
+        made += 1
+        _remember(memory, n, inertia)
+        hold_discs(flat, daha, weight, memory.multipliers, memory.change)
+        hold_basal(flat, layer, basal, daha, weight, memory.multipliers, memory.change)
+        push_in_rows(flat, n, wide, rows)
+        junctions(flat, n, wide, rows)
+        move(wide, rows)
+        moved, size = _move(memory, n)
         if not moved + size < TOO_FAR:  # nor if it is NaN
-            return made, NON_FINITE
-        if moved <= (daha.dtau * daha.eps) ** 2 * size:
-            return made, DONE
-        if _are_stale(cells, n, held.scratch) and not _list(held, memory):
-            return made, CROWDED
-    return daha.most_iterations, UNFINISHED
+            end = NON_FINITE
+        elif moved <= (daha.dtau * daha.eps) ** 2 * size:
+            end = DONE
+        elif is_stale(flat, n) and not list_pairs(flat, n, memory.multipliers):
+            end = CROWDED
+    copy_out(flat, stores)
+    return made, end
 
 
-@kernel
-def _begin(held: Store, memory: Memory) -> bool:
-    """z_1 = z_0; False if the pairs have no room."""
-    n, points = held.sizes[CELLS], held.cells[:COORDINATES]
-    for k in range(COORDINATES):
+@inner
+def _begin(memory: Memory, n: int) -> None:
+    """z_1 = z_0."""
+    points, before = memory.points, memory.before
+    for k in range(before.shape[0]):
         for i in range(n):
-            memory.before[k][i] = points[k][i]
-    return _list(held, memory)
+            before[k, i] = points[k, i]
 
 
-@kernel
-def _list(held: Store, memory: Memory) -> bool:
-    """Find who is near whom; False if there is no room for it."""
-    n = held.sizes[CELLS]
-    return make_lists(held.cells, n, held.scratch) and list_pairs(held.cells, n, held.scratch, memory.multipliers)
+@inner
+def _remember(memory: Memory, n: int, inertia: float) -> None:
+    """Begin the changes with the inertia, and keep where the points were."""
+    points, before, change = memory.points, memory.before, memory.change
+    for k in range(before.shape[0]):
+        for i in range(n):
+            change[k, i] = inertia * (points[k, i] - before[k, i])
+            before[k, i] = points[k, i]
 
 
-@kernel
-def _are_stale(cells: Cells, n: int, scratch: Scratch) -> bool:
-    """Whether a nucleus moved by more than REACH / 2 since it was listed."""
-    x, y, listed_x, listed_y = cells.x, cells.y, scratch.listed_x, scratch.listed_y
-    left = 0
+@inner
+def _move(memory: Memory, n: int) -> tuple[float, float]:
+    """Add the changes to the coordinates: |z_{n+1} - z_n|^2 and |z_n|^2."""
+    points, before, change = memory.points, memory.before, memory.change
+    moved, size = 0.0, 0.0
     for i in range(n):
-        dx, dy = x[i] - listed_x[i], y[i] - listed_y[i]
-        left += dx * dx + dy * dy > 0.25 * REACH * REACH
-    return left > 0
-
-
-@kernel
-def _react(held: Store, numbers: Numbers, daha: Daha, weight: float, memory: Memory) -> None:
-    """Add what the constraints do at z_n to the changes."""
-    cells, multipliers, change = held.cells, memory.multipliers, memory.change
-    hold_discs(cells, daha, weight, multipliers, change[0], change[1])
-    hold_basal(cells, held.layers, held.sizes[BASAL], numbers.max_basal, daha, weight, multipliers, change[BX])
-
-
-@kernel
-def _force(held: Store, numbers: Numbers, scale: float) -> None:
-    """Move the cells by -scale grad W(z_n)."""
-    cells, layers, scratch = held.cells, held.layers, held.scratch
-    n, apical = held.sizes[CELLS], held.sizes[APICAL]
-    repulsion(cells, n, scale * numbers.repulsion, scratch)
-    junctions(cells, layers, apical, scratch)
-    move_by_springs(cells, n, scratch)
-    move_by_neighbours(cells, n, layers, apical, scratch)
-
-
-@kernel
-def _remember(q: Floats, n: int, inertia: float, before: Floats, change: Floats) -> None:
-    """Begin the change of a coordinate with its inertia, and keep where it was."""
-    for i in range(n):
-        change[i] = inertia * (q[i] - before[i])
-        before[i] = q[i]
-
-
-@kernel
-def _move(q: Floats, n: int, before: Floats, change: Floats, sums: Floats) -> None:
-    """Add the change to a coordinate, and |q_{n+1} - q_n|^2 and |q_n|^2, in eight parts each, to the sums."""
-    moved, size = load(sums, 0), load(sums, WIDTH)
-    blocks = n - n % WIDTH
-    for i in range(0, blocks, WIDTH):
-        old, new = load(before, i), load(q, i) + load(change, i)
-        store(q, i, new)
-        moved, size = fma(new - old, new - old, moved), fma(old, old, size)
-    store(sums, 0, moved)
-    store(sums, WIDTH, size)
-    for i in range(blocks, n):  # what lies behind the last cell is no number
-        q[i] += change[i]
-        sums[0] += (q[i] - before[i]) ** 2
-        sums[WIDTH] += before[i] ** 2
+        way, whole = 0.0, 0.0
+        for k in range(before.shape[0]):
+            points[k, i] += change[k, i]
+            way += (points[k, i] - before[k, i]) ** 2
+            whole += before[k, i] ** 2
+        moved += way
+        size += whole
+    return moved, size

@@ -2,27 +2,33 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from numpy.random import Generator
 
+from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.kernels.cycle import draw_cycle
-from tissue.kernels.scratch import DIVISIONS, STALE
-from tissue.kernels.store import APICAL, BASAL, CELLS, NEXT_ID, Store
+from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cells import Cells, Integers
 from tissue.model.numbers import Numbers
 
-# The first fields of Cells are numbers, the others flags and ids.
-NUMBERS = Cells._fields.index("moves")
 
-
-@kernel
+@inner
 def count_due(store: Store, t: float) -> int:
     """How many cells end their cycle by time t: as many may be added."""
     cells = store.cells
     count = 0
     for i in range(store.sizes[CELLS]):
-        count += t - cells.birth[i] >= cells.cycle[i]
+        count += is_due(cells, i, t)
     return count
+
+
+@inner
+def is_due(cells: Cells, i: int, t: float) -> bool:
+    """Whether cell i ends its cycle by time t."""
+    due: bool = t - cells.birth[i] >= cells.cycle[i]
+    return due
 
 
 @kernel
@@ -31,7 +37,7 @@ def divide(store: Store, t: float, numbers: Numbers, draws: Generator) -> None:
     cells, sizes = store.cells, store.sizes
     i = 0
     while i < sizes[CELLS]:
-        if t - cells.birth[i] >= cells.cycle[i]:
+        if is_due(cells, i, t):
             two = cells.divides[i] and draws.random() < numbers.two_daughters
             cells.birth[i] = t
             cells.cycle[i] = draw_cycle(numbers, draws)
@@ -42,18 +48,14 @@ def divide(store: Store, t: float, numbers: Numbers, draws: Generator) -> None:
         i += 1
 
 
-@kernel
+@inner
 def _split(store: Store, i: int, numbers: Numbers) -> None:
     """Put a copy of cell i behind it, in the arrays and in the layers, and the two apart by the offset (3.7)."""
     cells, layers, sizes = store.cells, store.layers, store.sizes
     n = sizes[CELLS]
-    for k in range(n, i, -1):  # cell i itself is copied to i + 1
-        for array in cells[:NUMBERS]:
-            array[k] = array[k - 1]
-        for flags in (cells.moves, cells.divides):
-            flags[k] = flags[k - 1]
-        for names in (cells.id, cells.mother, cells.emt, cells.events):
-            names[k] = names[k - 1]
+    _shift(store.blocks.floats, i, n)
+    _shift(store.blocks.flags, i, n)
+    _shift(store.blocks.integers, i, n)
     for points in (cells.x, cells.ax, cells.bx):
         points[i] -= numbers.division_offset
         points[i + 1] += numbers.division_offset
@@ -64,10 +66,19 @@ def _split(store: Store, i: int, numbers: Numbers) -> None:
     sizes[CELLS] = n + 1
     sizes[APICAL] = _insert(layers.apical, sizes[APICAL], i)
     sizes[BASAL] = _insert(layers.basal, sizes[BASAL], i)
-    _index_again(store)
+    _hold_again(store)
+    store.counts[DIVISIONS] += 1
 
 
-@kernel
+@inner
+def _shift(block: Any, i: int, n: int) -> None:
+    """Make room in all rows: each cell behind i goes one place on, and i is copied to i + 1."""
+    for line in range(block.shape[0]):
+        for k in range(n, i, -1):
+            block[line, k] = block[line, k - 1]
+
+
+@inner
 def _insert(layer: Integers, size: int, i: int) -> int:
     """Make room for the new cell i + 1 in a layer: behind its mother, if she is in it; the new size."""
     inside = False
@@ -85,14 +96,11 @@ def _insert(layer: Integers, size: int, i: int) -> int:
     return size + 1
 
 
-@kernel
-def _index_again(store: Store) -> None:
-    """What scratch knows by index is wrong now: sort again from the order of the tissue."""
-    for s in range(store.sizes[CELLS]):
-        store.scratch.order[s] = s
-        store.scratch.bx_moves[s] = store.scratch.by_moves[s] = 1.0
-        store.scratch.runs[s] = 0.0
+@inner
+def _hold_again(store: Store) -> None:
+    """Basal points move as forces want, or along the line: which do is known by index."""
+    for i in range(store.sizes[CELLS]):
+        store.motion.bx_moves[i] = store.motion.by_moves[i] = 1.0
+        store.motion.runs[i] = 0.0
     for k in range(store.sizes[BASAL]):
-        store.scratch.by_moves[store.layers.basal[k]] = 0.0
-    store.scratch.flags[STALE] = 1
-    store.scratch.counts[DIVISIONS] += 1
+        store.motion.by_moves[store.layers.basal[k]] = 0.0

@@ -16,13 +16,14 @@ def measure_extents(store: Store, extents: Floats) -> None:
     As ``height``, ``nucleus_height`` and ``widths`` of ``tissue.model.observables``; (5,).
     """
     cells, layers, n = store.cells, store.layers, store.sizes[CELLS]
-    apical, basal = layers.apical[: store.sizes[APICAL]], layers.basal[: store.sizes[BASAL]]
     low, high, total = math.inf, -math.inf, 0.0
-    for i in apical:
+    for k in range(store.sizes[APICAL]):
+        i = layers.apical[k]
         low, high, total = min(low, cells.ax[i]), max(high, cells.ax[i]), total + cells.ay[i]
-    extents[0], extents[2] = total / len(apical), high - low
+    extents[0], extents[2] = total / store.sizes[APICAL], high - low
     low, high = math.inf, -math.inf
-    for i in basal:
+    for k in range(store.sizes[BASAL]):
+        i = layers.basal[k]
         low, high = min(low, cells.bx[i]), max(high, cells.bx[i])
     extents[3] = high - low
     low, high, total = math.inf, -math.inf, 0.0

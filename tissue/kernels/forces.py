@@ -4,100 +4,117 @@ from __future__ import annotations
 
 from typing import Any
 
-from tissue.kernels import kernel
-from tissue.kernels.lanes import WIDTH, fma, load, spread, store, twice_rsqrt, where_positive
-from tissue.kernels.scratch import SOFT_PAIRS, Scratch
-from tissue.model.cells import CellLayers, Cells
-from tissue.model.numbers import Numbers
+from dincl.compile import inner
+from tissue.kernels.board import Board
+from tissue.kernels.lanes import (
+    WIDTH,
+    either,
+    fma,
+    load,
+    load_wide,
+    maximum,
+    spread,
+    store,
+    twice_rsqrt,
+    where_positive,
+)
+from tissue.kernels.windows import find_ends, find_windows
 
-Lane = Any  # a value of type Lanes
+# Radius of the soft discs in windows, a little more than 1: a pair at the end of the range, of which rounding decides
+# whether it repels, is looked at in every company.
+SOFT_END = 1.0 + 1e-9
+
+Lane = Any  # a double, or eight
 Plane = tuple[Lane, Lane]
 Spring = tuple[Lane, Lane]
 
 
-@kernel
-def prepare(
-    cells: Cells, n: int, layers: CellLayers, apical: int, numbers: Numbers, scale: float, scratch: Scratch
-) -> None:
-    """Coefficients that stay the same until the rules change again; ``scale`` = h / mu.
+@inner
+def push_in_rows(board: Board, n: int, wide: Board, rows: int) -> None:
+    """Push of the soft discs on each nucleus of one tissue, the sum of (2 / d - 1) (X_i - X_j) over j.
 
-    The spring W = alpha (d - l)^2 / l^p, l = 1 + eta, moves X by -k (1 - l / d) (X - A), k = 2 alpha scale / l^p; a
-    junction has k = scale junction_factor (alpha_i + alpha_j) / 2.
+    Eight nuclei in a row meet all that are near one of them, one after the other and without a branch: one that is
+    beyond the range adds exact zeros, as a nucleus does to itself. Without strength no pair is looked at.
     """
-    squared = numbers.power == 2
+    x, y, low, high = board.x, board.y, board.low, board.high
+    if board.repulsion != 0.0:
+        board.pairs[0] += find_windows(board, n, 0.0, SOFT_END)
+        find_ends(board, n)
+    for row in range(rows):
+        x_i, y_i, push_x, push_y = load(wide.x, row), load(wide.y, row), spread(wide.x, 0.0), spread(wide.x, 0.0)
+        begin, end = 0, 0
+        if board.repulsion != 0.0:
+            begin, end = low[row * WIDTH], high[min(row * WIDTH + WIDTH, n) - 1]
+            for i in range(row * WIDTH + 1, min(row * WIDTH + WIDTH, n)):
+                begin = min(begin, low[i])
+        for j in range(begin, end):
+            dx, dy = x_i - load_wide(x, j), y_i - load_wide(y, j)
+            square = fma(dx, dx, dy * dy)
+            weight = where_positive(square, repelling(square))
+            push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
+        store(wide.push_x, row, push_x)
+        store(wide.push_y, row, push_y)
+
+
+@inner
+def push_in_pairs(board: Board, n: int) -> None:
+    """The same in eight tissues, where each pair is looked at once. The sums are added up in the same order."""
+    x, y, push_x, push_y, low = board.x, board.y, board.push_x, board.push_y, board.low
+    if board.repulsion != 0.0:
+        board.pairs[0] += find_windows(board, n, 0.0, SOFT_END)
     for i in range(n):
-        l_ax, l_bx = 1.0 + cells.rest_ax[i], 1.0 + cells.rest_bx[i]
-        scratch.l_ax[i], scratch.l_bx[i] = l_ax, l_bx
-        scratch.k_ax[i] = 2.0 * scale * cells.stiff_ax[i] / (l_ax * l_ax if squared else l_ax)
-        scratch.k_bx[i] = 2.0 * scale * cells.stiff_bx[i] / (l_bx * l_bx if squared else l_bx)
-        scratch.k_axb[i] = scale * cells.stiff_axb[i]
-    for k in range(apical - 1):
-        i, j = layers.apical[k], layers.apical[k + 1]
-        scratch.rest[k] = cells.rest_aa[i]
-        scratch.k_aa[k] = scale * numbers.junction_factor * (0.5 * (cells.stiff_aa[i] + cells.stiff_aa[j]))
+        x_i, y_i, sum_x, sum_y = load(x, i), load(y, i), spread(x, 0.0), spread(x, 0.0)
+        for j in range(low[i] if board.repulsion != 0.0 else i, i):
+            dx, dy = load(x, j) - x_i, load(y, j) - y_i
+            weight = repelling(fma(dx, dx, dy * dy))
+            sum_x, sum_y = fma(weight, dx, sum_x), fma(weight, dy, sum_y)
+            store(push_x, j, fma(weight, dx, load(push_x, j)))
+            store(push_y, j, fma(weight, dy, load(push_y, j)))
+        store(push_x, i, 0.0 - sum_x)
+        store(push_y, i, 0.0 - sum_y)
 
 
-@kernel
-def repulsion(cells: Cells, n: int, strength: float, scratch: Scratch) -> None:
-    """Push of the soft discs on each nucleus, k (2 - d) along the line of centres, for the sorted nuclei.
+@inner
+def repelling(square: Lane) -> Lane:
+    """2 / d - 1 where two soft discs overlap, else 0, from d^2."""
+    return maximum(twice_rsqrt(square) - 1.0, 0.0)
 
-    A block of nuclei meets all nuclei of its window one after the other: no list of pairs, no branch. A pair beyond the
-    range adds nothing, for 2 / d - 1 <= 0, nor does a nucleus with itself. Without strength no pair is looked at.
+
+@inner
+def junctions(board: Board, n: int, wide: Board, rows: int) -> None:
+    """Displacement of the apical points by their junctions, pulls k (d - eta), for neighbours in the layer.
+
+    Each cell of the layer finds the one before it, then how their junction pulls it, then what the next one does.
     """
-    if strength == 0.0:
-        scratch.push_x[:n] = 0.0
-        scratch.push_y[:n] = 0.0
-        return
-    for s in range(n):
-        scratch.sorted_x[s] = cells.x[scratch.order[s]]
-        scratch.sorted_y[s] = cells.y[scratch.order[s]]
-    pairs = 0
-    for block in range((n + WIDTH - 1) // WIDTH):
-        start, end = block * WIDTH, block * WIDTH + WIDTH
-        low, high = scratch.low[block], scratch.high[block]
-        pairs += high - low
-        x, y = load(scratch.sorted_x, start), load(scratch.sorted_y, start)
-        push_x, push_y = spread(0.0), spread(0.0)
-        for part in range(3):  # before the block, in it, after it: only in it a nucleus meets itself
-            begin = (low, start, end)[part]
-            stop = (min(start, high), min(end, n), high)[part]
-            for s in range(begin, stop):
-                dx, dy = x - scratch.sorted_x[s], y - scratch.sorted_y[s]
-                square = fma(dx, dx, dy * dy)
-                weight = twice_rsqrt(square) - 1.0
-                weight = where_positive(weight, weight)
-                if part == 1:
-                    weight = where_positive(square, weight)
-                push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
-        store(scratch.push_x, start, strength * push_x)
-        store(scratch.push_y, start, strength * push_y)
-    scratch.counts[SOFT_PAIRS] += pairs * WIDTH
+    inside_at, ax, ay, drag_x, drag_y = board.in_apical, board.ax, board.ay, board.drag_x, board.drag_y
+    x, y = spread(ax, 0.0), spread(ax, 0.0)
+    for i in range(n):
+        inside = load(inside_at, i)
+        store(drag_x, i, x)
+        store(drag_y, i, y)
+        x, y = either(inside, load(ax, i), x), either(inside, load(ay, i), y)
+    for i in range(rows):
+        dx, dy, k = load(wide.ax, i) - load(wide.drag_x, i), load(wide.ay, i) - load(wide.drag_y, i), load(wide.k_aa, i)
+        pull = k - 0.5 * k * load(wide.rest, i) * twice_rsqrt(fma(dx, dx, dy * dy))
+        pull = where_positive(load(wide.joined, i), pull)
+        store(wide.drag_x, i, pull * dx)
+        store(wide.drag_y, i, pull * dy)
+    x, y = spread(ax, 0.0), spread(ax, 0.0)
+    for i in range(n - 1, -1, -1):
+        inside, back_x, back_y = load(inside_at, i), load(drag_x, i), load(drag_y, i)
+        store(drag_x, i, where_positive(inside, x - back_x))
+        store(drag_y, i, where_positive(inside, y - back_y))
+        x, y = either(inside, back_x, x), either(inside, back_y, y)
 
 
-@kernel
-def junctions(cells: Cells, layers: CellLayers, apical: int, scratch: Scratch) -> None:
-    """Pull k (d - eta) of the junction behind each point of the apical layer towards the next, for the layer."""
-    for k in range(apical):
-        i = layers.apical[k]
-        scratch.layer_x[k] = cells.ax[i]
-        scratch.layer_y[k] = cells.ay[i]
-    for k in range(0, apical - 1, WIDTH):
-        dx = load(scratch.layer_x, k + 1) - load(scratch.layer_x, k)
-        dy = load(scratch.layer_y, k + 1) - load(scratch.layer_y, k)
-        strength = load(scratch.k_aa, k)
-        pull = strength - 0.5 * strength * load(scratch.rest, k) * twice_rsqrt(fma(dx, dx, dy * dy))
-        store(scratch.pull_x, k, pull * dx)
-        store(scratch.pull_y, k, pull * dy)
-
-
-@kernel
+@inner
 def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Plane, Plane, Plane]:
-    """Displacements of A and of B by the springs and the bending energy of eight cells; that of X is minus their sum.
+    """Displacements of A and of B by the springs and the bending energy of a cell; that of X is minus their sum.
 
     Third is v / |v|, the direction of a basal point that moves by itself (4.1).
 
     With u = A - X, v = B - X, c the cosine between them, and W = alpha (c + 1):
-    -dW/dA = alpha (c u / |u|^2 - v / (|u| |v|)), likewise for B. A spring is (k, l), see ``prepare``.
+    -dW/dA = alpha (c u / |u|^2 - v / (|u| |v|)), likewise for B. A spring is (k, l), see ``Board``.
     """
     (ux, uy), (vx, vy) = u, v
     by_u, by_v = 0.5 * twice_rsqrt(fma(ux, ux, uy * uy)), 0.5 * twice_rsqrt(fma(vx, vx, vy * vy))
@@ -111,34 +128,20 @@ def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Pl
     return a, b, (by_v * vx, by_v * vy)
 
 
-@kernel
-def move_by_springs(cells: Cells, n: int, scratch: Scratch) -> None:
-    """Move the three points of each cell by its two springs and by its bending energy, in place."""
-    for i in range(0, n, WIDTH):
-        x, y = load(cells.x, i), load(cells.y, i)
-        ax, ay, bx, by = load(cells.ax, i), load(cells.ay, i), load(cells.bx, i), load(cells.by, i)
-        of_ax = load(scratch.k_ax, i), load(scratch.l_ax, i)
-        of_bx = load(scratch.k_bx, i), load(scratch.l_bx, i)
-        a, b, ahead = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(scratch.k_axb, i))
-        runs = load(scratch.runs, i)
-        store(cells.x, i, x - (a[0] + b[0]))
-        store(cells.y, i, y - (a[1] + b[1]))
-        store(cells.ax, i, ax + a[0])
-        store(cells.ay, i, ay + a[1])
-        store(cells.bx, i, fma(runs, ahead[0], fma(load(scratch.bx_moves, i), b[0], bx)))
-        store(cells.by, i, fma(runs, ahead[1], fma(load(scratch.by_moves, i), b[1], by)))
-
-
-@kernel
-def move_by_neighbours(cells: Cells, n: int, layers: CellLayers, apical: int, scratch: Scratch) -> None:
-    """Add the pushes between nuclei and the pulls of the junctions to the positions."""
-    for s in range(n):
-        cells.x[scratch.order[s]] += scratch.push_x[s]
-        cells.y[scratch.order[s]] += scratch.push_y[s]
-    behind_x, behind_y = 0.0, 0.0
-    for k in range(apical):
-        i = layers.apical[k]
-        pull_x, pull_y = (scratch.pull_x[k], scratch.pull_y[k]) if k < apical - 1 else (0.0, 0.0)
-        cells.ax[i] += pull_x - behind_x
-        cells.ay[i] += pull_y - behind_y
-        behind_x, behind_y = pull_x, pull_y
+@inner
+def move(board: Board, rows: int) -> None:
+    """Move the points of each cell by its springs, its bending energy, its junctions and the pushes of soft discs."""
+    strength = board.repulsion
+    for i in range(rows):
+        x, y = load(board.x, i), load(board.y, i)
+        ax, ay = load(board.ax, i), load(board.ay, i)
+        bx, by = load(board.bx, i), load(board.by, i)
+        of_ax, of_bx = (load(board.k_ax, i), load(board.l_ax, i)), (load(board.k_bx, i), load(board.l_bx, i))
+        a, b, ahead = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(board.k_axb, i))
+        runs = load(board.runs, i)
+        store(board.x, i, fma(strength, load(board.push_x, i), x - (a[0] + b[0])))
+        store(board.y, i, fma(strength, load(board.push_y, i), y - (a[1] + b[1])))
+        store(board.ax, i, ax + a[0] + load(board.drag_x, i))
+        store(board.ay, i, ay + a[1] + load(board.drag_y, i))
+        store(board.bx, i, fma(runs, ahead[0], fma(load(board.bx_moves, i), b[0], bx)))
+        store(board.by, i, fma(runs, ahead[1], fma(load(board.by_moves, i), b[1], by)))

@@ -1,11 +1,12 @@
-"""Eight numbers at once: vector instructions, written out.
+"""One number or eight at once: what a step is written in, that it may be compiled for one tissue and for eight.
 
-A loop over whole arrays is turned into vector instructions by the compiler only where it can prove that they do not
-overlap, which it cannot for a dozen arrays. Here the programmer says it: ``load(a, i)`` takes a[i : i + 8] as one value
-of type Lanes, +, -, * act on all eight, and ``store(a, i, v)`` puts them back. On processors with shorter registers the
-compiler uses several.
+An array (n,) holds a double for each cell, an array (n, 8) eight of them, which are one value of type Lanes: a register
+of the processor, or several where it has shorter ones. ``load(a, i)`` takes entry i of either, +, -, * and / act on all
+lanes, ``store(a, i, v)`` puts it back. What branches for one number is masked for eight: there is no ``if`` on lanes.
 
-``fma`` rounds once, and ``twice_rsqrt`` is accurate to 2e-13, so that results agree with plain NumPy to rounding only.
+Each function here is one instruction, and the same for one number and for each of eight: so are the results, to the
+last bit. Sums and products are as written, with ``fma`` where it is meant: a compiler that may choose does so for each
+copy of a loop that it makes.
 """
 
 from __future__ import annotations
@@ -17,18 +18,16 @@ from typing import Any, cast
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
-from numba.extending import intrinsic, models, overload, register_model
+from numba.core.typing.templates import AbstractTemplate, infer_global
+from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
 
 WIDTH = 8
-# For the estimate of a root alone. Sums and products are as written, with ``fma`` where it is meant: a compiler that
-# may choose does so for each copy of a loop it makes, and the last bits of a cell would depend on its place.
-ESTIMATE = ("arcp", "afn", "contract", "nsz")
 
-_DOUBLE = ir.DoubleType()
-_VECTOR = ir.VectorType(_DOUBLE, WIDTH)
-_SINGLES = ir.VectorType(ir.FloatType(), WIDTH)
-_PLACES = ir.VectorType(ir.IntType(32), WIDTH)
-_LONGS = ir.VectorType(ir.IntType(64), WIDTH)
+_DOUBLE, _SINGLE, _PLACE, _LONG = ir.DoubleType(), ir.FloatType(), ir.IntType(32), ir.IntType(64)
+# Decorators whose types do not say what they take.
+_globally: Any = infer_global
+_lowered: Any = lower_builtin
+_cast: Any = lower_cast
 
 
 class LanesType(types.Type):
@@ -44,28 +43,7 @@ LANES = LanesType()
 @register_model(LanesType)
 class _Model(models.PrimitiveModel):
     def __init__(self, dmm: Any, fe_type: Any) -> None:
-        super().__init__(dmm, fe_type, _VECTOR)  # type: ignore[no-untyped-call]
-
-
-def _constant(value: float) -> ir.Constant:
-    return ir.Constant(_VECTOR, [value] * WIDTH)
-
-
-def _spread(context: Any, builder: Any, value: Any, kind: Any) -> Any:
-    """A number in all lanes; lanes as they are."""
-    if kind == LANES:
-        return value
-    number = context.cast(builder, value, kind, types.float64)
-    undefined = ir.Constant(_VECTOR, ir.Undefined)
-    one = builder.insert_element(undefined, number, ir.Constant(ir.IntType(32), 0))
-    return builder.shuffle_vector(one, undefined, ir.Constant(_PLACES, [0] * WIDTH))
-
-
-def _place(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-    """The address of a[i] as that of eight doubles."""
-    array = context.make_array(signature.args[0])(context, builder, values[0])
-    index = context.cast(builder, values[1], signature.args[1], types.intp)
-    return builder.bitcast(builder.gep(array.data, [index]), _VECTOR.as_pointer())
+        super().__init__(dmm, fe_type, ir.VectorType(_DOUBLE, WIDTH))  # type: ignore[no-untyped-call]
 
 
 def instruction(define: Callable[..., Any]) -> Callable[..., Any]:
@@ -73,157 +51,190 @@ def instruction(define: Callable[..., Any]) -> Callable[..., Any]:
     return cast("Callable[..., Any]", intrinsic(define))
 
 
-@instruction
-def load(typing: Any, a: Any, i: Any) -> Any:
-    """a[i : i + 8]; the array must be that long."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        loaded = builder.load(_place(context, builder, signature, values))
-        loaded.align = 8  # a window begins anywhere
-        return loaded
-
-    return LANES(a, i), generate
+def kind_of(*parts: Any) -> Any:
+    """The type of the entries of an array, or of what is computed of these values: eight doubles, or one."""
+    wide = any(part == LANES or (isinstance(part, types.Array) and part.ndim == 2) for part in parts)
+    return LANES if wide else types.float64
 
 
-@instruction
-def store(typing: Any, a: Any, i: Any, v: Any) -> Any:
-    """a[i : i + 8] = v."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        builder.store(values[2], _place(context, builder, signature, values)).align = 8
-        return context.get_dummy_value()
-
-    return types.none(a, i, v), generate
+def like(kind: Any, element: Any) -> Any:
+    """One or eight of these in LLVM."""
+    return ir.VectorType(element, WIDTH) if kind == LANES else element
 
 
-def load_words(context: Any, builder: Any, kind: Any, array: Any, index: Any) -> Any:
-    """a[i : i + 8] of whole numbers, the last 32 bits of each, for an intrinsic."""
-    data = builder.gep(context.make_array(kind)(context, builder, array).data, [index])
-    loaded = builder.load(builder.bitcast(data, _LONGS.as_pointer()))
-    loaded.align = 8
-    return builder.trunc(loaded, _PLACES)
+def constant(value: ir.Type, number: float) -> ir.Constant:
+    """The same number in all lanes of a type of LLVM."""
+    return ir.Constant(value, [number] * WIDTH if isinstance(value, ir.VectorType) else number)
 
 
-@instruction
-def spread(typing: Any, number: Any) -> Any:
-    """The same number in all lanes."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return _spread(context, builder, values[0], signature.args[0])
-
-    return LANES(number), generate
+def in_all(builder: Any, number: Any) -> Any:
+    """A number of LLVM in all of eight lanes."""
+    undefined = ir.Constant(ir.VectorType(number.type, WIDTH), ir.Undefined)
+    one = builder.insert_element(undefined, number, ir.Constant(_PLACE, 0))
+    return builder.shuffle_vector(one, undefined, ir.Constant(ir.VectorType(_PLACE, WIDTH), [0] * WIDTH))
 
 
-def _define(function: Callable[..., Any], operation: str) -> None:
+def entry(context: Any, builder: Any, kind: Any, array: Any, index: Any, element: Any) -> Any:
+    """The address of entry ``index`` of an array."""
+    data = context.make_array(kind)(context, builder, array).data
+    if kind.ndim == 2:
+        index = builder.mul(index, ir.Constant(_LONG, WIDTH))
+    return builder.bitcast(builder.gep(data, [index]), like(kind_of(kind), element).as_pointer())
+
+
+@_cast(types.Float, LANES)
+def _widened(context: Any, builder: Any, kind: Any, wanted: Any, value: Any) -> Any:
+    return in_all(builder, context.cast(builder, value, kind, types.float64))
+
+
+def _operator(function: Callable[..., Any], operation: str) -> None:
     """Let an operator of Python work on lanes, and on lanes and numbers."""
 
-    @instruction
-    def apply(typing: Any, a: Any, b: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            left, right = (_spread(context, builder, *pair) for pair in zip(values, signature.args, strict=True))
-            return getattr(builder, operation)(left, right)
+    class Template(AbstractTemplate):
+        def generic(self, args: Any, kws: Any) -> Any:
+            return LANES(LANES, LANES) if LANES in args else None
 
-        return LANES(a, b), generate
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return getattr(builder, operation)(*values)
 
-    def operate(a: Any, b: Any) -> Any:
-        return apply(a, b)
-
-    @overload(function)
-    def choose(a: Any, b: Any) -> Any:
-        return operate if LANES in (a, b) else None
+    _globally(function)(Template)
+    _lowered(function, LANES, LANES)(generate)
 
 
 ARITHMETIC = {operator.add: "fadd", operator.sub: "fsub", operator.mul: "fmul", operator.truediv: "fdiv"}
 for _function, _operation in ARITHMETIC.items():
-    _define(_function, _operation)
+    _operator(_function, _operation)
+
+
+@instruction
+def load(typing: Any, a: Any, i: Any) -> Any:
+    """Entry i of an array of doubles."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        loaded = builder.load(entry(context, builder, signature.args[0], values[0], values[1], _DOUBLE))
+        loaded.align = 8
+        return loaded
+
+    return kind_of(a)(a, types.intp), generate
+
+
+@instruction
+def load_wide(typing: Any, a: Any, i: Any) -> Any:
+    """Entry i of an array of doubles in eight lanes: eight numbers, or one in all of them."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        loaded = builder.load(entry(context, builder, signature.args[0], values[0], values[1], _DOUBLE))
+        loaded.align = 8
+        return loaded if kind_of(a) == LANES else in_all(builder, loaded)
+
+    return LANES(a, types.intp), generate
+
+
+@instruction
+def store(typing: Any, a: Any, i: Any, v: Any) -> Any:
+    """Entry i of an array of doubles becomes v."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        place = entry(context, builder, signature.args[0], values[0], values[1], _DOUBLE)
+        builder.store(values[2], place).align = 8
+        return context.get_dummy_value()
+
+    return types.none(a, types.intp, kind_of(a)), generate
+
+
+@instruction
+def spread(typing: Any, a: Any, number: Any) -> Any:
+    """The number as an entry of this array would be: alone, or in all lanes."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return in_all(builder, values[1]) if signature.return_type == LANES else values[1]
+
+    return kind_of(a)(a, types.float64), generate
+
+
+def _computed(parts: Any, compute: Callable[..., Any]) -> Any:
+    """What an instruction on values is: all are lanes if one is, and so is the result."""
+    kind = kind_of(*parts)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return compute(builder, *values)
+
+    return kind(*[kind] * len(parts)), generate
+
+
+def _is_positive(builder: Any, v: Any) -> Any:
+    return builder.fcmp_ordered(">", v, constant(v.type, 0.0))
+
+
+def _call(builder: Any, name: str, *parts: Any) -> Any:
+    """An instruction of LLVM on parts of one type."""
+    value = parts[0].type
+    letter = "f64" if value in (_DOUBLE, like(LANES, _DOUBLE)) else "f32"
+    suffix = f"v{WIDTH}{letter}" if isinstance(value, ir.VectorType) else letter
+    kind = ir.FunctionType(value, [value] * len(parts))
+    function = cgutils.get_or_insert_function(builder.module, kind, f"llvm.{name}.{suffix}")
+    return builder.call(function, parts)
 
 
 @instruction
 def where_positive(typing: Any, condition: Any, v: Any) -> Any:
     """v where ``condition`` > 0, else 0; a NaN of v stays where the condition holds."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        positive = builder.fcmp_ordered(">", values[0], _constant(0.0))
-        return builder.select(positive, values[1], _constant(0.0))
-
-    return LANES(condition, v), generate
+    return _computed((condition, v), lambda b, c, v: b.select(_is_positive(b, c), v, constant(v.type, 0.0)))
 
 
 @instruction
 def either(typing: Any, condition: Any, v: Any, otherwise: Any) -> Any:
     """v where ``condition`` > 0, else ``otherwise``, in each lane."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return builder.select(builder.fcmp_ordered(">", values[0], _constant(0.0)), *values[1:])
-
-    return LANES(condition, v, otherwise), generate
-
-
-@instruction
-def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
-    """a b + c in one instruction, where the processor has one."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kind = ir.FunctionType(_VECTOR, [_VECTOR] * 3)
-        parts = [_spread(context, builder, *pair) for pair in zip(values, signature.args, strict=True)]
-        return builder.call(cgutils.get_or_insert_function(builder.module, kind, f"llvm.fmuladd.v{WIDTH}f64"), parts)
-
-    return LANES(a, b, c), generate
+    return _computed((condition, v, otherwise), lambda b, c, v, o: b.select(_is_positive(b, c), v, o))
 
 
 @instruction
 def maximum(typing: Any, a: Any, b: Any) -> Any:
     """The larger number in each lane; b where one is NaN."""
+    return _computed((a, b), lambda builder, a, b: builder.select(builder.fcmp_ordered(">", a, b), a, b))
 
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return builder.select(builder.fcmp_ordered(">", *values), *values)
 
-    return LANES(a, b), generate
+@instruction
+def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
+    """a b + c in one instruction, where the processor has one."""
+    return _computed((a, b, c), lambda builder, a, b, c: _call(builder, "fmuladd", a, b, c))
+
+
+@instruction
+def root(typing: Any, v: Any) -> Any:
+    """The square root, rounded correctly."""
+    return _computed((v,), lambda builder, v: _call(builder, "sqrt", v))
 
 
 @instruction
 def twice_rsqrt(typing: Any, v: Any) -> Any:
-    """2 / sqrt(v) to 2e-13: y (3 - v y^2) for a quick estimate y in single precision, one Newton step.
+    """2 / sqrt(v) to 2e-14: y (3 - v y^2) for y in single precision, one Newton step.
 
     v must lie between 1e-37 and 1e37. Twice, because this has one instruction less than once, and users have a factor
     to put it into.
     """
 
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        kind = ir.FunctionType(_SINGLES, [_SINGLES])
-        root = cgutils.get_or_insert_function(builder.module, kind, f"llvm.sqrt.v{WIDTH}f32")
-        single = builder.call(root, [builder.fptrunc(values[0], _SINGLES)], fastmath=ESTIMATE)
-        rough = builder.fpext(builder.fdiv(ir.Constant(_SINGLES, [1.0] * WIDTH), single, flags=ESTIMATE), _VECTOR)
-        square = builder.fmul(builder.fmul(values[0], rough, flags=("contract",)), rough, flags=("contract",))
-        change = builder.fsub(_constant(3.0), square, flags=("contract",))
-        return builder.fmul(rough, change, flags=("contract",))
+    def compute(builder: Any, v: Any) -> Any:
+        single = like(kind, _SINGLE)
+        low = _call(builder, "sqrt", builder.fptrunc(v, single))
+        rough = builder.fpext(builder.fdiv(constant(single, 1.0), low), v.type)
+        back = builder.fneg(builder.fmul(v, rough))
+        return builder.fmul(rough, _call(builder, "fmuladd", back, rough, constant(v.type, 3.0)))
 
-    return LANES(v), generate
-
-
-@instruction
-def binary_parts(typing: Any, v: Any) -> Any:
-    """m and e of v = m 2^e, 1 <= m < 2; v must be positive and normal."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        bits = builder.bitcast(values[0], _LONGS)
-        shift, mask, one = (ir.Constant(_LONGS, [part] * WIDTH) for part in (52, (1 << 52) - 1, 1023 << 52))
-        mantissa = builder.bitcast(builder.or_(builder.and_(bits, mask), one), _VECTOR)
-        exponent = builder.fsub(builder.sitofp(builder.lshr(bits, shift), _VECTOR), _constant(1023.0))
-        return context.make_tuple(builder, signature.return_type, [mantissa, exponent])
-
-    return types.UniTuple(LANES, 2)(v), generate
+    kind = kind_of(v)
+    return _computed((v,), compute)
 
 
 @instruction
 def positive_bits(typing: Any, v: Any) -> Any:
     """An integer with bit k set where v > 0 in lane k."""
+    kind = kind_of(v)
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        positive = builder.fcmp_ordered(">", values[0], _constant(0.0))
-        return builder.zext(builder.bitcast(positive, ir.IntType(WIDTH)), ir.IntType(64))
+        positive = _is_positive(builder, values[0])
+        return builder.zext(builder.bitcast(positive, ir.IntType(WIDTH)) if kind == LANES else positive, _LONG)
 
-    return types.int64(v), generate
+    return types.int64(kind), generate
 
 
 @instruction

@@ -12,9 +12,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.kernels import kernel
-from tissue.kernels.scratch import Scratch
-from tissue.model.cells import CellLayers, Cells, Floats, Integers
+from dincl.compile import inner
+from tissue.kernels.board import Board
+from tissue.kernels.windows import find_windows
+from tissue.model.cells import Floats, Integers
 from tissue.model.numbers_daha import Daha
 
 # Pairs of hard discs per cell that may overlap soon, or did and still push: more mean that the tissue has collapsed.
@@ -38,9 +39,8 @@ class Multipliers(NamedTuple):
     previous: Integers
 
 
-def multipliers_for(cells: Cells) -> Multipliers:
-    """Room for the capacity of ``cells``; no pair is listed, and all multipliers are zero."""
-    capacity = len(cells.x)
+def multipliers_for(capacity: int) -> Multipliers:
+    """Room for so many cells; no pair is listed, and all multipliers are zero."""
     lengths = {"pairs": 1, "order": capacity, "distance": capacity, "last": capacity}
     floats = {"square", "discs", "order", "distance"}
     arrays: dict[str, NDArray[Any]] = {
@@ -50,84 +50,80 @@ def multipliers_for(cells: Cells) -> Multipliers:
     return Multipliers(**arrays)
 
 
-@kernel
-def hold_discs(
-    cells: Cells, daha: Daha, weight: float, multipliers: Multipliers, change_x: Floats, change_y: Floats
-) -> None:
+@inner
+def hold_discs(board: Board, daha: Daha, weight: float, multipliers: Multipliers, change: Floats) -> None:
     """(C1): change += weight lambda (alpha - gamma g) grad g, then lambda <- max(0, lambda - dtau beta g)."""
-    x, y, discs = cells.x, cells.y, multipliers.discs
+    x, y, discs = board.x, board.y, multipliers.discs
     for k in range(multipliers.pairs[0]):
         i, j, multiplier = multipliers.i[k], multipliers.j[k], discs[k]
         dx, dy = x[i] - x[j], y[i] - y[j]
         g = dx * dx + dy * dy - multipliers.square[k]
         if multiplier > 0.0 or g < 0.0:
             push = 2.0 * weight * multiplier * (daha.alpha - daha.gamma * g)
-            change_x[i] += push * dx
-            change_y[i] += push * dy
-            change_x[j] -= push * dx
-            change_y[j] -= push * dy
+            change[0, i] += push * dx
+            change[1, i] += push * dy
+            change[0, j] -= push * dx
+            change[1, j] -= push * dy
             discs[k] = max(0.0, multiplier - daha.dtau * daha.beta * g)
 
 
-@kernel
+@inner
 def hold_basal(
-    cells: Cells,
-    layers: CellLayers,
-    basal: int,
-    largest: float,
-    daha: Daha,
-    weight: float,
-    multipliers: Multipliers,
-    change: Floats,
+    board: Board, layer: Integers, basal: int, daha: Daha, weight: float, multipliers: Multipliers, change: Floats
 ) -> None:
     """(C4) and (C2): the same for the basal points."""
-    order, distance, bx = multipliers.order, multipliers.distance, cells.bx
+    order, distance, bx, largest = multipliers.order, multipliers.distance, board.bx, board.max_basal
     before = 0.0
     for k in range(basal - 1):
-        i = layers.basal[k]
-        d = bx[layers.basal[k + 1]] - bx[i]
+        i = layer[k]
+        d = bx[layer[k + 1]] - bx[i]
         g = largest * largest - d * d
         push = order[k] * (daha.alpha - daha.gamma * d) - 2.0 * distance[k] * (daha.alpha - daha.gamma * g) * d
-        change[i] += weight * (before - push)
+        change[4, i] += weight * (before - push)
         before = push
         order[k] = max(0.0, order[k] - daha.dtau * daha.beta * d)
         distance[k] = max(0.0, distance[k] - daha.dtau * daha.beta * g)
     if basal > 0:
-        change[layers.basal[basal - 1]] += weight * before
+        change[4, layer[basal - 1]] += weight * before
 
 
-@kernel
-def list_pairs(cells: Cells, n: int, scratch: Scratch, multipliers: Multipliers) -> bool:
+@inner
+def list_pairs(board: Board, n: int, multipliers: Multipliers) -> bool:
     """Hold the pairs that have a multiplier or a gap of at most REACH; False if they have no room.
 
-    To be called when the nuclei have just been sorted; until one of them moves by REACH / 2 no other pair can overlap,
-    so that its multiplier stays zero.
+    Until a nucleus moves by REACH / 2 no other pair can overlap, so that its multiplier stays zero.
     """
-    x, y, radius = cells.x, cells.y, cells.radius
-    largest = 0.0
+    x, y, radius, low = board.x, board.y, board.radius, board.low
+    find_windows(board, n, 1.0, 0.5 * REACH)
     for i in range(n):
-        largest = max(largest, radius[i])
+        board.before_x[i], board.before_y[i] = x[i], y[i]
         multipliers.last[i] = -1
     old, multipliers.pairs[0] = multipliers.pairs[0], 0
     for k in range(old):
         if multipliers.discs[k] > 0.0:
             _add(multipliers, multipliers.i[k], multipliers.j[k], multipliers.square[k], multipliers.discs[k])
-    for s in range(n):
-        left = scratch.order[s]
-        r = s + 1
-        while r < n and x[scratch.order[r]] - x[left] <= radius[left] + largest + REACH:
-            right = scratch.order[r]
-            i, j, reach = max(left, right), min(left, right), radius[left] + radius[right]
+    for i in range(n):
+        for j in range(low[i], i):
+            reach = radius[i] + radius[j]
             near = math.hypot(x[i] - x[j], y[i] - y[j]) <= reach + REACH
             if near and not _is_held(multipliers, i, j):
                 if multipliers.pairs[0] == len(multipliers.i):
                     return False
                 _add(multipliers, i, j, reach * reach, 0.0)
-            r += 1
     return True
 
 
-@kernel
+@inner
+def is_stale(board: Board, n: int) -> bool:
+    """Whether a nucleus moved by more than REACH / 2 since it was listed."""
+    for i in range(n):
+        dx, dy = board.x[i] - board.before_x[i], board.y[i] - board.before_y[i]
+        if dx * dx + dy * dy > 0.25 * REACH * REACH:
+            return True
+    return False
+
+
+@inner
 def _add(multipliers: Multipliers, i: int, j: int, square: float, multiplier: float) -> None:
     """Put a pair at the end of the list; its place may not be behind it."""
     k = multipliers.pairs[0]
@@ -136,7 +132,7 @@ def _add(multipliers: Multipliers, i: int, j: int, square: float, multiplier: fl
     multipliers.pairs[0] = k + 1
 
 
-@kernel
+@inner
 def _is_held(multipliers: Multipliers, i: int, j: int) -> bool:
     """Whether the pair is listed."""
     k: int = multipliers.last[i]

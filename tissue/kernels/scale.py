@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 
+from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.kernels.store import APICAL, CELLS, Store
 from tissue.model.cells import Floats
 
 
-@kernel
+@inner
 def ab_position(store: Store, i: int) -> float:
     """y_AB(X_i) = y(X_i) / y(A^ref), A^ref the point of the apical path nearest to X_i; as ``ab_positions``."""
     cells, layer = store.cells, store.layers.apical
@@ -29,16 +30,17 @@ def ab_position(store: Store, i: int) -> float:
     return position
 
 
-@kernel
+@inner
 def apical_range(store: Store) -> tuple[float, float]:
     """The lowest and the highest y of the apical layer: A^ref lies between."""
     low, high = math.inf, -math.inf
-    for i in store.layers.apical[: store.sizes[APICAL]]:
+    for k in range(store.sizes[APICAL]):
+        i = store.layers.apical[k]
         low, high = min(low, store.cells.ay[i]), max(high, store.cells.ay[i])
     return low, high
 
 
-@kernel
+@inner
 def side_of(store: Store, i: int, low: float) -> int:
     """-1 for y_AB(X_i) < 0, 1 for y_AB(X_i) > 1, else 0 (4.3); ``low`` of ``apical_range``, above the basal line."""
     y = store.cells.y[i]
@@ -48,7 +50,7 @@ def side_of(store: Store, i: int, low: float) -> int:
     return (position > 1.0) - (position < 0.0)
 
 
-@kernel
+@inner
 def watch_sides(store: Store, t: float) -> None:
     """Keep since when and where each EMT cell is outside of the tissue."""
     cells, emt = store.cells, store.emt
@@ -69,9 +71,9 @@ def measure(store: Store, positions: Floats, controls: Floats) -> None:
 
     Most need no look at the apical path: y_AB lies between y / high and y / low.
     """
-    cells, (low, high) = store.cells, apical_range(store)
+    cells, n, (low, high) = store.cells, store.sizes[CELLS], apical_range(store)
     controls[0], controls[1], controls[2], controls[3] = 0.0, 0.0, 0.0, math.inf
-    for i in range(store.sizes[CELLS]):
+    for i in range(n):
         k = cells.emt[i]
         if k >= 0:
             positions[k] = ab_position(store, i)

@@ -1,27 +1,57 @@
-"""All arrays of a running tissue together: cells and layers with room to grow, and scratch."""
+"""All that a running tissue is, in one place of memory: cells and layers with room to grow, and what its rules know."""
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from tissue.kernels.lanes import WIDTH
-from tissue.kernels.scratch import Scratch, scratch_for
-from tissue.model.cells import CellLayers, Cells, Emt, Integers, empty, first, no_emt
+from dincl.kernels.handles import reader
+from tissue.kernels.handed import Handed, kind_of_handle
+from tissue.model.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, first, no_emt
 
 # Places in Store.sizes
 CELLS, APICAL, BASAL, NEXT_ID = range(4)
+# What is counted, and where in Store.counts
+COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
+SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
 
 
-class Store(NamedTuple):
-    """What the kernels work on; of each array the first ``sizes`` entries are in use."""
+class BasalMotion(NamedTuple):
+    """How the basal points move in a substep, (capacity,)."""
+
+    bx_moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
+    by_moves: Floats  # likewise; 0 for one on the basal line, too
+    runs: Floats  # how far a basal point that moves by itself goes in a substep
+
+
+class Blocks(NamedTuple):
+    """The arrays of the cells again, one a row, by kind: where a cell is copied."""
+
+    floats: Floats
+    flags: Flags
+    integers: Integers
+
+
+class StoreArrays(NamedTuple):
+    """What kernels see of a store; of each array of ``cells`` and ``layers`` the first ``sizes`` entries are in use."""
 
     cells: Cells
     layers: CellLayers
     emt: Emt  # always whole
     sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id
-    scratch: Scratch
+    motion: BasalMotion
+    blocks: Blocks
+    noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
+    counts: Integers  # one for each of COUNTERS
+
+
+class Store(Handed):
+    """A running tissue, with the attributes of ``StoreArrays``. Kernels take it, or find it at its address."""
+
+    def __init__(self, parts: StoreArrays) -> None:
+        super().__init__(parts, _KIND)
+        self.cells, self.layers, self.emt, self.sizes, self.motion, self.blocks, self.noise_key, self.counts = parts
 
 
 def stored(
@@ -29,33 +59,46 @@ def stored(
 ) -> Store:
     """A store with room for ``capacity`` cells at least, all cells in both layers if none are given.
 
-    Its counters are zero and its neighbour lists not yet made.
+    Its counters are zero.
     """
-    n, capacity = len(cells.x), -(-capacity // WIDTH) * WIDTH
+    n, capacity = len(cells.x), max(2, capacity)
     layers = layers or CellLayers(np.arange(n), np.arange(n))
-    roomy, apical, basal = empty(capacity), np.zeros(capacity, np.int64), np.zeros(capacity, np.int64)
+    parts = _room(capacity, emt or no_emt())
     for name, array in zip(Cells._fields, cells, strict=True):
-        getattr(roomy, name)[:n] = array
-    apical[: len(layers.apical)] = layers.apical
-    basal[: len(layers.basal)] = layers.basal
-    sizes = [
-        n,
-        len(layers.apical),
-        len(layers.basal),
-        int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id,
-    ]
-    scratch = scratch_for(roomy)
-    scratch.order[:n] = np.arange(n)
-    scratch.bx_moves[:n] = 1.0
-    scratch.by_moves[:n] = 1.0
-    scratch.by_moves[layers.basal] = 0.0
-    return Store(roomy, CellLayers(apical, basal), no_emt() if emt is None else emt, np.array(sizes, np.int64), scratch)
+        getattr(parts.cells, name)[:n] = array
+    parts.layers.apical[: len(layers.apical)] = layers.apical
+    parts.layers.basal[: len(layers.basal)] = layers.basal
+    parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0
+    parts.sizes[NEXT_ID] = int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id
+    parts.motion.bx_moves[:n] = 1.0
+    parts.motion.by_moves[:n] = 1.0
+    parts.motion.by_moves[layers.basal] = 0.0
+    return Store(parts)
+
+
+def _room(capacity: int, emt: Emt) -> StoreArrays:
+    """Empty arrays."""
+    kinds: list[Any] = [KINDS.get(name, np.float64) for name in Cells._fields]
+    made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
+    lines = {kind: iter(block) for kind, block in made.items()}
+    cells = Cells(*(next(lines[kind]) for kind in kinds))
+    blocks: Any = Blocks._make(made.values())
+    layers = CellLayers(*np.zeros((2, capacity), np.int64))
+    motion = BasalMotion(*np.zeros((3, capacity)))
+    sizes, key, counts = np.zeros(4, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
+    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts)
+
+
+_EXAMPLE = _room(2, no_emt())
+_KIND = kind_of_handle(_EXAMPLE)
+# The store at an address, inside of kernels.
+store_at = reader(_EXAMPLE)
 
 
 def grown(held: Store) -> Store:
     """The same cells and counters with twice the room."""
     larger = stored(*contents(held), int(held.sizes[NEXT_ID]), held.emt, capacity=2 * len(held.cells.x))
-    larger.scratch.counts[:] = held.scratch.counts
+    larger.counts[:] = held.counts
     return larger
 
 

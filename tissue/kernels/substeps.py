@@ -1,54 +1,77 @@
-"""The substeps of position based dynamics between two updates of the rules (Method 3.7, (3.34))."""
+"""The substeps of position based dynamics between two updates of the rules (Method 3.7, (3.34)).
+
+Written once, and compiled twice: for one tissue, with a double for each cell, and for eight, with eight.
+"""
 
 from __future__ import annotations
 
-import math
+from threading import Lock
+from typing import Any
 
-from numpy.random import Generator
+from numba import types
 
-from tissue.kernels import kernel
-from tissue.kernels.forces import junctions, move_by_neighbours, move_by_springs, prepare, repulsion
+from dincl.compile import c_function, inner
+from tissue.kernels.board import Board, board_at, wide_board_at
+from tissue.kernels.forces import junctions, move, push_in_pairs, push_in_rows
+from tissue.kernels.lanes import WIDTH
 from tissue.kernels.normals import shake
-from tissue.kernels.scratch import STALE, SUBSTEPS
-from tissue.kernels.store import APICAL, BASAL, CELLS, Store
-from tissue.kernels.sweeps import order_basal, refresh, separate
-from tissue.model.cells import Cells
-from tissue.model.numbers import Numbers
+from tissue.kernels.sweeps import order_basal, separate
+
+_SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
 
 
-@kernel
-def add_noise(cells: Cells, n: int, variance: float, noise: Generator) -> None:
-    """Add N(0, variance) to each coordinate of the nuclei, (3.35); draw nothing if there is no variance."""
-    if variance == 0.0:
-        return
-    deviation = math.sqrt(variance)
-    for i in range(n):
-        cells.x[i] += deviation * noise.standard_normal()
-        cells.y[i] += deviation * noise.standard_normal()
+@inner
+def shaken(wide: Board, rows: int, number: int) -> None:
+    """The noise of substep ``number``, if it comes in substeps."""
+    if wide.deviation > 0.0:
+        shake(wide.x, wide.y, wide.id, rows, wide.deviation, wide.noise_key, number)
 
 
-@kernel
-def make_substeps(store: Store, numbers: Numbers) -> bool:
-    """All substeps of one dt; False if the cells are too crowded for the neighbour lists."""
-    cells, layers, scratch = store.cells, store.layers, store.scratch
-    n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
-    h = numbers.dt / numbers.substeps
-    scale = h / numbers.mu
-    prepare(cells, n, layers, apical, numbers, scale, scratch)
-    scratch.counts[SUBSTEPS] += numbers.substeps
-    moved = True  # by the rules
-    for number in range(numbers.substeps):
-        if numbers.noise_in_substeps:
-            shake(cells.x, cells.y, cells.id, n, numbers.variance * h, scratch.noise_key, number)
-            moved = True
-        if (moved or scratch.flags[STALE]) and not refresh(cells, n, scratch):
-            return False
-        moved = False
-        repulsion(cells, n, scale * numbers.repulsion, scratch)
-        junctions(cells, layers, apical, scratch)
-        move_by_springs(cells, n, scratch)
-        move_by_neighbours(cells, n, layers, apical, scratch)
-        if not (refresh(cells, n, scratch) and separate(cells, n, scratch)):
-            return False
-        order_basal(cells, layers, basal, numbers.max_basal, scratch)
-    return True
+@inner
+def make_substep(board: Board, n: int, wide: Board, rows: int) -> None:
+    """A substep of the n cells on the board when their nuclei know how they push: forces, one sweep of projections.
+
+    What a cell does by itself is done for eight at once: ``wide`` is the board in ``rows`` of eight cells, of one
+    tissue or of eight.
+    """
+    junctions(board, n, wide, rows)
+    move(wide, rows)
+    separate(board, n)
+    order_basal(board, n)
+
+
+def _alone(flat: int, wide: int, n: int) -> int:
+    """All substeps of one dt for a tissue of n cells, whose board has these addresses; 0."""
+    board, in_rows, rows = board_at(flat), wide_board_at(wide), (n + WIDTH - 1) // WIDTH
+    for word in range(2):
+        for lane in range(WIDTH):
+            in_rows.noise_key[word, lane] = board.noise_key[word]
+    for number in range(board.substeps):
+        shaken(in_rows, rows, number)
+        push_in_rows(board, n, in_rows, rows)
+        make_substep(board, n, in_rows, rows)
+    return 0
+
+
+def _abreast(flat: int, wide: int, n: int) -> int:
+    """The same for eight tissues of up to n cells."""
+    board = wide_board_at(wide)
+    for number in range(board.substeps):
+        shaken(board, n, number)
+        push_in_pairs(board, n)
+        make_substep(board, n, board, n)
+    return 0
+
+
+# By width, for the life of the process; threads come one at a time.
+_COMPILED: dict[int, Any] = {}
+_COMPILING = Lock()
+
+
+def substeps_address(width: int) -> int:
+    """The machine code of all substeps of one dt for so many tissues, compiled on first use."""
+    with _COMPILING:
+        if width not in _COMPILED:
+            _COMPILED[width] = c_function(_SIGNATURE, _alone if width == 1 else _abreast)
+    address: int = _COMPILED[width].address
+    return address

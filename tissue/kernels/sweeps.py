@@ -3,114 +3,120 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
+from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.kernels.neighbours import SKIN, list_again, make_lists
-from tissue.kernels.scratch import BASAL_CORRECTIONS, CORRECTIONS, NEAR, STALE, Scratch
-from tissue.model.cells import CellLayers, Cells, Floats
+from tissue.kernels.board import LOST, Board
+from tissue.kernels.lanes import either, fma, load, maximum, positive_bits, root, spread, store, where_positive
+from tissue.kernels.windows import find_windows
+
+# Pairs with a larger gap before the sweep are not looked at in it [R_soft].
+MARGIN = 0.3
+# How far along x a nucleus may be pushed until pairs outside of the windows may have met, less some rounding.
+FAR_PUSH = 0.499 * MARGIN
+# Where there is no neighbour.
+NOWHERE = 1e300
 
 
-@kernel
-def separate(cells: Cells, n: int, scratch: Scratch) -> bool:
-    """|X_i - X_j| >= R_i + R_j (C1) for all pairs in the order i, then j < i; False if the lists have no room.
+@inner
+def separate(board: Board, n: int) -> None:
+    """|X_i - X_j| >= R_i + R_j (C1) for all pairs in the order i, then j < i.
 
-    Overlapping discs are pushed apart, each by half of the overlap. What a push takes out of the surroundings for which
-    it was listed is listed again at once, so that no contact is overlooked.
+    Overlapping discs are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that pairs
+    outside of the windows may have met, it begins again, with all pairs.
     """
-    x, y, radius, near, near_count = cells.x, cells.y, cells.radius, scratch.near, scratch.near_count
-    listed_x, listed_y = scratch.listed_x, scratch.listed_y
-    corrections, room = 0, True
+    x, y, before_x, before_y, low = board.x, board.y, board.before_x, board.before_y, board.low
+    find_windows(board, n, 1.0, 0.5 * MARGIN)
     for i in range(n):
-        k = i * NEAR
-        while k < i * NEAR + near_count[i]:
-            j = near[k]
-            k += 1
-            if push_apart(x, y, radius, i, j):
-                corrections += 1
-                i_left = _left(x[i] - listed_x[i], y[i] - listed_y[i])
-                if i_left or _left(x[j] - listed_x[j], y[j] - listed_y[j]):
-                    room = list_again(cells, i if i_left else j, n, scratch) and room
-                    if i_left and _left(x[j] - listed_x[j], y[j] - listed_y[j]):
-                        room = list_again(cells, j, n, scratch) and room
-                    k = i * NEAR  # the row may have grown in front: go on behind j
-                    while k < i * NEAR + near_count[i] and near[k] <= j:
-                        k += 1
-    scratch.counts[CORRECTIONS] += corrections
-    return room
+        store(before_x, i, load(x, i))
+        store(before_y, i, load(y, i))
+    pushed, corrections = _push_apart(board, n)
+    if positive_bits(pushed - FAR_PUSH * FAR_PUSH):
+        for i in range(n):
+            store(x, i, load(before_x, i))
+            store(y, i, load(before_y, i))
+            low[i] = 0
+        pushed, corrections = _push_apart(board, n)
+    store(board.counts, 0, load(board.counts, 0) + corrections)
 
 
-@kernel
-def push_apart(x: Floats, y: Floats, radius: Floats, i: int, j: int) -> bool:
-    """Move two discs that overlap apart, each by half of the overlap; whether they did."""
-    dx, dy, reach = x[i] - x[j], y[i] - y[j], radius[i] + radius[j]
-    square = dx * dx + dy * dy
-    if not square < reach * reach:
-        return False
-    part = 0.5 * (reach / math.sqrt(square) - 1.0)
-    x[i] += part * dx
-    y[i] += part * dy
-    x[j] -= part * dx
-    y[j] -= part * dy
-    return True
-
-
-@kernel
-def _left(dx: float, dy: float) -> bool:
-    """Whether a nucleus that moved by (dx, dy) since it was listed left the surroundings for which its list holds."""
-    return dx * dx + dy * dy > 0.25 * SKIN * SKIN
-
-
-@kernel
-def refresh(cells: Cells, n: int, scratch: Scratch) -> bool:
-    """Make the lists again if they are stale or any nucleus left; False if they have no room."""
-    x, y, listed_x, listed_y = cells.x, cells.y, scratch.listed_x, scratch.listed_y
-    left = scratch.flags[STALE]
+@inner
+def _push_apart(board: Board, n: int) -> tuple[Any, Any]:
+    """Sweep over the windows; the square of the longest way along x of a push, and how many pairs were corrected."""
+    x, y, radius, before, low = board.x, board.y, board.radius, board.before_x, board.low
+    pushed, corrections, one = spread(x, 0.0), spread(x, 0.0), spread(x, 1.0)
     for i in range(n):
-        left += _left(x[i] - listed_x[i], y[i] - listed_y[i])
-    return left == 0 or make_lists(cells, n, scratch)
+        x_i, y_i, radius_i = load(x, i), load(y, i), load(radius, i)
+        for j in range(low[i], i):
+            dx, dy, reach = x_i - load(x, j), y_i - load(y, j), radius_i + load(radius, j)
+            square = dx * dx + dy * dy
+            overlap = reach * reach - square
+            if positive_bits(overlap):
+                part = where_positive(overlap, 0.5 * (reach / root(square) - 1.0))
+                x_i, y_i = x_i + part * dx, y_i + part * dy
+                x_j = load(x, j) - part * dx
+                store(x, j, x_j)
+                store(y, j, load(y, j) - part * dy)
+                way_i, way_j = x_i - load(before, i), x_j - load(before, j)
+                pushed = maximum(pushed, maximum(way_i * way_i, way_j * way_j))
+                corrections = corrections + where_positive(overlap, one)
+        store(x, i, x_i)
+        store(y, i, y_i)
+    return pushed, corrections
 
 
-@kernel
-def order_basal(cells: Cells, layers: CellLayers, basal: int, largest: float, scratch: Scratch) -> None:
-    """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= largest (C2) likewise."""
-    x, layer = cells.bx, layers.basal
-    corrections = 0
-    for k in range(basal - 1):
-        i, j = layer[k], layer[k + 1]
-        gap = x[j] - x[i]
-        if gap < 0.0:
-            x[i] += 0.5 * gap
-            x[j] -= 0.5 * gap
-            corrections += 1
-    for k in range(basal - 1):
-        i, j = layer[k], layer[k + 1]
-        excess = x[j] - x[i] - largest
-        if excess > 0.0:
-            x[i] += 0.5 * excess
-            x[j] -= 0.5 * excess
-            corrections += 1
-    scratch.counts[BASAL_CORRECTIONS] += corrections
+@inner
+def order_basal(board: Board, n: int) -> None:
+    """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= max_basal (C2) likewise.
 
-
-@kernel
-def largest_overlap(cells: Cells, n: int, scratch: Scratch) -> float:
-    """max R_i + R_j - |X_i - X_j| over the listed pairs, 0 if none overlap."""
-    largest = 0.0
+    Each sweep is a chain in which one correction waits for the one before: the second follows one neighbour behind the
+    first, so that both are under way at once. So at each point of the layer the end of the last but one before it is
+    known, and kept there, until it is brought back to its own place from right to left.
+    """
+    x, inside_at, ends, half_largest = board.bx, board.in_basal, board.ends, 0.5 * board.max_basal
+    first, second, joined = spread(x, -NOWHERE), spread(x, NOWHERE), spread(x, 0.0)  # of the two before
+    made, corrections = spread(x, 1.0), spread(x, 0.0)
     for i in range(n):
-        for k in range(i * NEAR, i * NEAR + scratch.near_count[i]):
-            j = scratch.near[k]
-            distance = math.hypot(cells.x[i] - cells.x[j], cells.y[i] - cells.y[j])
-            largest = max(largest, cells.radius[i] + cells.radius[j] - distance)
-    return largest
+        inside, at = load(inside_at, i), load(x, i)
+        push = maximum(fma(0.5, first, -0.5 * at), 0.0)
+        ordered = first - push
+        pull = maximum(fma(0.5, ordered - second, -half_largest), 0.0)
+        store(ends, i, second + pull)
+        corrections = corrections + where_positive(inside * push, made) + where_positive(inside * pull, made)
+        first, second = either(inside, at + push, first), either(inside * joined, ordered - pull, second)
+        joined = maximum(inside, joined)
+    pull = maximum(fma(0.5, first - second, -half_largest), 0.0)
+    end_before, end = second + pull, first - pull
+    for i in range(n - 1, -1, -1):
+        inside = load(inside_at, i)
+        store(x, i, either(inside, end, load(x, i)))
+        end, end_before = either(inside, end_before, end), either(inside, load(ends, i), end_before)
+    store(board.counts, 1, load(board.counts, 1) + corrections + where_positive(pull, made))
 
 
 @kernel
-def part(cells: Cells, n: int, touching: float, most: int, scratch: Scratch) -> int:
-    """Sweep until no overlap is larger than ``touching``: how many sweeps that took, -1 if ``most`` were too few."""
+def part(board: Board, n: int, touching: float, most: int) -> int:
+    """Sweep until no overlap is larger than ``touching``: how many sweeps that took, -1 if ``most`` were too few.
+
+    Nor can nuclei be parted that lie in one point.
+    """
     for made in range(most):
-        if not make_lists(cells, n, scratch):
-            return -1
-        if largest_overlap(cells, n, scratch) <= touching:
+        for i in range(n):
+            if not abs(board.x[i]) + abs(board.y[i]) < LOST:  # nor if it is NaN
+                return -1
+        if largest_overlap(board, n) <= touching:
             return made
-        separate(cells, n, scratch)
+        separate(board, n)
     return -1
+
+
+@inner
+def largest_overlap(board: Board, n: int) -> float:
+    """max R_i + R_j - |X_i - X_j| of one tissue, 0 if no discs overlap."""
+    x, y, radius, low, largest = board.x, board.y, board.radius, board.low, 0.0
+    find_windows(board, n, 1.0, 0.0)
+    for i in range(n):
+        for j in range(low[i], i):
+            largest = max(largest, radius[i] + radius[j] - math.hypot(x[i] - x[j], y[i] - y[j]))
+    return largest

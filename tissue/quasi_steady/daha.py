@@ -13,8 +13,9 @@ from dincl.checks import integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.kernels.advance import CROWDED, DONE, NON_FINITE
-from tissue.kernels.daha import TOO_FAR, UNFINISHED, iterate, memory_for
+from tissue.kernels.advance import DONE
+from tissue.kernels.daha import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, boards_for, iterate, memory_for
+from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import contents, stored
 from tissue.model.cells import CellLayers, Cells
 from tissue.model.energy import energy
@@ -99,7 +100,11 @@ class TissueArrowHurwicz:
         if not size < TOO_FAR:
             raise InvalidProblem(f"|z|^2 = {size:g}: must be below {TOO_FAR:g} R_soft^2, z all coordinates")
         held = stored(cells, layers, capacity=len(cells.x))
-        made, end = iterate(held, numbers, self.numbers, memory_for(held.cells))
+        boards = boards_for(len(held.cells.x), numbers, self.numbers)
+        place, running = np.array([held.address]), np.zeros(1, np.int64)
+        made, end = iterate(
+            place, running, boards.flat, boards.wide, handed_numbers(numbers), self.numbers, memory_for(boards)
+        )
         found = contents(held)[0]
         reached = math.inf, math.inf
         if end != NON_FINITE:

@@ -10,16 +10,17 @@ import numpy as np
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.parameters import Parameters
-from tissue.first_order import grow
-from tissue.kernels.advance import apply_rules
-from tissue.kernels.division import count_due
-from tissue.kernels.store import CELLS, Store, contents, grown
+from tissue.kernels.advance import apply_rules, is_full
+from tissue.kernels.handed import handed_numbers
+from tissue.kernels.store import COUNTERS, Store, contents, grown
+from tissue.lot import kept_steps
 from tissue.model.cells import COORDINATES, Cells, Flags, Floats, Integers
-from tissue.model.numbers import Numbers
-from tissue.model.streams import Streams
+from tissue.model.frame import Frame
+from tissue.model.streams import streams
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import TissueMinimiser
 from tissue.run import Run, RunFailed
+from tissue.start import started
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -77,8 +78,8 @@ def simulate_quasi_steady(
         raise InvalidProblem(f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps')
     if parameters.emt.cells:
         raise InvalidProblem(f"emt.cells = {parameters.emt.cells}: must be 0, the quasi-steady model has no EMT events")
-    steps = _Steps(minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
-    found = steps.run(grow(parameters, seed, steps.advance, watch))
+    steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
+    found = steps.run(watch)
     if throw and not found.status:
         raise RunFailed(found)
     return found
@@ -87,33 +88,42 @@ def simulate_quasi_steady(
 class _Steps:
     """Makes the steps and keeps what the minimiser says about each."""
 
-    def __init__(self, minimiser: TissueMinimiser) -> None:
-        self._minimiser = minimiser
+    def __init__(self, parameters: Parameters, seed: int, minimiser: TissueMinimiser) -> None:
+        self._parameters, self._seed, self._minimiser = parameters, seed, minimiser
+        self._random = streams(seed)
+        self._held, self._parted = started(parameters, self._random)
         self._found: list[tuple[int, bool, float, float]] = []
 
-    def advance(
-        self, held: Store, made: int, steps: int, numbers: Numbers, random: Streams
-    ) -> tuple[Store, int, Status, str]:
-        """What ``tissue.first_order.grow`` asks for, through minima."""
-        while made < steps:
-            t = (made + 1) * numbers.dt
-            if held.sizes[CELLS] + count_due(held, t) > len(held.cells.x):
-                held = grown(held)
-            apply_rules(held, t, numbers, random.cycle, random.noise)
-            found = self._minimiser.minimise(*contents(held), numbers)
-            self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
-            _place(held, found.cells)
-            if not found.status:
-                return held, made, found.status, f"t = {t:g} h: {found.detail}"
-            made += 1
-        return held, made, Status.SUCCESS, ""
-
-    def run(self, run: Run) -> QuasiSteadyRun:
-        """The run with what was kept."""
+    def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
+        """All steps, and the states at the kept times."""
+        frames, made, detail, status = [Frame(0.0, *contents(self._held))], 0, "", Status.SUCCESS
+        for wanted in kept_steps(self._parameters):
+            while status and made < wanted:
+                made += 1
+                t = made * self._parameters.numerics.dt.value
+                status, detail = self._step(t)
+            frames.append(Frame(t, *contents(self._held)))
+            if watch is not None:
+                watch(t)
+            if not status:
+                break
+        stats = dict(zip(COUNTERS, self._held.counts.tolist(), strict=True))
+        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, self._parted)
         iterations, terminated, energy, violation = (np.array(column) for column in zip(*self._found, strict=True))
         return QuasiSteadyRun(
             **vars(run), iterations=iterations, terminated=terminated, energy=energy, violation=violation
         )
+
+    def _step(self, t: float) -> tuple[Status, str]:
+        """One step dt to time t, through a minimum; how it ended, and the particulars of a failure in words."""
+        numbers = self._parameters.numbers()
+        if is_full(self._held, t):
+            self._held = grown(self._held)
+        apply_rules(self._held, t, handed_numbers(numbers), self._random.cycle, self._random.noise)
+        found = self._minimiser.minimise(*contents(self._held), numbers)
+        self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
+        _place(self._held, found.cells)
+        return found.status, "" if found.status else f"t = {t:g} h: {found.detail}"
 
 
 def _place(held: Store, cells: Cells) -> None:

@@ -10,9 +10,10 @@ import pyarrow as pa
 
 from dincl.status import Status
 from tissue.files.parameters import Parameters
-from tissue.kernels.batch.board import RUNNING
-from tissue.kernels.batch.measure import measure_all
+from tissue.kernels.extents import measure_extents
 from tissue.kernels.lanes import WIDTH
+from tissue.kernels.scale import measure
+from tissue.kernels.store import CELLS
 from tissue.lot import Lot
 from tissue.model.cells import Flags, Floats
 from tissue.model.frame import Frame
@@ -39,9 +40,9 @@ class _Course(NamedTuple):
     """What was measured of a lot at its kept times."""
 
     times: list[float]
-    positions: Floats  # (times, WIDTH, m): y_AB
-    controls: Floats  # (times, WIDTH, 4)
-    extents: Floats  # (times, WIDTH, 5) [R_soft]
+    positions: Floats  # (times, runs, m): y_AB
+    controls: Floats  # (times, runs, 4)
+    extents: Floats  # (times, runs, 5) [R_soft]
 
 
 def outcomes(
@@ -87,36 +88,42 @@ def _lot(parameters: Parameters, replicates: Sequence[int], seeds: Sequence[int]
         for k, frames in wanted.items():
             frames.append(lot.frame(k, t))
     course = _Course(times, *(np.array(parts) for parts in zip(*measured, strict=True)))
-    sound = (lot.ended == RUNNING) & np.isfinite(course.positions).all(axis=(0, 2))
+    sound = np.array([lot.goes_on(k) for k in range(len(seeds))]) & np.isfinite(course.positions).all(axis=(0, 2))
     tables = {replicates[k]: lot.run(k, frames).table() for k, frames in wanted.items()}
     return Outcomes(_cells(lot, replicates, course, sound), _runs(lot, replicates, course, sound), tables)
 
 
 def _measured(lot: Lot) -> tuple[Floats, Floats, Floats]:
-    positions = np.zeros(lot.group.emt.side.shape)
-    controls, extents = np.full((WIDTH, 4), np.nan), np.full((WIDTH, len(EXTENTS)), np.nan)
-    measure_all(lot.group, lot.ended, positions, controls, extents)
+    n = len(lot.seeds)
+    positions = np.zeros((n, len(lot.store(0).emt.side)))
+    controls, extents = np.full((n, 4), np.nan), np.full((n, len(EXTENTS)), np.nan)
+    for k in filter(lot.goes_on, range(n)):
+        measure(lot.store(k), positions[k], controls[k])
+        measure_extents(lot.store(k), extents[k])
     return positions, controls, extents
 
 
 def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:
     """One row for each EMT cell of the sound runs."""
     kept = np.flatnonzero(sound)
-    emt, m = lot.group.emt, lot.group.emt.side.shape[1]
-    group = lot.group.cells.emt[kept] >= 0  # in the order of the tissue, which is that of their numbers
-    side, onset = emt.side[kept].ravel(), emt.onset_ab[kept].ravel()
-    began = [getattr(emt, name)[kept].ravel() for name in ("at_a", "at_b", "at_s", "at_p")]
+    stores, m = [lot.store(int(k)) for k in kept], len(lot.store(0).emt.side)
+    side, onset, since, since_x, *began = (
+        np.array([getattr(held.emt, name) for held in stores]).ravel()
+        for name in ("side", "onset_ab", "since", "since_x", "at_a", "at_b", "at_s", "at_p")
+    )
+    # In the order of the tissue, which is that of their numbers.
+    inm = [held.cells.moves[: held.sizes[CELLS]][held.cells.emt[: held.sizes[CELLS]] >= 0] for held in stores]
     scale = lot.parameters.cell.soft_radius.value
     columns: dict[str, Any] = {
         "replicate": np.repeat(np.array(replicates, np.int64)[kept], m),
         "cell": np.tile(np.arange(m), len(kept)),
-        "inm": lot.group.cells.moves[kept][group],
+        "inm": np.array(inm, np.bool_).ravel(),
         **dict(zip(("t_a_h", "t_b_h", "t_s_h", "t_p_h"), began, strict=True)),
         "onset_h": np.minimum.reduce(began[:3]),
         "onset_ab": pa.array(onset, mask=np.isinf(onset)),
         "extruded": pa.DictionaryArray.from_arrays((side + 1).astype(np.int8), list(SIDES)),
-        "extruded_h": pa.array(emt.since[kept].ravel(), mask=side == 0),
-        "extruded_x_um": pa.array(scale * emt.since_x[kept].ravel(), mask=side == 0),
+        "extruded_h": pa.array(since, mask=side == 0),
+        "extruded_x_um": pa.array(scale * since_x, mask=side == 0),
     }
     for t, positions, controls, _ in zip(*course, strict=True):
         columns[f"ab_{t:g}h"] = positions[kept].ravel()

@@ -11,7 +11,8 @@ from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.kernels import kernel
 from tissue.kernels.lanes import WIDTH, store
-from tissue.kernels.normals import draw_key, normals, shake, threefry
+from tissue.kernels.noise import draw_key
+from tissue.kernels.normals import normals, shake, threefry
 
 RARE = 1e-3
 ALL = 0xFFFFFFFF
@@ -24,11 +25,11 @@ KNOWN = [
 
 
 def filling(source):
-    """A kernel that stores both results of ``source`` for counters, a multiple of eight of them."""
+    """A kernel that stores both results of ``source`` for counters."""
 
     @kernel
     def fill(key, counter, number, first, second):
-        for place in range(0, len(counter), WIDTH):
+        for place in range(len(counter)):
             a, b = source(key, counter, place, number)
             store(first, place, a)
             store(second, place, b)
@@ -39,11 +40,29 @@ def filling(source):
 words_at, normals_at = filling(threefry), filling(normals)
 
 
+@kernel
+def drawn(noise, key):
+    draw_key(noise, key)
+
+
+@kernel
+def shaken(x, y, ids, deviation, key, number):
+    shake(x, y, ids, len(x), deviation, key, number)
+
+
 def found(fill, key, counter, number):
-    """Both results of a kernel for one key and counters, a multiple of eight of them."""
-    pair = np.zeros((2, len(counter)))
-    fill(np.repeat(key, WIDTH), np.asarray(counter, np.int64), number, *pair)
+    """Both results of a kernel for one key and counters, a multiple of eight of them, with those of each one alone."""
+    counter, key = np.asarray(counter, np.int64), np.array(key)
+    pair, alone = np.zeros((2, len(counter))), np.zeros((2, len(counter)))
+    fill(np.repeat(key, WIDTH).reshape(2, WIDTH), in_rows(counter), number, *map(in_rows, pair))
+    fill(key, counter, number, *alone)
+    np.testing.assert_array_equal(pair, alone)
     return pair
+
+
+def in_rows(numbers):
+    """The numbers, eight in a row."""
+    return numbers.reshape(-1, WIDTH)
 
 
 @pytest.mark.parametrize(("key", "counter", "words"), KNOWN)
@@ -65,7 +84,7 @@ def test_each_lane_has_its_own_key():
     """As in a batch: eight keys, first words then second ones, and one counter."""
     first, second = np.arange(8) * 7919, np.arange(8) + 2**31
     pair = np.zeros((2, WIDTH))
-    normals_at(np.concatenate((first, second)), np.full(WIDTH, 11), 3, *pair)
+    normals_at(np.stack((first, second)), np.full((1, WIDTH), 11), 3, *map(in_rows, pair))
     for lane in range(WIDTH):
         expected = twins_normals.normals((first[lane], second[lane]), np.array([11]), 3)[:, 0]
         np.testing.assert_allclose(pair[:, lane], expected, rtol=0, atol=5e-12)
@@ -94,21 +113,20 @@ def test_largest_and_smallest_words_give_finite_numbers():
     assert np.isfinite(drawn).all()
 
 
-def test_key_is_two_words_for_all_lanes():
-    key, draws = np.zeros(2 * WIDTH, np.int64), np.random.default_rng(3)
-    draw_key(np.random.default_rng(3), key)
-    expected = [int(2**32 * draws.random()) for _ in range(2)]
-    assert key.tolist() == np.repeat(expected, WIDTH).tolist()
+def test_key_is_two_words():
+    key, draws = np.zeros(2, np.int64), np.random.default_rng(3)
+    drawn(np.random.default_rng(3), key)
+    assert key.tolist() == [int(2**32 * draws.random()) for _ in range(2)]
 
 
 def test_noise_has_the_variance_asked_for_and_follows_the_cell():
     """Not its place: cells in another order meet the same noise."""
-    n, key, ids = 4000, np.repeat([8, 9], WIDTH), np.arange(4000)
+    n, key, ids = 4000, np.array([8, 9]), np.arange(4000)
     x, y = np.zeros((2, n))
-    shake(x, y, ids, n, 0.25, key, 7)
+    shaken(x, y, ids, 0.5, key, 7)
     assert stats.kstest(np.concatenate((x, y)) / 0.5, "norm").pvalue > RARE
     back_x, back_y = np.zeros((2, n))
-    shake(back_x, back_y, ids[::-1].copy(), n, 0.25, key, 7)
+    shaken(back_x, back_y, ids[::-1].copy(), 0.5, key, 7)
     np.testing.assert_array_equal(back_x[::-1], x)
     np.testing.assert_array_equal(back_y[::-1], y)
 

@@ -10,8 +10,8 @@ import dincl
 from dincl.minimise import DampedArrowHurwicz as OnAProblem
 from dincl.minimise import RelativeMove, minimise
 from tests.tissue.states import cells, divided, layers, numbers, tissue
+from tissue.kernels.group import Group
 from tissue.kernels.store import contents, stored
-from tissue.kernels.substeps import make_substeps
 from tissue.model.energy import Forces, energy, forces
 from tissue.model.numbers_daha import Daha
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
@@ -133,9 +133,9 @@ def test_is_explicit_euler_with_half_of_alpha():
     reached = found(state, network, numbers(max_basal=9.0), **steps_of(n))
     for factor, same in [(0.5, True), (1.0, False)]:
         given = numbers(dt=dt, substeps=n, mu=dt / (n * factor * TABLE_4.alpha), max_basal=9.0)
-        held = stored(state, network, capacity=30)
-        assert make_substeps(held, given)
-        assert (distance(contents(held)[0], reached.cells) < 1e-12) == same
+        group = Group([stored(state, network, capacity=30)], given)
+        assert group.make_substeps()
+        assert (distance(contents(group.stores[0])[0], reached.cells) < 1e-12) == same
         assert distance(state, reached.cells) > 0.05
 
 

@@ -19,7 +19,7 @@ from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
 from tissue.kernels.lanes import WIDTH
-from tissue.kernels.scratch import COUNTERS
+from tissue.kernels.store import COUNTERS
 from tissue.many import simulate_many
 from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.thesis.chapter3.growing import PRESETS, growing_from, until
@@ -61,17 +61,17 @@ def per_substep(key: Key, cell_substeps: int) -> list[Row]:
     dt, substeps = run.numbers.dt, run.numbers.substeps
     run.to(SETTLED)
     steps = max(2, cell_substeps // (key["cells"] * substeps))
-    before, seconds = run.held.scratch.counts.copy(), []
+    before, pairs, seconds = run.held.counts.copy(), run.pairs, []
     for _ in range(REPEATS):
         began = run.seconds
         run.to((run.made + steps) * dt)
         seconds.append((run.seconds - began) / (steps * substeps))
-    counts = dict(zip(COUNTERS, run.held.scratch.counts - before, strict=True))
+    counts = dict(zip(COUNTERS, run.held.counts - before, strict=True))
     made = counts["substeps"]
-    loads = {name: counts[name] / made for name in ("pairs", "corrections", "basal_corrections")}
+    loads = {"pairs": (run.pairs - pairs) / made}
+    loads |= {name: counts[name] / made for name in ("corrections", "basal_corrections")}
     row = {"us_best": 1e6 * min(seconds), "us_median": 1e6 * float(np.median(seconds)), "status": run.status}
-    lists = {"substeps_per_list": made / max(1, counts["lists"])}
-    return [dict(key) | row | loads | lists]
+    return [dict(key) | row | loads]
 
 
 def kernel(form: KernelForm) -> Study:

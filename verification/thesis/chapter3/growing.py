@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from dincl.status import Status
 from tissue.files.parameters import Parameters, preset
-from tissue.first_order import STATUS, advance_to
+from tissue.kernels.board import RUNNING
+from tissue.kernels.group import Group
 from tissue.kernels.store import CELLS, Store, contents
 from tissue.model.cells import COORDINATES, Cells
 from tissue.model.frame import Frame
@@ -48,6 +49,8 @@ class Growing:
         SUCCESS as long as the state is fit to go on, else the name of a ``Status``, or ``THROWN``.
     seconds
         Time spent on the steps made so far.
+    pairs
+        Pairs looked at for the repulsion in them.
     """
 
     numbers: Numbers
@@ -57,15 +60,19 @@ class Growing:
     made: int = 0
     status: str = SUCCESS
     seconds: float = 0.0
+    pairs: int = 0
 
     def to(self, t: float) -> bool:
         """Go on until time t [h], a multiple of dt; whether the run is fit to go on from there."""
         step = round(t / self.numbers.dt)
-        began = time.process_time()
         if self.status == SUCCESS:
-            self.held, self.made, end = advance_to(self.held, self.made, step, self.numbers, self.random)
-            self.status = STATUS[end].name
-        self.seconds += time.process_time() - began
+            group = Group([self.held], self.numbers, [self.random])
+            began = time.process_time()
+            group.advance(self.made, step)
+            self.seconds += time.process_time() - began
+            self.held, ended = group.stores[0], int(group.ended[0])
+            self.pairs += group.pairs
+            self.made, self.status = (step, SUCCESS) if ended == RUNNING else (ended - 1, Status.NON_FINITE.name)
         # Where cells are thrown out, what ends the run is a matter of chance: that they are is what counts.
         if extent(self.frame().cells) > self.bound:
             self.status = THROWN

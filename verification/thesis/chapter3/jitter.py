@@ -7,8 +7,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tissue.kernels.group import Group
 from tissue.kernels.store import contents, stored
-from tissue.kernels.substeps import make_substeps
 from tissue.model.cells import COORDINATES, CellLayers, Cells
 from tissue.model.numbers import Numbers
 
@@ -25,9 +25,9 @@ class Swing(NamedTuple):
 
 def substepped(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float, substeps: int) -> Cells | None:
     """The cells after so many substeps of h = scale mu, with rules that stand still and no noise; None if lost."""
-    held = stored(cells, layers, capacity=len(cells.x))
     still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
-    return contents(held)[0] if make_substeps(held, still) else None
+    group = Group([stored(cells, layers, capacity=len(cells.x))], still)
+    return contents(group.stores[0])[0] if group.make_substeps() else None
 
 
 def swing(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float) -> Swing | None:

@@ -16,7 +16,6 @@ KERNEL = {
     "pairs": "Soft pairs",
     "corrections": "Contacts corrected",
     "basal_corrections": "Basal corrections",
-    "substeps_per_list": "Substeps per list",
 }
 
 

@@ -1,0 +1,73 @@
+"""Tissues that are stepped together: one alone, or up to eight side by side, with the same bits."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from tissue.kernels.advance import FULL, advance, find_lost, make_substeps
+from tissue.kernels.board import EMPTY, RUNNING, Boards
+from tissue.kernels.handed import GENERATOR, generator_words, handed_numbers
+from tissue.kernels.lanes import WIDTH
+from tissue.kernels.store import Store, grown
+from tissue.kernels.substeps import substeps_address
+from tissue.model.cells import Integers
+from tissue.model.numbers import Numbers
+from tissue.model.streams import Streams
+
+
+class Group:
+    """Running tissues of the same numbers.
+
+    Attributes
+    ----------
+    stores
+        The tissues, up to WIDTH.
+    ended
+        Of each RUNNING, or the number of the step that failed; (1,) for a tissue alone, (WIDTH,) for several: EMPTY
+        where there is none.
+    """
+
+    def __init__(self, stores: Sequence[Store], numbers: Numbers, random: Sequence[Streams] = ()) -> None:
+        self.stores = list(stores)
+        width = 1 if len(self.stores) == 1 else WIDTH
+        self.ended: Integers = np.where(np.arange(width) < len(self.stores), RUNNING, EMPTY)
+        self._numbers, self._handed, self._keep = numbers, handed_numbers(numbers), random
+        words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
+        self._random = np.ascontiguousarray(np.array(words, np.int64).reshape(-1, 2, GENERATOR).transpose(1, 0, 2))
+        self._place()
+
+    def advance(self, made: int, steps: int) -> None:
+        """Make the steps ``made`` to ``steps`` of the tissues that run, in larger stores where it takes more room."""
+        end = FULL
+        while end == FULL:
+            made, end = self.call(made, steps)
+            if end == FULL:
+                self.stores = [grown(held) for held in self.stores]
+                self._place()
+
+    def call(self, made: int, steps: int) -> tuple[int, int]:
+        """Make steps until all are made or a store is full: how many are made, and how it ended, see ``advance``."""
+        made, end = advance(self._addresses, self._random, self.ended, made, steps, self._how)
+        return made, end
+
+    def make_substeps(self) -> bool:
+        """All substeps of one dt with rules that stand still; whether no cell of the first tissue is lost."""
+        make_substeps(self._addresses, self.ended, self._how)
+        return bool(find_lost(self.stores[0]) < 0)
+
+    @property
+    def pairs(self) -> int:
+        """How many pairs of cells were looked at for the repulsion; in a company those of all tissues at once."""
+        return int(self._board.pairs[0])
+
+    def _place(self) -> None:
+        """Tell the kernel where everything is."""
+        width, numbers = len(self.ended), self._numbers
+        scale = numbers.dt / numbers.substeps / numbers.mu
+        self._board = Boards(max(len(held.cells.x) for held in self.stores), width, numbers, scale)
+        addresses = [held.address for held in self.stores]
+        self._addresses = np.array(addresses + addresses[-1:] * (width - len(addresses)))
+        how = self._handed.address, self._board.flat.address, self._board.wide.address, substeps_address(width)
+        self._how = np.array(how, np.int64)

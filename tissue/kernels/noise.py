@@ -1,0 +1,29 @@
+"""What the noise of a step draws from its generator."""
+
+from __future__ import annotations
+
+import math
+
+from numpy.random import Generator
+
+from dincl.compile import inner
+from tissue.kernels.normals import WORDS
+from tissue.kernels.store import CELLS, Store
+from tissue.model.cells import Integers
+
+
+@inner
+def add_noise(store: Store, variance: float, noise: Generator) -> None:
+    """Add N(0, variance) to each coordinate of the nuclei, (3.35); draw nothing if there is no variance."""
+    if variance == 0.0:
+        return
+    deviation, x, y = math.sqrt(variance), store.cells.x, store.cells.y
+    for i in range(store.sizes[CELLS]):
+        x[i] += deviation * noise.standard_normal()
+        y[i] += deviation * noise.standard_normal()
+
+
+@inner
+def draw_key(noise: Generator, key: Integers) -> None:
+    """The two words of the key of the noise in substeps."""
+    key[0], key[1] = int(WORDS * noise.random()), int(WORDS * noise.random())
