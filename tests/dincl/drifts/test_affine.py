@@ -12,7 +12,8 @@ import pytest
 
 import dincl
 from dincl.drifts import attraction, constant, swirl
-from dincl.kernels.pointers import OK, velocity
+from dincl.kernels.pointers import OK
+from tests.dincl.run.drift_runs import asked
 
 ROOT = Path(__file__).parents[3]
 RNG = np.random.default_rng(5)
@@ -45,7 +46,7 @@ X = {
 def compiled(drift, x):
     out = np.full(x.shape, 7.0)
     address, data = drift.pointer()
-    assert velocity(address, 0.4, x, out, *x.shape, data) == OK
+    assert asked(address, 0.4, x, out, *x.shape, data) == OK
     return out
 
 

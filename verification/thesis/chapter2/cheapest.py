@@ -95,9 +95,9 @@ def against_pbd(rows: pd.DataFrame) -> pd.DataFrame:
 
     Columns scene, fine, coarse [s], for the scenes where both are reached.
     """
-    cost = rows.assign(pbd=rows["cost"] * rows["pbd_ratio"]).set_index(["scene", "target"])
-    fine, coarse = cost["cost"].xs(FINE, level="target"), cost["pbd"].xs(COARSE, level="target")
-    return pd.DataFrame({"fine": fine, "coarse": coarse}).dropna().reset_index()
+    costs = rows.assign(pbd=rows["cost"] * rows["pbd_ratio"]).set_index("scene")
+    fine = costs.loc[costs["target"] == FINE, "cost"]
+    return pd.DataFrame({"fine": fine, "coarse": costs.loc[costs["target"] == COARSE, "pbd"]}).dropna().reset_index()
 
 
 def summary(rows: pd.DataFrame) -> str:

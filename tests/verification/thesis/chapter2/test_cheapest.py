@@ -51,6 +51,12 @@ def test_winners(three):
     assert found["disturbed"].tolist() == [0] * 4
 
 
+def test_the_finest_error_beside_that_of_pbd():
+    rows = [("a", 1e-3, 2.0, 5.0), ("a", 1e-12, 4.0, np.nan), ("b", 1e-12, 1.0, np.nan), ("c", 1e-3, 1.0, 1.0)]
+    found = cheapest.against_pbd(pd.DataFrame(rows, columns=["scene", "target", "cost", "pbd_ratio"]))
+    assert found.to_dict("records") == [{"scene": "a", "fine": 4.0, "coarse": 10.0}]
+
+
 def test_sentences(three):
     found = cheapest.winners(three, FORM, (1e-6, 1e-2, 1e-8))
     text = cheapest.sentence(found)

@@ -194,15 +194,16 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     monkeypatch.setattr(sheet, "DPI", 50)
     context = Context(tmp_path, False, Here(), [WORK_PRECISION])
     chapter.CHAPTER.run(context)
-    assert context.tables.keys() == {"work_references", "work_precision", "work_times", "work_winners"}
+    kept = {"work_references", "work_precision", "work_times", "work_winners", "work_reach"}
+    assert context.tables.keys() == kept
     sections = chapter.CHAPTER.sections(context)
-    assert len(sections) == 3
+    assert len(sections) == 4
     parts = [part for section in sections for part in section.parts]
     pictures = [part.path for part in parts if part.kind == "picture"]
     assert len(pictures) == 2
     assert all(Path(path).stat().st_size > 1000 for path in pictures)
     files = {part.file for part in parts if part.kind == "grid"}
-    assert files == {"work_precision", "work_times", "work_winners"}
+    assert files == {"work_precision", "work_reach", "work_times", "work_winners"}
     assert all((context.folder / f"{name}.csv").is_file() for name in files)
     text = " ".join(part.html for part in parts if part.kind == "text")
     for _, winners in context.tables["work_winners"].groupby("scene"):
