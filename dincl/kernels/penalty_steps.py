@@ -6,7 +6,7 @@ from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats
 from dincl.kernels.pair_list import DONE, SERVED, PairList, is_stale, list_again
 from dincl.kernels.sweep_steps import PAIRS, Families, families_at
-from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Steps, bounded, evaluate
+from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Steps, bounded, evaluate, system_at
 from dincl.kernels.table import DISTANCE, PLACES, RowTable, ask
 
 
@@ -76,8 +76,8 @@ def push_affine(rows: RowTable, r: int, x: Floats, shift: Floats, spring: bool, 
 @inner
 def push_all(families: Families, x: Floats, spring: bool, force: Floats) -> int:
     """sum_k max(0, -g_k)^(exponent - 1) grad g_k; how many rows are violated, -1 if one has no direction."""
-    shift, pairs, rows, overlaps = families.system.sets.shift, families.pairs, families.system.rows, 0
-    d = shift.shape[1]
+    system, pairs, overlaps = system_at(families.place), families.pairs, 0
+    shift, rows, d = system.sets.shift, system.rows, system.sets.shift.shape[1]
     if pairs.one.size > 0 and is_stale(pairs, x, d):
         list_again(pairs, x, d)
     pairs.number[SERVED] += 1
@@ -109,13 +109,13 @@ def advance(place: int, strength: float, spring: bool, steps: Steps, x: Floats, 
     A step that cannot be made leaves x (n,) as it was; ``room`` (2, n) is written to.
     """
     families = families_at(place)
-    sets, force, velocity, h = families.system.sets, room[0], room[1], steps.end / steps.number
+    system, force, velocity, h = system_at(families.place), room[0], room[1], steps.end / steps.number
     for step in range(steps.first, steps.last):
         t = steps.origin + step * steps.end / steps.number
-        code = evaluate(families.system.drift, sets.shift.shape[1], t, x, velocity)
+        code = evaluate(system.drift, system.sets.shift.shape[1], t, x, velocity)
         if code != OK:
             return code, step
-        if ask(sets, t, x, PLACES) != 0:
+        if ask(system.sets, t, x, PLACES) != 0:
             return SETS, step
         overlaps = push_all(families, x, spring, force)
         if overlaps < 0:

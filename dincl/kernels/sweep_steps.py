@@ -8,7 +8,7 @@ from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.handles import reader
 from dincl.kernels.pair_list import CORRECTIONS, DONE, NO_PAIRS, PairList, part_pairs
-from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, SYSTEM, Steps, SystemArrays, bounded, evaluate
+from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Steps, bounded, evaluate, system_at
 from dincl.kernels.table import PLACES, RowTable, ask
 
 # Whose formula a family of rows has: ``sweep_pairs``, ``sweep_distance``, ``sweep_half_space`` or ``sweep_affine``.
@@ -16,19 +16,19 @@ PAIRS, DISTANCES, WALL, AFFINE = range(4)
 
 
 class Families(NamedTuple):
-    """The sets, one family of rows each: pairs kept apart are in ``pairs``, all others in the table."""
+    """The sets, one family of rows each: pairs kept apart in ``pairs``, all others in the table of a small system."""
 
     formula: Offsets  # (families,)
     first: Offsets  # (families + 1,): those of family f are rows first[f] ... first[f + 1] of the table
     moving: Offsets  # (families,): 1 if the set is carried along a path
     blamed: Offsets  # (2,): the family that failed, and its pair in the list, or its row
     pairs: PairList
-    system: SystemArrays
+    place: int  # the handle of the system
 
 
 # For its types.
 _NONE = np.zeros(0, dtype=np.int64)
-families_at = reader(Families(_NONE, _NONE, _NONE, _NONE, NO_PAIRS, SYSTEM))
+families_at = reader(Families(_NONE, _NONE, _NONE, _NONE, NO_PAIRS, 0))
 
 
 @inner
@@ -112,8 +112,8 @@ def carry_back(x: Floats, shift: Floats, f: int, way: float, d: int) -> None:
 @inner
 def sweep(families: Families, x: Floats) -> int:
     """Project onto one row after another of all sets where they are: OK or COINCIDENT."""
-    shift, pairs = families.system.sets.shift, families.pairs
-    d = shift.shape[1]
+    system, pairs = system_at(families.place), families.pairs
+    shift, rows, d = system.sets.shift, system.rows, system.sets.shift.shape[1]
     for f in range(families.formula.size):
         formula = families.formula[f]
         if formula == PAIRS:
@@ -122,7 +122,7 @@ def sweep(families: Families, x: Floats) -> int:
             if families.moving[f] != 0:
                 carry_back(x, shift, f, -1.0, d)
             first, last = families.first[f], families.first[f + 1]
-            corrections, stopped = sweep_rows(families.system.rows, formula, first, last, x, d)
+            corrections, stopped = sweep_rows(rows, formula, first, last, x, d)
             pairs.number[CORRECTIONS] += corrections
             if families.moving[f] != 0:
                 carry_back(x, shift, f, 1.0, d)
@@ -140,15 +140,15 @@ def advance(place: int, sweeps: int, steps: Steps, x: Floats, v: Floats, room: F
     from where they were carried, at the end of the step.
     """
     families = families_at(place)
-    sets, moved, velocity, h = families.system.sets, room[0], room[1], steps.end / steps.number
+    system, moved, velocity, h = system_at(families.place), room[0], room[1], steps.end / steps.number
     for step in range(steps.first, steps.last):
         t = steps.origin + step * steps.end / steps.number
-        code = evaluate(families.system.drift, sets.shift.shape[1], t, x, velocity)
+        code = evaluate(system.drift, system.sets.shift.shape[1], t, x, velocity)
         if code != OK:
             return code, step
         for k in range(x.size):
             moved[k] = x[k] + h * (v[k] + h * velocity[k] if v.size > 0 else velocity[k])
-        if ask(sets, t + h, x, PLACES) != 0:
+        if ask(system.sets, t + h, x, PLACES) != 0:
             return SETS, step
         for _ in range(sweeps):
             code = sweep(families, moved)

@@ -34,7 +34,7 @@ class _WithoutSolver(CompiledStepper):
 
     def __init__(self, problem: Problem, rows: FewRows) -> None:
         super().__init__(problem, rows.selection)
-        self._blocks, self.families = rows.blocks, rows.families(self.system.arrays)
+        self._blocks, self.families = rows.blocks, rows.families(self.system.place)
         self._words = written(self.families)
         self.place, self.room = int(self._words.ctypes.data), np.zeros((2, problem.x0.size))
         self._counted = np.zeros_like(rows.pairs.number)

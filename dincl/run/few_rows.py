@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dincl.kernels.system import SystemArrays
     from dincl.problem import Problem
     from dincl.rows.base import RowsOfOneKind
     from dincl.rows.sweeper import SweptRows
@@ -35,8 +34,8 @@ class FewRows(NamedTuple):
     pairs: PairList
     selection: Selection
 
-    def families(self, system: SystemArrays) -> Families:
-        """What kernels take, when ``system`` has the table."""
+    def families(self, place: int) -> Families:
+        """What kernels take; the table is that of the system at ``place``."""
         table, d = self.selection.blocks, self.selection.shape[1]
         moving = [one.displacement(0.0, d) is not None for one in self.selection.constraints]
         return Families(
@@ -45,7 +44,7 @@ class FewRows(NamedTuple):
             moving=np.array(moving, dtype=np.int64),
             blamed=np.zeros(2, dtype=np.int64),
             pairs=self.pairs,
-            system=system,
+            place=place,
         )
 
 
