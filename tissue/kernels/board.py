@@ -71,16 +71,26 @@ class Board(NamedTuple):
     ends: Floats  # where the basal sweeps bring the points of the layer
     before_x: Floats  # nuclei before the sweep
     before_y: Floats
-    front: Floats  # the rightmost end of the discs 0 to i
+    # Of cells or blocks of them, see ``tissue.kernels.near``
+    right: Floats  # ends of the box around a block; those on the left and below with the other sign
+    left: Floats
+    top: Floats
+    bottom: Floats
+    front: Floats  # the rightmost end of this block and of those before
     id: Integers
     noise_key: Integers  # two words: of the noise in substeps, see ``tissue.kernels.normals``
     counts: Floats  # two numbers: corrections of discs and of basal points
-    low: Integers  # (n,): the first cell that may be near cell i, one number for all tissues
-    high: Integers  # (n,): behind the last one
+    # Who may be near whom, one number for all tissues
+    first: Integers  # (n,): of each cell or block the first one that may be near it
+    last: Integers  # (n,): of each cell, behind the last one
+    begin: Integers  # (n,): ranges of cells that may be near the one at hand
+    end: Integers
+    ranges: Integers  # (1,): how many there are
     cells: Integers  # numbers of cells, one for each tissue
     pairs: Integers  # (1,): pairs looked at for the repulsion
     # Of one substep
     substeps: int  # in one dt
+    bent: int  # whether the basal layer is not a straight line, 1 or 0
     repulsion: float
     max_basal: float
     deviation: float  # of the noise in a substep
@@ -89,6 +99,8 @@ class Board(NamedTuple):
 # How long the arrays are that have no place for each cell.
 SHORT = {"noise_key": 2, "counts": 2}
 WHOLE = ("id", "noise_key")
+# Whole numbers that are the same for all tissues of a company.
+SAME = ("first", "last", "begin", "end", "ranges", "cells", "pairs")
 
 
 class Boards:
@@ -100,7 +112,7 @@ class Boards:
 
     def __init__(self, capacity: int, width: int, numbers: Numbers, scale: float) -> None:
         m = -(-capacity * width // WIDTH) * WIDTH
-        names = Board._fields[: Board._fields.index("low")]
+        names = Board._fields[: Board._fields.index("first")]
         self.block = _aligned(len(names), m)
         block = {name: line[:m] for name, line in zip(names, self.block, strict=True)}
         for name in WHOLE:
@@ -118,11 +130,20 @@ class Boards:
 
 def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[str, Any]:
     """What is the same in both forms."""
-    lengths = {"low": capacity, "high": capacity, "cells": width, "pairs": 1}
+    lengths = {
+        "first": capacity,
+        "last": capacity,
+        "begin": capacity,
+        "end": capacity,
+        "ranges": 1,
+        "cells": width,
+        "pairs": 1,
+    }
     variance = numbers.variance * numbers.dt / numbers.substeps if numbers.noise_in_substeps else 0.0
     return {
         **{name: np.zeros(length, np.int64) for name, length in lengths.items()},
         "substeps": int(numbers.substeps),
+        "bent": 0,
         "repulsion": float(scale * numbers.repulsion),
         "max_basal": float(numbers.max_basal),
         "deviation": float(np.sqrt(variance)),
@@ -141,10 +162,10 @@ def _aligned(lines: int, length: int) -> NDArray[np.float64]:
 
 def _example(*shape: int) -> Board:
     """A board for its types."""
-    whole = {*WHOLE, "low", "high", "cells", "pairs", "substeps"}
+    whole = {*WHOLE, *SAME, "substeps", "bent"}
     kinds = {name: np.int64 if name in whole else np.float64 for name in Board._fields}
-    plain: dict[str, Any] = {"substeps": 0, "repulsion": 0.0, "max_basal": 0.0, "deviation": 0.0}
-    lines = dict.fromkeys(("low", "high", "cells", "pairs"), (1,))
+    plain: dict[str, Any] = {"substeps": 0, "bent": 0, "repulsion": 0.0, "max_basal": 0.0, "deviation": 0.0}
+    lines = dict.fromkeys(SAME, (1,))
     return Board(**{name: plain.get(name, np.zeros(lines.get(name, shape), kind)) for name, kind in kinds.items()})
 
 

@@ -18,9 +18,9 @@ from tissue.kernels.lanes import (
     twice_rsqrt,
     where_positive,
 )
-from tissue.kernels.windows import find_ends, find_windows
+from tissue.kernels.near import find_near, find_near_rows, list_around, list_before, window_around
 
-# Radius of the soft discs in windows, a little more than 1: a pair at the end of the range, of which rounding decides
+# Radius of the soft discs, a little more than 1: a pair at the end of the range, of which rounding decides
 # whether it repels, is looked at in every company.
 SOFT_END = 1.0 + 1e-9
 
@@ -33,45 +33,78 @@ Spring = tuple[Lane, Lane]
 def push_in_rows(board: Board, n: int, wide: Board, rows: int) -> None:
     """Push of the soft discs on each nucleus of one tissue, the sum of (2 / d - 1) (X_i - X_j) over j.
 
-    Eight nuclei in a row meet all that are near one of them, one after the other and without a branch: one that is
-    beyond the range adds exact zeros, as a nucleus does to itself. Without strength no pair is looked at.
+    Eight nuclei in a row meet all that are near one of them, one after the other. Without strength no pair is looked
+    at.
     """
-    x, y, low, high = board.x, board.y, board.low, board.high
+    push, pairs = (spread(wide.x, 0.0), spread(wide.x, 0.0)), 0
     if board.repulsion != 0.0:
-        board.pairs[0] += find_windows(board, n, 0.0, SOFT_END)
-        find_ends(board, n)
+        find_near_rows(board, n, 0.0, SOFT_END)
     for row in range(rows):
-        x_i, y_i, push_x, push_y = load(wide.x, row), load(wide.y, row), spread(wide.x, 0.0), spread(wide.x, 0.0)
-        begin, end = 0, 0
-        if board.repulsion != 0.0:
-            begin, end = low[row * WIDTH], high[min(row * WIDTH + WIDTH, n) - 1]
-            for i in range(row * WIDTH + 1, min(row * WIDTH + WIDTH, n)):
-                begin = min(begin, low[i])
-        for j in range(begin, end):
-            dx, dy = x_i - load_wide(x, j), y_i - load_wide(y, j)
-            square = fma(dx, dx, dy * dy)
-            weight = where_positive(square, repelling(square))
-            push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
-        store(wide.push_x, row, push_x)
-        store(wide.push_y, row, push_y)
+        total = push
+        if board.repulsion == 0.0:
+            pass
+        elif board.bent:
+            for k in range(list_around(board, row, rows)):
+                total = _push_row(board, wide, row, board.begin[k], min(board.end[k], n), total)
+                pairs += WIDTH * (min(board.end[k], n) - board.begin[k])
+        else:
+            begin, end = window_around(board, row, n)
+            total = _push_row(board, wide, row, begin, end, total)
+            pairs += WIDTH * (end - begin)
+        store(wide.push_x, row, total[0])
+        store(wide.push_y, row, total[1])
+    board.pairs[0] += pairs
+
+
+@inner
+def _push_row(board: Board, wide: Board, row: int, begin: int, end: int, push: Plane) -> Plane:
+    """Add what cells ``begin`` to ``end`` do to a row, without a branch.
+
+    One that is beyond the range adds exact zeros, as a nucleus does to itself.
+    """
+    x_i, y_i, (push_x, push_y) = load(wide.x, row), load(wide.y, row), push
+    for j in range(begin, end):
+        dx, dy = x_i - load_wide(board.x, j), y_i - load_wide(board.y, j)
+        square = fma(dx, dx, dy * dy)
+        weight = where_positive(square, repelling(square))
+        push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
+    return push_x, push_y
 
 
 @inner
 def push_in_pairs(board: Board, n: int) -> None:
     """The same in eight tissues, where each pair is looked at once. The sums are added up in the same order."""
-    x, y, push_x, push_y, low = board.x, board.y, board.push_x, board.push_y, board.low
+    none, pairs = spread(board.x, 0.0), 0
     if board.repulsion != 0.0:
-        board.pairs[0] += find_windows(board, n, 0.0, SOFT_END)
+        find_near(board, n, 0.0, SOFT_END)
     for i in range(n):
-        x_i, y_i, sum_x, sum_y = load(x, i), load(y, i), spread(x, 0.0), spread(x, 0.0)
-        for j in range(low[i] if board.repulsion != 0.0 else i, i):
-            dx, dy = load(x, j) - x_i, load(y, j) - y_i
-            weight = repelling(fma(dx, dx, dy * dy))
-            sum_x, sum_y = fma(weight, dx, sum_x), fma(weight, dy, sum_y)
-            store(push_x, j, fma(weight, dx, load(push_x, j)))
-            store(push_y, j, fma(weight, dy, load(push_y, j)))
-        store(push_x, i, 0.0 - sum_x)
-        store(push_y, i, 0.0 - sum_y)
+        sum_x, sum_y = none, none
+        if board.repulsion == 0.0:
+            pass
+        elif board.bent:
+            for k in range(list_before(board, i)):
+                sum_x, sum_y = _push_pairs(board, i, board.begin[k], min(board.end[k], i), (sum_x, sum_y))
+                pairs += max(0, min(board.end[k], i) - board.begin[k])
+        else:
+            sum_x, sum_y = _push_pairs(board, i, board.first[i], i, (sum_x, sum_y))
+            pairs += i - board.first[i]
+        store(board.push_x, i, 0.0 - sum_x)
+        store(board.push_y, i, 0.0 - sum_y)
+    board.pairs[0] += pairs
+
+
+@inner
+def _push_pairs(board: Board, i: int, begin: int, end: int, push: Plane) -> Plane:
+    """Add what nucleus i does to those from ``begin`` to ``end``, and collect what they do to it, with other sign."""
+    push_x, push_y, x_i, y_i = board.push_x, board.push_y, load(board.x, i), load(board.y, i)
+    sum_x, sum_y = push
+    for j in range(begin, end):
+        dx, dy = load(board.x, j) - x_i, load(board.y, j) - y_i
+        weight = repelling(fma(dx, dx, dy * dy))
+        sum_x, sum_y = fma(weight, dx, sum_x), fma(weight, dy, sum_y)
+        store(push_x, j, fma(weight, dx, load(push_x, j)))
+        store(push_y, j, fma(weight, dy, load(push_y, j)))
+    return sum_x, sum_y
 
 
 @inner

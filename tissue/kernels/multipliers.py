@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from dincl.compile import inner
 from tissue.kernels.board import Board
-from tissue.kernels.windows import find_windows
+from tissue.kernels.near import find_near, list_ranges
 from tissue.model.cells import Floats, Integers
 from tissue.model.numbers_daha import Daha
 
@@ -93,8 +93,8 @@ def list_pairs(board: Board, n: int, multipliers: Multipliers) -> bool:
 
     Until a nucleus moves by REACH / 2 no other pair can overlap, so that its multiplier stays zero.
     """
-    x, y, radius, low = board.x, board.y, board.radius, board.low
-    find_windows(board, n, 1.0, 0.5 * REACH)
+    x, y, radius = board.x, board.y, board.radius
+    find_near(board, n, 1.0, 0.5 * REACH)
     for i in range(n):
         board.before_x[i], board.before_y[i] = x[i], y[i]
         multipliers.last[i] = -1
@@ -103,13 +103,14 @@ def list_pairs(board: Board, n: int, multipliers: Multipliers) -> bool:
         if multipliers.discs[k] > 0.0:
             _add(multipliers, multipliers.i[k], multipliers.j[k], multipliers.square[k], multipliers.discs[k])
     for i in range(n):
-        for j in range(low[i], i):
-            reach = radius[i] + radius[j]
-            near = math.hypot(x[i] - x[j], y[i] - y[j]) <= reach + REACH
-            if near and not _is_held(multipliers, i, j):
-                if multipliers.pairs[0] == len(multipliers.i):
-                    return False
-                _add(multipliers, i, j, reach * reach, 0.0)
+        for k in range(list_ranges(board, i)):
+            for j in range(board.begin[k], min(board.end[k], i)):
+                reach = radius[i] + radius[j]
+                near = math.hypot(x[i] - x[j], y[i] - y[j]) <= reach + REACH
+                if near and not _is_held(multipliers, i, j):
+                    if multipliers.pairs[0] == len(multipliers.i):
+                        return False
+                    _add(multipliers, i, j, reach * reach, 0.0)
     return True
 
 

@@ -9,61 +9,81 @@ from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, Board
 from tissue.kernels.lanes import either, fma, load, maximum, positive_bits, root, spread, store, where_positive
-from tissue.kernels.windows import find_windows
+from tissue.kernels.near import find_near, list_before, list_ranges
 
-# Pairs with a larger gap before the sweep are not looked at in it [R_soft].
+# Pairs with a larger gap before the sweep need not be looked at in it [R_soft].
 MARGIN = 0.3
-# How far along x a nucleus may be pushed until pairs outside of the windows may have met, less some rounding.
+# How far a nucleus may be pushed until such a pair may have met, less some rounding.
 FAR_PUSH = 0.499 * MARGIN
 # Where there is no neighbour.
 NOWHERE = 1e300
+
+Plane = tuple[Any, Any]
 
 
 @inner
 def separate(board: Board, n: int) -> None:
     """|X_i - X_j| >= R_i + R_j (C1) for all pairs in the order i, then j < i.
 
-    Overlapping discs are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that pairs
-    outside of the windows may have met, it begins again, with all pairs.
+    Overlapping discs are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that others than
+    those near it may have met it, the sweep begins again, with all pairs.
     """
-    x, y, before_x, before_y, low = board.x, board.y, board.before_x, board.before_y, board.low
-    find_windows(board, n, 1.0, 0.5 * MARGIN)
+    x, y, before_x, before_y = board.x, board.y, board.before_x, board.before_y
+    find_near(board, n, 1.0, 0.5 * MARGIN)
     for i in range(n):
         store(before_x, i, load(x, i))
         store(before_y, i, load(y, i))
-    pushed, corrections = _push_apart(board, n)
+    pushed, corrections = _push_apart(board, n, board.bent)
     if positive_bits(pushed - FAR_PUSH * FAR_PUSH):
         for i in range(n):
             store(x, i, load(before_x, i))
             store(y, i, load(before_y, i))
-            low[i] = 0
-        pushed, corrections = _push_apart(board, n)
+            board.first[i] = 0
+        pushed, corrections = _push_apart(board, n, 0)
     store(board.counts, 0, load(board.counts, 0) + corrections)
 
 
 @inner
-def _push_apart(board: Board, n: int) -> tuple[Any, Any]:
-    """Sweep over the windows; the square of the longest way along x of a push, and how many pairs were corrected."""
-    x, y, radius, before, low = board.x, board.y, board.radius, board.before_x, board.low
-    pushed, corrections, one = spread(x, 0.0), spread(x, 0.0), spread(x, 1.0)
+def _push_apart(board: Board, n: int, bent: int) -> tuple[Any, Any]:
+    """Sweep; the square of the longest way of a nucleus, and how many pairs were corrected."""
+    done = spread(board.x, 0.0), spread(board.x, 0.0)
     for i in range(n):
-        x_i, y_i, radius_i = load(x, i), load(y, i), load(radius, i)
-        for j in range(low[i], i):
-            dx, dy, reach = x_i - load(x, j), y_i - load(y, j), radius_i + load(radius, j)
-            square = dx * dx + dy * dy
-            overlap = reach * reach - square
-            if positive_bits(overlap):
-                part = where_positive(overlap, 0.5 * (reach / root(square) - 1.0))
-                x_i, y_i = x_i + part * dx, y_i + part * dy
-                x_j = load(x, j) - part * dx
-                store(x, j, x_j)
-                store(y, j, load(y, j) - part * dy)
-                way_i, way_j = x_i - load(before, i), x_j - load(before, j)
-                pushed = maximum(pushed, maximum(way_i * way_i, way_j * way_j))
-                corrections = corrections + where_positive(overlap, one)
-        store(x, i, x_i)
-        store(y, i, y_i)
-    return pushed, corrections
+        at = load(board.x, i), load(board.y, i)
+        if bent:
+            for k in range(list_before(board, i)):
+                at, done = _part_from(board, i, board.begin[k], min(board.end[k], i), at, done)
+        else:
+            at, done = _part_from(board, i, board.first[i], i, at, done)
+        store(board.x, i, at[0])
+        store(board.y, i, at[1])
+    return done
+
+
+@inner
+def _part_from(board: Board, i: int, begin: int, end: int, at: Plane, done: Plane) -> tuple[Plane, Plane]:
+    """Part nucleus i from those from ``begin`` to ``end``: where it is then; ``done`` as of ``_push_apart``."""
+    x, y, radius, (x_i, y_i), (pushed, corrections) = board.x, board.y, board.radius, at, done
+    radius_i, one = load(radius, i), spread(x, 1.0)
+    for j in range(begin, end):
+        dx, dy, reach = x_i - load(x, j), y_i - load(y, j), radius_i + load(radius, j)
+        square = dx * dx + dy * dy
+        overlap = reach * reach - square
+        if positive_bits(overlap):
+            part = where_positive(overlap, 0.5 * (reach / root(square) - 1.0))
+            x_i, y_i = x_i + part * dx, y_i + part * dy
+            x_j, y_j = load(x, j) - part * dx, load(y, j) - part * dy
+            store(x, j, x_j)
+            store(y, j, y_j)
+            way_i = _square(x_i - load(board.before_x, i), y_i - load(board.before_y, i))
+            way_j = _square(x_j - load(board.before_x, j), y_j - load(board.before_y, j))
+            pushed = maximum(pushed, maximum(way_i, way_j))
+            corrections = corrections + where_positive(overlap, one)
+    return (x_i, y_i), (pushed, corrections)
+
+
+@inner
+def _square(x: Any, y: Any) -> Any:
+    return x * x + y * y
 
 
 @inner
@@ -114,9 +134,10 @@ def part(board: Board, n: int, touching: float, most: int) -> int:
 @inner
 def largest_overlap(board: Board, n: int) -> float:
     """max R_i + R_j - |X_i - X_j| of one tissue, 0 if no discs overlap."""
-    x, y, radius, low, largest = board.x, board.y, board.radius, board.low, 0.0
-    find_windows(board, n, 1.0, 0.0)
+    x, y, radius, largest = board.x, board.y, board.radius, 0.0
+    find_near(board, n, 1.0, 0.0)
     for i in range(n):
-        for j in range(low[i], i):
-            largest = max(largest, radius[i] + radius[j] - math.hypot(x[i] - x[j], y[i] - y[j]))
+        for k in range(list_ranges(board, i)):
+            for j in range(board.begin[k], min(board.end[k], i)):
+                largest = max(largest, radius[i] + radius[j] - math.hypot(x[i] - x[j], y[i] - y[j]))
     return largest
