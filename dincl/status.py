@@ -30,6 +30,10 @@ class Status(Enum):
     CROWDED = "Particles lie on top of each other in such numbers that their pairs cannot be listed: use a smaller dt."
     COINCIDENT_CENTRES = "Two centres coincide, so no direction separates them: use a smaller dt."
 
+    LUMEN_CLOSED = (
+        "The lumen of a tube closed: its apical points met. End the run earlier, or use a longer basal layer, lower or "
+        "fewer cells."
+    )
     SINGULAR = (
         "dg/dX lost its full rank (5.5), so that y no longer determines the particles: start elsewhere, or end the run "
         "earlier."

@@ -60,21 +60,30 @@ class Lot:
 
     def frame(self, k: int, t: float) -> Frame:
         """A copy of run k at the present time t, or of the state that failed, at its time."""
-        return Frame(t if self.goes_on(k) else self._stopped(k), *contents(self.store(k)))
+        return Frame(t if self.goes_on(k) else self._stopped(k), *contents(self.store(k)), self.parameters.curve())
+
+    def status(self, k: int) -> Status:
+        """How run k ended, or goes on."""
+        if self.goes_on(k):
+            return Status.SUCCESS
+        return Status.NON_FINITE if find_lost(self.store(k)) >= 0 else Status.LUMEN_CLOSED
 
     def failure(self, k: int) -> str:
         """When and where run k failed, "" if it did not."""
         if self.goes_on(k):
             return ""
         held = self.store(k)
+        if self.status(k) is Status.LUMEN_CLOSED:
+            return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
         lost = f"cell {held.cells.id[find_lost(held)]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
         return f"t = {self._stopped(k):g} h: {lost}."
 
     def run(self, k: int, frames: Sequence[Frame]) -> Run:
         """Run k with these frames."""
         stats = dict(zip(COUNTERS, self.store(k).counts.tolist(), strict=True))
-        status = Status.SUCCESS if self.goes_on(k) else Status.NON_FINITE
-        return Run(self.parameters, self.seeds[k], tuple(frames), status, self.failure(k), stats, self._parted[k])
+        return Run(
+            self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._parted[k]
+        )
 
     def _stopped(self, k: int) -> float:
         """When run k failed [h]."""

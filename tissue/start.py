@@ -10,10 +10,12 @@ from numpy.random import Generator
 from dincl.errors import InvalidProblem
 from tissue.files.scenario import drawn
 from tissue.kernels.board import Boards
+from tissue.kernels.curve import curve_numbers
 from tissue.kernels.cycle import set_phases
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import Store, stored
 from tissue.kernels.sweeps import part
+from tissue.model.basal_curve import LINE, BasalCurve
 from tissue.model.cells import Cells, Emt, Flags, Floats, no_emt
 from tissue.model.numbers import Numbers
 from tissue.model.numbers_start import StartNumbers
@@ -38,15 +40,20 @@ class Parted(NamedTuple):
 def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
     """The first state of a run: that of ``first_state``, with the EMT cells of its scenario in the middle."""
     group = drawn(parameters.scenario(), random.emt)
-    return first_state(parameters.start_numbers(), parameters.numbers(), random.start, group)
+    return first_state(parameters.start_numbers(), parameters.numbers(), random.start, group, parameters.curve())
 
 
 def first_state(
-    start: StartNumbers, numbers: Numbers, draws: Generator, group: tuple[Emt, Flags] | None = None
+    start: StartNumbers,
+    numbers: Numbers,
+    draws: Generator,
+    group: tuple[Emt, Flags] | None = None,
+    curve: BasalCurve = LINE,
 ) -> tuple[Store, Parted]:
     """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.files.scenario.drawn``.
 
-    Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle].
+    Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle]. What
+    is drawn at (x, y) above a line is put at the height y above arclength x of the basal layer, where that bends.
     Drawn nuclei overlap: sweeps of (C1) part them, so that the hard discs do not overlap by more than 1e-10. Neighbours
     in the basal layer are as far apart as the parameters say, which these ensure to be feasible.
 
@@ -55,9 +62,9 @@ def first_state(
     InvalidProblem
         If the nuclei could not be parted: more cells than fit.
     """
-    cells, (emt, moves) = _drawn(start, numbers, draws), group or (no_emt(), NOBODY)
+    cells, (emt, moves) = _bent(_drawn(start, numbers, draws), curve), group or (no_emt(), NOBODY)
     _choose_middle(cells, moves)
-    held = stored(cells, emt=emt, capacity=2 * start.cells)
+    held = stored(cells, emt=emt, capacity=2 * start.cells, curve=curve_numbers(curve))
     set_phases(held, 0.0, handed_numbers(numbers))
     return held, _part(held, start.cells, numbers)
 
@@ -100,7 +107,18 @@ def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator) -> Cells:
         mother=np.full(n, -1),
         emt=np.full(n, -1),
         events=np.zeros(n, np.int64),
+        along=np.zeros(n),
     )
+
+
+def _bent(cells: Cells, curve: BasalCurve) -> Cells:
+    """The cells above the basal layer as they were above a line."""
+    if curve.pieces == 0:
+        return cells
+    (x, y), (ax, ay), (bx, by) = (
+        curve.above(*at) for at in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by))
+    )
+    return cells._replace(x=x, y=y, ax=ax, ay=ay, bx=bx, by=by, along=cells.bx)
 
 
 def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
@@ -118,7 +136,7 @@ def _part(held: Store, n: int, numbers: Numbers) -> Parted:
     """Sweep over the pairs until none overlap."""
     cells = held.cells
     x, y = cells.x[:n].copy(), cells.y[:n].copy()
-    board = Boards(n, 1, numbers, 0.0).flat
+    board = Boards(n, 1, numbers, 0.0, held.curve).flat
     board.parts.x[:n], board.parts.y[:n], board.parts.radius[:n] = x, y, cells.radius[:n]
     sweeps = part(board, n, TOUCHING, MOST_SWEEPS)
     if sweeps < 0:

@@ -12,6 +12,7 @@ from tissue.events import bits
 from tissue.model.observables import (
     PHASES,
     ab_positions,
+    areas,
     extruded,
     height,
     measurable,
@@ -85,6 +86,7 @@ def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFra
     ``nuclear_layers``                                      float64   soft discs that a vertical line crosses
     ``mean_y_ab``                                           float64   mean position on the apical-basal scale
     ``apically_extruded``, ``basally_extruded``             int64     cells with y_AB > 1, with y_AB < 0  (4.3)
+    ``lumen_area_um2``, ``tissue_area_um2``                 float64   of tubes alone: what they enclose, what they fill
     ======================================================  ========  ===============================================
     """
     return pd.DataFrame([_of_tissue(frame, _um(parameters)) for frame in measurable(frames)])
@@ -117,6 +119,7 @@ def _joined(parts: Sequence[Any]) -> Any:
 def _of_tissue(frame: Frame, um: float) -> dict[str, float | int]:
     positions, extents = ab_positions(frame), widths(frame)
     outside = extruded(positions)
+    tube = areas(frame)._asdict() if frame.curve.ring else {}
     return {
         "time_h": frame.t,
         "cells": len(frame.cells.x),
@@ -130,4 +133,5 @@ def _of_tissue(frame: Frame, um: float) -> dict[str, float | int]:
         "mean_y_ab": float(positions.mean()),
         "apically_extruded": outside.apically,
         "basally_extruded": outside.basally,
+        **{f"{name}_area_um2": um**2 * area for name, area in tube.items()},
     }

@@ -36,11 +36,11 @@ class Random(NamedTuple):
     noise: Any
 
 
-def held(tissue, capacity=None):
+def held(tissue, capacity=None, curve=store.STRAIGHT):
     """A store with the tissue in it, by default with room for each cell to divide."""
     room = 2 * len(tissue.cells.x) + ROOM if capacity is None else capacity
     emt = Emt(*(array.copy() for array in tissue.emt))
-    return store.stored(tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room)
+    return store.stored(tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room, curve=curve)
 
 
 def taken(kept):
@@ -97,10 +97,10 @@ def _sweeps(stores, ended, flat, wide, numbers):
     copy_out(flat, stores)
 
 
-def swept(states, given_numbers):
+def swept(states, given_numbers, curve=store.STRAIGHT):
     """The cells of one tissue, or of eight, after one sweep of all projections."""
-    kept, width = [held(state) for state in states], len(states)
-    boards = Boards(max(len(one.cells.x) for one in kept), width, given_numbers, 1.0)
+    kept, width = [held(state, curve=curve) for state in states], len(states)
+    boards = Boards(max(len(one.cells.x) for one in kept), width, given_numbers, 1.0, kept[0].curve)
     places = np.array([one.address for one in kept])
     _sweeps(places, np.zeros(width, np.int64), boards.flat, boards.wide, handed_numbers(given_numbers))
     return [taken(one).cells for one in kept]

@@ -54,6 +54,7 @@ SUMMARY_KINDS = {
     "apically_extruded": "int64",
     "basally_extruded": "int64",
 }
+TUBE_KINDS = SUMMARY_KINDS | {"lumen_area_um2": "float64", "tissue_area_um2": "float64"}
 
 
 def grown(**changes):
@@ -77,9 +78,11 @@ def test_columns_and_their_kinds(run):
     assert kinds(run.summary()) == SUMMARY_KINDS
     assert list(run.table()) == list(CELL_KINDS)
     assert list(run.summary()) == list(SUMMARY_KINDS)
+    tube = grown(**{"layer.shape": "circle", "layer.closed": True, "layer.side": "outside", "tissue.cells": 190})
+    assert kinds(tube.summary()) == TUBE_KINDS
 
 
-@pytest.mark.parametrize(("table", "expected"), [(cell_table, CELL_KINDS), (summary_table, SUMMARY_KINDS)])
+@pytest.mark.parametrize(("table", "expected"), [(cell_table, CELL_KINDS), (summary_table, TUBE_KINDS)])
 def test_every_column_is_described(table, expected):
     text = inspect.getdoc(table)
     described = [line for line in text.splitlines() if line.startswith("``")]

@@ -245,7 +245,7 @@ CHANGES = {
     "events.at_depth": ("stays", {"[[]P] way at depth": 0}),
 }
 # Keys that no step depends on, those of the other solver, and times of events, which tests of the events look at.
-ASIDE = ("cell.soft_radius", "numerics.t_end", "numerics.keep", "emt.*", "daha.*")
+ASIDE = ("cell.soft_radius", "numerics.t_end", "numerics.keep", "emt.*", "daha.*", "layer.*")
 
 
 def expected(name, changes):

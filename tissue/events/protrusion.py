@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 from dincl.compile import inner
+from tissue.kernels.curve import height_of
 from tissue.kernels.store import Store
 from tissue.model.numbers import Numbers
 
@@ -18,12 +19,13 @@ def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
     the line its rest length tends from ``rest``, before this dt, to 0.
     """
     cells, motion = store.cells, store.motion
-    running = cells.by[i] > -numbers.run_depth
+    height = height_of(store.curve, cells.bx[i], cells.by[i])
+    running = height > -numbers.run_depth
     moves = 1.0 if not running and numbers.forced_below else 0.0
     motion.bx_moves[i] = motion.by_moves[i] = moves
     motion.runs[i] = numbers.run_speed * numbers.dt / numbers.substeps if running else 0.0
     stiffness = numbers.alpha_bx * numbers.freed_stiffness
-    if cells.by[i] <= 0.0:
+    if height <= 0.0:
         cells.rest_bx[i] = rest * math.exp(-numbers.dt / numbers.contraction)
     elif numbers.spring_gives:
         cells.rest_bx[i] = rest + numbers.run_speed * numbers.dt

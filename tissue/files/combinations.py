@@ -10,6 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tissue.files.layer import Points, curve_of
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
 
@@ -90,13 +91,15 @@ def _before_the_end(keep: Measure | tuple[Measure, ...], end: Measure) -> str | 
     return None if ok else f"a list of times up to numerics.t_end = {show(end)}"
 
 
-def _fit(cells: int, nuclei: str, part: tuple[float, float], *lengths: Measure) -> str | None:
+def _fit(cells: int, shape: str, nuclei: str, part: tuple[float, float], *lengths: Measure) -> str | None:
     """Points of mutual distance d in a rectangle w x h: at most 1 + h/d + w (2 h/(sqrt(3) d^2) + 1/d)  (Oler, 1961).
 
     The rectangle is the box of the nuclei at the start; its width is (cells - 1) spacing where each nucleus begins
     above its own basal point. Fewer may fit, and cells that start in mitosis need more room; but above this number no
-    start without overlap exists.
+    start without overlap exists. Where the layer bends, only drawing tells.
     """
+    if shape != "line":
+        return None
     height, width, spacing, radius, _ = (reduced(length, lengths[-1]) for length in lengths)
     up, d = (part[1] - part[0]) * height, 2 * radius
     per_width = 2 * up / (math.sqrt(3) * d**2) + 1 / d
@@ -113,6 +116,43 @@ def _fit(cells: int, nuclei: str, part: tuple[float, float], *lengths: Measure) 
     )
 
 
+def _curve(points: Points, shape: str, *rest: Any) -> str | None:
+    """``rest``: perimeter, aspect, side, closed, soft radius."""
+    try:
+        curve_of(shape, rest[0], rest[1], points, *rest[2:])
+    except ValueError as error:
+        return str(error)
+    return None
+
+
+def _bends(height: Measure, *rest: Any) -> str | None:
+    """Below a height the normals of the inner side of a curve do not meet; ``rest``: as of ``curve_of``."""
+    largest = _curvature(*rest) * reduced(height, rest[-1])
+    if largest < 1:
+        return None
+    radius = 1 / _curvature(*rest)
+    return f"below {radius:.4g} R_soft, the smallest curvature radius of the basal layer on the side of the tissue"
+
+
+def _curvature(*rest: Any) -> float:
+    try:
+        return curve_of(*rest).largest_curvature
+    except ValueError:  # which ``_curve`` tells
+        return 0.0
+
+
+def _spread(cells: int, largest: Measure, *rest: Any) -> str | None:
+    """Of a ring the basal points are spread over its whole length."""
+    try:
+        curve = curve_of(*rest)
+    except ValueError:
+        return None
+    if not curve.ring or cells * reduced(largest, rest[-1]) >= curve.length * (1 - ROUNDING):
+        return None
+    least = math.ceil(curve.length / reduced(largest, rest[-1]) * (1 - ROUNDING))
+    return f"at least {least}: of fewer the basal points do not go around, {curve.length:.4g} R_soft, within (C2)"
+
+
 def _in_the_middle(group: int, cells: int) -> str | None:
     """Of n cells at most n - 2 are surrounded by others; without control cells no layer would be left to measure in."""
     most = max(0, cells - 2)
@@ -127,7 +167,22 @@ def _possible(protrusions: Timing, detachment: Timing) -> str | None:
     )
 
 
+LAYER = tuple(f"layer.{name}" for name in ("shape", "perimeter", "aspect", "points", "side", "closed"))
 RULES = (
+    Rule(
+        (
+            "layer.points",
+            "layer.shape",
+            "layer.perimeter",
+            "layer.aspect",
+            "layer.side",
+            "layer.closed",
+            "cell.soft_radius",
+        ),
+        _curve,
+    ),
+    Rule(("tissue.height", *LAYER, "cell.soft_radius"), _bends),
+    Rule(("tissue.cells", "tissue.max_basal_distance", *LAYER, "cell.soft_radius"), _spread),
     Rule(("emt.cells", "tissue.cells"), _in_the_middle),
     Rule(("emt.p", "emt.b"), _possible),
     Rule(("cell.hard_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
@@ -145,6 +200,7 @@ RULES = (
     Rule(
         (
             "tissue.cells",
+            "layer.shape",
             "start.nuclei",
             "start.nuclei_height",
             "tissue.height",

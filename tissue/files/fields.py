@@ -161,6 +161,24 @@ class KeptTimes:
         return times if several else times[0]
 
 
+@dataclass(frozen=True)
+class Places:
+    """Points of the plane."""
+
+    allowed: str = 'a list of points, each of two lengths with unit, such as [["0 um", "0 um"], ["50 um", "-10 um"]]'
+
+    def __call__(self, raw: Any) -> tuple[tuple[Measure, Measure], ...]:
+        if not isinstance(raw, (list, tuple)) or not all(isinstance(p, (list, tuple)) and len(p) == 2 for p in raw):
+            raise ValueError(f"must be {self.allowed}")
+        try:
+            points = tuple((parse(x, LENGTH), parse(y, LENGTH)) for x, y in raw)
+        except ValueError as error:
+            raise ValueError(f"must be {self.allowed}; {error}") from error
+        for measure in (part for point in points for part in point):
+            _check_size(abs(measure.value), self.allowed, f" {measure.unit}")
+        return points
+
+
 def _is(kind: type, raw: Any) -> bool:
     """Whether this is a number of the kind; true and false are none."""
     return isinstance(raw, kind) and not isinstance(raw, bool)
@@ -192,4 +210,9 @@ Positive = Annotated[float, PlainValidator(Number(zero=False))]
 NonNegative = Annotated[float, PlainValidator(Number(zero=True))]
 Probability = Annotated[float, PlainValidator(Number(zero=True, most=1.0))]
 Flag = Annotated[bool, PlainValidator(OneOf((True, False)))]
+Points = Annotated[
+    tuple[tuple[Measure, Measure], ...],
+    PlainValidator(Places()),
+    PlainSerializer(lambda points: [[str(x), str(y)] for x, y in points]),
+]
 Fractions = Annotated[tuple[float, float], PlainValidator(Span()), PlainSerializer(list)]

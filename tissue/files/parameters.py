@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.files.combinations import broken
+from tissue.files.layer import curve_of
 from tissue.files.messages import known_keys, problems, refuse, unknown
 from tissue.files.parameter_files import FOLDER, merged, read, written
 from tissue.files.scenario import Scenario
@@ -22,12 +23,14 @@ from tissue.files.sections import (
     DivisionSection,
     EmtSection,
     EventsSection,
+    LayerSection,
     NumericsSection,
     RulesSection,
     StartSection,
     TissueSection,
 )
-from tissue.files.units import reduced
+from tissue.files.units import Measure, reduced
+from tissue.model.basal_curve import BasalCurve
 from tissue.model.numbers import Numbers
 from tissue.model.numbers_daha import Daha
 from tissue.model.numbers_start import StartNumbers
@@ -54,6 +57,7 @@ class Parameters(BaseModel):
     emt: EmtSection
     events: EventsSection
     daha: DahaSection
+    layer: LayerSection = LayerSection()
 
     @model_validator(mode="after")
     def _together(self) -> Parameters:
@@ -142,17 +146,24 @@ class Parameters(BaseModel):
             forced_below=events.at_depth == "forces",
         )
 
+    def curve(self) -> BasalCurve:
+        """The basal layer."""
+        layer = self.layer
+        shape = layer.shape, layer.perimeter, layer.aspect, layer.points, layer.side, layer.closed
+        return curve_of(*shape, self.cell.soft_radius)
+
     def start_numbers(self) -> StartNumbers:
-        """What the first state is made from: lengths over R_soft."""
-        tissue, soft_radius = self.tissue, self.cell.soft_radius
+        """What the first state is made from: lengths over R_soft. A ring of cells is spread evenly over its layer."""
+        tissue, soft_radius, curve = self.tissue, self.cell.soft_radius, self.curve()
+        even = Measure(curve.length / tissue.cells, "R_soft") if curve.ring else None
         height = reduced(tissue.height, soft_radius)
         low, high = self.start.nuclei_height
         return StartNumbers(
             cells=tissue.cells,
             height=height,
-            width=reduced(tissue.width, soft_radius),
-            apical_spacing=reduced(tissue.apical_spacing, soft_radius),
-            basal_spacing=reduced(tissue.basal_spacing, soft_radius),
+            width=curve.length if curve.ring else reduced(tissue.width, soft_radius),
+            apical_spacing=reduced(even or tissue.apical_spacing, soft_radius),
+            basal_spacing=reduced(even or tissue.basal_spacing, soft_radius),
             nuclei=self.start.nuclei,
             nuclei_low=low * height,
             nuclei_high=high * height,

@@ -24,11 +24,13 @@ from tissue.files.fields import (
     MetricLength,
     NonNegative,
     OneOf,
+    Points,
     Positive,
     Probability,
     RateOrZero,
     Speed,
 )
+from tissue.files.units import Measure
 
 
 class ParameterSection(BaseModel):
@@ -100,6 +102,17 @@ class RulesSection(ParameterSection):
     enlarge_from: Annotated[str, PlainValidator(OneOf(("mitosis", "G2")))]  # when the enlarged radius begins
     g2_stiffening: NonNegative  # factor of alpha_aa of a cell from G2 to division
     resting_cells_enlarge: Flag  # whether a cell without INM enlarges and stiffens all the same
+
+
+class LayerSection(ParameterSection):
+    """[layer]: the basal layer (further work of chapter 3); a file may leave it out for the line of the thesis."""
+
+    shape: Annotated[str, PlainValidator(OneOf(("line", "circle", "ellipse", "points")))] = "line"
+    perimeter: Length = Measure(300.0, "um")  # of the circle or ellipse
+    aspect: Positive = 1.0  # of the ellipse: its vertical over its horizontal half axis; 1 is a circle
+    side: Annotated[str, PlainValidator(OneOf(("inside", "outside")))] = "inside"  # of the closed curve: of the tissue
+    closed: Flag = False  # whether the tissue is a closed tube; else it is an arc, or an open curve
+    points: Points = ()  # of a smooth curve through them; the tissue is on its left if it is not closed
 
 
 class DivisionSection(ParameterSection):

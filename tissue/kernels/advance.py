@@ -13,6 +13,7 @@ from tissue.kernels import kernel
 from tissue.kernels.board import LOST, RUNNING, board_at, copy_in, copy_out
 from tissue.kernels.cycle import adapt_rest_lengths, set_phases
 from tissue.kernels.division import count_due, divide
+from tissue.kernels.extents import is_closed
 from tissue.kernels.handed import generator_at, numbers_at
 from tissue.kernels.lanes import instruction
 from tissue.kernels.noise import add_noise, draw_key
@@ -31,8 +32,8 @@ def advance(
 ) -> tuple[int, int]:
     """Make the steps ``made`` to ``steps``, the k-th to t = (k + 1) dt; how many are made then, and how the call ended.
 
-    A tissue that is lost stays as it is from then on: ``ended`` is set to the step that failed. After FULL nothing is
-    lost: put the cells into larger stores and go on.
+    A tissue that is lost, or whose lumen is closed, stays as it is from then on: ``ended`` is set to the step that
+    failed. After FULL nothing is lost: put the cells into larger stores and go on.
 
     Parameters
     ----------
@@ -58,7 +59,7 @@ def advance(
         for k in range(len(stores)):
             if ended[k] == RUNNING:
                 store = store_at(stores[k])
-                if find_lost(store) >= 0:
+                if find_lost(store) >= 0 or is_closed(store):
                     ended[k] = made + 1
                 else:
                     watch_sides(store, t)

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from dincl.compile import inner
 from dincl.kernels.handles import reader
+from tissue.kernels.curve import CurveNumbers, course
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.store import (
@@ -17,6 +18,7 @@ from tissue.kernels.store import (
     BASAL_CORRECTIONS,
     CELLS,
     CORRECTIONS,
+    STRAIGHT,
     SUBSTEPS,
     Store,
     store_at,
@@ -68,6 +70,10 @@ class Board(NamedTuple):
     push_y: Floats
     drag_x: Floats  # displacement of the apical point by the junctions
     drag_y: Floats
+    # Of a basal point that the layer holds: its place along it, on a line bx itself, and there the direction
+    along: Floats
+    tangent_x: Floats
+    tangent_y: Floats
     ends: Floats  # where the basal sweeps bring the points of the layer
     before_x: Floats  # nuclei before the sweep
     before_y: Floats
@@ -90,10 +96,11 @@ class Board(NamedTuple):
     pairs: Integers  # (1,): pairs looked at for the repulsion
     # Of one substep
     substeps: int  # in one dt
-    bent: int  # whether the basal layer is not a straight line, 1 or 0
     repulsion: float
     max_basal: float
     deviation: float  # of the noise in a substep
+    bent: int  # whether the basal layer is not a straight line, 1 or 0
+    curve: CurveNumbers
 
 
 # How long the arrays are that have no place for each cell.
@@ -110,19 +117,21 @@ class Boards:
     alone is apart in both: two words, and two for each lane. ``block`` has the arrays with a number for each cell.
     """
 
-    def __init__(self, capacity: int, width: int, numbers: Numbers, scale: float) -> None:
+    def __init__(self, capacity: int, width: int, numbers: Numbers, scale: float, curve: CurveNumbers) -> None:
         m = -(-capacity * width // WIDTH) * WIDTH
         names = Board._fields[: Board._fields.index("first")]
         self.block = _aligned(len(names), m)
         block = {name: line[:m] for name, line in zip(names, self.block, strict=True)}
         for name in WHOLE:
             block[name] = block[name].view(np.int64)
-        same = _common(capacity, width, numbers, scale)
+        same = _common(capacity, width, numbers, scale) | {"bent": curve.bent, "curve": curve}
         self.pairs: Integers = same["pairs"]
         flat = {name: line[: SHORT.get(name, m) * (width if name in SHORT else 1)] for name, line in block.items()}
         wide = {name: line.reshape(-1, WIDTH)[: SHORT.get(name)] for name, line in block.items()}
         if width == 1:
             wide |= {name: np.zeros((SHORT[name], WIDTH), line.dtype) for name, line in block.items() if name in SHORT}
+        if not curve.bent:
+            flat["along"], wide["along"] = flat["bx"], wide["bx"]
         # For kernels these are ``Board``.
         self.flat: Any = Handed(Board(**flat, **same), _FLAT)
         self.wide: Any = Handed(Board(**wide, **same), _WIDE)
@@ -143,7 +152,6 @@ def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[s
     return {
         **{name: np.zeros(length, np.int64) for name, length in lengths.items()},
         "substeps": int(numbers.substeps),
-        "bent": 0,
         "repulsion": float(scale * numbers.repulsion),
         "max_basal": float(numbers.max_basal),
         "deviation": float(np.sqrt(variance)),
@@ -162,9 +170,10 @@ def _aligned(lines: int, length: int) -> NDArray[np.float64]:
 
 def _example(*shape: int) -> Board:
     """A board for its types."""
-    whole = {*WHOLE, *SAME, "substeps", "bent"}
+    whole = {*WHOLE, *SAME}
     kinds = {name: np.int64 if name in whole else np.float64 for name in Board._fields}
-    plain: dict[str, Any] = {"substeps": 0, "bent": 0, "repulsion": 0.0, "max_basal": 0.0, "deviation": 0.0}
+    plain: dict[str, Any] = {"substeps": 0, "repulsion": 0.0, "max_basal": 0.0, "deviation": 0.0}
+    plain |= {"bent": 0, "curve": STRAIGHT}
     lines = dict.fromkeys(SAME, (1,))
     return Board(**{name: plain.get(name, np.zeros(lines.get(name, shape), kind)) for name, kind in kinds.items()})
 
@@ -200,6 +209,9 @@ def _copy(store: Store, k: int, width: int, board: Board, numbers: Numbers, scal
         board.x[place], board.y[place] = cells.x[i], cells.y[i]
         board.ax[place], board.ay[place] = cells.ax[i], cells.ay[i]
         board.bx[place], board.by[place] = cells.bx[i], cells.by[i]
+        if board.bent:
+            at = course(board.curve, cells.along[i])
+            board.along[place], board.tangent_x[place], board.tangent_y[place] = cells.along[i], at[2], at[3]
         board.radius[place], board.id[place] = cells.radius[i], cells.id[i]
         l_ax, l_bx = 1.0 + cells.rest_ax[i], 1.0 + cells.rest_bx[i]
         board.l_ax[place], board.l_bx[place] = l_ax, l_bx
@@ -211,8 +223,8 @@ def _copy(store: Store, k: int, width: int, board: Board, numbers: Numbers, scal
     for s in range(store.sizes[APICAL]):
         i, place = store.layers.apical[s], width * store.layers.apical[s] + k
         board.in_apical[place] = 1.0
-        if s > 0:
-            before = store.layers.apical[s - 1]
+        if s > 0 or (board.curve.ring > 0.0 and store.sizes[APICAL] > 2):
+            before = store.layers.apical[s - 1 if s > 0 else store.sizes[APICAL] - 1]
             board.joined[place], board.rest[place] = 1.0, cells.rest_aa[before]
             board.k_aa[place] = scale * numbers.junction_factor * (0.5 * (cells.stiff_aa[before] + cells.stiff_aa[i]))
     for s in range(store.sizes[BASAL]):
@@ -244,6 +256,8 @@ def copy_out(board: Board, stores: Integers) -> None:
                 cells.x[i], cells.y[i] = board.x[place], board.y[place]
                 cells.ax[i], cells.ay[i] = board.ax[place], board.ay[place]
                 cells.bx[i], cells.by[i] = board.bx[place], board.by[place]
+                if board.bent:
+                    cells.along[i] = board.along[place]
             store.counts[SUBSTEPS] += board.substeps
             store.counts[CORRECTIONS] += int(board.counts[k])
             store.counts[BASAL_CORRECTIONS] += int(board.counts[width + k])

@@ -14,7 +14,7 @@ from tissue.kernels.forces import junctions, move, push_in_rows
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.multipliers import Multipliers, hold_basal, hold_discs, is_stale, list_pairs, multipliers_for
-from tissue.kernels.store import BASAL, store_at
+from tissue.kernels.store import BASAL, STRAIGHT, store_at
 from tissue.model.cells import COORDINATES, Floats, Integers
 from tissue.model.numbers import Numbers
 from tissue.model.numbers_daha import Daha
@@ -37,7 +37,7 @@ class Memory(NamedTuple):
 
 def boards_for(capacity: int, numbers: Numbers, daha: Daha) -> Boards:
     """Boards for so many cells, whose displacements are those of one iteration."""
-    return Boards(capacity, 1, numbers, daha.dtau**2 / (1 + daha.c * daha.dtau / 2) * daha.alpha)
+    return Boards(capacity, 1, numbers, daha.dtau**2 / (1 + daha.c * daha.dtau / 2) * daha.alpha, STRAIGHT)
 
 
 def memory_for(boards: Boards) -> Any:

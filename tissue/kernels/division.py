@@ -8,6 +8,7 @@ from numpy.random import Generator
 
 from dincl.compile import inner
 from tissue.kernels import kernel
+from tissue.kernels.curve import course
 from tissue.kernels.cycle import draw_cycle
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cells import Cells, Integers
@@ -56,9 +57,7 @@ def _split(store: Store, i: int, numbers: Numbers) -> None:
     _shift(store.blocks.floats, i, n)
     _shift(store.blocks.flags, i, n)
     _shift(store.blocks.integers, i, n)
-    for points in (cells.x, cells.ax, cells.bx):
-        points[i] -= numbers.division_offset
-        points[i + 1] += numbers.division_offset
+    _part_daughters(store, i, numbers.division_offset)
     cells.rest_aa[i] = numbers.new_junction
     cells.id[i + 1] = sizes[NEXT_ID]
     cells.mother[i + 1] = cells.id[i]
@@ -68,6 +67,23 @@ def _split(store: Store, i: int, numbers: Numbers) -> None:
     sizes[BASAL] = _insert(layers.basal, sizes[BASAL], i)
     _hold_again(store)
     store.counts[DIVISIONS] += 1
+
+
+@inner
+def _part_daughters(store: Store, i: int, offset: float) -> None:
+    """Each daughter goes by the offset from the mother, the first one back along the basal layer (3.7)."""
+    cells, along_x, along_y = store.cells, 1.0, 0.0
+    if store.curve.bent:
+        _, _, along_x, along_y = course(store.curve, cells.along[i])
+    for k in range(2):
+        step = offset if k == 1 else -offset
+        for x, y in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by)):
+            x[i + k] += step * along_x
+            if store.curve.bent:
+                y[i + k] += step * along_y
+        if store.curve.bent:
+            cells.along[i + k] += step
+            cells.bx[i + k], cells.by[i + k], _, _ = course(store.curve, cells.along[i + k])
 
 
 @inner

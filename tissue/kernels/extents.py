@@ -1,12 +1,53 @@
-"""How high and how wide a tissue is, in one look at its cells."""
+"""How high and how wide a tissue is, and whether its lumen is closed, in one look at its cells."""
 
 from __future__ import annotations
 
 import math
 
+from dincl.compile import inner
 from tissue.kernels import kernel
+from tissue.kernels.curve import height_of
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
-from tissue.model.cells import Floats
+from tissue.model.cells import Cells, Floats
+
+
+@inner
+def is_closed(store: Store) -> bool:
+    """Whether the lumen of a tube is: opposite parts of the apical layer cross.
+
+    These are junctions with a quarter of all junctions between them on both sides. Near ones may cross for a while: the
+    layer folds in crowds, above a line, too.
+    """
+    size = store.sizes[APICAL]
+    if not store.curve.hollow or size < 8:
+        return False
+    cells, layer, longest = store.cells, store.layers.apical, 0.0
+    for k in range(size):
+        i, j = layer[k], layer[(k + 1) % size]
+        longest = max(longest, abs(cells.ax[j] - cells.ax[i]), abs(cells.ay[j] - cells.ay[i]))
+    for k in range(size):
+        i = layer[k]
+        for m in range(k + size // 4, min(size, k + size - size // 4 + 1)):
+            j = layer[m]
+            near = abs(cells.ax[j] - cells.ax[i]) < 2 * longest and abs(cells.ay[j] - cells.ay[i]) < 2 * longest
+            if near and _cross(store.cells, i, layer[(k + 1) % size], j, layer[(m + 1) % size]):
+                return True
+    return False
+
+
+@inner
+def _cross(cells: Cells, i: int, next_i: int, j: int, next_j: int) -> bool:
+    """Whether two junctions cross: the ends of each lie on different sides of the other."""
+    one = _side(cells, i, next_i, j) * _side(cells, i, next_i, next_j)
+    return one < 0.0 and _side(cells, j, next_j, i) * _side(cells, j, next_j, next_i) < 0.0
+
+
+@inner
+def _side(cells: Cells, i: int, j: int, k: int) -> float:
+    """On which side of the line from A_i to A_j is A_k: the sign."""
+    along_x, along_y = cells.ax[j] - cells.ax[i], cells.ay[j] - cells.ay[i]
+    side: float = along_x * (cells.ay[k] - cells.ay[i]) - along_y * (cells.ax[k] - cells.ax[i])
+    return side
 
 
 @kernel
@@ -19,7 +60,8 @@ def measure_extents(store: Store, extents: Floats) -> None:
     low, high, total = math.inf, -math.inf, 0.0
     for k in range(store.sizes[APICAL]):
         i = layers.apical[k]
-        low, high, total = min(low, cells.ax[i]), max(high, cells.ax[i]), total + cells.ay[i]
+        height = height_of(store.curve, cells.ax[i], cells.ay[i])
+        low, high, total = min(low, cells.ax[i]), max(high, cells.ax[i]), total + height
     extents[0], extents[2] = total / store.sizes[APICAL], high - low
     low, high = math.inf, -math.inf
     for k in range(store.sizes[BASAL]):
@@ -28,5 +70,6 @@ def measure_extents(store: Store, extents: Floats) -> None:
     extents[3] = high - low
     low, high, total = math.inf, -math.inf, 0.0
     for i in range(n):
-        low, high, total = min(low, cells.x[i]), max(high, cells.x[i]), total + cells.y[i]
+        height = height_of(store.curve, cells.x[i], cells.y[i])
+        low, high, total = min(low, cells.x[i]), max(high, cells.x[i]), total + height
     extents[1], extents[4] = total / n, high - low

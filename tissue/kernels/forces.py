@@ -19,6 +19,7 @@ from tissue.kernels.lanes import (
     where_positive,
 )
 from tissue.kernels.near import find_near, find_near_rows, list_around, list_before, window_around
+from tissue.kernels.ring import at_ends
 
 # Radius of the soft discs, a little more than 1: a pair at the end of the range, of which rounding decides
 # whether it repels, is looked at in every company.
@@ -53,7 +54,7 @@ def push_in_rows(board: Board, n: int, wide: Board, rows: int) -> None:
             pairs += WIDTH * (end - begin)
         store(wide.push_x, row, total[0])
         store(wide.push_y, row, total[1])
-    board.pairs[0] += pairs
+    board.pairs[0] += pairs // 2  # each twice
 
 
 @inner
@@ -117,10 +118,13 @@ def repelling(square: Lane) -> Lane:
 def junctions(board: Board, n: int, wide: Board, rows: int) -> None:
     """Displacement of the apical points by their junctions, pulls k (d - eta), for neighbours in the layer.
 
-    Each cell of the layer finds the one before it, then how their junction pulls it, then what the next one does.
+    Each cell of the layer finds the one before it, then how their junction pulls it, then what the next one does. In a
+    ring the last one is before the first.
     """
     inside_at, ax, ay, drag_x, drag_y = board.in_apical, board.ax, board.ay, board.drag_x, board.drag_y
     x, y = spread(ax, 0.0), spread(ax, 0.0)
+    if board.curve.ring > 0.0:
+        x, y = at_ends(inside_at, ax, n)[1], at_ends(inside_at, ay, n)[1]
     for i in range(n):
         inside = load(inside_at, i)
         store(drag_x, i, x)
@@ -133,6 +137,8 @@ def junctions(board: Board, n: int, wide: Board, rows: int) -> None:
         store(wide.drag_x, i, pull * dx)
         store(wide.drag_y, i, pull * dy)
     x, y = spread(ax, 0.0), spread(ax, 0.0)
+    if board.curve.ring > 0.0:
+        x, y = at_ends(inside_at, drag_x, n)[0], at_ends(inside_at, drag_y, n)[0]
     for i in range(n - 1, -1, -1):
         inside, back_x, back_y = load(inside_at, i), load(drag_x, i), load(drag_y, i)
         store(drag_x, i, where_positive(inside, x - back_x))
@@ -163,7 +169,10 @@ def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Pl
 
 @inner
 def move(board: Board, rows: int) -> None:
-    """Move the points of each cell by its springs, its bending energy, its junctions and the pushes of soft discs."""
+    """Move the points of each cell by its springs, its bending energy, its junctions and the pushes of soft discs.
+
+    Where the layer bends, it moves a basal point that it holds by the part of its force that is along the curve.
+    """
     strength = board.repulsion
     for i in range(rows):
         x, y = load(board.x, i), load(board.y, i)
@@ -171,6 +180,9 @@ def move(board: Board, rows: int) -> None:
         bx, by = load(board.bx, i), load(board.by, i)
         of_ax, of_bx = (load(board.k_ax, i), load(board.l_ax, i)), (load(board.k_bx, i), load(board.l_bx, i))
         a, b, ahead = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(board.k_axb, i))
+        if board.bent:
+            along = fma(b[0], load(board.tangent_x, i), b[1] * load(board.tangent_y, i))
+            store(board.along, i, fma(load(board.in_basal, i), along, load(board.along, i)))
         runs = load(board.runs, i)
         store(board.x, i, fma(strength, load(board.push_x, i), x - (a[0] + b[0])))
         store(board.y, i, fma(strength, load(board.push_y, i), y - (a[1] + b[1])))

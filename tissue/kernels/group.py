@@ -66,7 +66,9 @@ class Group:
         """Tell the kernel where everything is."""
         width, numbers = len(self.ended), self._numbers
         scale = numbers.dt / numbers.substeps / numbers.mu
-        self._board = Boards(max(len(held.cells.x) for held in self.stores), width, numbers, scale)
+        self._board = Boards(
+            max(len(held.cells.x) for held in self.stores), width, numbers, scale, self.stores[0].curve
+        )
         addresses = [held.address for held in self.stores]
         self._addresses = np.array(addresses + addresses[-1:] * (width - len(addresses)))
         how = self._handed.address, self._board.flat.address, self._board.wide.address, substeps_address(width)

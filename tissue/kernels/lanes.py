@@ -119,6 +119,25 @@ def load(typing: Any, a: Any, i: Any) -> Any:
 
 
 @instruction
+def gather(typing: Any, a: Any, place: Any, k: Any) -> Any:
+    """Entry ``place`` + k of a flat array, for a place or one of each lane; a place is a whole number >= 0."""
+    kind = kind_of(place)
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        data = context.make_array(signature.args[0])(context, builder, values[0]).data
+        if kind != LANES:
+            return builder.load(builder.gep(data, [builder.add(builder.fptosi(values[1], _LONG), values[2])]))
+        places = builder.fptosi(values[1], like(LANES, _LONG))
+        found: Any = ir.Constant(like(LANES, _DOUBLE), ir.Undefined)
+        for lane in (ir.Constant(_PLACE, number) for number in range(WIDTH)):
+            one = builder.add(builder.extract_element(places, lane), values[2])
+            found = builder.insert_element(found, builder.load(builder.gep(data, [one])), lane)
+        return found
+
+    return kind(a, kind, types.intp), generate
+
+
+@instruction
 def load_wide(typing: Any, a: Any, i: Any) -> Any:
     """Entry i of an array of doubles in eight lanes: eight numbers, or one in all of them."""
 
@@ -198,6 +217,12 @@ def maximum(typing: Any, a: Any, b: Any) -> Any:
 def fma(typing: Any, a: Any, b: Any, c: Any) -> Any:
     """a b + c in one instruction, where the processor has one."""
     return _computed((a, b, c), lambda builder, a, b, c: _call(builder, "fmuladd", a, b, c))
+
+
+@instruction
+def floored(typing: Any, v: Any) -> Any:
+    """The largest whole number <= v."""
+    return _computed((v,), lambda builder, v: _call(builder, "floor", v))
 
 
 @instruction

@@ -6,34 +6,42 @@ import math
 
 from dincl.compile import inner
 from tissue.kernels import kernel
+from tissue.kernels.curve import height_of
 from tissue.kernels.store import APICAL, CELLS, Store
 from tissue.model.cells import Floats
 
 
 @inner
 def ab_position(store: Store, i: int) -> float:
-    """y_AB(X_i) = y(X_i) / y(A^ref), A^ref the point of the apical path nearest to X_i; as ``ab_positions``."""
+    """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical path nearest to X_i; as ``ab_positions``.
+
+    h is the height above the basal layer, y above a line.
+    """
     cells, layer = store.cells, store.layers.apical
     x, y = cells.x[i], cells.y[i]
-    nearest, reference = math.inf, cells.ay[layer[0]]
-    for k in range(store.sizes[APICAL] - 1):
+    nearest, reference, size = math.inf, (cells.ax[layer[0]], cells.ay[layer[0]]), store.sizes[APICAL]
+    for k in range(size if store.curve.ring > 0.0 else size - 1):
+        end = layer[k + 1 if k + 1 < size else 0]
         from_x, from_y = cells.ax[layer[k]], cells.ay[layer[k]]
-        along_x, along_y = cells.ax[layer[k + 1]] - from_x, cells.ay[layer[k + 1]] - from_y
+        along_x, along_y = cells.ax[end] - from_x, cells.ay[end] - from_y
         away_x, away_y = x - from_x, y - from_y
         square, part = along_x * along_x + along_y * along_y, 0.0
         if square > 0.0:
             part = min(max((away_x * along_x + away_y * along_y) / square, 0.0), 1.0)
         away_x, away_y = away_x - part * along_x, away_y - part * along_y
         if away_x * away_x + away_y * away_y < nearest:
-            nearest, reference = away_x * away_x + away_y * away_y, from_y + part * along_y
-    position: float = y / reference
+            nearest = away_x * away_x + away_y * away_y
+            reference = from_x + part * along_x, from_y + part * along_y
+    position: float = height_of(store.curve, x, y) / height_of(store.curve, reference[0], reference[1])
     return position
 
 
 @inner
 def apical_range(store: Store) -> tuple[float, float]:
-    """The lowest and the highest y of the apical layer: A^ref lies between."""
+    """The lowest and the highest y of the apical layer, between which A^ref lies; no bounds where the layer bends."""
     low, high = math.inf, -math.inf
+    if store.curve.bent:
+        return -math.inf, math.inf
     for k in range(store.sizes[APICAL]):
         i = store.layers.apical[k]
         low, high = min(low, store.cells.ay[i]), max(high, store.cells.ay[i])

@@ -7,7 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.kernels.handles import reader
+from tissue.kernels.curve import CurveNumbers, curve_numbers
 from tissue.kernels.handed import Handed, kind_of_handle
+from tissue.model.basal_curve import LINE
 from tissue.model.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, first, no_emt
 
 # Places in Store.sizes
@@ -15,6 +17,7 @@ CELLS, APICAL, BASAL, NEXT_ID = range(4)
 # What is counted, and where in Store.counts
 COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
+STRAIGHT = curve_numbers(LINE)
 
 
 class BasalMotion(NamedTuple):
@@ -44,6 +47,7 @@ class StoreArrays(NamedTuple):
     blocks: Blocks
     noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
     counts: Integers  # one for each of COUNTERS
+    curve: CurveNumbers  # the basal layer
 
 
 class Store(Handed):
@@ -51,11 +55,27 @@ class Store(Handed):
 
     def __init__(self, parts: StoreArrays) -> None:
         super().__init__(parts, _KIND)
-        self.cells, self.layers, self.emt, self.sizes, self.motion, self.blocks, self.noise_key, self.counts = parts
+        (
+            self.cells,
+            self.layers,
+            self.emt,
+            self.sizes,
+            self.motion,
+            self.blocks,
+            self.noise_key,
+            self.counts,
+            self.curve,
+        ) = parts
 
 
 def stored(
-    cells: Cells, layers: CellLayers | None = None, next_id: int | None = None, emt: Emt | None = None, *, capacity: int
+    cells: Cells,
+    layers: CellLayers | None = None,
+    next_id: int | None = None,
+    emt: Emt | None = None,
+    *,
+    capacity: int,
+    curve: CurveNumbers = STRAIGHT,
 ) -> Store:
     """A store with room for ``capacity`` cells at least, all cells in both layers if none are given.
 
@@ -63,7 +83,7 @@ def stored(
     """
     n, capacity = len(cells.x), max(2, capacity)
     layers = layers or CellLayers(np.arange(n), np.arange(n))
-    parts = _room(capacity, emt or no_emt())
+    parts = _room(capacity, emt or no_emt(), curve)
     for name, array in zip(Cells._fields, cells, strict=True):
         getattr(parts.cells, name)[:n] = array
     parts.layers.apical[: len(layers.apical)] = layers.apical
@@ -76,7 +96,7 @@ def stored(
     return Store(parts)
 
 
-def _room(capacity: int, emt: Emt) -> StoreArrays:
+def _room(capacity: int, emt: Emt, curve: CurveNumbers) -> StoreArrays:
     """Empty arrays."""
     kinds: list[Any] = [KINDS.get(name, np.float64) for name in Cells._fields]
     made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
@@ -86,10 +106,10 @@ def _room(capacity: int, emt: Emt) -> StoreArrays:
     layers = CellLayers(*np.zeros((2, capacity), np.int64))
     motion = BasalMotion(*np.zeros((3, capacity)))
     sizes, key, counts = np.zeros(4, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
-    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts)
+    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts, curve)
 
 
-_EXAMPLE = _room(2, no_emt())
+_EXAMPLE = _room(2, no_emt(), STRAIGHT)
 _KIND = kind_of_handle(_EXAMPLE)
 # The store at an address, inside of kernels.
 store_at = reader(_EXAMPLE)
@@ -97,7 +117,9 @@ store_at = reader(_EXAMPLE)
 
 def grown(held: Store) -> Store:
     """The same cells and counters with twice the room."""
-    larger = stored(*contents(held), int(held.sizes[NEXT_ID]), held.emt, capacity=2 * len(held.cells.x))
+    larger = stored(
+        *contents(held), int(held.sizes[NEXT_ID]), held.emt, capacity=2 * len(held.cells.x), curve=held.curve
+    )
     larger.counts[:] = held.counts
     return larger
 

@@ -15,7 +15,7 @@ from tissue.kernels.board import Board, board_at, wide_board_at
 from tissue.kernels.forces import junctions, move, push_in_pairs, push_in_rows
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.normals import shake
-from tissue.kernels.sweeps import order_basal, separate
+from tissue.kernels.sweeps import lay, order_basal, separate
 
 _SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
 
@@ -38,6 +38,8 @@ def make_substep(board: Board, n: int, wide: Board, rows: int) -> None:
     move(wide, rows)
     separate(board, n)
     order_basal(board, n)
+    if board.bent:
+        lay(wide, rows)
 
 
 def _alone(flat: int, wide: int, n: int) -> int:

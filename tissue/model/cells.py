@@ -41,6 +41,7 @@ class Cells(NamedTuple):
     mother: Integers  # id of the cell it split from, -1 for a cell of the start
     emt: Integers  # number among the EMT cells, its place in Emt; -1 for a control cell
     events: Integers  # the EMT events that have begun, a sum of bits of ``tissue.events.bits``
+    along: Floats  # arclength of the basal point, where the layer bends and holds it; on a line bx says it
 
 
 # The fields of Cells that are coordinates.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from tissue.model.basal_curve import LINE, BasalCurve
 from tissue.model.cells import CellLayers, Cells
 
 
@@ -13,3 +14,4 @@ class Frame(NamedTuple):
     t: float
     cells: Cells
     layers: CellLayers
+    curve: BasalCurve = LINE  # the basal layer

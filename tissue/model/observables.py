@@ -30,6 +30,13 @@ class Widths(NamedTuple):
     nuclei: float  # of the centres of all nuclei
 
 
+class Areas(NamedTuple):
+    """Of the cross-section of a tube."""
+
+    lumen: float  # what it encloses
+    tissue: float
+
+
 class Extruded(NamedTuple):
     """Numbers of cells outside of the tissue (4.3), counted over all cells."""
 
@@ -49,18 +56,19 @@ def measurable(frames: Iterable[Frame]) -> list[Frame]:
 
 
 def height(frame: Frame) -> float:
-    """Mean of y(A_i) over the cells of the apical layer.
+    """Mean of h(A_i) over the cells of the apical layer, h the height above the basal layer: y above a line.
 
     The thesis plots the height (Figure 16 of chapter 3) without a definition; by this one it begins with the 8 R_soft
     of the figure.
     Raises InvalidProblem if the layer is empty.
     """
-    return float(frame.cells.ay[_inhabited("apical", frame.layers)].mean())
+    cells, apical = frame.cells, _inhabited("apical", frame.layers)
+    return float(frame.curve.heights(cells.ax[apical], cells.ay[apical]).mean())
 
 
 def nucleus_height(frame: Frame) -> float:
-    """Mean of y(X_i) over all cells."""
-    return float(frame.cells.y.mean())
+    """Mean of h(X_i) over all cells."""
+    return float(frame.curve.heights(frame.cells.x, frame.cells.y).mean())
 
 
 def widths(frame: Frame) -> Widths:
@@ -77,10 +85,27 @@ def nuclear_layers(frame: Frame) -> float:
     """2 N / (max x - min x + 2): how many soft discs a vertical line crosses, on average over all that cross one.
 
     This counts the layers of nuclei, one above the other, that make the epithelium look stratified
-    (section 2.2.9 of chapter 3).
+    (section 2.2.9 of chapter 3). Where the layer bends: how many a normal crosses, by the feet of the nuclei.
     """
-    x = frame.cells.x
-    return float(SOFT_DIAMETER * len(x) / (np.ptp(x) + SOFT_DIAMETER))
+    n, curve = len(frame.cells.x), frame.curve
+    if curve.ring:
+        return SOFT_DIAMETER * n / curve.length
+    feet = curve.feet(frame.cells.x, frame.cells.y)
+    return float(SOFT_DIAMETER * n / (np.ptp(feet) + SOFT_DIAMETER))
+
+
+def areas(frame: Frame) -> Areas:
+    """The cross-sections of a tube: what the inner one of its two layers encloses, and what is between both.
+
+    The basal layer is the curve, the apical layer the polygon of its points. Raises InvalidProblem if the tissue is not
+    closed.
+    """
+    curve, cells, apical = frame.curve, frame.cells, _inhabited("apical", frame.layers)
+    if not curve.ring:
+        raise InvalidProblem("the tissue is open: must be a ring, to enclose an area")
+    x, y = cells.ax[apical], cells.ay[apical]
+    within = float((x * np.roll(y, -1) - np.roll(x, -1) * y).sum() / 2)
+    return Areas(within, curve.area - within) if curve.area > 0 else Areas(-curve.area, curve.area - within)
 
 
 def phases(frame: Frame, numbers: Numbers) -> Integers:
@@ -94,9 +119,9 @@ def phases(frame: Frame, numbers: Numbers) -> Integers:
 
 
 def ab_positions(frame: Frame) -> Floats:
-    r"""y_AB(X_i) = y(X_i) / y(A_i^ref): 0 at the basal, 1 at the apical layer, shape (n,).
+    r"""y_AB(X_i) = h(X_i) / h(A_i^ref): 0 at the basal, 1 at the apical layer, shape (n,).
 
-    Source: section 3.3.1 of chapter 4.
+    h is the height above the basal layer along its normal, y above a line. Source: section 3.3.1 of chapter 4.
 
     A_i^ref is the point of the apical layer, a path of lines through the apical points, that is nearest to X_i.
 
@@ -106,18 +131,21 @@ def ab_positions(frame: Frame) -> Floats:
         If the apical layer is empty, or its point nearest to a nucleus lies on the basal line.
     """
     cells, apical = frame.cells, _inhabited("apical", frame.layers)
+    if frame.curve.ring:
+        apical = np.append(apical, apical[0])
     path_x, path_y = cells.ax[apical], cells.ay[apical]
     blocks = range(0, len(cells.x), max(1, BLOCK // len(apical)))
     step = blocks.step
-    parts = [_nearest_height(cells.x[k : k + step], cells.y[k : k + step], path_x, path_y) for k in blocks]
-    reference = np.concatenate(parts)
+    parts = [_nearest(cells.x[k : k + step], cells.y[k : k + step], path_x, path_y) for k in blocks]
+    reference = frame.curve.heights(*np.concatenate(parts, axis=1))
     level = np.flatnonzero(reference == 0)
     if level.size:
         raise InvalidProblem(
-            f"cell {cells.id[level[0]]}: the point of the apical layer nearest to its nucleus has y = 0: must be off "
-            "the basal line, to measure positions between the two"
+            f"cell {cells.id[level[0]]}: the point of the apical layer nearest to its nucleus is at height 0: must be "
+            "off the basal layer, to measure positions between the two"
         )
-    return cells.y / reference
+    positions: Floats = frame.curve.heights(cells.x, cells.y) / reference
+    return positions
 
 
 def extruded(positions: Floats) -> Extruded:
@@ -132,15 +160,15 @@ def _inhabited(name: str, layers: CellLayers) -> Integers:
     return layer
 
 
-def _nearest_height(x: Floats, y: Floats, path_x: Floats, path_y: Floats) -> Floats:
-    """The y of the point of the path (m,) that is nearest to each point x, y (n,); the first one of several."""
+def _nearest(x: Floats, y: Floats, path_x: Floats, path_y: Floats) -> Floats:
+    """The point of the path (m,) that is nearest to each point x, y (n,), the first one of several: (2, n)."""
     if len(path_x) == 1:
-        return np.full(len(x), path_y[0])
+        return np.stack((np.full(len(x), path_x[0]), np.full(len(x), path_y[0])))
     along_x, along_y = np.diff(path_x), np.diff(path_y)
     square = along_x**2 + along_y**2
     away_x, away_y = x[:, None] - path_x[:-1], y[:, None] - path_y[:-1]
     part = away_x * along_x + away_y * along_y
     part = np.divide(part, square, out=np.zeros_like(part), where=square > 0).clip(0.0, 1.0)  # two points in one place
     nearest = np.argmin((away_x - part * along_x) ** 2 + (away_y - part * along_y) ** 2, axis=1)
-    heights: Floats = path_y[nearest] + part[np.arange(len(x)), nearest] * along_y[nearest]
-    return heights
+    part = part[np.arange(len(x)), nearest]
+    return np.stack((path_x[nearest] + part * along_x[nearest], path_y[nearest] + part * along_y[nearest]))

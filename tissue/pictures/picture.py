@@ -42,6 +42,7 @@ from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
+    from tissue.model.basal_curve import BasalCurve
     from tissue.model.cells import Flags, Floats
     from tissue.model.frame import Frame
 
@@ -55,6 +56,7 @@ COLUMNS = 3
 DPI = 200
 MOVIE_DPI = 100
 MARGIN = 2.0  # um around the discs
+POINTS = 721  # of a basal layer that bends
 FULL, THINNEST = 3.5, 0.25  # points per um from which on lines have their full width; what is left of it at least
 
 
@@ -102,7 +104,7 @@ def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = N
         Inches that stay free below the legend.
     """
     with style():
-        figure, panels = _sheet(len(frames), box or _box(frames, parameters), DPI, _begun(frames), room)
+        figure, panels = _sheet(len(frames), box or _box(frames, parameters), parameters, DPI, _begun(frames), room)
         for panel, frame in zip(panels, frames, strict=True):
             _draw(panel, frame, parameters, _decimals(frames))
     return figure
@@ -111,7 +113,7 @@ def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = N
 def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
     """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
     with style():
-        _axes(panel, _box([frame], parameters), lowest=True, leftmost=True)
+        _axes(panel, _box([frame], parameters), parameters, lowest=True, leftmost=True)
         _draw(panel, frame, parameters, _decimals([frame]))
 
 
@@ -121,7 +123,7 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
     Arguments and errors are those of ``picture``.
     """
     with style():
-        figure, (panel,) = _sheet(1, _box(frames, parameters), MOVIE_DPI, _begun(frames))
+        figure, (panel,) = _sheet(1, _box(frames, parameters), parameters, MOVIE_DPI, _begun(frames))
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
@@ -158,7 +160,9 @@ def _begun(frames: Sequence[Frame]) -> list[str]:
     return [name for name in EMT_COLOURS if name in found]
 
 
-def _sheet(count: int, box: Box, dpi: int, begun: Sequence[str], room: float = 0.0) -> tuple[Figure, list[Axes]]:
+def _sheet(
+    count: int, box: Box, parameters: Parameters, dpi: int, begun: Sequence[str], room: float = 0.0
+) -> tuple[Figure, list[Axes]]:
     """A figure with ``count`` panels of one scale, and the legend below, in two lines where there are EMT cells."""
     below = BOTTOM + LEGEND * (2 if begun else 1) + room
     rows = -(-count // COLUMNS)
@@ -175,22 +179,35 @@ def _sheet(count: int, box: Box, dpi: int, begun: Sequence[str], room: float = 0
         left = LEFT + column * (slot + GAP)
         low = below + (rows - 1 - row) * (tall + TOP + GAP)
         panels.append(figure.add_axes((left / WIDTH, low / total, wide / WIDTH, tall / total)))
-        _axes(panels[-1], box, lowest=k + columns >= count, leftmost=column == 0)
+        _axes(panels[-1], box, parameters, lowest=k + columns >= count, leftmost=column == 0)
     legend(figure, control_entries(), LEFT / WIDTH, room / total)
     if begun:
         legend(figure, emt_entries(begun), LEFT / WIDTH, (LEGEND + room) / total)
     return figure, panels
 
 
-def _axes(panel: Axes, box: Box, *, lowest: bool, leftmost: bool) -> None:
+def _axes(panel: Axes, box: Box, parameters: Parameters, *, lowest: bool, leftmost: bool) -> None:
     panel.set(xlim=(box.left, box.right), ylim=(box.low, box.high), aspect="equal")
     panel.tick_params(labelbottom=lowest, labelleft=leftmost)
     if lowest:
         panel.set_xlabel("x [µm]")
     if leftmost:
         panel.set_ylabel("y [µm]")
-    panel.axhspan(box.low, 0.0, color=BELOW, linewidth=0, zorder=0)
-    panel.axhline(0.0, color=BASAL, linewidth=1.2, zorder=1)
+    _draw_basal_layer(panel, box, parameters.curve(), parameters.cell.soft_radius.value)
+
+
+def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> None:
+    """The curve, and in grey the side where the tissue is not; of an open curve that bends the curve alone."""
+    if curve.pieces == 0:
+        panel.axhspan(box.low, 0.0, color=BELOW, linewidth=0, zorder=0)
+        panel.axhline(0.0, color=BASAL, linewidth=1.2, zorder=1)
+        return
+    x, y = um * curve.course(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0]
+    panel.plot(x, y, color=BASAL, linewidth=1.2, zorder=1)
+    if curve.around:
+        inside = curve.area > 0
+        panel.axhspan(box.low, box.high, color=BELOW if inside else "white", linewidth=0, zorder=0)
+        panel.fill(x, y, color="white" if inside else BELOW, linewidth=0, zorder=0.5)
 
 
 def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> list[Artist]:
@@ -212,7 +229,10 @@ def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> l
         panel.add_collection(collection)
     dots = DOT | {"markersize": DOT_SIZE * thin, "zorder": 5}
     free_apical, free_basal = _free(frame)
-    lines = panel.plot(*apical[frame.layers.apical].T, color=APICAL, linewidth=1.5 * thin, **dots)
+    layer = frame.layers.apical
+    lines = panel.plot(
+        *apical[np.append(layer, layer[: frame.curve.ring])].T, color=APICAL, linewidth=1.5 * thin, **dots
+    )
     lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
     for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
         lines += panel.plot(*points.T, color=colour, zorder=6, **CROSS) if len(points) else []

@@ -69,13 +69,16 @@ def simulate_quasi_steady(
     Raises
     ------
     InvalidProblem
-        As ``simulate``, and if noise is to be added in each substep: there are none; or if there are EMT cells.
+        As ``simulate``, and if noise is to be added in each substep: there are none; or if there are EMT cells, or the
+        basal layer is not a line.
     RunFailed
         If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
     """
     noise = parameters.numerics.noise
     if noise != "step":
         raise InvalidProblem(f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps')
+    if parameters.layer.shape != "line":
+        raise InvalidProblem(f'layer.shape = "{parameters.layer.shape}": must be "line" for the quasi-steady model')
     if parameters.emt.cells:
         raise InvalidProblem(f"emt.cells = {parameters.emt.cells}: must be 0, the quasi-steady model has no EMT events")
     steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))

@@ -135,11 +135,14 @@ def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) ->
     """One row for each run; what was not measured, because it had failed, is null."""
     n, scale = len(replicates), lot.parameters.cell.soft_radius.value
     detail = [lot.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
-    states = [Status.NON_FINITE.name, Status.SUCCESS.name]
+    states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED]
+    ended = [lot.status(k) if sound[k] or not lot.goes_on(k) else Status.NON_FINITE for k in range(n)]
     columns: dict[str, Any] = {
         "replicate": np.array(replicates, np.int64),
         "seed": np.array(lot.seeds, np.int64),
-        "status": pa.DictionaryArray.from_arrays(sound[:n].astype(np.int8), states),
+        "status": pa.DictionaryArray.from_arrays(
+            np.array([states.index(one) for one in ended], np.int8), [state.name for state in states]
+        ),
         "detail": detail,
     }
     for t, _, controls, extents in zip(*course, strict=True):

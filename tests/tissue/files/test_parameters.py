@@ -17,6 +17,12 @@ from tissue.files.units import Measure
 SIX, TWELVE = Measure(6.0, "h"), Measure(12.0, "h")
 # One change of the thesis preset for each key, and all that it changes.
 SETTABLE = {
+    "layer.shape": ("circle", {"shape": "circle"}),
+    "layer.perimeter": ("400 um", {"perimeter": Measure(400.0, "um")}),
+    "layer.aspect": (0.5, {"aspect": 0.5}),
+    "layer.side": ("outside", {"side": "outside"}),
+    "layer.closed": (True, {"closed": True}),
+    "layer.points": ([["1 um", "0 um"]] * 4, {"points": ((Measure(1.0, "um"), Measure(0.0, "um")),) * 4}),
     "tissue.cells": (30, {"cells": 30}),
     "tissue.height": ("20 um", {"height": 4.0, "nuclei_high": 4.0}),
     "tissue.width": ("12 R_soft", {"width": 12.0}),
@@ -114,6 +120,7 @@ def plain(parameters: Parameters) -> dict[str, object]:
         **parameters.numbers()._asdict(),
         **parameters.start_numbers()._asdict(),
         **parameters.daha_numbers()._asdict(),
+        **dict(parameters.layer),
         "group": scenario.cells,
         "inm": scenario.inm,
         "times": scenario.times,

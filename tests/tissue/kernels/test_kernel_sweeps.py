@@ -11,9 +11,13 @@ from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.kernels.board import Boards
+from tissue.kernels.curve import curve_numbers
+from tissue.kernels.store import STRAIGHT
 from tissue.kernels.sweeps import part
+from tissue.model.basal_curve import ellipse
 
 seeds = st.integers(0, 2**32 - 1)
+RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))
 KINDS = ("square", "column", "row", "two heaps")
 
 
@@ -44,11 +48,22 @@ def test_sweeps_of_heaps_side_by_side(seed, size, kind):
     assert_swept(states, numbers())
 
 
+@settings(max_examples=60)
+@given(seeds, st.floats(0.3, 8.0), st.sampled_from(KINDS), st.sampled_from([1, 8]))
+def test_boxes_overlook_no_contact(seed, size, kind, width):
+    """Of a bent layer blocks are compared: nuclei in any order, alone and in company."""
+    rng = np.random.default_rng(seed)
+    found = [Tissue(heap(rng, n, size, kind), layers(n), n) for n in (40, 5, 30, 33, 20, 12, 1, 25)[:width]]
+    for state, one in zip(found, kernels.swept(found, numbers(), RING), strict=True):
+        x, y = twins.separate(state.cells.x, state.cells.y, state.cells.radius)
+        np.testing.assert_array_equal([one.x, one.y], [x, y])
+
+
 @pytest.mark.parametrize("n", [2, 9, 30])
 def test_sweep_stays_in_its_arrays(n):
     """What lies behind the last cell is not looked at, and stays."""
     state = heap(np.random.default_rng(n), n, 0.6, "square")
-    boards = Boards(n + 1, 1, numbers(), 0.0)
+    boards = Boards(n + 1, 1, numbers(), 0.0, STRAIGHT)
     boards.block[:] = np.nan
     board = boards.flat.parts
     board.x[:n], board.y[:n], board.radius[:n], board.counts[:] = state.x, state.y, state.radius, 0.0

@@ -163,5 +163,5 @@ def test_an_empty_layer_is_refused(measure, apical, basal, message):
 
 
 def test_a_layer_on_the_basal_line_has_no_scale():
-    with pytest.raises(InvalidProblem, match=r"cell 1: the point of the apical layer .* y = 0"):
+    with pytest.raises(InvalidProblem, match=r"cell 1: the point of the apical layer .* is at height 0"):
         ab_positions(frame([[0.0, 1.0], [4.0, -1.0]], [[0.0, 8.0], [3.0, 0.0]]))

@@ -1,0 +1,92 @@
+"""The basal layer as a curve, for kernels: points, tangents, heights; see ``tissue.model.basal_curve``."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dincl.compile import inner
+from tissue.kernels.lanes import floored, fma, gather, maximum
+from tissue.model.basal_curve import NEWTON, ORDER, BasalCurve
+from tissue.model.cells import Floats
+
+
+class CurveNumbers(NamedTuple):
+    """A ``BasalCurve``; the line (s, 0) if it is not bent."""
+
+    table: Floats  # flat
+    bent: int  # 1 or 0
+    pieces: float
+    per_length: float  # pieces over length
+    origin: float
+    around: int  # whether the curve is closed: 1 or 0
+    ring: float  # the length, if the tissue is closed, too; else 0
+    hollow: int  # whether the apical layer is inside the ring: 1 or 0
+
+
+def curve_numbers(curve: BasalCurve) -> CurveNumbers:
+    """The curve as kernels take it."""
+    pieces, ring = curve.pieces, curve.length if curve.ring else 0.0
+    table = np.ascontiguousarray(curve.table).ravel() if pieces else np.zeros(2 * ORDER)
+    hollow = int(curve.ring and curve.area > 0.0)
+    per_length = pieces / curve.length if pieces else 0.0
+    return CurveNumbers(
+        table, int(pieces > 0), float(pieces), per_length, curve.origin, int(curve.around), ring, hollow
+    )
+
+
+@inner
+def course(curve: CurveNumbers, s: Any) -> tuple[Any, Any, Any, Any]:
+    """gamma(s) and gamma'(s) of a bent curve, for one arclength or eight."""
+    v, begin = (s + curve.origin) * curve.per_length, 0.0 * s
+    # What is not a number becomes 0, so that no place outside of the table is read.
+    inside = maximum(v - curve.pieces * floored(v / curve.pieces), begin) if curve.around else maximum(v, begin)
+    inside = 0.0 - maximum(0.0 - inside, begin - curve.pieces)
+    piece = floored(inside)
+    u, place = inside - piece, 12.0 * piece
+    x, along_x = _polynomial(curve.table, place, 0, u)
+    y, along_y = _polynomial(curve.table, place, 6, u)
+    if not curve.around:  # straight on along the tangent
+        x, y = fma(v - inside, along_x, x), fma(v - inside, along_y, y)
+    return x, y, along_x * curve.per_length, along_y * curve.per_length
+
+
+@inner
+def _polynomial(table: Floats, place: Any, k: int, u: Any) -> tuple[Any, Any]:
+    """The polynomial at this place and its derivative (Horner)."""
+    value, slope = gather(table, place, k + 5), 0.0 * u
+    for power in range(4, -1, -1):
+        slope = fma(slope, u, value)
+        value = fma(value, u, gather(table, place, k + power))
+    return value, slope
+
+
+@inner
+def height_of(curve: CurveNumbers, x: float, y: float) -> float:
+    """The distance of a point from the curve, along its normal; below 0 on the side without tissue."""
+    if not curve.bent:
+        return y
+    at_x, at_y, along_x, along_y = course(curve, foot_of(curve, x, y))
+    height: float = (y - at_y) * along_x - (x - at_x) * along_y
+    return height
+
+
+@inner
+def foot_of(curve: CurveNumbers, x: float, y: float) -> float:
+    """The arclength of the point of a bent curve that is nearest to a point: from the nearest piece by Newton."""
+    nearest, node, ends = math.inf, 0, int(curve.pieces) + 1 - curve.around
+    for k in range(ends):
+        dx, dy = x - curve.table[12 * k], y - curve.table[12 * k + 6]
+        if dx * dx + dy * dy < nearest:
+            nearest, node = dx * dx + dy * dy, k
+    s = node / curve.per_length - curve.origin
+    step = 1e-4 / curve.per_length
+    for _ in range(NEWTON):
+        at_x, at_y, along_x, along_y = course(curve, s)
+        _, _, next_x, next_y = course(curve, s + step)
+        dx, dy = x - at_x, y - at_y
+        slope = along_x * along_x + along_y * along_y - (dx * (next_x - along_x) + dy * (next_y - along_y)) / step
+        s += (dx * along_x + dy * along_y) / max(slope, 0.1)
+    return s
