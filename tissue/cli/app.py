@@ -1,4 +1,4 @@
-"""The commands: ``tissue run`` and ``tissue movie``; ``tissue study`` has a file of its own."""
+"""The commands: ``tissue run`` and ``tissue movie``; the others have files of their own."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from dincl.errors import InvalidProblem
 from dincl.study.bar import progress
 from tissue.cli.figures import figures
 from tissue.cli.messages import RUN_FAILED, messages
+from tissue.cli.parameters import list_parameters
 from tissue.cli.study import study
 
 if TYPE_CHECKING:
@@ -25,6 +26,7 @@ MAKES_NO_NUMBERS = True
 app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
 app.command()(study)
 app.command()(figures)
+app.command("parameters")(list_parameters)
 File = Annotated[str, typer.Argument(metavar="FILE", help="A parameter file, or a preset: thesis, published.")]
 Seed = Annotated[int, typer.Option(min=0, help="The run is a function of the parameters and this.")]
 

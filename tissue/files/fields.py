@@ -1,4 +1,7 @@
-"""What the values of a parameter file may be: calling one of these checks a value and returns it, or says why not."""
+"""What the values of a parameter file may be: calling one of these checks a value and returns it, or says why not.
+
+Each says what is ``allowed``, for messages, and in which ``unit`` values are kept or of what kind they are, for lists.
+"""
 
 from __future__ import annotations
 
@@ -37,6 +40,10 @@ class Number:
     most: float = LARGEST
 
     @property
+    def unit(self) -> str:
+        return "number" if self.most == LARGEST else f"0 to {self.most:g}"
+
+    @property
     def allowed(self) -> str:
         if self.most < LARGEST:
             return f"a number from 0 to {self.most:g}, {PURE}"
@@ -58,6 +65,10 @@ class Quantity:
 
     dimension: Dimension
     zero: bool
+
+    @property
+    def unit(self) -> str:
+        return " or ".join(self.dimension.units)
 
     @property
     def allowed(self) -> str:
@@ -83,6 +94,10 @@ class Count:
     least: int = 1
 
     @property
+    def unit(self) -> str:
+        return "whole number"
+
+    @property
     def allowed(self) -> str:
         return f"a whole number from {self.least} to {self.most}"
 
@@ -97,6 +112,7 @@ class EventTime:
     """When an event begins, see ``tissue.files.timing``."""
 
     allowed: str = ALLOWED
+    unit: str = "h, %"
 
     def __call__(self, raw: Any) -> Timing:
         try:
@@ -116,6 +132,10 @@ class OneOf:
     options: tuple[str | int | bool, ...]
 
     @property
+    def unit(self) -> str:
+        return self.allowed
+
+    @property
     def allowed(self) -> str:
         return " or ".join(f'"{option}"' if isinstance(option, str) else f"{option}".lower() for option in self.options)
 
@@ -130,6 +150,7 @@ class Span:
     """Parts of the height; a nucleus on a layer might have no direction to its basal or apical point."""
 
     allowed: str = 'a list of two fractions 0 <= low <= high <= 1, not both 0 and not both 1, such as [0, "1/3"]'
+    unit: str = "two fractions"
 
     def __call__(self, raw: Any) -> tuple[float, float]:
         pair = tuple(map(number, raw)) if isinstance(raw, (list, tuple)) else ()
@@ -148,6 +169,7 @@ class KeptTimes:
     allowed: str = (
         'a duration > 0 with its unit, such as "1 h", or a list of rising times > 0, such as ["10 h", "24 h"]'
     )
+    unit: str = "h"
 
     def __call__(self, raw: Any) -> Measure | tuple[Measure, ...]:
         several = isinstance(raw, (list, tuple))
@@ -166,6 +188,7 @@ class Places:
     """Points of the plane."""
 
     allowed: str = 'a list of points, each of two lengths with unit, such as [["0 um", "0 um"], ["50 um", "-10 um"]]'
+    unit: str = "points of two lengths"
 
     def __call__(self, raw: Any) -> tuple[tuple[Measure, Measure], ...]:
         if not isinstance(raw, (list, tuple)) or not all(isinstance(p, (list, tuple)) and len(p) == 2 for p in raw):

@@ -10,6 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.files.keys import all_keys, sections
 
 # A key in the same section counts as this much nearer than one in another.
 SAME_SECTION = 0.25
@@ -17,7 +18,7 @@ SAME_SECTION = 0.25
 
 def known_keys(shape: type[BaseModel]) -> list[str]:
     """All keys, such as "tissue.cells"."""
-    return [f"{section}.{name}" for section, fields in _sections(shape).items() for name in fields.model_fields]
+    return [f"{section}.{name}" for section, fields in sections(shape).items() for name in fields.model_fields]
 
 
 def problems(error: ValidationError, shape: type[BaseModel], *, missing: bool) -> list[str]:
@@ -28,7 +29,12 @@ def problems(error: ValidationError, shape: type[BaseModel], *, missing: bool) -
 
 def unknown(key: str, value: Any, known: Iterable[str]) -> str:
     """The line for a key that is unknown."""
-    return f"{key} = {describe(value)}: unknown key; the nearest known one is {_nearest(key, known)}"
+    return f"{key} = {describe(value)}: {no_key(key, known)}"
+
+
+def no_key(key: str, known: Iterable[str]) -> str:
+    """What is wrong with a name that is no key."""
+    return f"unknown key; the nearest known one is {_nearest(key, known)}"
 
 
 def refuse(source: str, lines: Iterable[str]) -> InvalidProblem:
@@ -45,20 +51,25 @@ def _line(item: Any, shape: type[BaseModel]) -> str:
         case "missing":
             return f"{key} is missing: without a base it must be given, {_allowed(key, shape)}"
         case "extra_forbidden":
-            top = [] if "." in key else ["base", *_sections(shape)]
+            top = [] if "." in key else ["base", *sections(shape)]
             return unknown(key, item["input"], [*top, *known_keys(shape)])
         case "model_type":
             return f"{key} = {describe(item['input'])}: must be {_allowed(key, shape)}"
         case _:
-            return f"{key} = {describe(item['input'])}: {item['ctx']['error']}"
+            return f"{key} = {describe(item['input'])}: {item['ctx']['error']}{_choice(key, shape)}"
 
 
 def _allowed(key: str, shape: type[BaseModel]) -> str:
-    section, _, name = key.partition(".")
-    fields = _sections(shape)[section].model_fields
-    if not name:
-        return f"a section [{section}] with the keys {', '.join(fields)}"
-    return str(fields[name].metadata[0].func.allowed)
+    if "." not in key:
+        return f"a section [{key}] with the keys {', '.join(sections(shape)[key].model_fields)}"
+    facts = all_keys(shape)[key]
+    return f"{facts.allowed} ({facts.meaning})"
+
+
+def _choice(key: str, shape: type[BaseModel]) -> str:
+    """What is chosen between a few values; for numbers and times the name of the key says enough."""
+    facts = all_keys(shape).get(key)
+    return f" ({facts.meaning})" if facts is not None and facts.is_choice else ""
 
 
 def _nearest(key: str, known: Iterable[str]) -> str:
@@ -70,8 +81,3 @@ def _nearest(key: str, known: Iterable[str]) -> str:
         return SequenceMatcher(None, name, called).ratio() + SAME_SECTION * (there == section != "")
 
     return max(known, key=likeness)
-
-
-def _sections(shape: type[BaseModel]) -> dict[str, Any]:
-    """The model of each section."""
-    return {name: field.annotation for name, field in shape.model_fields.items()}

@@ -37,9 +37,17 @@ def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
     return result
 
 
-def written(tables: Mapping[str, Mapping[str, Any]]) -> str:
-    """TOML text of tables of texts, numbers, flags and lists: TOML writes these as JSON does."""
+def written(tables: Mapping[str, Mapping[str, Any]], comments: Mapping[str, str]) -> str:
+    """TOML text of tables of texts, numbers, flags and lists: TOML writes these as JSON does.
+
+    ``comments``: what stands behind a value, by keys such as "tissue.cells".
+    """
+
+    def line(section: str, name: str, value: Any) -> str:
+        comment = comments.get(f"{section}.{name}")
+        return f"{name} = {json.dumps(value)}" + (f"  # {comment}\n" if comment else "\n")
+
     return "\n".join(
-        f"[{name}]\n" + "".join(f"{key} = {json.dumps(value)}\n" for key, value in table.items())
-        for name, table in tables.items()
+        f"[{section}]\n" + "".join(line(section, name, value) for name, value in table.items())
+        for section, table in tables.items()
     )

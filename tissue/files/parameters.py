@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.files.combinations import broken
+from tissue.files.keys import all_keys, optional_sections
 from tissue.files.layer import curve_of
 from tissue.files.messages import known_keys, problems, refuse, unknown
 from tissue.files.parameter_files import FOLDER, merged, read, written
@@ -57,7 +58,13 @@ class Parameters(BaseModel):
     emt: EmtSection
     events: EventsSection
     daha: DahaSection
-    layer: LayerSection = LayerSection()
+    layer: LayerSection
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_defaults(cls, tables: Any) -> Any:
+        """A section may be left out as a whole if all of its keys have a default."""
+        return {**optional_sections(cls), **tables} if isinstance(tables, Mapping) else tables
 
     @model_validator(mode="after")
     def _together(self) -> Parameters:
@@ -95,8 +102,8 @@ class Parameters(BaseModel):
         return self.model_dump(mode="json")
 
     def as_toml(self) -> str:
-        """The text of a file without base that ``load`` makes equal parameters of."""
-        return written(self.as_dict())
+        """The text of a file without base that ``load`` makes equal parameters of; behind each value what it means."""
+        return written(self.as_dict(), {name: facts.comment for name, facts in all_keys(type(self)).items()})
 
     @property
     def t_end(self) -> float:
@@ -188,7 +195,7 @@ def load(path: str | PathLike[str]) -> Parameters:
     ----------
     path
         The file. Its top key ``base`` names a preset or another file, relative to this one; this one changes some
-        of its values. Without a base all values have to be given, as in the presets themselves.
+        of its values. Without a base all values without default have to be given, as in the presets themselves.
 
     Raises
     ------

@@ -1,6 +1,7 @@
-"""The sections of a parameter file: which keys there are and what each value may be.
+"""The sections of a parameter file: which keys there are, what each one means and what its value may be.
 
-A section says nothing about combinations of values: ``tissue.files.combinations`` does.
+This is the only place that says so: lists, messages, written files and docs/parameters.md take it from here, see
+``tissue.files.keys``. A section says nothing about combinations of values: ``tissue.files.combinations`` does.
 """
 
 from __future__ import annotations
@@ -30,13 +31,21 @@ from tissue.files.fields import (
     RateOrZero,
     Speed,
 )
-from tissue.files.units import Measure
+from tissue.files.keys import key
+from tissue.files.timing import NEVER
+
+TABLE_1 = "Table 1 of chapter 3"
+TABLE_2 = "Table 2 of chapter 3"
+TABLE_3 = "Table 3 of chapter 3"
+TABLE_4 = "Table 4 of chapter 3"
+TABLE_5 = "Table 5 of chapter 3"
+CURVED = "chapter 3 names curved layers as further work"
 
 
 class ParameterSection(BaseModel):
-    """A table of a file: all keys have to be given, no others, and nothing changes afterwards."""
+    """A table of a file: all keys without default have to be given, no others, and nothing changes afterwards."""
 
-    model_config = ConfigDict(frozen=True, extra="forbid")
+    model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
     @field_validator("*")
     @classmethod
@@ -48,85 +57,127 @@ class ParameterSection(BaseModel):
 
 
 class TissueSection(ParameterSection):
-    """[tissue]: Table 1 of chapter 3."""
+    """[tissue]: the layer of cells at the start, and its noise."""
 
-    cells: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # N^init
-    height: Length  # h^init
-    width: Length  # w^init, of the box of the nuclei
-    apical_spacing: Length  # d^init-apical
-    basal_spacing: Length  # of the basal points at the start
-    max_basal_distance: Length  # d^max-basal (C2)
-    two_daughters: Probability  # p^div, that both daughters stay in the plane (section 2.2.5 of chapter 3)
-    diffusion: DiffusionOrZero  # D
+    cells: Annotated[int, PlainValidator(Count(MOST_CELLS))] = key("cells at the start", "N^init", TABLE_1)
+    height: Length = key("height of the tissue at the start", "h^init", TABLE_1)
+    width: Length = key("width of the box of the nuclei at the start", "w^init", TABLE_1)
+    apical_spacing: Length = key("distance between apical points at the start", "d^init-apical", TABLE_1)
+    basal_spacing: Length = key(
+        "distance between basal points at the start", "", 'row "apical and basal spacing at start"'
+    )
+    max_basal_distance: Length = key(
+        "maximal distance between neighbouring basal points", "d^max-basal", f"{TABLE_1}, (C2)"
+    )
+    two_daughters: Probability = key(
+        "probability that both daughters of a division stay in the plane",
+        "p^div",
+        "Table 1 and section 2.2.5 of chapter 3",
+    )
+    diffusion: DiffusionOrZero = key("diffusion coefficient of the noise of nuclei", "D", f"{TABLE_1}, (3.17)")
 
 
 class CellSection(ParameterSection):
-    """[cell]: Table 2 of chapter 3."""
+    """[cell]: one cell, its cycle and its forces."""
 
-    soft_radius: MetricLength  # R^soft, the unit of length R_soft
-    hard_radius: Length  # R^hard
-    enlarged_radius: Length  # R^hard,G2 (3.4)
-    initial_rest_length: LengthOrZero  # eta^init of both cytoskeleton springs
-    g2: DurationOrZero  # T^G2
-    mitosis: DurationOrZero  # T^mitosis
-    min_cycle: Duration  # T^min-cycle
-    max_cycle: Duration  # T^max-cycle
-    rate_aa: RateOrZero  # k^aa (3.6)
-    rate_ax: RateOrZero  # k^ax (3.2)
-    rate_bx: RateOrZero  # k^bx (3.3)
-    alpha_aa: NonNegative  # stiffness of the apical junctions
-    alpha_ax: NonNegative  # of the apical-nuclei spring
-    alpha_bx: NonNegative  # of the basal-nuclei spring
-    alpha_xx: NonNegative  # of the soft repulsion of nuclei
-    alpha_axb: NonNegative  # of the bending spring
+    soft_radius: MetricLength = key(
+        "radius of the soft repulsion, the unit of length R_soft", "R^soft", f"{TABLE_2}, (3.13)"
+    )
+    hard_radius: Length = key("radius of non-overlap", "R^hard", f"{TABLE_2}, (C1)")
+    enlarged_radius: Length = key("radius of non-overlap before division", "R^hard,G2", f"{TABLE_2}, (3.4)")
+    initial_rest_length: LengthOrZero = key(
+        "rest length of both cytoskeleton springs at the start", "eta^init", TABLE_2
+    )
+    g2: DurationOrZero = key("duration of the G2 phase", "T^G2", "Table 2 and section 2.2.1 of chapter 3")
+    mitosis: DurationOrZero = key("duration of mitosis", "T^mitosis", "Table 2 and section 2.2.1 of chapter 3")
+    min_cycle: Duration = key("shortest duration of a cell cycle", "T^min-cycle", f"{TABLE_2}, (3.1)")
+    max_cycle: Duration = key("longest duration of a cell cycle", "T^max-cycle", f"{TABLE_2}, (3.1)")
+    rate_aa: RateOrZero = key("rate at which the rest length of an apical junction adapts", "k^aa", f"{TABLE_2}, (3.6)")
+    rate_ax: RateOrZero = key(
+        "rate at which the rest length of the apical-nuclei spring adapts", "k^ax", f"{TABLE_2}, (3.2)"
+    )
+    rate_bx: RateOrZero = key(
+        "rate at which the rest length of the basal-nuclei spring adapts", "k^bx", f"{TABLE_2}, (3.3)"
+    )
+    alpha_aa: NonNegative = key("stiffness of the apical junctions", "alpha^aa", f"{TABLE_2}, (3.11)")
+    alpha_ax: NonNegative = key("stiffness of the apical-nuclei spring", "alpha^ax", f"{TABLE_2}, (3.9)")
+    alpha_bx: NonNegative = key("stiffness of the basal-nuclei spring", "alpha^bx", f"{TABLE_2}, (3.10)")
+    alpha_xx: NonNegative = key("stiffness of the soft repulsion of nuclei", "alpha^xx", f"{TABLE_2}, (3.13)")
+    alpha_axb: NonNegative = key(
+        "stiffness of the bending spring, which keeps a cell straight", "alpha^axb", f"{TABLE_2}, (3.12)"
+    )
 
 
 class NumericsSection(ParameterSection):
-    """[numerics]: Tables 3 and 5 of chapter 3, and what is kept of a run."""
+    """[numerics]: the steps, and what is kept of a run."""
 
-    dt: Duration  # between updates of rules and events
-    substeps: Annotated[int, PlainValidator(Count(MOST_CELLS))]  # PBD steps in one dt
-    mu: Duration  # damping coefficient
-    noise: Annotated[str, PlainValidator(OneOf(("step", "substep")))]  # how often it is added
-    t_end: Duration
-    keep: Kept  # a state is kept every so often, or at these times; at the start and at the end in any case
+    dt: Duration = key("time between updates of rules and events", "Delta t", TABLE_3)
+    substeps: Annotated[int, PlainValidator(Count(MOST_CELLS))] = key(
+        "PBD steps in one dt", "n^sub-steps", f"{TABLE_5}, (3.34)"
+    )
+    mu: Duration = key("damping coefficient", "mu", f"{TABLE_5}, (3.33)")
+    noise: Annotated[str, PlainValidator(OneOf(("step", "substep")))] = key("how often noise is added", "", "(3.35)")
+    t_end: Duration = key("end of the run", "t^end", 'row "end of runs"')
+    keep: Kept = key("time between kept states, or the kept times; start and end are kept in any case")
 
 
 class RulesSection(ParameterSection):
     """[rules]: where the variants of the model differ in more than a number."""
 
-    spring_power: Annotated[int, PlainValidator(OneOf((1, 2)))]  # p of W = alpha (d - l)^2/l^p (3.9), (3.10)
-    junction_factor: NonNegative  # k of a junction (3.11) over the mean alpha_aa of its two cells
-    repulsion_factor: NonNegative  # k of the soft repulsion (3.13) over alpha_xx
-    floor_rest_length: Flag  # desired rest length max(0, d - R_soft) in place of d - R_soft
-    enlarge_from: Annotated[str, PlainValidator(OneOf(("mitosis", "G2")))]  # when the enlarged radius begins
-    g2_stiffening: NonNegative  # factor of alpha_aa of a cell from G2 to division
-    resting_cells_enlarge: Flag  # whether a cell without INM enlarges and stiffens all the same
+    spring_power: Annotated[int, PlainValidator(OneOf((1, 2)))] = key(
+        "power of l in the energy alpha (d - l)^2/l^p of a cytoskeleton spring", "", "(3.9), (3.10)"
+    )
+    junction_factor: NonNegative = key("stiffness of a junction over the mean alpha_aa of its two cells", "", "(3.11)")
+    repulsion_factor: NonNegative = key("stiffness of the soft repulsion over alpha_xx", "", "(3.13)")
+    floor_rest_length: Flag = key(
+        "whether the desired rest length is max(0, d - R_soft) in place of d - R_soft", "", "section 2.2.2 of chapter 3"
+    )
+    enlarge_from: Annotated[str, PlainValidator(OneOf(("mitosis", "G2")))] = key(
+        "phase in which the enlarged radius begins", "", "(3.4)"
+    )
+    g2_stiffening: NonNegative = key(
+        "factor of alpha_aa of a cell from G2 to division",
+        "",
+        'row "stiffness alpha_aa of the apical junction from G2 to division"',
+    )
+    resting_cells_enlarge: Flag = key(
+        "whether a cell without INM enlarges and stiffens all the same", "", 'row "cell without INM"'
+    )
 
 
 class LayerSection(ParameterSection):
-    """[layer]: the basal layer (further work of chapter 3); a file may leave it out for the line of the thesis."""
+    """[layer]: the basal layer, a line in the thesis."""
 
-    shape: Annotated[str, PlainValidator(OneOf(("line", "circle", "ellipse", "points")))] = "line"
-    perimeter: Length = Measure(300.0, "um")  # of the circle or ellipse
-    aspect: Positive = 1.0  # of the ellipse: its vertical over its horizontal half axis; 1 is a circle
-    side: Annotated[str, PlainValidator(OneOf(("inside", "outside")))] = "inside"  # of the closed curve: of the tissue
-    closed: Flag = False  # whether the tissue is a closed tube; else it is an arc, or an open curve
-    points: Points = ()  # of a smooth curve through them; the tissue is on its left if it is not closed
+    shape: Annotated[str, PlainValidator(OneOf(("line", "circle", "ellipse", "points")))] = key(
+        "shape of the basal layer", "", CURVED, "line"
+    )
+    perimeter: Length = key("perimeter of the circle or ellipse", "", CURVED, "300 um")
+    aspect: Positive = key("vertical half axis of the ellipse over the horizontal one", "", CURVED, 1)
+    side: Annotated[str, PlainValidator(OneOf(("inside", "outside")))] = key(
+        "side of a closed curve on which the tissue is", "", CURVED, "inside"
+    )
+    closed: Flag = key("whether the tissue is a closed tube; else it is an arc, or an open curve", "", CURVED, False)
+    points: Points = key("points of a smooth curve; if it is not closed, the tissue is on its left", "", CURVED, [])
 
 
 class DivisionSection(ParameterSection):
-    """[division]: section 2.2.5 of chapter 3."""
+    """[division]: the division of a cell."""
 
-    offset: Length  # of each daughter from the mother (3.7); at 0 the daughters would coincide
-    new_junction: LengthOrZero  # rest length of the junction between daughters, and of all junctions at the start
+    offset: Length = key("distance of each daughter from the place of the mother", "Delta X", "(3.7)")
+    new_junction: LengthOrZero = key(
+        "rest length of the junction between daughters, and of all junctions at the start",
+        "",
+        "section 2.2.5 of chapter 3",
+    )
 
 
 class StartSection(ParameterSection):
     """[start]: where the nuclei are."""
 
-    nuclei: Annotated[str, PlainValidator(OneOf(("box", "even", "own_basal")))]  # rule of their x
-    nuclei_height: Fractions  # between which their y are drawn, of the height
+    nuclei: Annotated[str, PlainValidator(OneOf(("box", "even", "own_basal")))] = key(
+        "rule of the horizontal places of nuclei", "", 'row "nuclei at start"'
+    )
+    nuclei_height: Fractions = key("parts of the height between which nuclei begin", "", 'row "nuclei at start"')
 
 
 class EmtSection(ParameterSection):
@@ -136,34 +187,56 @@ class EmtSection(ParameterSection):
     step, so up to dt before its time.
     """
 
-    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))]  # N^EMT
-    inm: Probability  # that an EMT cell performs interkinetic nuclear movement
-    a: Begin  # T^A, loss of apical adhesion
-    b: Begin  # T^B, loss of basal adhesion
-    s: Begin  # T^S, loss of straightness
-    p: Begin  # T^P, protrusions; they wait for [B]
+    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
+        "EMT cells, in the middle of the tissue", "N^EMT", "section 2.2 of chapter 4"
+    )
+    inm: Probability = key(
+        "probability that an EMT cell performs interkinetic nuclear movement", "", "section 2.1 of chapter 4"
+    )
+    a: Begin = key("when apical adhesion is lost, [A]", "T^A", "section 2.2.1 of chapter 4", NEVER)
+    b: Begin = key("when basal adhesion is lost, [B]", "T^B", "section 2.2.2 of chapter 4", NEVER)
+    s: Begin = key("when straightness is lost, [S]", "T^S", "section 2.2.3 of chapter 4", NEVER)
+    p: Begin = key("when protrusions begin, [P]; they wait for [B]", "T^P", "section 2.2.4 of chapter 4", NEVER)
 
 
 class EventsSection(ParameterSection):
     """[events]: how the variants of the model carry out the events (section 2.2 of chapter 4)."""
 
-    freed_stiffness: NonNegative  # factor of the stiffness of the spring to a freed point: [A], [B]
-    bridge: Annotated[str, PlainValidator(OneOf(("sum", "distance")))]  # rest length of the junction that bridges [A]
-    bent_stiffness: NonNegative  # of the bending spring after [S]
-    run_speed: Speed  # v^run (4.1) of the basal point in [P]
-    run_depth: Length  # below the basal line, where its run ends
-    spring_above: Annotated[str, PlainValidator(OneOf(("no force", "gives way")))]  # while the point is above the line
-    contraction: DurationOrZero  # time constant of the rest length below it; 0: at once
-    at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))]  # the point at run_depth
+    freed_stiffness: NonNegative = key(
+        "factor of the stiffness of the spring to a freed point, after [A] and [B]",
+        "",
+        'row "[A], [B]: stiffness of the freed spring"',
+    )
+    bridge: Annotated[str, PlainValidator(OneOf(("sum", "distance")))] = key(
+        "rest length of the junction that bridges a cell after [A]: that of the two removed, or the distance",
+        "",
+        "section 2.2.1 of chapter 4",
+    )
+    bent_stiffness: NonNegative = key(
+        "stiffness of the bending spring after [S]", "alpha^axb", "section 2.2.3 of chapter 4"
+    )
+    run_speed: Speed = key("speed of the basal point in [P]", "v^run", "(4.1)")
+    run_depth: Length = key("depth below the basal layer at which its run ends", "", "(4.1)")
+    spring_above: Annotated[str, PlainValidator(OneOf(("no force", "gives way")))] = key(
+        "basal-nuclei spring in [P] while the basal point is above the layer", "", "section 2.2.4 of chapter 4"
+    )
+    contraction: DurationOrZero = key(
+        "time constant of its rest length once the point is below the layer; 0: at once",
+        "",
+        "section 2.2.4 of chapter 4",
+    )
+    at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))] = key(
+        "what the basal point does at run_depth", "", "(4.1)"
+    )
 
 
 class DahaSection(ParameterSection):
-    """[daha]: Table 4 of chapter 3, the damped Arrow-Hurwicz method of the quasi-steady model."""
+    """[daha]: the damped Arrow-Hurwicz method of the quasi-steady model."""
 
-    alpha: Positive
-    beta: Positive
-    gamma: NonNegative
-    c: Positive
-    dtau: Positive
-    eps: Positive
-    most_iterations: Annotated[int, PlainValidator(Count(1_000_000_000))]
+    alpha: Positive = key("weight of the energy and of the multipliers", "alpha", f"{TABLE_4}, (3.25)")
+    beta: Positive = key("rate of the multipliers", "beta", f"{TABLE_4}, Method 3.4")
+    gamma: NonNegative = key("weight of the term against oscillations", "gamma", f"{TABLE_4}, (3.25)")
+    c: Positive = key("damping", "c", f"{TABLE_4}, (3.25)")
+    dtau: Positive = key("step", "Delta tau", f"{TABLE_4}, (3.25)")
+    eps: Positive = key("relative move at which the iteration ends", "epsilon", f"{TABLE_4}, (3.24)")
+    most_iterations: Annotated[int, PlainValidator(Count(1_000_000_000))] = key("iterations after which it gives up")

@@ -13,8 +13,11 @@ from tissue.files.units import DURATION, Measure, parse
 from tissue.model.cells import Floats
 
 NEVER = "never"
-ALLOWED = 'never, a time, or a range of times with a probability: "never", "12 h", "6 h to 24 h", "6 h to 24 h, 70 %"'
-_RANGE = re.compile(r"(?P<low>.+?) to (?P<high>[^,]+?)(?: *, *(?P<percent>[0-9]+(?:\.[0-9]+)?) *%)?")
+ALLOWED = (
+    "never, a time, or a range of times, the last two also with a probability: "
+    '"never", "12 h", "18 h, 50 %", "6 h to 24 h", "6 h to 24 h, 70 %"'
+)
+_PERCENT = re.compile(r" *([0-9]+(?:\.[0-9]+)?) *% *")
 
 
 @dataclass(frozen=True)
@@ -43,10 +46,8 @@ class Timing:
     def __str__(self) -> str:
         if self.low is None:
             return NEVER
-        if self.low == self.high and self.percent == 100:
-            return str(self.low)
-        share = "" if self.percent == 100 else f", {self.percent:g} %"
-        return f"{self.low} to {self.high}{share}"
+        when = f"{self.low}" if self.low == self.high else f"{self.low} to {self.high}"
+        return when if self.percent == 100 else f"{when}, {np.format_float_positional(self.percent, trim='-')} %"
 
     def times(self, whether: Floats, when: Floats) -> Floats:
         """The times [h] for numbers drawn uniformly from [0, 1): inf for never."""
@@ -62,16 +63,22 @@ def timing(text: Any) -> Timing:
         raise ValueError("it must be a text")  # noqa: TRY004 - input errors are of one class
     if text.strip() == NEVER:
         return Timing()
-    match = _RANGE.fullmatch(text.strip())
-    if match is None:
-        time = _time(text)
-        return Timing(time, time)
-    low, high, percent = _time(match["low"]), _time(match["high"]), float(match["percent"] or 100)
+    when, comma, share = text.strip().partition(",")
+    first, to, last = when.partition(" to ")
+    low = _time(first)
+    high = _time(last) if to else low
     if low.value > high.value:
         raise ValueError("the first time must be the earlier one")
-    if percent > 100:
+    return Timing(low, high, _percent(share) if comma else 100.0)
+
+
+def _percent(text: str) -> float:
+    match = _PERCENT.fullmatch(text)
+    if match is None:
+        raise ValueError("behind the comma must stand a probability such as 70 %")
+    if float(match[1]) > 100:
         raise ValueError("the probability must be 100 % at most")
-    return Timing(low, high, percent)
+    return float(match[1])
 
 
 def _time(text: str) -> Measure:

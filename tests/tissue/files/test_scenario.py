@@ -42,6 +42,8 @@ def hours(low, high, percent=100.0):
         ("6 h to 24 h, 70 %", hours(6.0, 24.0, 70.0)),
         ("6 h to 24 h,62.5%", hours(6.0, 24.0, 62.5)),
         ("0 h to 0 h, 50 %", hours(0.0, 0.0, 50.0)),
+        ("18 h, 50 %", hours(18.0, 18.0, 50.0)),
+        (" 1/2 h ,0.1%", hours(0.5, 0.5, 0.1)),
     ],
 )
 def test_texts_of_timings(text, expected):
@@ -53,10 +55,20 @@ def test_texts_of_timings(text, expected):
     assert timing(str(expected)) == expected
 
 
-@given(st.floats(0, 1e6), st.floats(0, 1e6), st.sampled_from([0.0, 12.5, 70.0, 100.0]))
+@given(st.floats(0, 1e6), st.floats(0, 1e6), st.sampled_from([100.0]) | st.floats(0, 100))
 def test_a_timing_is_read_as_it_was_written(a, b, percent):
     written = hours(min(a, b), max(a, b), percent)
     assert timing(str(written)) == written
+
+
+def test_a_chance_at_a_fixed_time_is_written_as_such():
+    """U^50%(18 h, 18 h): half of the cells, all at one time."""
+    assert str(timing("18 h to 1080 min, 50 %")) == "18 h, 50 %"
+    assert preset("thesis").changed({"emt.a": "18 h, 50 %"}).as_dict()["emt"]["a"] == "18 h, 50 %"
+    draws = np.random.default_rng(4)
+    times = timing("18 h, 50 %").times(draws.random(20_000), draws.random(20_000))
+    assert set(times) == {18.0, NEVER}
+    assert stats.binomtest(int(np.isfinite(times).sum()), 20_000, 0.5).pvalue > RARE
 
 
 @pytest.mark.parametrize(
@@ -69,7 +81,14 @@ def test_a_timing_is_read_as_it_was_written(a, b, percent):
         ("-1 h", "times must be >= 0"),
         ("6 h to 24 h, 170 %", "the probability must be 100 % at most"),
         ("24 h to 6 h", "the first time must be the earlier one"),
-        ("6 h to 24 h, often", "it must consist of a number and a unit"),
+        ("6 h to 24 h, often", "behind the comma must stand a probability such as 70 %"),
+        ("18 h,", "behind the comma must stand a probability such as 70 %"),
+        ("18 h, 50 %, 20 %", "behind the comma must stand a probability such as 70 %"),
+        ("18 h, -50 %", "behind the comma must stand a probability such as 70 %"),
+        ("18 h, 101 %", "the probability must be 100 % at most"),
+        ("18, 50 %", "the unit is missing"),
+        ("never, 50 %", "it must consist of a number and a unit"),
+        ("", "it must consist of a number and a unit"),
     ],
 )
 def test_bad_timings_are_named(raw, reason):

@@ -1,0 +1,64 @@
+"""The command that lists the keys of parameter files, and tells all of one."""
+
+import pytest
+from typer.testing import CliRunner
+
+from tissue.cli.app import app
+from tissue.files.keys import all_keys, sections
+from tissue.files.parameters import Parameters
+
+KEYS = all_keys(Parameters)
+
+
+def call(*args):
+    return CliRunner().invoke(app, ["parameters", *args])
+
+
+def test_all_keys_are_listed_with_meaning_unit_and_values():
+    result = call()
+    assert result.exit_code == 0, result.stderr
+    lines = [line.rstrip() for line in result.stdout.splitlines()]
+    rows = {line.split()[0]: line for line in lines if line.split()[:1] and line.split()[0] in KEYS}
+    assert list(rows) == list(KEYS)
+    assert all(facts.meaning in rows[name] for name, facts in KEYS.items())
+    assert rows["numerics.mu"].split("  ")[-1] == '"0.15 h" (thesis); "0.2 h" (published)'
+    assert " um or R_soft " in rows["tissue.height"]
+    assert rows["emt.a"].endswith(' "never" (default)')
+    assert [line.split()[0] for line in lines if line.startswith("[")] == [f"[{name}]" for name in sections(Parameters)]
+
+
+def test_all_of_a_key():
+    result = call("numerics.mu")
+    assert result.exit_code == 0
+    assert result.stdout == (
+        "numerics.mu\n"
+        "  meaning    damping coefficient\n"
+        "  symbol     mu\n"
+        "  source     Table 5 of chapter 3, (3.33)\n"
+        '  allowed    a duration > 0 with its unit, such as "30 min" or "10 h"\n'
+        "  default    none: a file without base has to give it\n"
+        '  thesis     "0.15 h"\n'
+        '  published  "0.2 h"\n'
+    )
+    assert '  default    "never"\n' in call("emt.b").stdout
+    assert "symbol" not in call("numerics.noise").stdout
+
+
+def test_all_keys_of_a_section():
+    result = call("emt")
+    assert result.exit_code == 0
+    assert result.stdout.startswith("[emt]: the group of cells")
+    names = [line for line in result.stdout.splitlines() if line in KEYS]
+    assert names == [name for name in KEYS if name.startswith("emt.")]
+    assert '"18 h, 50 %"' in result.stdout
+
+
+@pytest.mark.parametrize(
+    ("name", "nearest"), [("numerics.muu", "numerics.mu"), ("mu", "numerics.mu"), ("emtt", "emt"), ("", "")]
+)
+def test_an_unknown_key_is_told_the_nearest(name, nearest):
+    result = call(name)
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert result.stderr.startswith(f"Error: {name}: unknown key; the nearest known one is {nearest}")
+    assert len(result.stderr.splitlines()) == 1

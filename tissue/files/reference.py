@@ -1,0 +1,81 @@
+"""The list of all keys of parameter files, for the command ``tissue parameters`` and the page docs/parameters.md.
+
+``python -m tissue.files.reference`` writes this page.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from tissue.files.keys import KeyFacts, all_keys, heading, sections
+from tissue.files.parameter_files import FOLDER, merged, read
+from tissue.files.parameters import PRESETS, Parameters
+
+MAKES_NO_NUMBERS = True
+PAGE = Path(__file__).parents[2] / "docs" / "parameters.md"
+COLUMNS = ("key", "meaning", "symbol", "unit, or what is allowed", "value", "source")
+TOP = """# The keys of parameter files
+
+`tissue parameters` lists them, too; `tissue parameters numerics.mu` and `tissue parameters emt` say more of a key or a
+section. A value is that of all presets, or of those in brackets. A key with a default may be left out in any file.
+Where the value of a preset is from stands at it in `tissue/files/presets`. The [source](../SOURCE.md) of a key is its
+place in the thesis, or a row of the table of model variants. `python -m tissue.files.reference` makes this page from
+`tissue/files/sections.py`.
+"""
+
+
+def presets() -> dict[str, dict[str, Any]]:
+    """The values of each preset as its file gives them, by key; without those that it leaves to their default."""
+    return {
+        preset: {
+            f"{section}.{name}": value for section, table in _tables(preset).items() for name, value in table.items()
+        }
+        for preset in PRESETS
+    }
+
+
+def spread(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> str:
+    """The values of a key in the presets: one if all have it, else each with those that have it."""
+    groups: dict[str, list[str]] = {}
+    for preset, theirs in values.items():
+        groups.setdefault(json.dumps(theirs.get(facts.name, facts.default)), []).append(preset)
+    if len(groups) == 1:
+        groups = {value: [] for value in groups}
+    if facts.has_default:
+        default = json.dumps(facts.default)
+        groups[default] = [*groups.get(default, []), "default"]
+    return "; ".join(f"{value} ({', '.join(names)})" if names else value for value, names in groups.items())
+
+
+def page() -> str:
+    """The page, in Markdown."""
+    values, keys = presets(), all_keys(Parameters).values()
+    parts = [TOP]
+    for section, fields in sections(Parameters).items():
+        rows = [_row(facts, values) for facts in keys if facts.section == section]
+        table = "".join(map(_line, [COLUMNS, ("---",) * len(COLUMNS), *rows]))
+        about = heading(fields)
+        parts.append(f"## [{section}]\n\n{about[0].upper()}{about[1:]}\n\n{table}")
+    return "\n".join(parts)
+
+
+def _row(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> tuple[str, ...]:
+    symbol = f"`{facts.symbol}`" if facts.symbol else ""
+    return f"`{facts.name}`", facts.meaning, symbol, facts.unit, spread(facts, values), facts.source
+
+
+def _line(cells: tuple[str, ...]) -> str:
+    return f"| {' | '.join(cells)} |\n"
+
+
+def _tables(name: str) -> dict[str, Any]:
+    tables = read(FOLDER / f"{name}.toml")
+    base = tables.pop("base", None)
+    return tables if base is None else merged(_tables(base), tables)
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), "utf-8")
