@@ -6,13 +6,19 @@ from collections.abc import Callable
 
 from tissue.files.parameters import Parameters
 from tissue.lot import Lot
+from tissue.model.frame import Frame
 from tissue.run import Run, RunFailed
 
 
 def simulate(
-    parameters: Parameters, seed: int = 0, *, throw: bool = True, watch: Callable[[float], None] | None = None
+    parameters: Parameters,
+    seed: int = 0,
+    start: Frame | None = None,
+    *,
+    throw: bool = True,
+    watch: Callable[[float], None] | None = None,
 ) -> Run:
-    """Grow a tissue from t = 0 to ``parameters.t_end``.
+    """Grow a tissue from t = 0, or from a kept state, to ``parameters.t_end``.
 
     mu dZ/dt in -grad W(Z) - N(S, Z) + noise, with the rules of the cell cycle applied every dt (Method 3.7).
 
@@ -21,7 +27,13 @@ def simulate(
     parameters
         From ``load`` or ``preset``.
     seed
-        An integer >= 0. The run is a function of (parameters, seed): on one kind of processor the same bits.
+        An integer >= 0. The run is a function of (parameters, seed, start): on one kind of processor the same bits.
+    start
+        A kept state of a run, ``run.final``, one of ``run.frames`` or ``Frame.load(path)``; None: drawn at t = 0. With
+        the parameters and the seed of that run it goes on with the bits that it has without a stop; with another seed
+        it goes on with the random numbers of this one. Parameters may differ: they hold from here on, and those of the
+        state at t = 0 have no effect. What has begun of the EMT stays; what has not, and INM of its cells, is drawn by
+        the seed from the parameters. Where the run before had no EMT cells, ``emt.cells`` in the middle are now.
     throw
         Whether a run that fails raises; otherwise its Status says so.
     watch
@@ -30,11 +42,13 @@ def simulate(
     Raises
     ------
     InvalidProblem
-        For a bad seed, or for more cells than fit at the start.
+        For a bad seed, or for more cells than fit at the start; for a ``start`` that is no state of a run or was lost,
+        is later than the end or no whole number of steps, has another number of EMT cells, or is later than the time
+        of an event that has not begun.
     RunFailed
         If coordinates leave the finite numbers; the error carries the Run up to then.
     """
-    run = Lot(parameters, [seed]).runs(watch)[0]
+    run = Lot(parameters, [seed], [] if start is None else [start]).runs(watch)[0]
     if throw and not run.status:
         raise RunFailed(run)
     return run

@@ -3,48 +3,56 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from itertools import count, takewhile
+from itertools import count, repeat, takewhile
 
 from dincl.status import Status
 from tissue.files.parameters import Parameters
 from tissue.kernels.advance import find_lost
 from tissue.kernels.board import LOST, RUNNING
 from tissue.kernels.group import Group
-from tissue.kernels.store import COUNTERS, Store, contents
+from tissue.kernels.store import COUNTERS, NEXT_ID, Store, contents, copied
+from tissue.model.checkpoint import Parted, TissueCheckpoint, generator_states
 from tissue.model.frame import Frame
-from tissue.model.streams import streams
+from tissue.model.streams import Streams, streams
+from tissue.resume import checkpoint_of, resumed, steps_made
 from tissue.run import Run
 from tissue.start import started
 
 
 class Lot:
-    """Runs of the same parameters and of up to WIDTH seeds."""
+    """Runs of the same parameters and of up to WIDTH seeds, from t = 0 or from kept states of one time."""
 
-    def __init__(self, parameters: Parameters, seeds: Sequence[int]) -> None:
+    def __init__(self, parameters: Parameters, seeds: Sequence[int], starts: Sequence[Frame] = ()) -> None:
         self.parameters, self.seeds = parameters, seeds
-        random = [streams(seed) for seed in seeds]
-        starts = [started(parameters, one) for one in random]
-        self._parted = [parted for _, parted in starts]
-        self._group = Group([held for held, _ in starts], parameters.numbers(), random)
+        self._begin = steps_made(parameters, starts[0]) if starts else 0
+        if starts:
+            held, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
+            self._parted: Sequence[Parted] = [checkpoint_of(start).parted for start in starts]
+        else:
+            random = tuple(streams(seed) for seed in seeds)
+            held, self._parted = zip(*map(started, repeat(parameters), random), strict=True)
+        self._random = random
+        self._group = Group(held, parameters.numbers(), random)
 
     def times(self) -> Iterator[float]:
-        """The kept times [h], the first 0; when one is given, the runs are there."""
-        yield 0.0
-        made = 0
+        """The kept times [h], the first that of the start; when one is given, the runs are there."""
+        made, dt = self._begin, self.parameters.numerics.dt.value
+        yield made * dt
         for step in kept_steps(self.parameters):
-            self._group.advance(made, step)
-            made = step
-            yield step * self.parameters.numerics.dt.value
+            if step > made:
+                self._group.advance(made, step)
+                made = step
+                yield step * dt
 
     def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
         """The runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept."""
         frames: list[list[Frame]] = [[] for _ in self.seeds]
-        for t in self.times():
+        for number, t in enumerate(self.times()):
             for k, mine in enumerate(frames):
                 frame = self.frame(k, t)
                 if not mine or mine[-1].t < frame.t:  # a run that has failed stays where it is
                     mine.append(frame)
-            if watch is not None and t > 0.0:
+            if watch is not None and number:
                 watch(frames[0][-1].t)
             if not any(map(self.goes_on, range(len(self.seeds)))):
                 break
@@ -60,7 +68,10 @@ class Lot:
 
     def frame(self, k: int, t: float) -> Frame:
         """A copy of run k at the present time t, or of the state that failed, at its time."""
-        return Frame(t if self.goes_on(k) else self._stopped(k), *contents(self.store(k)), self.parameters.curve())
+        held, random = self.store(k), self._random[k]
+        checkpoint = checkpoint_at(held, self.seeds[k], random, self._parted[k])
+        time = t if self.goes_on(k) else self._stopped(k)
+        return Frame(time, *contents(held), self.parameters.curve(), checkpoint)
 
     def status(self, k: int) -> Status:
         """How run k ended, or goes on."""
@@ -88,6 +99,12 @@ class Lot:
     def _stopped(self, k: int) -> float:
         """When run k failed [h]."""
         return float(self._group.ended[k] * self.parameters.numerics.dt.value)
+
+
+def checkpoint_at(held: Store, seed: int, random: Streams, parted: Parted) -> TissueCheckpoint:
+    """A copy of what a run is besides its cells, at the present time."""
+    states = generator_states(random)
+    return TissueCheckpoint(seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, parted)
 
 
 def kept_steps(parameters: Parameters) -> Iterator[int]:

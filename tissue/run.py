@@ -12,9 +12,9 @@ import numpy as np
 
 from dincl.errors import InvalidProblem
 from dincl.status import Status
+from tissue.model.checkpoint import Parted
 from tissue.model.frame import Frame
 from tissue.model.observables import measurable
-from tissue.start import Parted
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,16 +34,16 @@ class Run:
     Attributes
     ----------
     parameters, seed
-        What the run is a function of.
+        What the run is a function of; and of the state that it was started from, the first one of ``frames``.
     frames
-        The kept states in the order of time, the first at t = 0; after a failure those before it and last the state
-        that failed.
+        The kept states in the order of time, the first at t = 0, or the state that the run was started from; after a
+        failure those before it and last the state that failed.
     status, detail
         How the run ended, and the particulars in words ("" on success).
     stats
-        Counted work by name.
+        Counted work by name, since t = 0: of a run that was started from a state all that has led to it counts, too.
     parted
-        What made the drawn first state feasible.
+        What made the drawn state at t = 0 feasible.
     """
 
     parameters: Parameters

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.random import Generator
@@ -17,6 +17,7 @@ from tissue.kernels.store import Store, stored
 from tissue.kernels.sweeps import part
 from tissue.model.basal_curve import LINE, BasalCurve
 from tissue.model.cells import Cells, Emt, Flags, Floats, no_emt
+from tissue.model.checkpoint import Parted
 from tissue.model.numbers import Numbers
 from tissue.model.numbers_start import StartNumbers
 
@@ -28,13 +29,6 @@ NOBODY = np.zeros(0, np.bool_)
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
 TOUCHING = 1e-10
 MOST_SWEEPS = 10_000
-
-
-class Parted(NamedTuple):
-    """What was done to the drawn positions to make them feasible."""
-
-    sweeps: int  # over all pairs
-    moved: float  # largest displacement of a nucleus [R_soft]
 
 
 def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
@@ -63,13 +57,13 @@ def first_state(
         If the nuclei could not be parted: more cells than fit.
     """
     cells, (emt, moves) = _bent(_drawn(start, numbers, draws), curve), group or (no_emt(), NOBODY)
-    _choose_middle(cells, moves)
+    choose_middle(cells, moves)
     held = stored(cells, emt=emt, capacity=2 * start.cells, curve=curve_numbers(curve))
     set_phases(held, 0.0, handed_numbers(numbers))
     return held, _part(held, start.cells, numbers)
 
 
-def _choose_middle(cells: Cells, moves: Flags) -> None:
+def choose_middle(cells: Cells, moves: Flags) -> None:
     """Make the cells in the middle EMT cells, with INM or not: they begin new cycles but never divide (2.2.5)."""
     m = len(moves)
     first = (len(cells.x) - m) // 2

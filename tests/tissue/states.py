@@ -1,5 +1,6 @@
 """Small tissues for tests: made by hand from points, or random and feasible; lengths in R_soft, times in hours."""
 
+import math
 from pathlib import Path
 
 import numpy as np
@@ -31,6 +32,7 @@ THESIS = Numbers(
     rate_aa=1.0,
     rate_ax=5.0,
     rate_bx=5.0,
+    max_cytoskeleton=math.inf,
     two_daughters=0.2,
     division_offset=0.01,
     new_junction=1 / 3,

@@ -20,7 +20,7 @@ from tissue.cli.app import app
 from tissue.pictures.picture import picture
 
 HOME = import_module("tissue.first_order")  # the commands import from it
-FILES = ["parameters.toml", "picture.png", "summary.csv", "table.parquet"]
+FILES = ["final.npz", "parameters.toml", "picture.png", "summary.csv", "table.parquet"]
 SMALL = """
 base = "published"
 [tissue]
@@ -108,6 +108,19 @@ def test_the_written_parameters_repeat_the_run():
     assert call("run", "one/parameters.toml", "--seed", 3, "--out", "two").exit_code == 0
     for name in ("table.parquet", "summary.csv", "picture.png"):
         assert Path("one", name).read_bytes() == Path("two", name).read_bytes()
+
+
+def test_a_run_goes_on_from_the_last_state_of_another():
+    Path("short.toml").write_text(SMALL.replace('"1 h"', '"0.5 h"'), "utf-8")
+    assert call("run", "short.toml", "--seed", 3, "--out", "one").exit_code == 0
+    result = call("run", "small.toml", "--seed", 3, "--start", "one/final.npz", "--out", "two")
+    assert result.exit_code == 0, result.stderr
+    assert call("run", "small.toml", "--seed", 3, "--out", "whole").exit_code == 0
+    assert Path("two/final.npz").read_bytes() == Path("whole/final.npz").read_bytes()
+    assert "--seed 3 --start 'one/final.npz'" in Path("two/parameters.toml").read_text("utf-8").splitlines()[0]
+    late = call("run", "short.toml", "--start", "two/final.npz")
+    assert late.exit_code == 2
+    assert "numerics.t_end" in late.stderr
 
 
 def test_the_folder_is_named_by_file_and_seed():
@@ -211,7 +224,7 @@ def test_the_file_that_is_read_is_not_overwritten(simulated):
 def test_a_run_that_fails_writes_what_there_is(failing):
     result = call("run", "small.toml", "--out", "x")
     assert result.exit_code == 1
-    assert listed("x") == FILES
+    assert listed("x") == FILES[1:]  # nothing goes on from a state that failed
     assert pd.read_parquet("x/table.parquet")["time_h"].unique().tolist() == [0.0, 0.25, 0.5]
     assert pd.read_csv("x/summary.csv")["time_h"].tolist() == [0.0, 0.25, 0.5]
     (line,) = result.stderr.splitlines()

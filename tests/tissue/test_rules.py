@@ -14,6 +14,7 @@ from tests.tissue.kernel_calls import STILL, both, upright
 from tests.tissue.states import layers, tissue
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
+from tissue.events import bits
 from tissue.model.energy import forces
 
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.
@@ -118,6 +119,43 @@ def test_floor_of_rest_lengths(model, floor, wanted):
     assert (cells.rest_ax[0], cells.rest_bx[0]) == wanted
     cells = ruled(model, state, 11.5, STILL._replace(rate_ax=FAST, rate_bx=FAST, floor_rest=floor))
     assert (cells.rest_ax[0], cells.rest_bx[0]) == (0.0, 0.0 if floor else -1.0)
+
+
+# A cap on the cytoskeleton: |X - A| = 5 and |X - B| = 13 of a bent cell want 4 and 12
+
+
+@both
+@pytest.mark.parametrize(
+    ("largest", "age", "events", "wanted"),
+    [
+        (math.inf, 0.0, 0, (4.0, 12.0)),
+        (16.0, 0.0, 0, (4.0, 12.0)),
+        (4.0, 0.0, 0, (1.0, 3.0)),
+        (4.0, 11.5, 0, (0.0, 4.0)),
+        (6.0, 0.0, bits.A, (0.0, 6.0)),
+        (2.0, 0.0, bits.B, (2.0, 0.0)),
+        (6.0, 0.0, bits.B, (4.0, 0.0)),
+        (1.0, 0.0, bits.A | bits.B, (0.0, 0.0)),
+    ],
+)
+def test_a_cap_scales_what_both_springs_want(model, largest, age, events, wanted):
+    """In G2 they want 0 and |A - B| - 2 > 4; the spring to a point that is free wants 0, and counts as 0."""
+    points = [[0.0, 5.0]], [[3.0, 9.0]], [[12.0, 0.0]]
+    state = Tissue(tissue(*points, birth=-age, cycle=12.0, events=events), layers(1), 1)
+    cells = ruled(model, state, 0.0, STILL._replace(rate_ax=FAST, rate_bx=FAST, max_cytoskeleton=largest))
+    assert (cells.rest_ax[0], cells.rest_bx[0]) == pytest.approx(wanted, rel=1e-15)
+
+
+@both
+def test_a_capped_cell_is_an_elastic_spring(model):
+    """Height 20, all points held: in place of 18 the rest lengths end at 3 in all, parted as the springs are long."""
+    state = upright(height=20.0, nucleus=8.0)
+    given_numbers = STILL._replace(rate_ax=5.0, rate_bx=5.0, max_cytoskeleton=3.0)
+    for k in range(60):
+        state = state._replace(cells=ruled(model, state, 0.1 * k, given_numbers))
+        assert state.cells.rest_ax[0] + state.cells.rest_bx[0] <= 3.0 + 1e-14
+    assert state.cells.rest_ax[0] + state.cells.rest_bx[0] == pytest.approx(3.0, rel=1e-12)
+    assert state.cells.rest_ax[0] == pytest.approx(3.0 * 11.0 / 18.0, rel=1e-12)
 
 
 @both

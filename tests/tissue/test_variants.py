@@ -186,6 +186,16 @@ CHANGES = {
     ),
     "cell.enlarged_radius": ("0.75 R_soft", {"radius mitosis": 75 / 70}),
     "cell.initial_rest_length": ("4 R_soft", {"start rest": 8 / 3}),
+    "cell.max_cytoskeleton": (
+        "0.5 R_soft",
+        {
+            "rest ax G1*": None,
+            "rest ax resting": None,
+            "rest bx G1 again": None,
+            "rest bx [!G]*": None,
+            "rest bx G2": None,
+        },
+    ),
     "cell.g2": ("0.2 h", {"junction G1-G2": 2 / 3, "junction G2-mitosis": 3 / 4, "rest ?x G2": None}),
     "cell.mitosis": (
         "0.2 h",

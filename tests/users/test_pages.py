@@ -21,7 +21,8 @@ PRINTED = {
 
 
 @pytest.mark.parametrize("page", PRINTED)
-def test_python_runs_from_top_to_bottom(page, capsys):
+def test_python_runs_from_top_to_bottom(page, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)  # where it may write
     run(PAGES / page)
     printed = capsys.readouterr().out
     assert [words for words in PRINTED[page] if words not in printed] == []

@@ -19,6 +19,7 @@ from tissue.cli.study import study
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
+    from tissue.model.frame import Frame
     from tissue.run import Run
 
 MAKES_NO_NUMBERS = True
@@ -36,18 +37,25 @@ def run(
     file: File,
     seed: Seed = 0,
     out: Annotated[Path | None, typer.Option(help="Folder to write to.", show_default="results/FILE_seedSEED")] = None,
+    start: Annotated[
+        Path | None, typer.Option(help="The final.npz of a run to go on from.", show_default="t = 0")
+    ] = None,
 ) -> None:
-    """Simulate; write table.parquet, summary.csv, parameters.toml and picture.png.
+    """Simulate; write table.parquet, summary.csv, parameters.toml, picture.png and the last state, final.npz.
 
     The first run on a machine takes longer: the kernels are compiled.
     """
+    from tissue.model.frame import Frame
+
     with messages():
         parameters = _parameters(file)
         folder = out or Path("results") / f"{Path(file).stem}_seed{seed}"
-        _write_parameters(parameters, file, seed, folder)
-        grown = _simulated(parameters, seed)
+        first = Frame.load(start) if start else None
+        after = f" --start {str(start)!r}" if start else ""
+        _write_parameters(parameters, f"{file!r} --seed {seed}{after}", file, folder)
+        grown = _simulated(parameters, seed, first)
         _write_results(grown, folder)
-    print(f"{folder}: table.parquet, summary.csv, parameters.toml, picture.png")
+    print(f"{folder}: table.parquet, summary.csv, parameters.toml, picture.png{', final.npz' if grown.status else ''}")
     _stop_if_failed(grown)
 
 
@@ -87,7 +95,7 @@ def _parameters(file: str) -> Parameters:
     return load(file)
 
 
-def _write_parameters(parameters: Parameters, file: str, seed: int, folder: Path) -> None:
+def _write_parameters(parameters: Parameters, words: str, file: str, folder: Path) -> None:
     """The complete parameters, and what else it takes to repeat the run."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "parameters.toml"
@@ -95,19 +103,19 @@ def _write_parameters(parameters: Parameters, file: str, seed: int, folder: Path
         raise InvalidProblem(f"{folder}: must be another folder: {path} is read, and would be overwritten")
     made_by = ", ".join(f"{name} {version(name)}" for name in ("dincl-testbed", "numpy", "numba"))
     path.write_text(
-        f"# All parameters of: tissue run {file!r} --seed {seed}\n"
+        f"# All parameters of: tissue run {words}\n"
         f"# Made by {made_by}, Python {platform.python_version()} on {platform.machine()}\n\n{parameters.as_toml()}",
         "utf-8",
     )
 
 
-def _simulated(parameters: Parameters, seed: int) -> Run:
+def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
     from tissue.first_order import simulate
 
-    start = time.monotonic()
+    began = time.monotonic()
     with progress("growing", parameters.t_end, "h") as watch:
-        grown = simulate(parameters, seed, throw=False, watch=watch)
-    seconds = time.monotonic() - start
+        grown = simulate(parameters, seed, start=first, throw=False, watch=watch)
+    seconds = time.monotonic() - began
     counts = f"{len(grown.frames[0].cells.x)} cells became {len(grown.final.cells.x)}"
     print(f"{grown.final.t:g} h in {seconds:.2f} s, {counts}")
     return grown
@@ -120,6 +128,8 @@ def _write_results(grown: Run, folder: Path) -> None:
     grown.table().to_parquet(folder / "table.parquet", index=False)
     grown.summary().to_csv(folder / "summary.csv", index=False)
     picture(measurable(grown.frames)[-1:], grown.parameters, folder / "picture.png")
+    if grown.status:  # from the state that failed no run goes on
+        grown.final.save(folder / "final.npz")
 
 
 def _stop_if_failed(grown: Run) -> None:

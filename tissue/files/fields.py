@@ -29,6 +29,7 @@ from tissue.files.units import (
 # Sizes in the units they are kept in: between these, squares and quotients stay finite and positive.
 SMALLEST, LARGEST = 1e-12, 1e12
 MOST_CELLS = 1_000_000
+NONE = "none"
 PURE = 'without unit, such as 0.2 or "1/5"'
 
 
@@ -84,6 +85,23 @@ class Quantity:
             raise ValueError(f"must be {self.allowed}")
         _check_size(measure.value, self.allowed, f" {measure.unit}")
         return Measure(abs(measure.value), measure.unit)
+
+
+@dataclass(frozen=True)
+class Cap:
+    """A length > 0, or none."""
+
+    allowed: str = f'"{NONE}", or {Quantity(LENGTH, zero=False).allowed}'
+    unit: str = Quantity(LENGTH, zero=False).unit
+
+    def __call__(self, raw: Any) -> Measure | None:
+        if raw == NONE:
+            return None
+        try:
+            return Quantity(LENGTH, zero=False)(raw)
+        except ValueError as error:
+            _, _, reason = str(error).partition("; ")
+            raise ValueError(f"must be {self.allowed}{'; ' + reason if reason else ''}") from error
 
 
 @dataclass(frozen=True)
@@ -222,6 +240,7 @@ _TEXTS = PlainSerializer(lambda kept: str(kept) if isinstance(kept, Measure) els
 MetricLength = Annotated[Measure, PlainValidator(Quantity(METRIC_LENGTH, zero=False)), _TEXT]
 Length = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=False)), _TEXT]
 LengthOrZero = Annotated[Measure, PlainValidator(Quantity(LENGTH, zero=True)), _TEXT]
+LengthOrNone = Annotated[Measure | None, PlainValidator(Cap()), PlainSerializer(lambda cap: str(cap or NONE))]
 Duration = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=False)), _TEXT]
 DurationOrZero = Annotated[Measure, PlainValidator(Quantity(DURATION, zero=True)), _TEXT]
 Speed = Annotated[Measure, PlainValidator(Quantity(SPEED, zero=False)), _TEXT]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping
 from functools import cache
 from os import PathLike
@@ -113,6 +114,7 @@ class Parameters(BaseModel):
     def numbers(self) -> Numbers:
         """What the kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
         tissue, cell, numerics, rules, events = self.tissue, self.cell, self.numerics, self.rules, self.events
+        longest = cell.max_cytoskeleton
         return Numbers(
             dt=numerics.dt.value,
             substeps=numerics.substeps,
@@ -136,6 +138,7 @@ class Parameters(BaseModel):
             rate_aa=cell.rate_aa.value,
             rate_ax=cell.rate_ax.value,
             rate_bx=cell.rate_bx.value,
+            max_cytoskeleton=math.inf if longest is None else reduced(longest, cell.soft_radius),
             two_daughters=tissue.two_daughters,
             division_offset=reduced(self.division.offset, cell.soft_radius),
             new_junction=reduced(self.division.new_junction, cell.soft_radius),

@@ -21,6 +21,7 @@ from tissue.files.fields import (
     Fractions,
     Kept,
     Length,
+    LengthOrNone,
     LengthOrZero,
     MetricLength,
     NonNegative,
@@ -87,6 +88,9 @@ class CellSection(ParameterSection):
     enlarged_radius: Length = key("radius of non-overlap before division", "R^hard,G2", f"{TABLE_2}, (3.4)")
     initial_rest_length: LengthOrZero = key(
         "rest length of both cytoskeleton springs at the start", "eta^init", TABLE_2
+    )
+    max_cytoskeleton: LengthOrNone = key(
+        "length that eta_ax + eta_bx tend to at most, or none", "", "none in chapter 3", "none"
     )
     g2: DurationOrZero = key("duration of the G2 phase", "T^G2", "Table 2 and section 2.2.1 of chapter 3")
     mitosis: DurationOrZero = key("duration of mitosis", "T^mitosis", "Table 2 and section 2.2.1 of chapter 3")

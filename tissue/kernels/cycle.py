@@ -12,6 +12,7 @@ from numpy.random import Generator
 from dincl.compile import inner
 from tissue.events.together import last_events
 from tissue.kernels import kernel
+from tissue.kernels.cytoskeleton import capped
 from tissue.kernels.store import CELLS, Store
 from tissue.model.cells import Cells
 from tissue.model.numbers import Numbers
@@ -50,7 +51,8 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
 
     eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical and
     |A - B| - 2 for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink
-    towards 0. What has begun of the EMT takes the place of these.
+    towards 0. The sum of both eta* may have a cap, see ``tissue.kernels.cytoskeleton``. What has begun of the EMT takes
+    the place of these.
     """
     cells, n = store.cells, store.sizes[CELLS]
     keep_ax, keep_bx = math.exp(-numbers.rate_ax * numbers.dt), math.exp(-numbers.rate_bx * numbers.dt)
@@ -65,6 +67,7 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
             wanted_bx = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
         if numbers.floor_rest:
             wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
+        wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], numbers.max_cytoskeleton)
         cells.rest_ax[i] = wanted_ax + (rest_ax - wanted_ax) * keep_ax
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         cells.rest_aa[i] *= keep_aa

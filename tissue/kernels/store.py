@@ -115,6 +115,11 @@ _KIND = kind_of_handle(_EXAMPLE)
 store_at = reader(_EXAMPLE)
 
 
+def copied(emt: Emt) -> Emt:
+    """The EMT cells as they are now; without any the same empty arrays."""
+    return Emt._make(array.copy() for array in emt) if len(emt.side) else emt
+
+
 def grown(held: Store) -> Store:
     """The same cells and counters with twice the room."""
     larger = stored(

@@ -2,16 +2,59 @@
 
 from __future__ import annotations
 
+from os import PathLike
 from typing import NamedTuple
 
+from dincl.errors import InvalidProblem
 from tissue.model.basal_curve import LINE, BasalCurve
 from tissue.model.cells import CellLayers, Cells
+from tissue.model.checkpoint import TissueCheckpoint
+
+# What a run can be started from, in messages.
+A_START = "a kept state of a run, such as run.final or Frame.load(path)"
 
 
 class Frame(NamedTuple):
-    """The tissue at one time; lengths in R_soft, times in hours."""
+    """The tissue at one time; lengths in R_soft, times in hours.
+
+    A run can be started from a kept state: ``tissue.simulate(parameters, seed, start=run.final)``. ``checkpoint`` is
+    what this takes besides cells and layers; None for a tissue that no run has made.
+    """
 
     t: float
     cells: Cells
     layers: CellLayers
     curve: BasalCurve = LINE  # the basal layer
+    checkpoint: TissueCheckpoint | None = None
+
+    @property
+    def past(self) -> TissueCheckpoint:
+        """The ``checkpoint``; raises InvalidProblem if there is none."""
+        if self.checkpoint is None:
+            raise InvalidProblem(f"a frame at t = {self.t:g} h that no run has made: must be {A_START}")
+        return self.checkpoint
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the whole state, by convention to a file .npz, from which ``load`` reads the same bits.
+
+        Raises
+        ------
+        InvalidProblem
+            If no run has made this frame, or the file cannot be written.
+        """
+        from tissue.files.frames import save
+
+        save((self.t, self.cells, self.layers, self.curve, self.past), path)
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Frame:
+        """The state that ``save`` wrote.
+
+        Raises
+        ------
+        InvalidProblem
+            If there is no such file, it is damaged, or no state of a tissue.
+        """
+        from tissue.files.frames import load
+
+        return Frame(*load(path))

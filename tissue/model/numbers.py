@@ -33,6 +33,7 @@ class Numbers(NamedTuple):
     rate_aa: float  # speeds of adaptation k [1/h]
     rate_ax: float
     rate_bx: float
+    max_cytoskeleton: float  # largest sum of the desired rest lengths eta_ax + eta_bx, inf for none
     # Rules
     two_daughters: float  # probability that both daughters stay in the plane
     division_offset: float

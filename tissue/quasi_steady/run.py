@@ -13,7 +13,7 @@ from tissue.files.parameters import Parameters
 from tissue.kernels.advance import apply_rules, is_full
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import COUNTERS, Store, contents, grown
-from tissue.lot import kept_steps
+from tissue.lot import checkpoint_at, kept_steps
 from tissue.model.cells import COORDINATES, Cells, Flags, Floats, Integers
 from tissue.model.frame import Frame
 from tissue.model.streams import streams
@@ -99,13 +99,13 @@ class _Steps:
 
     def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
         """All steps, and the states at the kept times."""
-        frames, made, detail, status = [Frame(0.0, *contents(self._held))], 0, "", Status.SUCCESS
+        frames, made, detail, status = [self._frame(0.0)], 0, "", Status.SUCCESS
         for wanted in kept_steps(self._parameters):
             while status and made < wanted:
                 made += 1
                 t = made * self._parameters.numerics.dt.value
                 status, detail = self._step(t)
-            frames.append(Frame(t, *contents(self._held)))
+            frames.append(self._frame(t))
             if watch is not None:
                 watch(t)
             if not status:
@@ -116,6 +116,11 @@ class _Steps:
         return QuasiSteadyRun(
             **vars(run), iterations=iterations, terminated=terminated, energy=energy, violation=violation
         )
+
+    def _frame(self, t: float) -> Frame:
+        """A copy of the present state."""
+        checkpoint = checkpoint_at(self._held, self._seed, self._random, self._parted)
+        return Frame(t, *contents(self._held), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:
         """One step dt to time t, through a minimum; how it ended, and the particulars of a failure in words."""

@@ -61,7 +61,8 @@ def test_what_a_key_says():
     assert not facts.has_default
     assert KEYS["numerics.noise"].comment == "how often noise is added"
     optional = {name for name, facts in KEYS.items() if facts.has_default}
-    assert optional == {"emt.a", "emt.b", "emt.s", "emt.p", *(name for name in KEYS if name.startswith("layer."))}
+    events = {"emt.a", "emt.b", "emt.s", "emt.p"}
+    assert optional == events | {"cell.max_cytoskeleton", *(name for name in KEYS if name.startswith("layer."))}
 
 
 # Written files

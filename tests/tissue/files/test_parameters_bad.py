@@ -52,6 +52,8 @@ BAD = {
         {"rules.floor_rest_length": 1},
         "floor_rest_length = 1: must be true or false .whether the desired rest length is .*$",
     ),
+    "no cap": ({"cell.max_cytoskeleton": "0 um"}, "max_cytoskeleton = '0 um': must be \"none\", or a length > 0 with"),
+    "cap without unit": ({"cell.max_cytoskeleton": 5}, 'max_cytoskeleton = 5: must be "none", or a length > 0 with'),
     "no choice": (
         {"numerics.noise": "both"},
         'noise = \'both\': must be "step" or "substep" .how often noise is added.$',
@@ -286,5 +288,12 @@ def test_any_value_gives_finite_numbers_or_invalid_problem(key, value):
         parameters = preset("thesis").changed({key: value})
     except InvalidProblem:
         return
-    numbers = [*parameters.numbers(), *parameters.start_numbers(), *parameters.daha_numbers(), parameters.t_end]
+    stepped = parameters.numbers()
+    assert 0.0 < stepped.max_cytoskeleton <= math.inf  # inf is none
+    numbers = [
+        *stepped._replace(max_cytoskeleton=0.0),
+        *parameters.start_numbers(),
+        *parameters.daha_numbers(),
+        parameters.t_end,
+    ]
     assert all(math.isfinite(number) for number in numbers if type(number) is float)

@@ -1,5 +1,6 @@
 """The presets give the numbers of the thesis and of the published runs, and say where each value is from."""
 
+import math
 import re
 import subprocess
 import sys
@@ -41,6 +42,7 @@ THESIS = Numbers(
     rate_aa=1.0,
     rate_ax=5.0,
     rate_bx=5.0,
+    max_cytoskeleton=math.inf,
     two_daughters=0.2,
     division_offset=0.01,
     new_junction=THIRD,

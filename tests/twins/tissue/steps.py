@@ -17,6 +17,7 @@ from numpy.random import Generator
 from tests.twins.tissue.events import Motion, begin_events, last_events, motion, watch_sides
 from tests.twins.tissue.normals import WORDS, normals
 from tests.twins.tissue.state import Tissue
+from tissue.events import bits
 from tissue.model.cells import CellLayers, Cells, Flags, Floats
 from tissue.model.energy import forces
 from tissue.model.numbers import Numbers
@@ -91,6 +92,10 @@ def adapt_rest_lengths(cells: Cells, t: float, numbers: Numbers) -> Cells:
     wanted_bx = np.where(rises, whole - 2.0, to_b - 1.0)
     if numbers.floor_rest:
         wanted_ax, wanted_bx = np.maximum(wanted_ax, 0.0), np.maximum(wanted_bx, 0.0)
+    free_a, free_b = cells.events & bits.A > 0, cells.events & bits.B > 0
+    total = np.where(free_a, 0.0, wanted_ax) + np.where(free_b, 0.0, wanted_bx)
+    share = np.divide(numbers.max_cytoskeleton, total, out=np.ones(len(total)), where=total > numbers.max_cytoskeleton)
+    wanted_ax, wanted_bx = share * wanted_ax, share * wanted_bx
     relaxed = cells._replace(
         rest_ax=wanted_ax + (cells.rest_ax - wanted_ax) * math.exp(-numbers.rate_ax * numbers.dt),
         rest_bx=wanted_bx + (cells.rest_bx - wanted_bx) * math.exp(-numbers.rate_bx * numbers.dt),

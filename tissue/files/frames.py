@@ -1,0 +1,146 @@
+"""States of a run on disk: one file, a zip archive of NumPy arrays (npz)."""
+
+from __future__ import annotations
+
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from pathlib import Path
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from dincl.errors import InvalidProblem
+from tissue.kernels.store import COUNTERS
+from tissue.model.basal_curve import ORDER, BasalCurve
+from tissue.model.cells import COORDINATES, KINDS, CellLayers, Cells, Emt
+from tissue.model.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
+
+# In each file; another number with other contents.
+FORMAT = "tissue frame 1"
+ALL_EVENTS = 15
+# What archives and arrays raise that are damaged.
+UNREADABLE = (
+    *(OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError, RuntimeError, MemoryError),
+    *(BadZipFile, zlib.error, struct.error),
+)
+Arrays = dict[str, Any]
+# The fields of a frame.
+Parts = tuple[float, Cells, CellLayers, BasalCurve, TissueCheckpoint]
+
+
+def save(parts: Parts, path: str | PathLike[str]) -> None:
+    """As ``Frame.save``, of the fields of the frame."""
+    t, cells, layers, curve, past = parts
+    arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": str(past.seed), "next_id": past.next_id}
+    arrays |= {"counts": past.counts, "generators": past.generators}
+    arrays |= {"parted_sweeps": past.parted.sweeps, "parted_moved": past.parted.moved}
+    arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
+    for group, fields in (("cells", cells), ("layers", layers), ("emt", past.emt)):
+        arrays |= {f"{group}.{name}": array for name, array in fields._asdict().items()}
+    try:
+        with Path(path).open("wb") as file:
+            np.savez(file, **arrays)
+    except OSError as error:
+        raise InvalidProblem(f"{path}: cannot be written: {error}") from error
+
+
+def load(path: str | PathLike[str]) -> Parts:
+    """As ``Frame.load``; the fields of the frame."""
+    try:
+        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as held:
+            arrays = {name: held[name] for name in held.files}
+    except UNREADABLE as error:
+        raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: {error}") from error
+    for wrong in _wrong(arrays):
+        raise InvalidProblem(f"{path}: must be a file that Frame.save wrote: {wrong}")
+    return _parts(arrays)
+
+
+def _parts(arrays: Arrays) -> Parts:
+    """The state that the arrays are."""
+    cells = Cells(**{name: arrays[f"cells.{name}"] for name in Cells._fields})
+    layers = CellLayers(arrays["layers.apical"], arrays["layers.basal"])
+    emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})
+    parted = Parted(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
+    seed, next_id = int(str(arrays["seed"])), int(arrays["next_id"])
+    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], parted)
+    table, (length, origin), (around, ring) = (
+        arrays["curve.table"],
+        (float(arrays[f"curve.{name}"]) for name in ("length", "origin")),
+        (bool(arrays[f"curve.{name}"]) for name in ("around", "ring")),
+    )
+    return float(arrays["t"]), cells, layers, BasalCurve(table, length, origin, around, ring), checkpoint
+
+
+def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    """Kind and shape of each array but the texts; how long those of cells, layers and EMT cells are, is free."""
+    n, m = (arrays[name].size if name in arrays else 0 for name in ("cells.x", "emt.side"))
+    expected: dict[str, tuple[Any, tuple[int, ...]]] = {
+        "t": (np.float64, ()),
+        "next_id": (np.int64, ()),
+        "parted_sweeps": (np.int64, ()),
+        "parted_moved": (np.float64, ()),
+        "counts": (np.int64, (len(COUNTERS),)),
+        "generators": (np.uint64, (len(DRAWN), WORDS)),
+        "curve.table": (np.float64, (len(np.atleast_1d(arrays.get("curve.table", 0))), 2 * ORDER)),
+        **dict.fromkeys(("curve.length", "curve.origin"), (np.float64, ())),
+        **dict.fromkeys(("curve.around", "curve.ring"), (np.bool_, ())),
+    }
+    expected |= {f"cells.{name}": (KINDS.get(name, np.float64), (n,)) for name in Cells._fields}
+    for name in CellLayers._fields:
+        expected[f"layers.{name}"] = np.int64, (arrays[f"layers.{name}"].size if f"layers.{name}" in arrays else 0,)
+    return expected | {f"emt.{name}": (np.int64 if name == "side" else np.float64, (m,)) for name in Emt._fields}
+
+
+def _wrong(arrays: Arrays) -> Iterator[str]:
+    """What is wrong with the contents of a file; in words, the first of which is enough."""
+    found = str(arrays.get("format", "missing"))
+    if found != FORMAT:
+        yield f'its format is "{found}" in place of "{FORMAT}"'
+    expected = _shapes(arrays)
+    if {*arrays} != {*expected, "format", "seed"}:
+        yield f"its arrays differ in {', '.join(sorted({*arrays} ^ {*expected, 'format', 'seed'}))}"
+    for name, (kind, shape) in expected.items():
+        if arrays[name].dtype != kind or arrays[name].shape != shape:
+            yield f"{name} is of kind {arrays[name].dtype} and shape {arrays[name].shape}"
+    if not str(arrays["seed"]).isdecimal():
+        yield f'seed = "{arrays["seed"]}"'
+    yield from _impossible(arrays)
+
+
+def _impossible(arrays: Arrays) -> Iterator[str]:
+    """What no run can have made: kernels would read and write elsewhere. Coordinates may be those of a lost tissue."""
+    n, m = arrays["cells.x"].size, arrays["emt.side"].size
+    for name in (
+        "t",
+        "parted_moved",
+        "curve.table",
+        "curve.length",
+        "curve.origin",
+        *(f"cells.{name}" for name in Cells._fields if name not in COORDINATES),
+    ):
+        if not np.isfinite(arrays[name]).all():
+            yield f"{name} is not finite"
+    for name in (*(f"emt.at_{event}" for event in "absp"), "emt.since", "emt.since_x", "emt.onset_ab"):
+        if np.isnan(arrays[name]).any():
+            yield f"{name} is not a number"
+    ids, among, events = arrays["cells.id"], arrays["cells.emt"], arrays["cells.events"]
+    checks = {
+        "t": arrays["t"] >= 0,
+        "cells.x": n > 0,
+        "curve.length": arrays["curve.length"] > 0 or len(arrays["curve.table"]) == 0,
+        "cells.id": len({*ids.tolist()}) == n and ids.min(initial=0) >= 0,
+        "next_id": arrays["next_id"] > ids.max(initial=-1),
+        "cells.radius": (arrays["cells.radius"] >= 0).all(),
+        "cells.cycle": (arrays["cells.cycle"] > 0).all(),
+        "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(among[among >= 0], np.arange(m)),
+        "cells.events": ((events >= 0) & (events <= ALL_EVENTS) & ((events == 0) | (among >= 0))).all(),
+        "counts": (arrays["counts"] >= 0).all(),
+    }
+    for name in (f"layers.{layer}" for layer in CellLayers._fields):
+        layer = arrays[name]
+        checks[name] = bool((np.diff(layer) > 0).all() and layer.min(initial=0) >= 0 and layer.max(initial=-1) < n)
+    yield from (f"{name} = {arrays[name]} is not possible" for name, fine in checks.items() if not fine)

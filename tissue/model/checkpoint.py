@@ -1,0 +1,67 @@
+"""What a run is besides its cells: with it, it goes on from a kept state as if it had not stopped."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.random import PCG64, Generator
+from numpy.typing import NDArray
+
+from tissue.model.cells import Emt, Integers
+from tissue.model.streams import Streams, streams
+
+Words = NDArray[np.uint64]
+# The streams that a run draws from after its start.
+DRAWN = ("cycle", "noise")
+# Of one generator: state and increment, 128 bits each, higher half first; whether half a word is left, and it.
+WORDS = 6
+_LOW = (1 << 64) - 1
+
+
+class Parted(NamedTuple):
+    """What was done to the drawn positions to make them feasible."""
+
+    sweeps: int  # over all pairs
+    moved: float  # largest displacement of a nucleus [R_soft]
+
+
+class TissueCheckpoint(NamedTuple):
+    """All that the steps of a run depend on, besides parameters, time, cells and layers; and what it has counted.
+
+    How basal points move, and the key of the noise in substeps, are made anew in each dt before they are used.
+    """
+
+    seed: int
+    next_id: int  # of the next daughter
+    emt: Emt  # its arrays are copies
+    counts: Integers  # one for each of ``tissue.kernels.store.COUNTERS``, since t = 0
+    generators: Words  # (2, WORDS): where the streams DRAWN stand
+    parted: Parted  # at t = 0
+
+
+def generator_states(random: Streams) -> Words:
+    """Where the streams DRAWN stand, (2, WORDS)."""
+    return np.array([_words(getattr(random, name)) for name in DRAWN], np.uint64)
+
+
+def resumed_streams(seed: int, states: Words) -> Streams:
+    """The streams of a seed, of which those DRAWN go on from these states."""
+    return streams(seed)._replace(**{name: _generator(words) for name, words in zip(DRAWN, states, strict=True)})
+
+
+def _words(generator: Generator) -> tuple[int, ...]:
+    held: Any = generator.bit_generator.state
+    state, increment = held["state"]["state"], held["state"]["inc"]
+    return state >> 64, state & _LOW, increment >> 64, increment & _LOW, held["has_uint32"], held["uinteger"]
+
+
+def _generator(words: Words) -> Generator:
+    bits, (high, low, step_high, step_low, has_half, half) = PCG64(0), (int(word) for word in words)
+    bits.state = {
+        "bit_generator": "PCG64",
+        "state": {"state": high << 64 | low, "inc": step_high << 64 | step_low},
+        "has_uint32": has_half,
+        "uinteger": half,
+    }
+    return Generator(bits)

@@ -1,0 +1,144 @@
+"""A run that goes on from a kept state: as if it had not stopped, or with other parameters from there on."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dincl.checks import describe, integer
+from dincl.errors import InvalidProblem
+from tissue.events import bits
+from tissue.files.combinations import ROUNDING
+from tissue.files.scenario import drawn
+from tissue.kernels.advance import find_lost
+from tissue.kernels.board import LOST
+from tissue.kernels.curve import curve_numbers
+from tissue.kernels.store import Store, copied, stored
+from tissue.model.cells import Cells, Emt
+from tissue.model.checkpoint import TissueCheckpoint, resumed_streams
+from tissue.model.frame import A_START, Frame
+from tissue.model.streams import streams
+from tissue.start import choose_middle
+
+if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
+    from tissue.model.streams import Streams
+
+
+def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Streams]:
+    """The tissue and the random numbers with which a run goes on from ``start``.
+
+    With the seed of the run that ``start`` is of, the streams go on where they stood; with another one they begin.
+
+    Raises
+    ------
+    InvalidProblem
+        If the state is not of a run or was lost, or does not go with the parameters; the message names what must
+        change.
+    """
+    past = checkpoint_of(start)
+    goes_on = integer("seed", seed, least=0) == past.seed
+    random = resumed_streams(seed, past.generators) if goes_on else streams(seed)
+    cells = Cells._make(array.copy() for array in start.cells)
+    emt = _emt(parameters, start, cells, past, random)
+    _stiffen(parameters, cells)
+    _refuse_layer(parameters, start)
+    curve = curve_numbers(parameters.curve())
+    held = stored(cells, start.layers, past.next_id, emt, capacity=2 * len(cells.x), curve=curve)
+    held.counts[:] = past.counts
+    lost = find_lost(held)
+    if lost >= 0:
+        raise InvalidProblem(
+            f"start at t = {start.t:g} h: cell {cells.id[lost]} has a coordinate that is not finite, or beyond "
+            f"{LOST:g} R_soft: must be a state before the run failed"
+        )
+    return held, random
+
+
+def _refuse_layer(parameters: Parameters, start: Frame) -> None:
+    """Refuse a basal layer on which the basal points of the start do not lie."""
+    mine, theirs = parameters.curve(), start.curve
+    if not (mine.ring == theirs.ring and np.array_equal(mine.table, theirs.table)):
+        raise InvalidProblem(f'layer.shape = "{parameters.layer.shape}": [layer] must be that of the start')
+
+
+def checkpoint_of(start: Frame) -> TissueCheckpoint:
+    """What a run is besides its cells; raises InvalidProblem if it is not there."""
+    if not isinstance(start, Frame):
+        raise InvalidProblem(f"start = {describe(start)}: must be {A_START}")
+    return start.past
+
+
+def steps_made(parameters: Parameters, start: Frame) -> int:
+    """How many steps dt have led to ``start``; raises InvalidProblem if it is no whole number, or too many."""
+    checkpoint_of(start)
+    dt, end = parameters.numerics.dt, parameters.numerics.t_end
+    made, last = start.t / dt.value, round(end.value / dt.value)
+    if abs(made - round(made)) > ROUNDING * made:
+        raise InvalidProblem(f'numerics.dt = "{dt}": must divide the time of the start, t = {start.t:g} h')
+    if round(made) > last:
+        raise InvalidProblem(f'numerics.t_end = "{end}": must be at least the time of the start, t = {start.t:g} h')
+    return round(made)
+
+
+def _emt(parameters: Parameters, start: Frame, cells: Cells, past: TissueCheckpoint, random: Streams) -> Emt:
+    """The EMT cells with their past and, as the seed draws them from the parameters, their future.
+
+    An event that has begun stays; the others have the times of the scenario. A tissue of control cells gets its EMT
+    cells now, in its middle.
+    """
+    scenario, had = parameters.scenario(), len(past.emt.side)
+    if had not in (0, scenario.cells):
+        raise InvalidProblem(f"emt.cells = {scenario.cells}: must be {had}, as many as there are at the start")
+    emt, moves = drawn(scenario, random.emt)
+    if had == 0:
+        if 0 < len(moves) > len(cells.x) - 2:
+            raise InvalidProblem(
+                f"emt.cells = {len(moves)}: must be at most {len(cells.x) - 2}, with control cells aside"
+            )
+        choose_middle(cells, moves)
+    else:
+        mine = cells.emt >= 0
+        cells.moves[mine] = moves[cells.emt[mine]]
+        emt = _with_past(emt, copied(past.emt), cells)
+    _refuse_past(parameters, start.t, emt, cells)
+    return emt
+
+
+def _with_past(emt: Emt, before: Emt, cells: Cells) -> Emt:
+    """The EMT cells with these times for what has not begun, and all else as before."""
+    events = np.zeros(len(emt.side), np.int64)
+    events[cells.emt[cells.emt >= 0]] = cells.events[cells.emt >= 0]
+    a, b, s = (
+        np.where(events & bit, old, new)
+        for bit, old, new in (
+            (bits.A, before.at_a, emt.at_a),
+            (bits.B, before.at_b, emt.at_b),
+            (bits.S, before.at_s, emt.at_s),
+        )
+    )
+    p = np.where(events & bits.P, before.at_p, np.maximum(emt.at_p, b))
+    return before._replace(at_a=a, at_b=b, at_s=s, at_p=p)
+
+
+def _refuse_past(parameters: Parameters, t: float, emt: Emt, cells: Cells) -> None:
+    """Refuse an event that has not begun but should have; at t = 0 none has."""
+    for i in np.flatnonzero(cells.emt >= 0) if t > 0 else ():
+        for name, bit in (("a", bits.A), ("b", bits.B), ("s", bits.S), ("p", bits.P)):
+            time = getattr(emt, f"at_{name}")[cells.emt[i]]
+            if time <= t and not cells.events[i] & bit:
+                raise InvalidProblem(
+                    f'emt.{name} = "{getattr(parameters.emt, name)}": must be after the time of the start, '
+                    f"t = {t:g} h, for cell {cells.id[i]}, in which it has not begun; this seed draws {time:g} h"
+                )
+
+
+def _stiffen(parameters: Parameters, cells: Cells) -> None:
+    """Give the springs the stiffness of the parameters, as rules and events would have; see ``tissue.events``."""
+    numbers = parameters.numbers()
+    freed_a, freed_b = cells.events & bits.A > 0, cells.events & bits.B > 0
+    cells.stiff_ax[:] = np.where(freed_a, numbers.alpha_ax * numbers.freed_stiffness, numbers.alpha_ax)
+    free = np.where(freed_b, numbers.alpha_bx * numbers.freed_stiffness, numbers.alpha_bx)
+    cells.stiff_bx[:] = np.where(cells.events & bits.P > 0, cells.stiff_bx, free)  # [P] gives its own in each dt
+    cells.stiff_axb[:] = np.where(cells.events & bits.S > 0, numbers.bent_stiffness, numbers.alpha_axb)
