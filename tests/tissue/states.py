@@ -1,7 +1,6 @@
 """Small tissues for tests: made by hand from points, or random and feasible; lengths in R_soft, times in hours."""
 
 import math
-from pathlib import Path
 
 import numpy as np
 
@@ -49,8 +48,6 @@ THESIS = Numbers(
     contraction=0.0,
     forced_below=False,
 )
-# The parameters of the independent program with which means are compared.
-PEER_CONTROL = Path(__file__).parent / "peer_control.toml"
 HEIGHT = 8.0
 SPACING = 1 / 6  # of basal and apical points of random tissues: half of the maximal basal distance
 PATIENCE = 500  # throws of a nucleus near its place

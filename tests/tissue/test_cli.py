@@ -149,7 +149,10 @@ def test_a_preset_is_run_by_its_name(monkeypatch, name):
     ("text", "messages"),
     [
         ("base = ", ["bad.toml: must be a readable TOML file: Invalid value (at end of document)"]),
-        ('base = "thesys"', ['bad.toml: base = \'thesys\': must be "thesis" or "published"']),
+        (
+            'base = "thesys"',
+            ['bad.toml: base = \'thesys\': must be "thesis", "published", "chick", "gastrulation" or "cuboidal"'],
+        ),
         (
             'base = "thesis"\n[numerics]\nmuu = "1 h"\ndt = "3 um"',
             ["bad.toml: 2 errors", "numerics.dt = '3 um': must be a duration", "numerics.muu = '1 h': unknown key"],
@@ -179,8 +182,8 @@ def test_a_name_that_is_neither_file_nor_preset(command):
     result = call(command, "thesiss")
     assert result.exit_code == 2
     assert (
-        result.stderr
-        == 'Error: thesiss: there is no such file; must be a TOML file, or a preset, "thesis" or "published"\n'
+        result.stderr == "Error: thesiss: there is no such file; must be a TOML file, or a preset, "
+        '"thesis", "published", "chick", "gastrulation" or "cuboidal"\n'
     )
 
 

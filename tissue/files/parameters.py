@@ -37,8 +37,8 @@ from tissue.model.numbers import Numbers
 from tissue.model.numbers_daha import Daha
 from tissue.model.numbers_start import StartNumbers
 
-PRESETS = ("thesis", "published")
-BASES = " or ".join(f'"{name}"' for name in PRESETS)
+PRESETS = ("thesis", "published", "chick", "gastrulation", "cuboidal")
+BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'
 
 
 class Parameters(BaseModel):
@@ -252,7 +252,10 @@ def _base(base: Any, folder: Path, above: tuple[Path, ...]) -> Parameters:
 
 
 def preset(name: str) -> Parameters:
-    """The parameters called "thesis", as printed with misprints corrected, or "published", as in the published runs.
+    """The parameters of a preset.
+
+    "thesis" is as printed with misprints corrected, "published" as in the published runs; "chick", "gastrulation" and
+    "cuboidal" are of the public TypeScript program.
 
     Raises
     ------

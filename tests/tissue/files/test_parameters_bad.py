@@ -202,7 +202,7 @@ BAD_FILES = {
     "nested without end": ("a = " + "[" * 10_000, "must be a readable TOML file: "),
     "base": (
         'base = "theses"',
-        'base = \'theses\': must be "thesis" or "published", or a parameter file; .*not exist$',
+        'base = \'theses\': must be "thesis", .* or "cuboidal", or a parameter file; .*not exist$',
     ),
     "base of another type": ("base = [1]", r"base = \[1\]: must be"),
     "base misspelt": ('base = "thesis"\nbas = 3', "bas = 3: unknown key; the nearest known one is base$"),

@@ -6,12 +6,12 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from dincl.errors import InvalidProblem
-from tests.tissue.states import PEER_CONTROL
 from tissue.files.parameter_files import FOLDER
-from tissue.files.parameters import PRESETS, load, preset
+from tissue.files.parameters import preset
 from tissue.model.numbers import Numbers
 from tissue.model.numbers_daha import Daha
 from tissue.model.numbers_start import StartNumbers
@@ -157,7 +157,7 @@ def comments(name: str) -> dict[str, str]:
     return said
 
 
-@pytest.mark.parametrize("name", PRESETS)
+@pytest.mark.parametrize("name", EXPECTED)
 def test_preset_gives_the_numbers(name):
     numbers, start, t_end = EXPECTED[name]
     parameters = preset(name)
@@ -167,29 +167,71 @@ def test_preset_gives_the_numbers(name):
     assert (parameters.t_end, str(parameters.numerics.keep)) == (t_end, "1 h")
 
 
-def test_the_peer_is_a_change_of_the_published_runs():
-    parameters = load(PEER_CONTROL)
-    close(
-        parameters.numbers(),
-        PUBLISHED._replace(
-            dt=0.1,
-            variance=0.01,
-            bridge_present=True,
-            spring_gives=False,
-            contraction=0.2,
-            noise_in_substeps=True,
-            max_basal=2 / 3,
-            division_offset=0.005,
-            resting_enlarge=True,
-        ),
-    )
+CHICK = PUBLISHED._replace(
+    dt=0.1,
+    variance=0.01,
+    bridge_present=True,
+    spring_gives=False,
+    contraction=0.2,
+    noise_in_substeps=True,
+    max_basal=2 / 3,
+    division_offset=0.005,
+    resting_enlarge=True,
+)
+
+
+def test_chick_is_a_change_of_the_published_runs():
+    parameters = preset("chick")
+    close(parameters.numbers(), CHICK)
+    assert parameters.t_end == 54.0
     close(
         parameters.start_numbers(),
         StartNumbers(45, 8.0, 10.0, 10 / 45, 10 / 45, "own_basal", 8 / 3, 16 / 3, 4.0, THIRD),
     )
 
 
-@pytest.mark.parametrize("name", PRESETS)
+def test_gastrulation_in_units_of_its_soft_radius():
+    """1.2 units of the other program: lengths are divided by it, mu and alpha of the junctions times its square."""
+    unit, parameters = 1.2, preset("gastrulation")
+    expected = CHICK._replace(
+        dt=0.05,
+        mu=0.2 * unit**2,
+        variance=0.01 / unit**2,
+        repulsion=2.0,
+        max_basal=2 / unit,
+        alpha_aa=2 * unit**2,
+        hard_radius=0.4 / unit,
+        enlarged_radius=0.933 / unit,
+        min_cycle=5.5,
+        max_cycle=6.5,
+        two_daughters=0.05,
+        division_offset=0.005 / unit,
+        new_junction=THIRD / unit,
+        run_speed=1 / unit,
+        run_depth=2 / unit,
+    )
+    close(parameters.numbers(), expected)
+    lengths = np.array([5, 10, 10 / 29, 10 / 29, 5 / 3, 10 / 3, 2.5, THIRD]) / unit
+    height, width, apical, basal, low, high, rest, junction = lengths.tolist()
+    start = StartNumbers(29, height, width, apical, basal, "own_basal", low, high, rest, junction)
+    close(parameters.start_numbers(), start)
+    assert parameters.t_end == 60.0
+
+
+def test_cuboidal_is_a_change_of_chick():
+    parameters = preset("cuboidal")
+    expected = CHICK._replace(
+        dt=0.05, mu=0.1, repulsion=2.0, max_basal=4.0, rate_aa=5.0, two_daughters=0.1, max_cytoskeleton=0.5
+    )
+    close(parameters.numbers(), expected)
+    close(
+        parameters.start_numbers(),
+        StartNumbers(29, 2.0, 20.0, 20 / 29, 20 / 29, "own_basal", 2 / 3, 4 / 3, 1.0, THIRD),
+    )
+    assert parameters.t_end == 80.0
+
+
+@pytest.mark.parametrize("name", EXPECTED)
 def test_preset_names_each_row(name):
     text = " ".join((FOLDER / f"{name}.toml").read_text("utf-8").replace("\n# ", " ").split())
     assert sorted(set(re.findall(r'[Rr]ow "([^"]+)"', text)) - {"..."}) == sorted(ROWS)
@@ -223,7 +265,9 @@ def test_preset_is_made_once():
 
 @pytest.mark.parametrize("name", ["Thesis", "", "../presets/thesis", None, ["thesis"], 1])
 def test_unknown_preset(name):
-    with pytest.raises(InvalidProblem, match=r'^preset .*: must be "thesis" or "published"$'):
+    with pytest.raises(
+        InvalidProblem, match=r'^preset .*: must be "thesis", "published", "chick", "gastrulation" or "cuboidal"$'
+    ):
         preset(name)
 
 

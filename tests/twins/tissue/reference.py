@@ -178,8 +178,9 @@ def _dot(u: Any, v: Any) -> Any:
 
 
 def taken(frame: Frame) -> list[Cell]:
-    """The cells of a state on a straight layer, by the doubles that they are."""
+    """The cells of a state, by the doubles that they are."""
     c = frame.cells
-    columns = (c.x, c.y, c.ax, c.ay, c.bx, c.rest_ax, c.rest_bx, c.rest_aa, c.birth, c.cycle, c.radius)
+    s = c.along if frame.curve.pieces else c.bx
+    columns = (c.x, c.y, c.ax, c.ay, s, c.rest_ax, c.rest_bx, c.rest_aa, c.birth, c.cycle, c.radius)
     rows = ([mp.mpf(value) for value in row] for row in zip(*(column.tolist() for column in columns), strict=True))
     return [Cell(mp.mpc(x, y), mp.mpc(ax, ay), *rest) for x, y, ax, ay, *rest in rows]
