@@ -9,6 +9,7 @@ import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from threading import RLock
 from typing import Any, TypeVar, cast
 
 import numba
@@ -25,6 +26,7 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 _DIGESTS: dict[Path, str] = {}
 # By module.
 _STAMPS: dict[str, str] = {}
+_DECLARING = RLock()
 
 
 def kernel(function: Function, *, references: bool = True) -> Function:
@@ -88,14 +90,15 @@ def _once(compiled: Any) -> Any:
 
 @contextmanager
 def _by_closure() -> Iterator[None]:
-    """What is declared meanwhile is kept under its closure."""
+    """What is declared meanwhile is kept under its closure; threads come one at a time."""
     config: Any = numba.config
-    before = config.CACHE_LOCATOR_CLASSES
-    config.CACHE_LOCATOR_CLASSES = f"{__name__}.{ByClosure.__name__}"
-    try:
-        yield
-    finally:
-        config.CACHE_LOCATOR_CLASSES = before
+    with _DECLARING:
+        before = config.CACHE_LOCATOR_CLASSES
+        config.CACHE_LOCATOR_CLASSES = f"{__name__}.{ByClosure.__name__}"
+        try:
+            yield
+        finally:
+            config.CACHE_LOCATOR_CLASSES = before
 
 
 class _Announcement(Listener):

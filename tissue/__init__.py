@@ -6,22 +6,44 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from tissue.division import DivisionRule
+    from tissue.events.event import EmtEvent
     from tissue.files.parameters import Parameters, load, preset
     from tissue.first_order import simulate
     from tissue.many import simulate_many
     from tissue.model.frame import Frame
+    from tissue.observable import Observable
+    from tissue.registration import register
     from tissue.run import Run, RunFailed
     from tissue.study.run import run_study
 
-__all__ = ["Frame", "Parameters", "Run", "RunFailed", "load", "preset", "run_study", "simulate", "simulate_many"]
+__all__ = [
+    "DivisionRule",
+    "EmtEvent",
+    "Frame",
+    "Observable",
+    "Parameters",
+    "Run",
+    "RunFailed",
+    "load",
+    "preset",
+    "register",
+    "run_study",
+    "simulate",
+    "simulate_many",
+]
 
 _HOMES = {
+    "DivisionRule": "division",
+    "EmtEvent": "events.event",
     "Frame": "model.frame",
+    "Observable": "observable",
     "Parameters": "files.parameters",
     "Run": "run",
     "RunFailed": "run",
     "load": "files.parameters",
     "preset": "files.parameters",
+    "register": "registration",
     "run_study": "study.run",
     "simulate": "first_order",
     "simulate_many": "many",

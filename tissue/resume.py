@@ -8,7 +8,8 @@ import numpy as np
 
 from dincl.checks import describe, integer
 from dincl.errors import InvalidProblem
-from tissue.events import bits
+from tissue.events.known import bit, row
+from tissue.events.known import events as known
 from tissue.files.combinations import ROUNDING
 from tissue.files.scenario import drawn
 from tissue.kernels.advance import find_lost
@@ -110,26 +111,22 @@ def _with_past(emt: Emt, before: Emt, cells: Cells) -> Emt:
     """The EMT cells with these times for what has not begun, and all else as before."""
     events = np.zeros(len(emt.side), np.int64)
     events[cells.emt[cells.emt >= 0]] = cells.events[cells.emt >= 0]
-    a, b, s = (
-        np.where(events & bit, old, new)
-        for bit, old, new in (
-            (bits.A, before.at_a, emt.at_a),
-            (bits.B, before.at_b, emt.at_b),
-            (bits.S, before.at_s, emt.at_s),
-        )
-    )
-    p = np.where(events & bits.P, before.at_p, np.maximum(emt.at_p, b))
-    return before._replace(at_a=a, at_b=b, at_s=s, at_p=p)
+    at = emt.at.copy()
+    for k, event in enumerate(known()):
+        if event.after is not None:
+            at[k] = np.maximum(at[k], at[row(event.after)])
+        at[k] = np.where(events >> k & 1, before.at[k], at[k])
+    return before._replace(at=at)
 
 
 def _refuse_past(parameters: Parameters, t: float, emt: Emt, cells: Cells) -> None:
     """Refuse an event that has not begun but should have; at t = 0 none has."""
     for i in np.flatnonzero(cells.emt >= 0) if t > 0 else ():
-        for name, bit in (("a", bits.A), ("b", bits.B), ("s", bits.S), ("p", bits.P)):
-            time = getattr(emt, f"at_{name}")[cells.emt[i]]
-            if time <= t and not cells.events[i] & bit:
+        for event, times in zip(known(), emt.at, strict=True):
+            time = times[cells.emt[i]]
+            if time <= t and not cells.events[i] & bit(event.name):
                 raise InvalidProblem(
-                    f'emt.{name} = "{getattr(parameters.emt, name)}": must be after the time of the start, '
+                    f'emt.{event.name} = "{getattr(parameters.emt, event.name)}": must be after the time of the start, '
                     f"t = {t:g} h, for cell {cells.id[i]}, in which it has not begun; this seed draws {time:g} h"
                 )
 
@@ -137,8 +134,8 @@ def _refuse_past(parameters: Parameters, t: float, emt: Emt, cells: Cells) -> No
 def _stiffen(parameters: Parameters, cells: Cells) -> None:
     """Give the springs the stiffness of the parameters, as rules and events would have; see ``tissue.events``."""
     numbers = parameters.numbers()
-    freed_a, freed_b = cells.events & bits.A > 0, cells.events & bits.B > 0
+    freed_a, freed_b = cells.events & bit("a") > 0, cells.events & bit("b") > 0
     cells.stiff_ax[:] = np.where(freed_a, numbers.alpha_ax * numbers.freed_stiffness, numbers.alpha_ax)
     free = np.where(freed_b, numbers.alpha_bx * numbers.freed_stiffness, numbers.alpha_bx)
-    cells.stiff_bx[:] = np.where(cells.events & bits.P > 0, cells.stiff_bx, free)  # [P] gives its own in each dt
-    cells.stiff_axb[:] = np.where(cells.events & bits.S > 0, numbers.bent_stiffness, numbers.alpha_axb)
+    cells.stiff_bx[:] = np.where(cells.events & bit("p") > 0, cells.stiff_bx, free)  # [P] gives its own in each dt
+    cells.stiff_axb[:] = np.where(cells.events & bit("s") > 0, numbers.bent_stiffness, numbers.alpha_axb)

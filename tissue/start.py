@@ -101,6 +101,7 @@ def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator) -> Cells:
         mother=np.full(n, -1),
         emt=np.full(n, -1),
         events=np.zeros(n, np.int64),
+        chain=np.zeros(n, np.int64),
         along=np.zeros(n),
     )
 

@@ -8,22 +8,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import pandas as pd
 
-from tissue.events import bits
-from tissue.model.observables import (
-    PHASES,
-    ab_positions,
-    areas,
-    extruded,
-    height,
-    measurable,
-    nuclear_layers,
-    nucleus_height,
-    phases,
-    widths,
-)
+from tissue.events.known import events, in_order
+from tissue.model.observables import PHASES, ab_positions, measurable, phases
+from tissue.summary import summary_columns
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
+    from tissue.model.cells import Integers
     from tissue.model.frame import Frame
 
 # Columns that are lengths, and the array of Cells each one is taken from.
@@ -39,9 +30,21 @@ LENGTHS = {
     "basal_rest_um": "rest_bx",
     "junction_rest_um": "rest_aa",
 }
-LETTERS = {"A": bits.A, "B": bits.B, "S": bits.S, "P": bits.P}
-# The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP".
-EVENTS = ["".join(name for name, bit in LETTERS.items() if events & bit) for events in range(sum(LETTERS.values()) + 1)]
+
+
+class EventNames(Sequence[str]):
+    """The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP", "Ac", ..."""
+
+    def __len__(self) -> int:
+        return 1 << len(events())
+
+    def __getitem__(self, begun: Any) -> Any:
+        if not 0 <= begun < len(self):
+            raise IndexError(begun)
+        return "".join(events()[k].mark for k in in_order() if begun >> k & 1)
+
+
+EVENTS = EventNames()
 
 
 def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
@@ -72,9 +75,9 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
 
 
 def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
-    """One row for each kept time; what is measured is defined in ``tissue.model.observables``.
+    """One row for each kept time; the observables of ``tissue.summary``.
 
-    A state that is not finite has no row.
+    A state that is not finite has no row. Observables that were registered have columns of their own, behind these.
 
     ======================================================  ========  ===============================================
     ``time_h``                                              float64   t
@@ -89,7 +92,8 @@ def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFra
     ``lumen_area_um2``, ``tissue_area_um2``                 float64   of tubes alone: what they enclose, what they fill
     ======================================================  ========  ===============================================
     """
-    return pd.DataFrame([_of_tissue(frame, _um(parameters)) for frame in measurable(frames)])
+    shown = summary_columns(tube=parameters.curve().ring)
+    return pd.DataFrame([{one.column: one.of(frame, parameters) for one in shown} for frame in measurable(frames)])
 
 
 def _um(parameters: Parameters) -> float:
@@ -107,31 +111,16 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
     yield "y_ab", ab_positions(frame)
     yield from (("in_apical_layer", np.isin(each, layers.apical)), ("in_basal_layer", np.isin(each, layers.basal)))
     yield from (("migrates", cells.moves), ("divides", cells.divides))
-    yield from (("emt", cells.emt), ("events", np.array(EVENTS)[cells.events]))
+    yield from (("emt", cells.emt), ("events", _names(cells.events)))
+
+
+def _names(begun: Integers) -> Any:
+    """The events of each cell."""
+    kinds, each = np.unique(begun, return_inverse=True)
+    return np.array([EVENTS[k] for k in kinds])[each]
 
 
 def _joined(parts: Sequence[Any]) -> Any:
     if isinstance(parts[0], pd.Categorical):
         return pd.api.types.union_categoricals(parts)
     return np.concatenate(parts)
-
-
-def _of_tissue(frame: Frame, um: float) -> dict[str, float | int]:
-    positions, extents = ab_positions(frame), widths(frame)
-    outside = extruded(positions)
-    tube = areas(frame)._asdict() if frame.curve.ring else {}
-    return {
-        "time_h": frame.t,
-        "cells": len(frame.cells.x),
-        "divisions": int((frame.cells.mother >= 0).sum()),
-        "height_um": um * height(frame),
-        "nucleus_height_um": um * nucleus_height(frame),
-        "apical_width_um": um * extents.apical,
-        "basal_width_um": um * extents.basal,
-        "nuclei_width_um": um * extents.nuclei,
-        "nuclear_layers": nuclear_layers(frame),
-        "mean_y_ab": float(positions.mean()),
-        "apically_extruded": outside.apically,
-        "basally_extruded": outside.basally,
-        **{f"{name}_area_um2": um**2 * area for name, area in tube.items()},
-    }

@@ -9,8 +9,10 @@ import pytest
 from tests.tissue import states as tissue_states
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
+from tissue.events.known import settled
 from tissue.kernels import advance, kernel, scale, store
 from tissue.kernels.board import Boards, copy_in, copy_out
+from tissue.kernels.called import handed_rules
 from tissue.kernels.group import Group
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.sweeps import order_basal, separate
@@ -51,7 +53,7 @@ def taken(kept):
 def apply_rules(tissue, t, numbers, draws, noise):
     """As ``twins.apply_rules``."""
     kept = held(tissue)
-    advance.apply_rules(kept, t, handed_numbers(numbers), draws, noise)
+    advance.apply_rules(kept, t, handed_numbers(numbers), handed_rules([kept]), draws, noise)
     return taken(kept)
 
 
@@ -183,12 +185,13 @@ def upright(n=1, height=8.0, nucleus=5.0, spacing=3.0, **fields):
     return Tissue(tissue_states.tissue(*points, **{"cycle": 12.0, **fields}), tissue_states.layers(n), n)
 
 
-def with_emt(state, cells, *, a=np.inf, b=np.inf, s=np.inf, p=np.inf):
-    """The tissue with these EMT cells, all with the same times."""
+def with_emt(state, cells, **times):
+    """The tissue with these EMT cells, all with the same times of events by name; the others never begin."""
     m = len(cells)
     state.cells.emt[cells] = np.arange(m)
     state.cells.divides[cells] = False
-    return state._replace(emt=emt_cells(*(np.full(m, time) for time in (a, b, s, p))))
+    at = settled({name: np.full(m, time) for name, time in {"a": np.inf, **times}.items()})
+    return state._replace(emt=emt_cells(at))
 
 
 both = pytest.mark.parametrize("model", [sys.modules[__name__], twins], ids=["kernels", "twins"])

@@ -9,7 +9,7 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
 from tests.tissue.states import layers
 from tests.twins.tissue import steps as twins
-from tissue.events import bits
+from tissue.events.known import bit, row, settled
 from tissue.files.parameters import preset
 from tissue.kernels.lanes import WIDTH
 from tissue.model.cells import emt_cells
@@ -44,7 +44,7 @@ def test_a_leaves_the_apical_layer(model, cell, left, junctions):
     assert before.layers.apical.tolist() == [0, 1, 2]
     assert after.layers.apical.tolist() == left
     assert after.layers.basal.tolist() == [0, 1, 2]
-    assert after.cells.events.tolist() == [bits.A * (i == cell) for i in range(3)]
+    assert after.cells.events.tolist() == [bit("a") * (i == cell) for i in range(3)]
     first = after.cells.rest_aa[left[0]]
     assert first == (2.0 if cell == 1 else state.cells.rest_aa[left[0]])
 
@@ -126,9 +126,9 @@ def test_s_weakens_the_bending_spring(model, given, stiffness):
 @both
 def test_p_waits_for_b(model):
     state = with_emt(upright(2), [0], b=0.5, p=0.2)
-    assert state.emt.at_p.tolist() == [0.5]
+    assert state.emt.at[row("p")].tolist() == [0.5]
     assert ruled(model, state, 0.4).cells.events.tolist() == [0, 0]
-    assert ruled(model, state, 0.5).cells.events.tolist() == [bits.B + bits.P, 0]
+    assert ruled(model, state, 0.5).cells.events.tolist() == [bit("b") + bit("p"), 0]
 
 
 def free(y_b, x_b=0.0):
@@ -264,7 +264,7 @@ def eventful(n, seed):
     times = np.where(chosen, np.random.default_rng(seed).uniform(0.05, 0.6, (4, 8)), NEVER)
     state.cells.emt[middle], state.cells.divides[middle] = np.arange(8), False
     state.cells.moves[middle] = np.arange(8) % 3 > 0
-    return state._replace(emt=emt_cells(*times))
+    return state._replace(emt=emt_cells(settled(dict(zip("absp", times, strict=True)))))
 
 
 def test_positions_equal_those_of_the_table(rng):

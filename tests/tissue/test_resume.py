@@ -7,7 +7,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.events import bits
+from tissue.events.known import bit, row
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.many import simulate_many
@@ -130,7 +130,7 @@ def test_a_control_tissue_gets_its_emt_cells_in_the_middle_when_it_branches():
     mine = np.flatnonzero(run.frames[0].cells.emt >= 0)
     assert mine.tolist() == [(n - 3) // 2 + k for k in range(3)]
     ends = run.final.cells.emt >= 0
-    assert (run.final.cells.events[ends] == bits.A | bits.B).all()
+    assert (run.final.cells.events[ends] == bit("a") | bit("b")).all()
     assert not run.final.cells.moves[ends].any()
     assert not run.final.cells.divides[ends].any()
     assert start.cells.emt.max() == -1
@@ -141,9 +141,9 @@ def test_what_has_begun_stays_and_what_has_not_has_new_times():
     start = simulate(parameters, 3).frames[4]
     run = simulate(parameters.changed({"emt.a": "never", "emt.s": "never", "emt.b": "3.5 h"}), 3, start)
     ends = run.final.cells.emt >= 0
-    assert (run.final.cells.events[ends] == bits.A | bits.B).all()
-    assert (run.final.checkpoint.emt.at_a == 1.0).all()
-    assert np.isinf(run.final.checkpoint.emt.at_s).all()
+    assert (run.final.cells.events[ends] == bit("a") | bit("b")).all()
+    assert (run.final.checkpoint.emt.at[row("a")] == 1.0).all()
+    assert np.isinf(run.final.checkpoint.emt.at[row("s")]).all()
 
 
 def test_stiffnesses_are_those_of_the_new_parameters():

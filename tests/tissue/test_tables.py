@@ -8,7 +8,7 @@ import pandas as pd
 import pytest
 
 from dincl.status import Status
-from tissue.events import bits
+from tissue.events.known import bit, events
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.observables import PHASES, height, nuclear_layers, phases
@@ -216,5 +216,7 @@ def test_events_are_named_in_one_order_and_control_cells_have_none():
 
 
 def test_every_set_of_events_has_its_name():
-    assert [EVENTS[k] for k in (0, bits.A, bits.B, bits.A | bits.S, bits.B | bits.P)] == ["", "A", "B", "AS", "BP"]
-    assert len(set(EVENTS)) == 16
+    sets = ("", "a", "b", "as", "bp", "absp")
+    assert [EVENTS[sum(map(bit, names))] for names in sets] == [names.upper() for names in sets]
+    assert [bit(name) for name in "absp"] == [1, 2, 4, 8]
+    assert len(set(EVENTS)) == len(EVENTS) == 2 ** len(events())

@@ -254,8 +254,9 @@ CHANGES = {
     ),
     "events.at_depth": ("stays", {"[[]P] way at depth": 0}),
 }
-# Keys that no step depends on, those of the other solver, and times of events, which tests of the events look at.
-ASIDE = ("cell.soft_radius", "numerics.t_end", "numerics.keep", "emt.*", "daha.*", "layer.*")
+# Keys that no step depends on, those of the other solver, and times of events, which tests of the
+# events look at, and rules of divisions, as those of the modules of users and curved layers do.
+ASIDE = ("cell.soft_radius", "numerics.t_end", "numerics.keep", "emt.*", "daha.*", "layer.*", "own.*", "division.rule")
 
 
 def expected(name, changes):

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 MAKES_NO_NUMBERS = True
 # Of a list that goes to a file: no value is broken.
-WIDE = 200
+WIDE = 320
 
 Name = Annotated[str | None, typer.Argument(metavar="KEY", help="A key such as numerics.mu, or a section.")]
 

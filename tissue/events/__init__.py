@@ -1,6 +1,6 @@
 """The events of the epithelial-to-mesenchymal transition (section 2.2 of chapter 4), one in each file.
 
-Each event has a bit in ``Cells.events``, a kernel ``begin`` for the step at which it happens, and where it lasts a
-kernel for each dt after. It fires in the step dt that ends at its time, or in which its time lies, and acts from the
-beginning of that step. ``tissue.events.together`` calls the events; a new one is a new file and its lines there.
+A file of an event has an ``EmtEvent`` called EVENT: its key in parameter files, and what it does to a cell when it
+begins and in each dt after. ``tissue.events.known`` finds the files; nothing else knows of single events. Those of
+one's own are registered, see ``tissue.register``.
 """

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from tissue.events.event import EmtEvent
 from tissue.events.layer import find, remove
 from tissue.kernels.store import BASAL, Store
 from tissue.model.numbers import Numbers
 
 
-@inner
-def begin(store: Store, i: int, numbers: Numbers) -> None:
+def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
     """The basal point of cell i leaves the layer and moves freely: (C2) to (C4) hold for its neighbours without it."""
     k = find(store.layers.basal, store.sizes[BASAL], i)
     if k < 0:
@@ -21,7 +20,15 @@ def begin(store: Store, i: int, numbers: Numbers) -> None:
     store.cells.stiff_bx[i] = numbers.alpha_bx * numbers.freed_stiffness
 
 
-@inner
-def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
-    """For each dt after: the spring relaxes from its length ``rest`` before towards 0, and (3.3) holds no more."""
-    store.cells.rest_bx[i] = rest * math.exp(-numbers.rate_bx * numbers.dt)
+def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
+    """The spring relaxes from its length before towards 0, and (3.3) holds no more."""
+    store.cells.rest_bx[i] = rest_bx * math.exp(-numbers.rate_bx * numbers.dt)
+
+
+EVENT = EmtEvent(
+    name="b",
+    meaning="loss of basal adhesion: the basal point leaves the basal layer, and its spring contracts",
+    source="section 2.2.2 of chapter 4",
+    begin=begin,
+    last=last,
+)

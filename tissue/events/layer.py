@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dincl.compile import inner
+from tissue.kernels.chains import chained_before, chained_behind
+from tissue.kernels.store import APICAL, CELLS, Store
 from tissue.model.cells import Integers
 
 
@@ -21,3 +23,21 @@ def remove(layer: Integers, size: int, k: int) -> int:
     for place in range(k, size - 1):
         layer[place] = layer[place + 1]
     return size - 1
+
+
+@inner
+def leave_apical(store: Store, i: int) -> tuple[bool, int, int]:
+    """Take cell i out of the apical layer, or of its chain: whether it was in one, and its neighbours, -1 for none."""
+    layer, sizes = store.layers.apical, store.sizes
+    k, n = find(layer, sizes[APICAL], i), sizes[APICAL]
+    if k >= 0:
+        left, right = layer[k - 1] if k > 0 else -1, layer[k + 1] if k < n - 1 else -1
+        sizes[APICAL] = remove(layer, n, k)
+        return True, left, right
+    inside, left, right = (
+        store.cells.chain[i] > 0,
+        chained_before(store.cells, i),
+        chained_behind(store.cells, sizes[CELLS], i),
+    )
+    store.cells.chain[i] = 0
+    return inside, left, right

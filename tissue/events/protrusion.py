@@ -4,19 +4,18 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from tissue.events.event import EmtEvent
 from tissue.kernels.curve import height_of
 from tissue.kernels.store import Store
 from tissue.model.numbers import Numbers
 
 
-@inner
-def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
-    """For each dt: how the basal point of cell i moves, and what its spring does, by where the point is now.
+def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
+    """How the basal point of cell i moves, and what its spring does, by where the point is now.
 
     Above the depth at which the run ends it moves by itself (4.1), below it rests, or follows the forces. There is
     nothing to hold on to above the basal line: the spring has no force, or gives way as fast as the point runs. Below
-    the line its rest length tends from ``rest``, before this dt, to 0.
+    the line its rest length tends from that before this dt to 0.
     """
     cells, motion = store.cells, store.motion
     height = height_of(store.curve, cells.bx[i], cells.by[i])
@@ -26,10 +25,19 @@ def last(store: Store, i: int, rest: float, numbers: Numbers) -> None:
     motion.runs[i] = numbers.run_speed * numbers.dt / numbers.substeps if running else 0.0
     stiffness = numbers.alpha_bx * numbers.freed_stiffness
     if height <= 0.0:
-        cells.rest_bx[i] = rest * math.exp(-numbers.dt / numbers.contraction)
+        cells.rest_bx[i] = rest_bx * math.exp(-numbers.dt / numbers.contraction)
     elif numbers.spring_gives:
-        cells.rest_bx[i] = rest + numbers.run_speed * numbers.dt
+        cells.rest_bx[i] = rest_bx + numbers.run_speed * numbers.dt
     else:
         cells.rest_bx[i] = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
         stiffness = 0.0
     cells.stiff_bx[i] = stiffness
+
+
+EVENT = EmtEvent(
+    name="p",
+    meaning="protrusive activity: the basal point runs away from the nucleus and pulls it along",
+    source="section 2.2.4 of chapter 4",
+    last=last,
+    after="b",
+)

@@ -2,12 +2,19 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from tissue.events.event import EmtEvent
 from tissue.kernels.store import Store
 from tissue.model.numbers import Numbers
 
 
-@inner
-def begin(store: Store, i: int, numbers: Numbers) -> None:
+def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
     """The bending spring of cell i weakens, to 0 in the thesis."""
     store.cells.stiff_axb[i] = numbers.bent_stiffness
+
+
+EVENT = EmtEvent(
+    name="s",
+    meaning="loss of straightness: the bending spring weakens",
+    source="section 2.2.3 of chapter 4",
+    begin=begin,
+)

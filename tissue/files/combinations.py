@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tissue.events.event import EmtEvent
+from tissue.events.known import events
 from tissue.files.layer import Points, curve_of
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
@@ -31,7 +33,7 @@ class Rule:
 def broken(values: Mapping[str, Any]) -> list[str]:
     """One line for each rule that the values break; ``values`` by keys such as "tissue.cells"."""
     lines = []
-    for rule in RULES:
+    for rule in (*RULES, *(_waits(event) for event in events() if event.after)):
         if not all(key in values for key in rule.keys):
             continue
         allowed = rule.allowed(*(values[key] for key in rule.keys))
@@ -159,12 +161,16 @@ def _in_the_middle(group: int, cells: int) -> str | None:
     return None if group <= most else f"at most {most}: EMT cells have control cells on both sides"
 
 
-def _possible(protrusions: Timing, detachment: Timing) -> str | None:
-    return (
-        f'"{NEVER}": [P] waits for [B], and emt.b = {show(detachment)}'
-        if (protrusions.ever and not detachment.ever)
-        else None
-    )
+def _waits(event: EmtEvent) -> Rule:
+    """An event that waits for another one never begins without it."""
+    keys = (f"emt.{event.name}", f"emt.{event.after}")
+
+    def allowed(waiting: Timing, first: Timing) -> str | None:
+        if not waiting.ever or first.ever:
+            return None
+        return f'"{NEVER}": [{event.mark}] waits for [{str(event.after).capitalize()}], and {keys[1]} = {show(first)}'
+
+    return Rule(keys, allowed)
 
 
 LAYER = tuple(f"layer.{name}" for name in ("shape", "perimeter", "aspect", "points", "side", "closed"))
@@ -184,7 +190,6 @@ RULES = (
     Rule(("tissue.height", *LAYER, "cell.soft_radius"), _bends),
     Rule(("tissue.cells", "tissue.max_basal_distance", *LAYER, "cell.soft_radius"), _spread),
     Rule(("emt.cells", "tissue.cells"), _in_the_middle),
-    Rule(("emt.p", "emt.b"), _possible),
     Rule(("cell.hard_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
     Rule(("cell.enlarged_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
     Rule(("cell.enlarged_radius", "cell.hard_radius", "cell.soft_radius"), _enlarged),

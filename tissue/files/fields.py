@@ -5,13 +5,18 @@ Each says what is ``allowed``, for messages, and in which ``unit`` values are ke
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from numbers import Integral, Real
+from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import PlainSerializer, PlainValidator
 
+from dincl.errors import InvalidProblem
+from tissue.division import division_rules
+from tissue.files.own_modules import imported
 from tissue.files.timing import ALLOWED, Timing, timing
 from tissue.files.units import (
     DIFFUSION,
@@ -164,6 +169,45 @@ class OneOf:
 
 
 @dataclass(frozen=True)
+class DivisionName:
+    """The name of a rule of divisions."""
+
+    unit: str = "a name"
+
+    @property
+    def allowed(self) -> str:
+        return OneOf(tuple(division_rules())).allowed
+
+    def __call__(self, raw: Any) -> str:
+        return str(OneOf(tuple(division_rules()))(raw))
+
+
+@dataclass(frozen=True)
+class ModuleFiles:
+    """Files of Python, which are imported: what they register may be named by the other values."""
+
+    allowed: str = 'a list of files of Python, such as ["my_module.py"]'
+    unit: str = "files"
+
+    def __call__(self, raw: Any) -> tuple[str, ...]:
+        if not isinstance(raw, (list, tuple)) or not all(isinstance(file, str) for file in raw):
+            raise ValueError(f"must be {self.allowed}")
+        files = [Path(file).resolve() for file in raw]
+        for file in files:
+            try:
+                imported(file)
+            except InvalidProblem as error:
+                raise ValueError(f"must be {self.allowed}; {error}") from error
+        return tuple(map(str, files))
+
+
+def bring(modules: Any) -> None:
+    """Import modules, so that their names are known; what is wrong with them is said where their key is checked."""
+    with suppress(ValueError):
+        ModuleFiles()(modules or [])
+
+
+@dataclass(frozen=True)
 class Span:
     """Parts of the height; a nucleus on a layer might have no direction to its basal or apical point."""
 
@@ -257,4 +301,6 @@ Points = Annotated[
     PlainValidator(Places()),
     PlainSerializer(lambda points: [[str(x), str(y)] for x, y in points]),
 ]
+DivisionRuleName = Annotated[str, PlainValidator(DivisionName())]
+Modules = Annotated[tuple[str, ...], PlainValidator(ModuleFiles()), PlainSerializer(list)]
 Fractions = Annotated[tuple[float, float], PlainValidator(Span()), PlainSerializer(list)]

@@ -13,6 +13,7 @@ from zipfile import BadZipFile
 import numpy as np
 
 from dincl.errors import InvalidProblem
+from tissue.events.known import events as known
 from tissue.kernels.store import COUNTERS
 from tissue.model.basal_curve import ORDER, BasalCurve
 from tissue.model.cells import COORDINATES, KINDS, CellLayers, Cells, Emt
@@ -20,7 +21,7 @@ from tissue.model.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
 
 # In each file; another number with other contents.
 FORMAT = "tissue frame 1"
-ALL_EVENTS = 15
+TEXTS = ("format", "seed", "events")
 # What archives and arrays raise that are damaged.
 UNREADABLE = (
     *(OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError, RuntimeError, MemoryError),
@@ -35,6 +36,7 @@ def save(parts: Parts, path: str | PathLike[str]) -> None:
     """As ``Frame.save``, of the fields of the frame."""
     t, cells, layers, curve, past = parts
     arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": str(past.seed), "next_id": past.next_id}
+    arrays |= {"events": _events()}
     arrays |= {"counts": past.counts, "generators": past.generators}
     arrays |= {"parted_sweeps": past.parted.sweeps, "parted_moved": past.parted.moved}
     arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
@@ -57,6 +59,11 @@ def load(path: str | PathLike[str]) -> Parts:
     for wrong in _wrong(arrays):
         raise InvalidProblem(f"{path}: must be a file that Frame.save wrote: {wrong}")
     return _parts(arrays)
+
+
+def _events() -> str:
+    """The events of this process, in the order of their bits."""
+    return ", ".join(event.name for event in known())
 
 
 def _parts(arrays: Arrays) -> Parts:
@@ -92,7 +99,8 @@ def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]
     expected |= {f"cells.{name}": (KINDS.get(name, np.float64), (n,)) for name in Cells._fields}
     for name in CellLayers._fields:
         expected[f"layers.{name}"] = np.int64, (arrays[f"layers.{name}"].size if f"layers.{name}" in arrays else 0,)
-    return expected | {f"emt.{name}": (np.int64 if name == "side" else np.float64, (m,)) for name in Emt._fields}
+    expected |= {f"emt.{name}": (np.int64 if name in ("side", "new") else np.float64, (m,)) for name in Emt._fields}
+    return expected | {"emt.at": (np.float64, (len(known()), m))}
 
 
 def _wrong(arrays: Arrays) -> Iterator[str]:
@@ -101,8 +109,11 @@ def _wrong(arrays: Arrays) -> Iterator[str]:
     if found != FORMAT:
         yield f'its format is "{found}" in place of "{FORMAT}"'
     expected = _shapes(arrays)
-    if {*arrays} != {*expected, "format", "seed"}:
-        yield f"its arrays differ in {', '.join(sorted({*arrays} ^ {*expected, 'format', 'seed'}))}"
+    wanted = {*expected, *TEXTS}
+    if {*arrays} != wanted:
+        yield f"its arrays differ in {', '.join(sorted({*arrays} ^ wanted))}"
+    if str(arrays["events"]) != _events():
+        yield f"its events are {arrays['events']}, in place of those that are registered, {_events()}"
     for name, (kind, shape) in expected.items():
         if arrays[name].dtype != kind or arrays[name].shape != shape:
             yield f"{name} is of kind {arrays[name].dtype} and shape {arrays[name].shape}"
@@ -124,7 +135,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
     ):
         if not np.isfinite(arrays[name]).all():
             yield f"{name} is not finite"
-    for name in (*(f"emt.at_{event}" for event in "absp"), "emt.since", "emt.since_x", "emt.onset_ab"):
+    for name in ("emt.at", "emt.since", "emt.since_x", "emt.onset_ab"):
         if np.isnan(arrays[name]).any():
             yield f"{name} is not a number"
     ids, among, events = arrays["cells.id"], arrays["cells.emt"], arrays["cells.events"]
@@ -137,7 +148,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
         "cells.radius": (arrays["cells.radius"] >= 0).all(),
         "cells.cycle": (arrays["cells.cycle"] > 0).all(),
         "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(among[among >= 0], np.arange(m)),
-        "cells.events": ((events >= 0) & (events <= ALL_EVENTS) & ((events == 0) | (among >= 0))).all(),
+        "cells.events": ((events >= 0) & (events < 1 << len(known())) & ((events == 0) | (among >= 0))).all(),
         "counts": (arrays["counts"] >= 0).all(),
     }
     for name in (f"layers.{layer}" for layer in CellLayers._fields):

@@ -63,11 +63,13 @@ class KeyFacts:
 
 def all_keys(shape: type[BaseModel]) -> dict[str, KeyFacts]:
     """The keys of all sections by name, in the order of a file."""
-    return {
-        f"{section}.{name}": _facts(f"{section}.{name}", field)
-        for section, fields in sections(shape).items()
-        for name, field in fields.model_fields.items()
-    }
+    found: dict[str, KeyFacts] = {}
+    for section, fields in sections(shape).items():
+        found |= {
+            f"{section}.{name}": _facts(f"{section}.{name}", field) for name, field in fields.model_fields.items()
+        }
+        found |= {facts.name: facts for facts in fields.further_keys()}
+    return found
 
 
 def sections(shape: type[BaseModel]) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from difflib import SequenceMatcher
 from typing import Any
 
@@ -18,7 +18,7 @@ SAME_SECTION = 0.25
 
 def known_keys(shape: type[BaseModel]) -> list[str]:
     """All keys, such as "tissue.cells"."""
-    return [f"{section}.{name}" for section, fields in sections(shape).items() for name in fields.model_fields]
+    return [f"{section}.{name}" for section, fields in sections(shape).items() for name in fields.all_keys()]
 
 
 def problems(error: ValidationError, shape: type[BaseModel], *, missing: bool) -> list[str]:
@@ -35,6 +35,12 @@ def unknown(key: str, value: Any, known: Iterable[str]) -> str:
 def no_key(key: str, known: Iterable[str]) -> str:
     """What is wrong with a name that is no key."""
     return f"unknown key; the nearest known one is {_nearest(key, known)}"
+
+
+def unknown_events(given: Any, shape: type[BaseModel]) -> list[str]:
+    """A line for each key given in the section [emt] that is none: as a key it may be the name of any event."""
+    keys, found = sections(shape)["emt"].all_keys(), given.items() if isinstance(given, Mapping) else ()
+    return [unknown(f"emt.{key}", value, known_keys(shape)) for key, value in found if key not in keys]
 
 
 def refuse(source: str, lines: Iterable[str]) -> InvalidProblem:

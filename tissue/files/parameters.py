@@ -13,10 +13,14 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.division import DivisionRule, division_rules
+from tissue.events.known import events
 from tissue.files.combinations import broken
+from tissue.files.fields import bring
 from tissue.files.keys import all_keys, optional_sections
 from tissue.files.layer import curve_of
-from tissue.files.messages import known_keys, problems, refuse, unknown
+from tissue.files.messages import known_keys, problems, refuse, unknown, unknown_events
+from tissue.files.own_modules import imported, placed
 from tissue.files.parameter_files import FOLDER, merged, read, written
 from tissue.files.scenario import Scenario
 from tissue.files.sections import (
@@ -27,10 +31,12 @@ from tissue.files.sections import (
     EventsSection,
     LayerSection,
     NumericsSection,
+    OwnSection,
     RulesSection,
     StartSection,
     TissueSection,
 )
+from tissue.files.timing import Timing
 from tissue.files.units import Measure, reduced
 from tissue.model.basal_curve import BasalCurve
 from tissue.model.numbers import Numbers
@@ -50,6 +56,7 @@ class Parameters(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid")
 
+    own: OwnSection = OwnSection()  # the first one: it brings what the others may name
     tissue: TissueSection
     cell: CellSection
     numerics: NumericsSection
@@ -69,7 +76,8 @@ class Parameters(BaseModel):
 
     @model_validator(mode="after")
     def _together(self) -> Parameters:
-        values = {f"{section}.{name}": value for section, fields in self for name, value in fields}
+        values: dict[str, Any] = {f"emt.{event.name}": Timing() for event in events()}
+        values |= {f"{section}.{name}": value for section, fields in self for name, value in fields}
         if lines := broken(values):
             raise ValueError("; ".join(lines))
         return self
@@ -89,6 +97,7 @@ class Parameters(BaseModel):
         """
         if not isinstance(changes, Mapping):
             raise InvalidProblem(f'changes = {describe(changes)}: must map keys such as "numerics.mu" to their values')
+        bring(changes.get("own.modules"))
         keys = known_keys(Parameters)
         known = {key: value for key, value in changes.items() if key in keys}
         lines = [unknown(str(key), value, keys) for key, value in changes.items() if key not in keys]
@@ -97,6 +106,16 @@ class Parameters(BaseModel):
             section, _, name = key.partition(".")
             tables.setdefault(section, {})[name] = value
         return _checked(merged(self.as_dict(), tables), "changed parameters", lines)
+
+    def __setstate__(self, state: dict[Any, Any]) -> None:
+        """Another process imports the modules again."""
+        super().__setstate__(state)
+        for file in self.own.modules:
+            imported(Path(file))
+
+    def division_rule(self) -> DivisionRule:
+        """What becomes of a cell at the end of its cycle."""
+        return division_rules()[self.division.rule]
 
     def as_dict(self) -> dict[str, Any]:
         """All sections as in a file, quantities as text in um, R_soft and h: the same dict for equal parameters."""
@@ -184,7 +203,7 @@ class Parameters(BaseModel):
     def scenario(self) -> Scenario:
         """What the EMT cells are drawn from: times in h."""
         emt = self.emt
-        return Scenario(emt.cells, emt.inm, (emt.a, emt.b, emt.s, emt.p))
+        return Scenario(emt.cells, emt.inm, emt.times())
 
     def daha_numbers(self) -> Daha:
         """The parameters of the quasi-steady model's solver."""
@@ -214,12 +233,13 @@ def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
     tables = read(path)
     base = tables.pop("base", None)
     if base is None:
-        return _checked(tables, str(path))
+        return _checked(placed(tables, path.parent), str(path))
     try:
         changed = _base(base, path.parent, (*above, path.resolve()))
     except NoBase as error:
         return _checked(tables, str(path), [str(error)], missing=False)
-    return _checked(merged(changed.as_dict(), tables), str(path))
+    own = placed(tables, path.parent, changed.own.modules)
+    return _checked(merged(changed.as_dict(), own), str(path))
 
 
 class NoBase(ValueError):
@@ -274,8 +294,10 @@ def _preset(name: str) -> Parameters:
 
 def _checked(tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), *, missing: bool = True) -> Parameters:
     """The parameters in these tables, or one error with ``lines`` and all that is wrong with the tables."""
+    own = tables.get("own")
+    bring(own.get("modules") if isinstance(own, Mapping) else None)
     noted: dict[tuple[type[BaseModel], str], Any] = {}
-    found = list(lines)
+    found = [*lines, *unknown_events(tables.get("emt"), Parameters)]
     try:
         parameters = Parameters.model_validate(tables, context=noted)
     except ValidationError as error:

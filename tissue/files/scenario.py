@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import NamedTuple
 
-from numpy.random import Generator
+from numpy.random import Generator, default_rng
 
+from tissue.events.known import FIRST, settled
 from tissue.files.timing import Timing
 from tissue.model.cells import Emt, Flags, emt_cells
 
@@ -15,15 +17,20 @@ class Scenario(NamedTuple):
 
     cells: int  # N^EMT
     inm: float  # probability of interkinetic nuclear movement
-    times: tuple[Timing, Timing, Timing, Timing]  # of [A], [B], [S], [P]
+    times: Mapping[str, Timing]  # of the events by name; the others never begin
 
 
 def drawn(scenario: Scenario, draws: Generator) -> tuple[Emt, Flags]:
     """EMT cells, and whether each has INM.
 
-    All random numbers are drawn whether they are needed or not: runs of one seed and other scenarios have the same.
+    The random numbers of [A], [B], [S] and [P] are drawn whether they are needed or not, and those of any other event
+    are a function of the seed and of its name: runs of one seed and other scenarios have the same.
     """
-    inm, *pairs = draws.random((1 + 2 * len(scenario.times), scenario.cells))
-    whether, when = pairs[::2], pairs[1::2]
-    times = [timing.times(*chances) for timing, *chances in zip(scenario.times, whether, when, strict=True)]
-    return emt_cells(*times), inm < scenario.inm
+    inm, *pairs = draws.random((1 + 2 * len(FIRST), scenario.cells))
+    chances = dict(zip(FIRST, zip(pairs[::2], pairs[1::2], strict=True), strict=True))
+    if others := scenario.times.keys() - chances.keys():
+        key = int(draws.integers(1 << 63))
+        for name in others:
+            chances[name] = tuple(default_rng([key, *name.encode()]).random((2, scenario.cells)))
+    times = {name: scenario.times.get(name, Timing()).times(*pair) for name, pair in chances.items()}
+    return emt_cells(settled(times)), inm < scenario.inm

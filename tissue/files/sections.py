@@ -6,17 +6,22 @@ This is the only place that says so: lists, messages, written files and docs/par
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, field_validator
+from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, field_validator, model_validator
 
+from tissue.division import BESIDE
+from tissue.events.known import events, house
 from tissue.files.fields import (
     MOST_CELLS,
     Begin,
     Count,
     DiffusionOrZero,
+    DivisionRuleName,
     Duration,
     DurationOrZero,
+    EventTime,
     Flag,
     Fractions,
     Kept,
@@ -24,6 +29,7 @@ from tissue.files.fields import (
     LengthOrNone,
     LengthOrZero,
     MetricLength,
+    Modules,
     NonNegative,
     OneOf,
     Points,
@@ -32,8 +38,8 @@ from tissue.files.fields import (
     RateOrZero,
     Speed,
 )
-from tissue.files.keys import key
-from tissue.files.timing import NEVER
+from tissue.files.keys import KeyFacts, key
+from tissue.files.timing import NEVER, Timing
 
 TABLE_1 = "Table 1 of chapter 3"
 TABLE_2 = "Table 2 of chapter 3"
@@ -48,6 +54,16 @@ class ParameterSection(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", validate_default=True)
 
+    @classmethod
+    def all_keys(cls) -> list[str]:
+        """All keys that it may have."""
+        return [*cls.model_fields, *(facts.name.partition(".")[2] for facts in cls.further_keys())]
+
+    @classmethod
+    def further_keys(cls) -> tuple[KeyFacts, ...]:
+        """Those that are no attributes, with what is known of them."""
+        return ()
+
     @field_validator("*")
     @classmethod
     def _note(cls, value: Any, info: ValidationInfo) -> Any:
@@ -55,6 +71,17 @@ class ParameterSection(BaseModel):
         if info.context is not None:
             info.context[cls, info.field_name] = value
         return value
+
+
+class OwnSection(ParameterSection):
+    """[own]: what is not in this package."""
+
+    modules: Modules = key(
+        "files, relative to this one, that register events, observables or rules of divisions",
+        "",
+        "docs/tutorials/own_event.md",
+        [],
+    )
 
 
 class TissueSection(ParameterSection):
@@ -173,6 +200,12 @@ class DivisionSection(ParameterSection):
         "",
         "section 2.2.5 of chapter 3",
     )
+    rule: DivisionRuleName = key(
+        "rule that says whether a cell splits, and where its daughters are",
+        "",
+        "section 2.2.5 of chapter 3",
+        BESIDE.name,
+    )
 
 
 class StartSection(ParameterSection):
@@ -187,9 +220,14 @@ class StartSection(ParameterSection):
 class EmtSection(ParameterSection):
     """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4).
 
+    Besides those below each event of ``tissue.events.known.events`` is a key; where it is not given, it never begins.
+
     An event fires in the step dt that ends at its time, or in which its time lies: it acts from the beginning of this
     step, so up to dt before its time.
     """
+
+    model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
+    __pydantic_extra__: dict[str, Begin]
 
     cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
         "EMT cells, in the middle of the tissue", "N^EMT", "section 2.2 of chapter 4"
@@ -201,6 +239,33 @@ class EmtSection(ParameterSection):
     b: Begin = key("when basal adhesion is lost, [B]", "T^B", "section 2.2.2 of chapter 4", NEVER)
     s: Begin = key("when straightness is lost, [S]", "T^S", "section 2.2.3 of chapter 4", NEVER)
     p: Begin = key("when protrusions begin, [P]; they wait for [B]", "T^P", "section 2.2.4 of chapter 4", NEVER)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_events(cls, given: Any) -> Any:
+        """The events of this package never begin if nothing is said of them."""
+        return {**{event.name: NEVER for event in house()}, **given} if isinstance(given, Mapping) else given
+
+    @classmethod
+    def further_keys(cls) -> tuple[KeyFacts, ...]:
+        """All events but those of the thesis."""
+        time, others = EventTime(), (event for event in events() if event.name not in cls.model_fields)
+        return tuple(
+            KeyFacts(f"emt.{event.name}", event.meaning, "", event.source, time.unit, time.allowed, NEVER)
+            for event in others
+        )
+
+    @model_validator(mode="after")
+    def _note_events(self, info: ValidationInfo) -> EmtSection:
+        """Note the others as well."""
+        if info.context is not None:
+            for event in events():
+                info.context[EmtSection, event.name] = getattr(self, event.name, Timing())
+        return self
+
+    def times(self) -> dict[str, Timing]:
+        """When the events begin, by name."""
+        return {name: value for name, value in self if isinstance(value, Timing)}
 
 
 class EventsSection(ParameterSection):

@@ -8,7 +8,6 @@ from llvmlite import ir
 from numba import types
 from numpy.random import Generator
 
-from tissue.events.together import begin_events
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, RUNNING, board_at, copy_in, copy_out
 from tissue.kernels.cycle import adapt_rest_lengths, set_phases
@@ -17,6 +16,7 @@ from tissue.kernels.extents import is_closed
 from tissue.kernels.handed import generator_at, numbers_at
 from tissue.kernels.lanes import instruction
 from tissue.kernels.noise import add_noise, draw_key
+from tissue.kernels.rules import Rules, begin_events, rules_at
 from tissue.kernels.scale import watch_sides
 from tissue.kernels.store import CELLS, Store, store_at
 from tissue.model.cells import Integers
@@ -42,9 +42,9 @@ def advance(
     random
         (2, k, GENERATOR): their generators of draws and of noise.
     how
-        (4,): where the numbers and the board are, seen flat and as substeps see it, and the substeps for it.
+        (5,): where the numbers and the board are, seen flat and as substeps see it, the substeps for it, and the rules.
     """
-    numbers = numbers_at(how[0])
+    numbers, rules = numbers_at(how[0]), rules_at(how[4])
     while made < steps:
         t = (made + 1) * numbers.dt
         for k in range(len(stores)):
@@ -53,7 +53,7 @@ def advance(
         for k in range(len(stores)):
             if ended[k] == RUNNING:
                 draws, noise = generator_at(random[0], k), generator_at(random[1], k)
-                apply_rules(store_at(stores[k]), t, numbers, draws, noise)
+                apply_rules(store_at(stores[k]), t, numbers, rules, draws, noise)
         if not make_substeps(stores, ended, how):  # nobody runs any more
             return steps, DONE
         for k in range(len(stores)):
@@ -98,12 +98,12 @@ def is_full(store: Store, t: float) -> bool:
 
 
 @kernel
-def apply_rules(store: Store, t: float, numbers: Numbers, draws: Generator, noise: Generator) -> None:
+def apply_rules(store: Store, t: float, numbers: Numbers, rules: Rules, draws: Generator, noise: Generator) -> None:
     """What happens once per dt before the cells move: divisions, EMT events, phases, rest lengths, noise or its key."""
-    divide(store, t, numbers, draws)
-    begin_events(store, t, numbers)
+    divide(store, t, numbers, rules, draws)
+    begin_events(store, t, numbers, rules)
     set_phases(store, t, numbers)
-    adapt_rest_lengths(store, t, numbers)
+    adapt_rest_lengths(store, t, numbers, rules)
     if numbers.noise_in_substeps:
         draw_key(noise, store.noise_key)
     else:

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from dincl.compile import inner
 from dincl.kernels.handles import reader
+from tissue.kernels.chains import chained_before
 from tissue.kernels.curve import CurveNumbers, course
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.kernels.lanes import WIDTH
@@ -93,6 +94,7 @@ class Board(NamedTuple):
     end: Integers
     ranges: Integers  # (1,): how many there are
     cells: Integers  # numbers of cells, one for each tissue
+    links: Integers  # of the junctions apart from the layers: how many, then the places of both cells, seen flat
     pairs: Integers  # (1,): pairs looked at for the repulsion
     # Of one substep
     substeps: int  # in one dt
@@ -107,7 +109,7 @@ class Board(NamedTuple):
 SHORT = {"noise_key": 2, "counts": 2}
 WHOLE = ("id", "noise_key")
 # Whole numbers that are the same for all tissues of a company.
-SAME = ("first", "last", "begin", "end", "ranges", "cells", "pairs")
+SAME = ("first", "last", "begin", "end", "ranges", "cells", "pairs", "links")
 
 
 class Boards:
@@ -147,6 +149,7 @@ def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[s
         "ranges": 1,
         "cells": width,
         "pairs": 1,
+        "links": 1 + 2 * capacity * width,
     }
     variance = numbers.variance * numbers.dt / numbers.substeps if numbers.noise_in_substeps else 0.0
     return {
@@ -186,6 +189,7 @@ board_at, wide_board_at = reader(_example(1)), reader(_example(1, WIDTH))
 def copy_in(stores: Integers, ended: Integers, board: Board, numbers: Numbers, scale: float) -> int:
     """Copy the tissues that run to the board, seen flat; ``scale`` = h / mu; the largest number of cells."""
     width, largest = len(ended), 0
+    board.links[0] = 0
     for k in range(width):
         board.cells[k] = store_at(stores[k]).sizes[CELLS] if ended[k] == RUNNING else 0
         largest = max(largest, board.cells[k])
@@ -227,11 +231,26 @@ def _copy(store: Store, k: int, width: int, board: Board, numbers: Numbers, scal
             before = store.layers.apical[s - 1 if s > 0 else store.sizes[APICAL] - 1]
             board.joined[place], board.rest[place] = 1.0, cells.rest_aa[before]
             board.k_aa[place] = scale * numbers.junction_factor * (0.5 * (cells.stiff_aa[before] + cells.stiff_aa[i]))
+    _copy_links(store, k, width, board, scale * numbers.junction_factor)
     for s in range(store.sizes[BASAL]):
         board.in_basal[width * store.layers.basal[s] + k] = 1.0
     for word in range(2):
         board.noise_key[width * word + k] = store.noise_key[word]
         board.counts[width * word + k] = 0.0
+
+
+@inner
+def _copy_links(store: Store, k: int, width: int, board: Board, scale: float) -> None:
+    """Copy the junctions of a tissue that are apart from its layer; their cells have no other."""
+    cells, links = store.cells, board.links
+    for i in range(board.cells[k]):
+        first = chained_before(cells, i)
+        if first >= 0:
+            place, number = width * i + k, links[0]
+            links[1 + 2 * number], links[2 + 2 * number] = place, width * first + k
+            links[0] += 1
+            board.rest[place] = cells.rest_aa[first]
+            board.k_aa[place] = scale * (0.5 * (cells.stiff_aa[first] + cells.stiff_aa[i]))
 
 
 @inner

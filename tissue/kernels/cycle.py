@@ -10,9 +10,9 @@ import math
 from numpy.random import Generator
 
 from dincl.compile import inner
-from tissue.events.together import last_events
 from tissue.kernels import kernel
 from tissue.kernels.cytoskeleton import capped
+from tissue.kernels.rules import Rules, last_events
 from tissue.kernels.store import CELLS, Store
 from tissue.model.cells import Cells
 from tissue.model.numbers import Numbers
@@ -46,7 +46,7 @@ def set_phases(store: Store, t: float, numbers: Numbers) -> None:
 
 
 @kernel
-def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
+def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -> None:
     """Relax each rest length towards what the phase wants, eta <- eta* + (eta - eta*) exp(-k dt)  (3.2), (3.3), (3.6).
 
     eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical and
@@ -72,4 +72,4 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers) -> None:
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         cells.rest_aa[i] *= keep_aa
         if cells.events[i]:
-            last_events(store, i, rest_ax, rest_bx, numbers)
+            last_events(store, i, rest_ax, rest_bx, numbers, rules)

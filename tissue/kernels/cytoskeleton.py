@@ -14,7 +14,10 @@ what they want that is capped.
 from __future__ import annotations
 
 from dincl.compile import inner
-from tissue.events import bits
+from tissue.events.known import FIRST
+
+# The bits of these events.
+A, B = 1 << FIRST.index("a"), 1 << FIRST.index("b")
 
 
 @inner
@@ -24,7 +27,7 @@ def capped(wanted_ax: float, wanted_bx: float, events: int, largest: float) -> t
     The spring to a point that is free, after [A] or [B], wants 0 in place of its eta*. With equal rates k a sum of rest
     lengths that is below the cap stays so; one that begins above it relaxes to it.
     """
-    total = (0.0 if events & bits.A else wanted_ax) + (0.0 if events & bits.B else wanted_bx)
+    total = (0.0 if events & A else wanted_ax) + (0.0 if events & B else wanted_bx)
     if total > largest:
         return wanted_ax * (largest / total), wanted_bx * (largest / total)
     return wanted_ax, wanted_bx

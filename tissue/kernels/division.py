@@ -8,8 +8,8 @@ from numpy.random import Generator
 
 from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.kernels.curve import course
 from tissue.kernels.cycle import draw_cycle
+from tissue.kernels.rules import Rules, call_place, call_splits
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cells import Cells, Integers
 from tissue.model.numbers import Numbers
@@ -33,17 +33,18 @@ def is_due(cells: Cells, i: int, t: float) -> bool:
 
 
 @kernel
-def divide(store: Store, t: float, numbers: Numbers, draws: Generator) -> None:
+def divide(store: Store, t: float, numbers: Numbers, rules: Rules, draws: Generator) -> None:
     """End the cycle of each cell that is old enough: it begins a new one, alone or with a second daughter beside it."""
     cells, sizes = store.cells, store.sizes
     i = 0
     while i < sizes[CELLS]:
         if is_due(cells, i, t):
-            two = cells.divides[i] and draws.random() < numbers.two_daughters
+            two = cells.divides[i] and call_splits(rules.splits, store, i, draws.random(), numbers) != 0
             cells.birth[i] = t
             cells.cycle[i] = draw_cycle(numbers, draws)
             if two:
                 _split(store, i, numbers)
+                call_place(rules.place, store, i, numbers)
                 i += 1
                 cells.cycle[i] = draw_cycle(numbers, draws)
         i += 1
@@ -51,13 +52,12 @@ def divide(store: Store, t: float, numbers: Numbers, draws: Generator) -> None:
 
 @inner
 def _split(store: Store, i: int, numbers: Numbers) -> None:
-    """Put a copy of cell i behind it, in the arrays and in the layers, and the two apart by the offset (3.7)."""
+    """Put a copy of cell i behind it, in the arrays and in the layers."""
     cells, layers, sizes = store.cells, store.layers, store.sizes
     n = sizes[CELLS]
     _shift(store.blocks.floats, i, n)
     _shift(store.blocks.flags, i, n)
     _shift(store.blocks.integers, i, n)
-    _part_daughters(store, i, numbers.division_offset)
     cells.rest_aa[i] = numbers.new_junction
     cells.id[i + 1] = sizes[NEXT_ID]
     cells.mother[i + 1] = cells.id[i]
@@ -67,23 +67,6 @@ def _split(store: Store, i: int, numbers: Numbers) -> None:
     sizes[BASAL] = _insert(layers.basal, sizes[BASAL], i)
     _hold_again(store)
     store.counts[DIVISIONS] += 1
-
-
-@inner
-def _part_daughters(store: Store, i: int, offset: float) -> None:
-    """Each daughter goes by the offset from the mother, the first one back along the basal layer (3.7)."""
-    cells, along_x, along_y = store.cells, 1.0, 0.0
-    if store.curve.bent:
-        _, _, along_x, along_y = course(store.curve, cells.along[i])
-    for k in range(2):
-        step = offset if k == 1 else -offset
-        for x, y in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by)):
-            x[i + k] += step * along_x
-            if store.curve.bent:
-                y[i + k] += step * along_y
-        if store.curve.bent:
-            cells.along[i + k] += step
-            cells.bx[i + k], cells.by[i + k], _, _ = course(store.curve, cells.along[i + k])
 
 
 @inner

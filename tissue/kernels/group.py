@@ -6,8 +6,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tissue.division import BESIDE, DivisionRule
 from tissue.kernels.advance import FULL, advance, find_lost, make_substeps
 from tissue.kernels.board import EMPTY, RUNNING, Boards
+from tissue.kernels.called import handed_rules
 from tissue.kernels.handed import GENERATOR, generator_words, handed_numbers
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.store import Store, grown
@@ -29,11 +31,18 @@ class Group:
         where there is none.
     """
 
-    def __init__(self, stores: Sequence[Store], numbers: Numbers, random: Sequence[Streams] = ()) -> None:
+    def __init__(
+        self,
+        stores: Sequence[Store],
+        numbers: Numbers,
+        random: Sequence[Streams] = (),
+        division: DivisionRule = BESIDE,
+    ) -> None:
         self.stores = list(stores)
         width = 1 if len(self.stores) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.stores), RUNNING, EMPTY)
         self._numbers, self._handed, self._keep = numbers, handed_numbers(numbers), random
+        self._rules = handed_rules(self.stores, division)
         words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
         self._random = np.ascontiguousarray(np.array(words, np.int64).reshape(-1, 2, GENERATOR).transpose(1, 0, 2))
         self._place()
@@ -71,5 +80,6 @@ class Group:
         )
         addresses = [held.address for held in self.stores]
         self._addresses = np.array(addresses + addresses[-1:] * (width - len(addresses)))
-        how = self._handed.address, self._board.flat.address, self._board.wide.address, substeps_address(width)
+        code, rules = substeps_address(width), self._rules.address
+        how = self._handed.address, self._board.flat.address, self._board.wide.address, code, rules
         self._how = np.array(how, np.int64)

@@ -58,13 +58,13 @@ def kind_of_handle(example: Any) -> Any:
 
 # Of what numbers are made in memory: yes and no are whole numbers.
 _EXAMPLE: Any = Numbers._make(0.0 if kind is float else 0 for kind in get_type_hints(Numbers).values())
-_NUMBERS = kind_of_handle(_EXAMPLE)
+NUMBERS = kind_of_handle(_EXAMPLE)
 numbers_at = reader(_EXAMPLE)
 
 
 def handed_numbers(numbers: Numbers) -> Any:
     """The numbers of a run, ``Handed``: for kernels they are ``Numbers``."""
-    return Handed(tuple(type(kind)(value) for kind, value in zip(_EXAMPLE, numbers, strict=True)), _NUMBERS)
+    return Handed(tuple(type(kind)(value) for kind, value in zip(_EXAMPLE, numbers, strict=True)), NUMBERS)
 
 
 def generator_words(generator: Generator) -> Integers:

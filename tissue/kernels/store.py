@@ -54,7 +54,7 @@ class Store(Handed):
     """A running tissue, with the attributes of ``StoreArrays``. Kernels take it, or find it at its address."""
 
     def __init__(self, parts: StoreArrays) -> None:
-        super().__init__(parts, _KIND)
+        super().__init__(parts, STORE)
         (
             self.cells,
             self.layers,
@@ -110,7 +110,7 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers) -> StoreArrays:
 
 
 _EXAMPLE = _room(2, no_emt(), STRAIGHT)
-_KIND = kind_of_handle(_EXAMPLE)
+STORE = kind_of_handle(_EXAMPLE)
 # The store at an address, inside of kernels.
 store_at = reader(_EXAMPLE)
 

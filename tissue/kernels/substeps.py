@@ -14,6 +14,7 @@ from dincl.compile import c_function, inner
 from tissue.kernels.board import Board, board_at, wide_board_at
 from tissue.kernels.forces import junctions, move, push_in_pairs, push_in_rows
 from tissue.kernels.lanes import WIDTH
+from tissue.kernels.links import pull_links
 from tissue.kernels.normals import shake
 from tissue.kernels.sweeps import lay, order_basal, separate
 
@@ -28,13 +29,14 @@ def shaken(wide: Board, rows: int, number: int) -> None:
 
 
 @inner
-def make_substep(board: Board, n: int, wide: Board, rows: int) -> None:
+def make_substep(board: Board, n: int, wide: Board, rows: int, flat: Board) -> None:
     """A substep of the n cells on the board when their nuclei know how they push: forces, one sweep of projections.
 
     What a cell does by itself is done for eight at once: ``wide`` is the board in ``rows`` of eight cells, of one
-    tissue or of eight.
+    tissue or of eight; ``flat`` is the board in single numbers.
     """
     junctions(board, n, wide, rows)
+    pull_links(flat)
     move(wide, rows)
     separate(board, n)
     order_basal(board, n)
@@ -51,7 +53,7 @@ def _alone(flat: int, wide: int, n: int) -> int:
     for number in range(board.substeps):
         shaken(in_rows, rows, number)
         push_in_rows(board, n, in_rows, rows)
-        make_substep(board, n, in_rows, rows)
+        make_substep(board, n, in_rows, rows, board)
     return 0
 
 
@@ -61,7 +63,7 @@ def _abreast(flat: int, wide: int, n: int) -> int:
     for number in range(board.substeps):
         shaken(board, n, number)
         push_in_pairs(board, n)
-        make_substep(board, n, board, n)
+        make_substep(board, n, board, n, board_at(flat))
     return 0
 
 

@@ -27,7 +27,7 @@ class Cells(NamedTuple):
     by: Floats
     rest_ax: Floats  # eta_ax (3.2): rest length of the apical spring, without the radius R_soft
     rest_bx: Floats  # eta_bx (3.3)
-    rest_aa: Floats  # eta_aa (3.6): of the junction to the next cell of the apical layer
+    rest_aa: Floats  # eta_aa (3.6): of the junction to the next cell of the apical layer, or of its chain
     stiff_ax: Floats  # alpha_ax, alpha_bx, alpha_axb
     stiff_bx: Floats
     stiff_axb: Floats
@@ -40,7 +40,8 @@ class Cells(NamedTuple):
     id: Integers  # never used again for another cell
     mother: Integers  # id of the cell it split from, -1 for a cell of the start
     emt: Integers  # number among the EMT cells, its place in Emt; -1 for a control cell
-    events: Integers  # the EMT events that have begun, a sum of bits of ``tissue.events.bits``
+    events: Integers  # the EMT events that have begun, a sum of bits, see ``tissue.events.known.bit``
+    chain: Integers  # 0, or the number of a chain of apical points apart from the layer: id + 1 of its first cell
     along: Floats  # arclength of the basal point, where the layer bends and holds it; on a line bx says it
 
 
@@ -58,18 +59,16 @@ class CellLayers(NamedTuple):
 class Emt(NamedTuple):
     """The EMT cells, one entry for each, from left to right: the times of their events and what came of them."""
 
-    at_a: Floats  # when the events begin [h], inf for never
-    at_b: Floats
-    at_s: Floats
-    at_p: Floats  # >= at_b: [P] waits for [B]
-    onset_ab: Floats  # y_AB when the first of [A], [B], [S] began (4.8), inf before
+    at: Floats  # (events, m): when the events begin [h], in the order of their bits; inf for never
+    new: Integers  # the bits of those that begin in this dt
+    onset_ab: Floats  # y_AB when the first event began (4.8), inf before
     side: Integers  # where the nucleus is: -1 below the basal layer, 1 above the apical layer, else 0  (4.3)
     since: Floats  # since when it has been there [h]; of side 0 not kept
     since_x: Floats  # x of the nucleus then
 
 
 # The kinds of the fields that are not numbers.
-KINDS = {"moves": np.bool_, "divides": np.bool_, **dict.fromkeys(("id", "mother", "emt", "events"), np.int64)}
+KINDS = {"moves": np.bool_, "divides": np.bool_, **dict.fromkeys(("id", "mother", "emt", "events", "chain"), np.int64)}
 
 
 def empty(capacity: int) -> Cells:
@@ -79,17 +78,16 @@ def empty(capacity: int) -> Cells:
     return cells
 
 
-def emt_cells(at_a: Floats, at_b: Floats, at_s: Floats, at_p: Floats) -> Emt:
-    """EMT cells with events at these times [h], each (m,); [P] waits for [B]  (section 2.2.4 of chapter 4)."""
-    m = len(at_a)
-    return Emt(
-        at_a, at_b, at_s, np.maximum(at_p, at_b), np.full(m, np.inf), np.zeros(m, np.int64), np.zeros(m), np.zeros(m)
-    )
+def emt_cells(at: Floats) -> Emt:
+    """EMT cells with events at these times [h], (events, m), see ``tissue.events.known.settled``."""
+    m = at.shape[1]
+    side, new = np.zeros((2, m), np.int64)
+    return Emt(np.ascontiguousarray(at), new, np.full(m, np.inf), side, np.zeros(m), np.zeros(m))
 
 
 def no_emt() -> Emt:
     """A tissue of control cells alone."""
-    return emt_cells(*np.zeros((4, 0)))
+    return emt_cells(np.zeros((0, 0)))
 
 
 def first(cells: Cells, n: int) -> Cells:

@@ -77,6 +77,11 @@ def constraints(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[Con
     off = layers.basal[cells.by[layers.basal] != 0]
     if off.size:
         raise InvalidProblem(f"cells.by[{off[0]}] = {cells.by[off[0]]}: must be 0 in the basal layer  (C3)")
+    apart = np.flatnonzero(cells.chain)
+    if apart.size:
+        raise InvalidProblem(
+            f"cells.chain[{apart[0]}] = {cells.chain[apart[0]]}: must be 0, the energy has the junctions of the layer"
+        )
     chain = 2 * n + layers.basal
     return (
         NonOverlap(cells.radius, among=np.arange(n)),

@@ -11,6 +11,7 @@ from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.parameters import Parameters
 from tissue.kernels.advance import apply_rules, is_full
+from tissue.kernels.called import handed_rules
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import COUNTERS, Store, contents, grown
 from tissue.lot import checkpoint_at, kept_steps
@@ -127,7 +128,8 @@ class _Steps:
         numbers = self._parameters.numbers()
         if is_full(self._held, t):
             self._held = grown(self._held)
-        apply_rules(self._held, t, handed_numbers(numbers), self._random.cycle, self._random.noise)
+        rules = handed_rules([self._held], self._parameters.division_rule())
+        apply_rules(self._held, t, handed_numbers(numbers), rules, self._random.cycle, self._random.noise)
         found = self._minimiser.minimise(*contents(self._held), numbers)
         self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
         _place(self._held, found.cells)

@@ -24,6 +24,7 @@ Edges = Sequence[float] | Floats
 What = Literal["basal", "apical", "below"]
 Rule = Literal["thesis", "published"]
 
+_TIMED = re.compile(r"t_([a-z][a-z0-9]*)_h")
 _KEPT = re.compile(r"ab_(.+)h")
 
 
@@ -32,17 +33,23 @@ def time_column(event: str) -> str:
     return f"t_{event.lower()}_h"
 
 
+def timed(cells: pd.DataFrame) -> list[str]:
+    """The events that a table has times of: those of the thesis, then the others."""
+    found = [match[1].capitalize() for match in map(_TIMED.fullmatch, cells.columns) if match]
+    return [*EVENTS, *(event for event in found if event not in EVENTS)]
+
+
 def kept_times(cells: pd.DataFrame) -> list[float]:
     """The times at which a table has the positions of the cells, ascending [h]."""
     return sorted(float(match[1]) for match in map(_KEPT.fullmatch, cells.columns) if match)
 
 
 def happened(cells: pd.DataFrame, end: float) -> pd.DataFrame:
-    """Whether each event came before the end of the run [h]; one column for each of "A", "B", "S", "P".
+    """Whether each event came before the end of the run [h]; one column for each of "A", "B", "S", "P" and the others.
 
     [P] counts from when it acts, which it does not before [B]: so ``t_p_h`` has it.
     """
-    return pd.DataFrame({event: cells[time_column(event)] < end for event in EVENTS}, index=cells.index)
+    return pd.DataFrame({event: cells[time_column(event)] < end for event in timed(cells)}, index=cells.index)
 
 
 def by_selection(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series:
@@ -71,12 +78,13 @@ def by_selection(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Se
 def by_order(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series:
     """The events of a cell before the end as they followed: "[AB]" for T_A <= T_B, "[BA]" for T_B < T_A.
 
-    Equal times are in the order A, B, S, P. Parameters and categories are those of ``by_selection``.
+    Equal times are in the order A, B, S, P, others. Parameters and categories are those of ``by_selection``.
     """
-    times = np.column_stack([cells[time_column(event)] for event in EVENTS])
+    events = timed(cells)
+    times = np.column_stack([cells[time_column(event)] for event in events])
     order = np.argsort(times, axis=1, kind="stable")
     had = np.take_along_axis(times, order, axis=1) < end
-    letters = np.where(had, np.array(EVENTS, dtype=object)[order], "")
+    letters = np.where(had, np.array(events, dtype=object)[order], "")
     joined = letters.sum(axis=1) if len(cells) else np.full(0, "", dtype=object)
     return _named(cells, np.where(joined == "", "", "[" + joined + "]"), inm=inm)
 

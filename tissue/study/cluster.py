@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from dincl.errors import InvalidProblem
 from dincl.study.stopped import StudyStopped
-from tissue.study.identity import code, code_differences, processor
+from tissue.study.identity import code_differences, house_code, processor
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -61,12 +61,12 @@ def _connected(address: str) -> Client:
 
 def _threads(client: Client, address: str) -> int:
     """How many pieces the workers compute at once; refuses workers that would not make the same rows."""
-    found = client.run(code, on_error="return")
+    found = client.run(house_code, on_error="return")
     if not found:
         raise InvalidProblem(f"scheduler {address}: has no workers; start some: dask worker {address}")
     for worker, answer in found.items():
-        if answer != code():
-            what = "; ".join(code_differences(code(), answer)) if isinstance(answer, dict) else repr(answer)
+        if answer != house_code():
+            what = "; ".join(code_differences(house_code(), answer)) if isinstance(answer, dict) else repr(answer)
             raise InvalidProblem(f"worker {worker}: must have the code of this machine, but has other: {what}")
     others = set(client.run(processor).values()) - {processor()}
     if others:

@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any
 
 from dincl.provenance import provenance
+from tissue.registration import own_code
 from tissue.study.plan import PART, TissueStudy
 from tissue.study.wording import in_scenarios
 
@@ -36,9 +37,14 @@ def fingerprint(what: Mapping[str, Any]) -> str:
     return sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()
 
 
-@cache
 def code() -> dict[str, str]:
-    """The version of the program: of each module that makes the rows, and of the libraries that these import."""
+    """The version of the program: of each module that makes the rows, also of users; and of the libraries of these."""
+    return own_code() | house_code()
+
+
+@cache
+def house_code() -> dict[str, str]:
+    """The version of this package alone."""
     made = provenance(import_module("tissue.study.outcomes"))
     found: dict[str, str] = json.loads(made["code"]) | json.loads(made["libraries"])
     return found

@@ -9,6 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from dincl.status import Status
+from tissue.events.known import FIRST, events, in_order
 from tissue.files.parameters import Parameters
 from tissue.kernels.extents import measure_extents
 from tissue.kernels.lanes import WIDTH
@@ -17,6 +18,8 @@ from tissue.kernels.store import CELLS
 from tissue.lot import Lot
 from tissue.model.cells import Flags, Floats
 from tissue.model.frame import Frame
+from tissue.observable import Observable
+from tissue.registry import registered
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -43,6 +46,7 @@ class _Course(NamedTuple):
     positions: Floats  # (times, runs, m): y_AB
     controls: Floats  # (times, runs, 4)
     extents: Floats  # (times, runs, 5) [R_soft]
+    own: Floats  # (times, runs, k): the observables that were registered
 
 
 def outcomes(
@@ -84,7 +88,7 @@ def _lot(parameters: Parameters, replicates: Sequence[int], seeds: Sequence[int]
     times, measured = [], []
     for t in lot.times():
         times.append(t)
-        measured.append(_measured(lot))
+        measured.append((*_measured(lot), _own(lot, t)))
         for k, frames in wanted.items():
             frames.append(lot.frame(k, t))
     course = _Course(times, *(np.array(parts) for parts in zip(*measured, strict=True)))
@@ -103,14 +107,27 @@ def _measured(lot: Lot) -> tuple[Floats, Floats, Floats]:
     return positions, controls, extents
 
 
+def _own(lot: Lot, t: float) -> Floats:
+    """The observables that were registered, of each run; NaN for one that failed."""
+    shown = registered(Observable)
+    found = np.full((len(lot.seeds), len(shown)), np.nan)
+    for k in filter(lot.goes_on, range(len(lot.seeds)) if shown else ()):
+        frame = lot.frame(k, t)
+        found[k] = [one.of(frame, lot.parameters) for one in shown]
+    return found
+
+
 def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:
     """One row for each EMT cell of the sound runs."""
     kept = np.flatnonzero(sound)
     stores, m = [lot.store(int(k)) for k in kept], len(lot.store(0).emt.side)
-    side, onset, since, since_x, *began = (
+    side, onset, since, since_x = (
         np.array([getattr(held.emt, name) for held in stores]).ravel()
-        for name in ("side", "onset_ab", "since", "since_x", "at_a", "at_b", "at_s", "at_p")
+        for name in ("side", "onset_ab", "since", "since_x")
     )
+    at = np.array([held.emt.at for held in stores]).reshape(len(stores), len(events()), m)
+    began = {events()[k].name: at[:, k].ravel() for k in in_order()}
+    shown = {*FIRST, *(name for name, timing in lot.parameters.emt.times().items() if timing.ever)}
     # In the order of the tissue, which is that of their numbers.
     inm = [held.cells.moves[: held.sizes[CELLS]][held.cells.emt[: held.sizes[CELLS]] >= 0] for held in stores]
     scale = lot.parameters.cell.soft_radius.value
@@ -118,14 +135,14 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
         "replicate": np.repeat(np.array(replicates, np.int64)[kept], m),
         "cell": np.tile(np.arange(m), len(kept)),
         "inm": np.array(inm, np.bool_).ravel(),
-        **dict(zip(("t_a_h", "t_b_h", "t_s_h", "t_p_h"), began, strict=True)),
-        "onset_h": np.minimum.reduce(began[:3]),
+        **{f"t_{name}_h": times for name, times in began.items() if name in shown},
+        "onset_h": np.minimum.reduce(list(began.values())),
         "onset_ab": pa.array(onset, mask=np.isinf(onset)),
         "extruded": pa.DictionaryArray.from_arrays((side + 1).astype(np.int8), list(SIDES)),
         "extruded_h": pa.array(since, mask=side == 0),
         "extruded_x_um": pa.array(scale * since_x, mask=side == 0),
     }
-    for t, positions, controls, _ in zip(*course, strict=True):
+    for t, positions, controls, *_ in zip(*course, strict=True):
         columns[f"ab_{t:g}h"] = positions[kept].ravel()
         columns[f"below_{t:g}h"] = (positions <= controls[:, 3:])[kept].ravel()
     return pa.table(columns)
@@ -145,11 +162,13 @@ def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) ->
         ),
         "detail": detail,
     }
-    for t, _, controls, extents in zip(*course, strict=True):
+    for t, _, controls, extents, own in zip(*course, strict=True):
         for place, name in enumerate(CONTROLS):
             counts = controls[:n, place]
             columns[f"{name}_{t:g}h"] = pa.array(counts, mask=np.isnan(counts), type=pa.float64()).cast(pa.int64())
         for place, name in enumerate(EXTENTS):
             lengths = scale * extents[:n, place]
             columns[f"{name}_{t:g}h"] = pa.array(lengths, mask=np.isnan(lengths))
+        for one, values in zip(registered(Observable), own[:n].T, strict=True):
+            columns[f"{one.column}_{t:g}h"] = pa.array(values, mask=np.isnan(values))
     return pa.table(columns)

@@ -9,7 +9,9 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from dincl.errors import InvalidProblem
+from tissue.events.known import events
 from tissue.files.messages import refuse
+from tissue.files.own_modules import placed
 from tissue.files.parameter_files import merged, read
 from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.study.shape import checked
@@ -51,12 +53,11 @@ class TissueStudy:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each scenario in which [P] may come before [B], for which it waits.
+        """One sentence for each scenario in which an event may come before the one for which it waits, as [P] for [B].
 
         Source: section 2.2.4 of chapter 4.
         """
-        found = {name: waits(parameters.emt.p, parameters.emt.b) for name, parameters in self.scenarios.items()}
-        return in_scenarios({name: [line] if line else [] for name, line in found.items()})
+        return in_scenarios({name: _waiting(parameters) for name, parameters in self.scenarios.items()})
 
     def pieces(self) -> Iterator[Piece]:
         """All pieces, one scenario after the other."""
@@ -92,7 +93,8 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     if base is not None and "scenarios" in good:
         wrong: dict[str, list[str]] = {}
         for name, table in good["scenarios"].items():
-            changed = _changed(base, merged(good["overrides"], table))
+            given = merged(good["overrides"], table)
+            changed = _changed(base, placed(given, path.parent, base.own.modules))
             wrong[name] = changed if isinstance(changed, list) else []
             if isinstance(changed, Parameters):
                 scenarios[name] = changed
@@ -115,6 +117,13 @@ def flat(tables: Mapping[str, Any]) -> dict[str, Any]:
         keyed = {f"{section}.{key}": value for key, value in table.items()} if isinstance(table, dict) else None
         values |= {section: table} if keyed is None else keyed
     return values
+
+
+def _waiting(parameters: Parameters) -> list[str]:
+    """The events that wait."""
+    times, marks = parameters.emt.times(), {event.name: event.mark for event in events()}
+    pairs = ((event.name, event.after) for event in events() if event.name in times and event.after in times)
+    return [line for one, two in pairs for line in waits(marks[one], times[one], marks[two], times[two])]
 
 
 def _found(path: str | PathLike[str]) -> Path:

@@ -79,7 +79,8 @@ class Results:
         ``inm``                                    bool      whether it has interkinetic nuclear movement
         ``t_a_h``, ``t_b_h``, ``t_s_h``            float64   times of the events; inf: never
         ``t_p_h``                                  float64   when [P] begins to act, max(T^P, T^B)
-        ``onset_h``                                float64   min(T^A, T^B, T^S)
+        ``t_NAME_h``                               float64   likewise, of any other event that the parameters time
+        ``onset_h``                                float64   when the first event begins: min(T^A, T^B, T^S)
         ``onset_ab``                               float64   y_AB then (4.8); NaN if this is not before the end
         ``extruded``                               category  where the nucleus is at the end: "basal", "apical" or "no"
         ``extruded_h``, ``extruded_x_um``          float64   since when without a break, and its x then; NaN if "no"
@@ -106,6 +107,8 @@ class Results:
         ``apical_width_um_0h``, ...                float64   extent in x of the layer; likewise ``basal_width_um``
         ``nuclei_width_um_0h``, ...                float64   extent in x of the centres of the nuclei
         =========================================  ========  =========================================================
+
+        Behind these are the observables that were registered, at each kept time.
         """
         return self._table("runs", scenario, columns)
 

@@ -20,13 +20,11 @@ def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
     return common + own
 
 
-def waits(protrusions: Timing, detachment: Timing) -> str | None:
-    """How [P] waits for [B] where it may come first, or None."""
-    if not protrusions.ever or protrusions.low is None or detachment.high is None:
-        return None
-    if protrusions.low.value >= detachment.high.value:
-        return None
-    if protrusions.fixed is not None and detachment.fixed is not None:
-        return f"[P] at {protrusions.low} waits for [B] at {detachment.low}"
-    missing = "" if detachment.sure else ", and does not begin in cells without [B]"
-    return f"[P] ({protrusions}) waits for [B] ({detachment}) where [B] is later{missing}"
+def waits(event: str, waiting: Timing, other: str, first: Timing) -> list[str]:
+    """How an event waits for another one, where it may come first: a line, or none."""
+    if not waiting.ever or waiting.low is None or first.high is None or waiting.low.value >= first.high.value:
+        return []
+    if waiting.fixed is not None and first.fixed is not None:
+        return [f"[{event}] at {waiting.low} waits for [{other}] at {first.low}"]
+    missing = "" if first.sure else f", and does not begin in cells without [{other}]"
+    return [f"[{event}] ({waiting}) waits for [{other}] ({first}) where [{other}] is later{missing}"]

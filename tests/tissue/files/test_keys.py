@@ -62,7 +62,8 @@ def test_what_a_key_says():
     assert KEYS["numerics.noise"].comment == "how often noise is added"
     optional = {name for name, facts in KEYS.items() if facts.has_default}
     events = {"emt.a", "emt.b", "emt.s", "emt.p"}
-    assert optional == events | {"cell.max_cytoskeleton", *(name for name in KEYS if name.startswith("layer."))}
+    others = {"emt.ac", "cell.max_cytoskeleton", "division.rule", "own.modules"}
+    assert optional == events | others | {*(name for name in KEYS if name.startswith("layer."))}
 
 
 # Written files

@@ -124,7 +124,7 @@ def plain(parameters: Parameters) -> dict[str, object]:
         **dict(parameters.layer),
         "group": scenario.cells,
         "inm": scenario.inm,
-        "times": scenario.times,
+        "times": tuple(scenario.times[name] for name in "absp"),
         "t_end": parameters.t_end,
         "keep": parameters.as_dict()["numerics"]["keep"],
     }
@@ -135,10 +135,13 @@ def close(value: object) -> object:
 
 
 def test_the_list_of_changes_is_complete():
-    """But for emt.p, which does not go alone: protrusions wait for [B]."""
-    assert [*SETTABLE, "emt.p"] == sorted(known_keys(Parameters), key=[*SETTABLE, "emt.p"].index)
+    """But for emt.p, which does not go alone: protrusions wait for [B]; and what other tests look at."""
+    every = [*SETTABLE, "emt.p", "emt.ac", "own.modules", "division.rule"]
+    assert every == sorted(known_keys(Parameters), key=every.index)
     changed = preset("thesis").changed({"emt.b": "6 h", "emt.p": "12 h"})
-    assert changed.scenario().times == (Timing(), Timing(SIX, SIX), Timing(), Timing(TWELVE, TWELVE))
+    never = Timing()
+    times = {"a": never, "b": Timing(SIX, SIX), "s": never, "p": Timing(TWELVE, TWELVE), "ac": never}
+    assert changed.scenario().times == times
 
 
 @pytest.mark.parametrize("key", SETTABLE)

@@ -9,6 +9,7 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from dincl.errors import InvalidProblem
+from tissue.events.known import row
 from tissue.files.parameters import load, preset
 from tissue.files.scenario import Scenario, drawn
 from tissue.files.timing import Timing, timing
@@ -113,13 +114,13 @@ def test_times_are_uniform_with_their_probability():
 def test_events_of_cells_are_independent():
     """[P] waits for [B]; no two of the others tell of each other, nor does INM."""
     chance = hours(6.0, 24.0, 50.0)
-    emt, inm = drawn(Scenario(20_000, 0.5, (chance,) * 4), np.random.default_rng(0))
-    assert (emt.at_p >= emt.at_b).all()
-    assert ((emt.at_p == NEVER) >= (emt.at_b == NEVER)).all()
-    had = np.array([np.isfinite(emt.at_a), np.isfinite(emt.at_b), np.isfinite(emt.at_s), inm])
+    emt, inm = drawn(Scenario(20_000, 0.5, dict.fromkeys("absp", chance)), np.random.default_rng(0))
+    assert (emt.at[row("p")] >= emt.at[row("b")]).all()
+    assert ((emt.at[row("p")] == NEVER) >= (emt.at[row("b")] == NEVER)).all()
+    had = np.array([np.isfinite(emt.at[row("a")]), np.isfinite(emt.at[row("b")]), np.isfinite(emt.at[row("s")]), inm])
     correlations = np.corrcoef(had)[np.triu_indices(4, 1)]
     assert np.abs(correlations).max() < 4 / math.sqrt(20_000)
-    assert stats.binomtest(int(np.isfinite(emt.at_p).sum()), 20_000, 0.25).pvalue > RARE
+    assert stats.binomtest(int(np.isfinite(emt.at[row("p")]).sum()), 20_000, 0.25).pvalue > RARE
 
 
 @pytest.mark.parametrize(("cells", "group", "first"), [(60, 1, 29), (51, 1, 25), (45, 10, 17), (12, 10, 1)])
@@ -140,7 +141,7 @@ def test_scenarios_of_one_seed_begin_alike():
     first = preset("thesis").changed({"emt.cells": 5, "emt.a": "6 h to 24 h, 70 %"})
     second = first.changed({"emt.b": "6 h to 24 h, 50 %", "emt.inm": 0.5})
     one, two = (started(parameters, streams(1))[0] for parameters in (first, second))
-    np.testing.assert_array_equal(one.emt.at_a, two.emt.at_a)
+    np.testing.assert_array_equal(one.emt.at[row("a")], two.emt.at[row("a")])
     np.testing.assert_array_equal(one.cells.x, two.cells.x)
     control, _ = started(preset("thesis"), streams(1))
     np.testing.assert_array_equal(one.cells.birth, control.cells.birth)

@@ -9,6 +9,7 @@ import pandas as pd
 import pyarrow as pa
 from matplotlib.colors import to_hex
 
+from tissue.events.known import row
 from tissue.files.parameters import preset
 from tissue.files.scenario import drawn
 from tissue.first_order import simulate
@@ -39,8 +40,8 @@ def outcomes(parameters, replicates, seeds, asked=()):
     for replicate, seed in zip(replicates, seeds, strict=True):
         rng = np.random.default_rng(seed)
         emt, inm = drawn(parameters.scenario(), rng)
-        began = {"t_a_h": emt.at_a, "t_b_h": emt.at_b, "t_s_h": emt.at_s, "t_p_h": emt.at_p}
-        onset = np.minimum.reduce([emt.at_a, emt.at_b, emt.at_s])
+        began = {f"t_{name}_h": emt.at[row(name)] for name in "absp"}
+        onset = emt.at.min(axis=0)
         table = {"replicate": np.full(m, replicate), "cell": np.arange(m), "inm": inm, **began, "onset_h": onset}
         table["onset_ab"] = np.where(np.isfinite(onset), rng.random(m), np.nan)
         for t in times:

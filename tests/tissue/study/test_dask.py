@@ -73,7 +73,7 @@ def test_a_worker_that_dies_loses_nothing(dask, tmp_path, whole, monkeypatch):
     dask.add(2)
     prepare(dask, 2)
     with monkeypatch.context() as patch:
-        patch.setitem(identity.code(), "tissue", "other")
+        patch.setitem(identity.house_code(), "tissue", "other")
         with pytest.raises(
             InvalidProblem,
             match=r"worker tcp://.*: must have the code of this machine, but has other: tissue: other -> \w+$",

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tissue.events import bits
+from tissue.events.known import bit
 from tissue.files.parameters import preset
 from tissue.many import simulate_many
 from tissue.model.observables import ab_positions
@@ -80,7 +80,7 @@ def test_what_became_of_the_cells(made):
     assert {-1, 0} <= set(side.tolist())
     started = np.isfinite(cells[["t_a_h", "t_b_h", "t_p_h"]].to_numpy())
     final = np.concatenate([run.final.cells.events[run.final.cells.emt >= 0] for run in made[1]])
-    assert (final == started @ np.array([bits.A, bits.B, bits.P])).all()
+    assert (final == started @ np.array([bit(name) for name in "abp"])).all()
     assert (cells["onset_h"] == cells[["t_a_h", "t_b_h", "t_s_h"]].min(axis=1)).all()
     assert (cells["onset_ab"].isna() == np.isinf(cells["onset_h"])).all()
     moves = np.concatenate([run.frames[0].cells.moves[run.frames[0].cells.emt >= 0] for run in made[1]])

@@ -11,7 +11,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from tests.twins.tissue.state import Tissue
-from tissue.events import bits
+from tissue.events.known import bit, events
 from tissue.model.cells import CellLayers, Cells, Emt, Flags, Floats
 from tissue.model.frame import Frame
 from tissue.model.numbers import Numbers
@@ -29,30 +29,35 @@ class Motion(NamedTuple):
 
 def motion(cells: Cells, numbers: Numbers) -> Motion:
     """By where the basal points are now: what has [P] runs down to the depth, and then rests or follows the forces."""
-    protrudes = (cells.events & bits.P) > 0
+    protrudes = (cells.events & bit("p")) > 0
     running = protrudes & (cells.by > -numbers.run_depth)
     forced = ~protrudes | (~running & numbers.forced_below)
     return Motion(forced, np.where(running, numbers.run_speed * numbers.dt / numbers.substeps, 0.0))
 
 
 def begin_events(tissue: Tissue, t: float, numbers: Numbers) -> Tissue:
-    """Twin of ``events.together.begin_events``."""
+    """Twin of ``kernels.rules.begin_events``."""
     cells, (apical, basal), emt = _copied(tissue.cells), tissue.layers, _copied(tissue.emt)
     positions = ab_positions(Frame(t, *tissue[:2])) if len(emt.side) else None
     for i in np.flatnonzero(cells.emt >= 0):
         k = cells.emt[i]
-        times = {bits.A: emt.at_a[k], bits.B: emt.at_b[k], bits.S: emt.at_s[k], bits.P: emt.at_p[k]}
+        times = {bit(event.name): emt.at[row, k] for row, event in enumerate(events())}
         new = sum(bit for bit, time in times.items() if t >= time and not cells.events[i] & bit)
+        emt.new[k] = new
         if new and not cells.events[i] and positions is not None:
             emt.onset_ab[k] = positions[i]
         cells.events[i] += new
-        if new & bits.A and i in apical:
-            apical = _without(apical, i, cells, numbers)
+        chain = np.flatnonzero(cells.chain == cells.chain[i]) if cells.chain[i] else apical
+        if new & bit("a") and i in chain:
+            chain = _without(chain, i, cells, numbers)
+            apical, cells.chain[i] = apical if cells.chain[i] else chain, 0
             cells.stiff_ax[i] = numbers.freed_stiffness * numbers.alpha_ax
-        if new & bits.B and i in basal:
+        if new & bit("b") and i in basal:
             basal = basal[basal != i]
             cells.stiff_bx[i] = numbers.freed_stiffness * numbers.alpha_bx
-        if new & bits.S:
+        if new & bit("ac") and i in apical:
+            apical = _constricted(apical, i, cells, emt)
+        if new & bit("s"):
             cells.stiff_axb[i] = numbers.bent_stiffness
     return tissue._replace(cells=cells, layers=CellLayers(apical, basal), emt=emt)
 
@@ -67,15 +72,27 @@ def _without(layer: np.ndarray, i: int, cells: Cells, numbers: Numbers) -> np.nd
     return np.concatenate((left, right))
 
 
+def _constricted(layer: np.ndarray, i: int, cells: Cells, emt: Emt) -> np.ndarray:
+    """The apical layer without cell i, which joins the chain of those that constrict beside it in this step."""
+    left, right = layer[layer < i], layer[layer > i]
+    first = left[-1] + 1 if len(left) else 0
+    beside = [j for j in range(first, i) if cells.chain[j] and emt.new[cells.emt[j]] & bit("ac")]
+    cells.chain[i] = cells.chain[beside[-1]] if beside else cells.id[i] + 1
+    if len(left) and len(right):
+        a, b = left[-1], right[0]
+        cells.rest_aa[a] = math.hypot(cells.ax[a] - cells.ax[b], cells.ay[a] - cells.ay[b])
+    return np.concatenate((left, right))
+
+
 def last_events(cells: Cells, before: Cells, numbers: Numbers) -> Cells:
-    """Twin of ``events.together.last_events``; ``before``: with the rest lengths before this dt."""
+    """Twin of ``kernels.rules.last_events``; ``before``: with the rest lengths before this dt."""
     cells = _copied(cells)
     for i in np.flatnonzero(cells.events):
-        if cells.events[i] & bits.A:
+        if cells.events[i] & bit("a"):
             cells.rest_ax[i] = before.rest_ax[i] * math.exp(-numbers.rate_ax * numbers.dt)
-        if cells.events[i] & bits.P:
+        if cells.events[i] & bit("p"):
             cells.rest_bx[i], cells.stiff_bx[i] = _grip(cells, i, before.rest_bx[i], numbers)
-        elif cells.events[i] & bits.B:
+        elif cells.events[i] & bit("b"):
             cells.rest_bx[i] = before.rest_bx[i] * math.exp(-numbers.rate_bx * numbers.dt)
     return cells
 

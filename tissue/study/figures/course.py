@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 
 from tissue.pictures.sheet import GREY, Axes, Line2D, Patch, style
-from tissue.study.categories import EVENTS, kept_times, time_column
+from tissue.study.categories import kept_times, time_column, timed
 from tissue.study.curves import over_time
 from tissue.study.figures.style import LOOK, OUTCOMES, band, legend, outcome_lines, page, percent_axis
 
@@ -79,7 +79,7 @@ def _of_controls(runs: pd.DataFrame, times: Sequence[float]) -> list[float]:
 def _mark(panel: Axes, cells: pd.DataFrame) -> None:
     """A line at each time of events that is the same for all cells, and not never."""
     found: dict[float, str] = {}
-    for event in EVENTS:
+    for event in timed(cells):
         times = cells[time_column(event)]
         first = float(times.iloc[0])
         if math.isfinite(first) and (times == first).all():

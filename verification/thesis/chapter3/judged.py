@@ -15,6 +15,7 @@ from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
 from tissue.kernels.advance import apply_rules
+from tissue.kernels.called import handed_rules
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import contents
 from tissue.model.cells import Cells
@@ -79,7 +80,7 @@ def begun(parameters: Parameters, seed: int, t: float) -> Frozen:
     if run.status != SUCCESS:
         raise RuntimeError(f"seed {seed}: the tissue was lost before t = {t:g} h: {run.status}")
     t, numbers = (run.made + 1) * run.numbers.dt, handed_numbers(run.numbers)
-    apply_rules(run.held, t, numbers, run.random.cycle, run.random.noise)
+    apply_rules(run.held, t, numbers, handed_rules([run.held]), run.random.cycle, run.random.noise)
     return Frozen(*contents(run.held), run.numbers)
 
 

@@ -23,6 +23,7 @@ from tests.verification.thesis.emt_tables import (
     with_counts,
     with_published_alone,
 )
+from tissue.events.known import row
 from tissue.study.comparisons import Difference
 from verification.claims import stated_in
 from verification.evidence import Kind
@@ -95,9 +96,10 @@ def uncoupled(right: Any) -> Any:
 
     def drawn(scenario: Any, draws: np.random.Generator) -> Any:
         draws = np.random.default_rng(0)
-        times = [chance.times(*draws.random((2, scenario.cells))) for chance in scenario.times]
+        times = {name: chance.times(*draws.random((2, scenario.cells))) for name, chance in scenario.times.items()}
         cells, inm = right(scenario, draws)
-        return cells._replace(at_p=times[3]), inm
+        cells.at[row("p")] = times["p"]
+        return cells, inm
 
     return drawn
 

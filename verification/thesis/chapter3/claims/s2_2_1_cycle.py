@@ -14,6 +14,7 @@ from scipy.optimize import minimize_scalar
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
+from tissue.kernels.called import handed_rules
 from tissue.kernels.cycle import adapt_rest_lengths
 from tissue.kernels.division import divide
 from tissue.kernels.handed import handed_numbers
@@ -123,7 +124,7 @@ def _adaptation() -> Evidence:
     frame = _settled()
     young = frame.cells._replace(birth=np.full(len(frame.cells.x), frame.t))
     held = stored(young, frame.layers, capacity=len(young.x))
-    adapt_rest_lengths(held, frame.t, handed_numbers(preset("thesis").numbers()))
+    adapt_rest_lengths(held, frame.t, handed_numbers(preset("thesis").numbers()), handed_rules([held]))
     after, _ = contents(held)
     off = max(
         float(np.abs(solved(getattr(young, name), wanted, RATE[name]) - getattr(after, name)).max())
@@ -260,7 +261,7 @@ def _division() -> Evidence:
         due = np.where(np.arange(n) == mother, 100.0, 0.0)
         cells = frame.cells._replace(birth=frame.t - due, cycle=np.full(n, 50.0), id=np.arange(n))
         held = stored(cells, frame.layers, capacity=n + 1)
-        divide(held, frame.t, handed_numbers(numbers), np.random.default_rng(0))
+        divide(held, frame.t, handed_numbers(numbers), handed_rules([held]), np.random.default_rng(0))
         after, layers = contents(held)
         chain = after.id[layers.apical].tolist()
         edges = printed_edges({(k, k + 1) for k in range(n - 1)}, mother, n)

@@ -8,6 +8,7 @@ from scipy.optimize import minimize_scalar
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
+from tissue.kernels.called import handed_rules
 from tissue.kernels.cycle import adapt_rest_lengths
 from tissue.kernels.group import Group
 from tissue.kernels.handed import handed_numbers
@@ -33,7 +34,7 @@ def next_state(frame: Frame, rest: float) -> Cells:
     numbers = preset("thesis").numbers()._replace(variance=0.0)
     longer = frame.cells._replace(rest_ax=frame.cells.rest_ax + rest, rest_bx=frame.cells.rest_bx + rest)
     held = stored(longer, frame.layers, capacity=len(longer.x))
-    adapt_rest_lengths(held, frame.t, handed_numbers(numbers))
+    adapt_rest_lengths(held, frame.t, handed_numbers(numbers), handed_rules([held]))
     Group([held], numbers).make_substeps()
     return contents(held)[0]
 

@@ -8,6 +8,7 @@ from itertools import chain, combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from tissue.events.known import row
 from tissue.files.scenario import Scenario, drawn
 from tissue.files.timing import timing
 from tissue.model.cells import Floats
@@ -145,9 +146,9 @@ def _range() -> Evidence:
 )
 def _onset() -> Evidence:
     each = timing(f"6 h to 24 h, {SHARE:g} %")
-    cells, _inm = drawn(Scenario(50_000, 0.5, (each, each, each, each)), np.random.default_rng(SEED))
-    three = np.minimum.reduce([cells.at_a, cells.at_b, cells.at_s])
-    four = np.minimum(three, cells.at_p)
+    cells, _inm = drawn(Scenario(50_000, 0.5, dict.fromkeys("absp", each)), np.random.default_rng(SEED))
+    three = cells.at[[row(name) for name in "abs"]].min(axis=0)
+    four = np.minimum(three, cells.at[row("p")])
     apart = int((three != four).sum())
     return Evidence(
         f"For {apart} of {len(three)} cells with times from (4.2) the two differ: [P] waits for [B], so it is never "

@@ -1,0 +1,51 @@
+"""The tutorial about an event of one's own: its files and its Python run, and what its text says is so."""
+
+import sys
+
+import pytest
+
+import tissue
+from tests.pages import ROOT, blocks, run
+from tissue.registry import shelf
+
+PAGE = ROOT / "docs" / "tutorials" / "own_event.md"
+TEXT = PAGE.read_text("utf-8")
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """What the page leaves, in a folder with its files."""
+    folder = tmp_path_factory.mktemp("own_event")
+    (module,), (parameters, study) = blocks(TEXT, "py"), blocks(TEXT, "toml")
+    for name, text in (("squeezing.py", module), ("squeezing.toml", parameters), ("study.toml", study)):
+        (folder / name).write_text(text, "utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        yield run(PAGE) | {"module": module}
+    del sys.modules["squeezing"]
+    shelf(tissue.EmtEvent).clear()
+    shelf(tissue.Observable).clear()
+
+
+def test_the_module_is_short(found):
+    lines = [line for line in found["module"].splitlines() if line.strip()]
+    assert 10 <= len(lines) <= 30
+
+
+def test_the_run_has_the_event_and_the_observable(found):
+    run = found["run"]
+    table = run.table().query("emt >= 0 and time_h == 12")
+    assert set(table["events"]) <= {"B", "BSqueeze"}
+    squeezed = table["events"] == "BSqueeze"
+    assert squeezed.any()
+    assert table.loc[squeezed, "hard_radius_um"].tolist() == pytest.approx([0.75] * squeezed.sum())
+    lowest = run.table().groupby("time_h")["nucleus_y_um"].min()
+    assert run.summary()["lowest_nucleus_um"].tolist() == pytest.approx(lowest.tolist())
+
+
+def test_the_study_has_them_too(found):
+    results = found["results"]
+    cells = results.cells("squeezing")
+    assert ((cells["t_squeeze_h"] >= 2) & ((cells["t_squeeze_h"] <= 6) | (cells["t_squeeze_h"] == float("inf")))).all()
+    assert "t_squeeze_h" not in results.cells("not")
+    assert results.runs("not")["lowest_nucleus_um_12h"].notna().all()

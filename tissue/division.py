@@ -1,0 +1,84 @@
+"""What becomes of a cell at the end of its cycle (section 2.2.5 of chapter 3)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from tissue.kernels.curve import course
+from tissue.kernels.store import Store
+from tissue.model.numbers import Numbers
+from tissue.registry import registered
+
+
+@dataclass(frozen=True)
+class DivisionRule:
+    """Whether a cell splits when its cycle ends, and where its daughters are; ``rule`` in the section [division].
+
+    Control cells are asked; a cell that undergoes EMT never splits. Its functions are plain Python at top level of a
+    file; numba compiles them, alone, when a run first needs them.
+
+    Attributes
+    ----------
+    name
+        That of the rule in parameter files.
+    meaning, source
+        One line each.
+    splits
+        ``splits(store, i, number, numbers)``: whether cell i gets a second daughter in the plane; ``number`` is random,
+        uniform in [0, 1).
+    place
+        ``place(store, i, numbers)``: parts the daughters i and i + 1, which are copies of the mother in one place.
+
+    Raises
+    ------
+    InvalidProblem
+        If the name is none.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    splits: Callable[..., bool]
+    place: Callable[..., None]
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not self.name.isidentifier():
+            raise InvalidProblem(f"name = {describe(self.name)}: must be letters, digits and _")
+
+
+def splits(store: Store, i: int, number: float, numbers: Numbers) -> bool:
+    """With the probability p^div."""
+    return number < numbers.two_daughters
+
+
+def place(store: Store, i: int, numbers: Numbers) -> None:
+    """All three points apart by the offset, along the tissue  (3.7)."""
+    cells, curve, along_x, along_y = store.cells, store.curve, 1.0, 0.0
+    if curve.bent:
+        _, _, along_x, along_y = course(curve, cells.along[i])
+    for k in range(2):
+        step = numbers.division_offset if k == 1 else -numbers.division_offset
+        for x, y in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by)):
+            x[i + k] += step * along_x
+            if curve.bent:
+                y[i + k] += step * along_y
+        if curve.bent:
+            cells.along[i + k] += step
+            cells.bx[i + k], cells.by[i + k], _, _ = course(curve, cells.along[i + k])
+
+
+BESIDE = DivisionRule(
+    name="beside",
+    meaning="by chance; the daughters lie beside each other",
+    source="section 2.2.5 of chapter 3",
+    splits=splits,
+    place=place,
+)
+
+
+def division_rules() -> dict[str, DivisionRule]:
+    """All rules by name."""
+    return {rule.name: rule for rule in (BESIDE, *registered(DivisionRule))}

@@ -1,0 +1,63 @@
+"""What an event of the epithelial-to-mesenchymal transition is: a name, and what it does to a cell."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+
+_NAME = re.compile("[a-z][a-z0-9]*")
+
+
+@dataclass(frozen=True)
+class EmtEvent:
+    """An event that begins once in a cell, at a time that the parameters give.
+
+    It fires in the step dt that ends at its time, or in which its time lies, and acts from the beginning of that step.
+    Its functions are plain Python at top level of a file; numba compiles them, alone, when a run first needs them, and
+    any function that they call must be one of ``dincl.compile.inner``. They change the store in place.
+
+    Attributes
+    ----------
+    name
+        Its key in the section [emt] of parameter files: lower-case letters and digits. Tables have ``mark``, and the
+        column ``t_NAME_h``.
+    meaning, source
+        One line each: what happens, and who says so.
+    begin
+        ``begin(store, i, bit, numbers)``, called once, for cell i. ``bit``: that of this event, as in
+        ``store.cells.events``, which does not have it yet; ``store.emt.new`` has the bits of all events that begin in
+        the same step. None: nothing happens at once.
+    last
+        ``last(store, i, rest_ax, rest_bx, numbers)``, called for each dt from then on, after the rest lengths of the
+        springs have relaxed as in other cells; given are those before. The events of this package are called first,
+        then others by name.
+    after
+        The name of an event that this one waits for, so that it begins at the later time of both.
+
+    Raises
+    ------
+    InvalidProblem
+        If the name is none, or there is nothing to do.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    begin: Callable[..., None] | None = None
+    last: Callable[..., None] | None = None
+    after: str | None = None
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
+            raise InvalidProblem(f"name = {describe(self.name)}: must be lower-case letters and digits")
+        if self.begin is None and self.last is None:
+            raise InvalidProblem(f"EmtEvent {self.name}: must have a function begin, last, or both")
+
+    @property
+    def mark(self) -> str:
+        """How tables write it: "A" for "a", "Squeeze" for "squeeze"; marks that are put together can be told apart."""
+        return self.name.capitalize()

@@ -1,0 +1,49 @@
+"""The modules of users, which parameters list by their files: they register what is not in this package."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from importlib.util import find_spec, module_from_spec, spec_from_file_location
+from pathlib import Path
+from typing import Any
+
+from dincl.errors import InvalidProblem
+
+
+def placed(tables: Mapping[str, Any], folder: Path, before: Sequence[str] = ()) -> dict[str, Any]:
+    """The tables of a file, with the files in ``own.modules`` relative to its folder, behind those of its base."""
+    own = tables.get("own")
+    if not isinstance(own, Mapping) or not isinstance(own.get("modules"), (list, tuple)):
+        return dict(tables)
+    files = [str((folder / file).resolve()) if isinstance(file, str) else file for file in own["modules"]]
+    return {**tables, "own": {**own, "modules": list(dict.fromkeys([*before, *files]))}}
+
+
+def imported(file: Path) -> None:
+    """Import a module of users from its file, once in a process.
+
+    Raises
+    ------
+    InvalidProblem
+        If there is no such file, it cannot be imported, or its name is that of another module.
+    """
+    for known in (sys.modules.get(file.stem), sys.modules["__main__"]):
+        if known is not None and _place(getattr(known, "__file__", None)) == file:
+            return
+    spec = find_spec(file.stem)
+    if file.stem in sys.modules or (spec is not None and _place(spec.origin) != file):
+        raise InvalidProblem(f"{file}: must have another name, there is a module {file.stem} already")
+    spec = spec_from_file_location(file.stem, file)
+    if not file.is_file() or spec is None or spec.loader is None:
+        raise InvalidProblem(f"{file}: must be a file of Python, my_module.py")
+    module = sys.modules[file.stem] = module_from_spec(spec)
+    try:
+        spec.loader.exec_module(module)
+    except Exception as error:
+        del sys.modules[file.stem]
+        raise InvalidProblem(f"{file}: cannot be imported: {type(error).__name__}: {error}") from error
+
+
+def _place(name: str | None) -> Path | None:
+    return None if name is None else Path(name).resolve()
