@@ -12,13 +12,16 @@ from tests.twins.tissue import steps as twins
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels.curve import curve_numbers
+from tissue.kernels.extents import measure_extents
 from tissue.kernels.group import Group
+from tissue.kernels.scale import measure
 from tissue.kernels.store import contents, stored
 from tissue.many import simulate_many
 from tissue.model.basal_curve import ellipse
 from tissue.model.energy import forces
-from tissue.model.observables import ab_positions, areas
+from tissue.model.observables import ab_positions, areas, height, nucleus_height
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.study.outcomes import EXTENTS
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}
 RING = {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "60 R_soft", "tissue.cells": 180}
@@ -178,6 +181,26 @@ def test_sections_of_a_tube(side):
     assert found == pytest.approx(expected, rel=2e-3)
     assert ab_positions(frame).min() > 0
     assert ab_positions(frame).max() < 1
+
+
+@pytest.mark.parametrize("side", ["inside", "outside"])
+def test_kernels_measure_what_tables_do(side):
+    """y_AB of EMT cells, the lowest of the others and how many are outside; heights of the layers."""
+    emt = {"emt.cells": 3, "emt.a": "1 h", "emt.b": "2 h"}
+    run = simulate(published(**RING | emt | {"layer.side": side, "layer.perimeter": "100 R_soft", "tissue.cells": 300}))
+    frame, past = run.final, run.final.past
+    curve = curve_numbers(frame.curve)
+    held = stored(frame.cells, frame.layers, emt=past.emt, capacity=len(frame.cells.x), curve=curve)
+    positions, controls, extents = np.zeros(3), np.zeros(4), np.zeros(len(EXTENTS))
+    measure(held, positions, controls)
+    measure_extents(held, extents)
+    expected, mine = ab_positions(frame), frame.cells.emt >= 0
+    np.testing.assert_allclose(positions, expected[mine], rtol=0, atol=1e-10)
+    others = expected[~mine]
+    np.testing.assert_allclose(
+        controls, [len(others), (others > 1).sum(), (others < 0).sum(), others.min()], rtol=0, atol=1e-10
+    )
+    np.testing.assert_allclose(extents[:2], [height(frame), nucleus_height(frame)], rtol=0, atol=1e-10)
 
 
 def test_a_lumen_that_closes_ends_the_run():

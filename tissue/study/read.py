@@ -97,7 +97,7 @@ class Results:
 
         =========================================  ========  =========================================================
         ``replicate``, ``seed``                    int64     its number in the scenario; its run's seed
-        ``status``                                 category  "SUCCESS" or "NON_FINITE"
+        ``status``                                 category  "SUCCESS", "NON_FINITE", "LUMEN_CLOSED"
         ``detail``                                 str       what happened, if it failed
         ``controls_0h``, ``controls_1h``, ...      int64     control cells at each kept time
         ``controls_apical_0h``, ...                int64     of those, with y_AB > 1

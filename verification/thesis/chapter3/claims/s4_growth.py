@@ -7,7 +7,7 @@ import math
 
 import numpy as np
 
-from tissue.files.parameters import PRESETS, preset
+from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
 from verification.claims import Cost, Tables, claim
@@ -15,6 +15,7 @@ from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.claims.s3_4_comparison import SHARE, SUBSTEPS, needed, row_of
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, TERMINATING, TIMES
+from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.intervals import CONFIDENCE, over_seeds
 
 # "Similar", "intact": heights and widths within this part.
