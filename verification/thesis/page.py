@@ -108,4 +108,4 @@ def corrections(table: pd.DataFrame) -> pd.DataFrame:
 
 
 # It reads the tables of all other chapters.
-CHAPTER = Chapter("What holds", run, sections, place=8)
+CHAPTER = Chapter("What holds", run, sections, place=9)

@@ -22,4 +22,4 @@ def sections(context: Context) -> Sequence[Section]:
     return [part.section(context) for part in PARTS]
 
 
-CHAPTER = Chapter("Mean field: DAE, ODE, PDE, moments", run, sections, place=7, tables=("meanfield_",))
+CHAPTER = Chapter("Mean field: DAE, ODE, PDE, moments", run, sections, place=8, tables=("meanfield_",))

@@ -1,0 +1,75 @@
+"""Curved basal layers: whether curvature matters for cells that leave, and what a large circle becomes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import pandas as pd
+
+from verification.page.prose import fill
+from verification.page.report import Chapter, Context, Grid, Picture, Section, Text
+from verification.thesis.chapter4 import curved, figures_curved
+
+PARTS = ["value", "low", "high"]
+PROSE = Path(__file__).parent / "prose"
+WAYS_OUT = {"events": "Events", "layer": "Layer", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
+    "of": "Cells"
+}
+LIMIT = {"side": "Tissue", "perimeter_um": "Perimeter [µm]", "height_um": "Height [µm]", "away_um": "Off the line"} | {
+    "low": "from",
+    "high": "to",
+    "runs": "Runs",
+}
+
+
+def run(context: Context) -> None:
+    """Take over the kept tables."""
+    context.keep("curved_ways_out", curved.table("ways_out"))
+    context.keep("curved_limit", curved.table("limit"))
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """The answer with its figure, the limit of large circles, and pictures."""
+    ways_out, limit = context.tables["curved_ways_out"], context.tables["curved_limit"]
+    basal = ways_out[ways_out["side"] == "basal"].set_index(["events", "layer"])
+    largest = limit["perimeter_um"].max()
+    said = fill(
+        PROSE / "curved.html",
+        of=int(ways_out["of"].iloc[0]),
+        a={layer: tuple(basal.loc[("[A]", layer), PARTS]) for layer in curved.LAYERS},
+        bp={layer: tuple(basal.loc[("[BP]", layer), PARTS]) for layer in curved.LAYERS},
+        rates=[(side, rate(limit[limit["side"] == side])) for side in ("inside", "outside")],
+        largest=int(largest),
+        last=list(limit[limit["perimeter_um"] == largest].itertuples()),
+    )
+    chart = context.draw("curved_ways_out", figures_curved.draw_ways_out, ways_out)
+    tissues = context.draw("curved_tissues", figures_curved.draw_tissues)
+    return [
+        Section(
+            "Does curvature matter?",
+            [
+                Text(said["answer"]),
+                Picture(chart, said["chart"]),
+                Picture(tissues, said["tissues"]),
+                Grid(_named(ways_out, WAYS_OUT), said["table"], "curved_ways_out", folded=True),
+            ],
+        ),
+        Section(
+            "A large circle becomes the line",
+            [Text(said["limit"]), Grid(_named(limit, LIMIT), said["heights"], "curved_limit")],
+        ),
+    ]
+
+
+def rate(rows: pd.DataFrame) -> float:
+    """By how much the distance from the line falls when the perimeter doubles for the last time."""
+    away = rows.sort_values("perimeter_um")["away_um"].abs().to_numpy()
+    return float(away[-2] / away[-1])
+
+
+def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
+    return table[list(headings)].rename(columns=headings)
+
+
+CHAPTER = Chapter("Curved layers", run, sections, place=7, tables=("curved_",))
