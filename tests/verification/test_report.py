@@ -57,6 +57,8 @@ SECTIONS = [
     "How far from a minimum a step ends",
     "The kernel",
     *EMT_SECTIONS,
+    "Does curvature matter?",
+    "A large circle becomes the line",
     *MEANFIELD_SECTIONS,
     "How the statements came out",
     "Corrections that change results",
@@ -132,11 +134,13 @@ TABLES = {
     "tissue_substeps",
     "tissue_swing",
     "tissue_thrown",
+    "curved_limit",
+    "curved_ways_out",
     *(f"emt_{name}" for name in kept.TABLES),
     *(f"emt_complete_{name}" for name in kept.COMPLETE),
     *MEANFIELD_TABLES,
 }
-IMAGES = 34 + MEANFIELD_PICTURES
+IMAGES = 36 + MEANFIELD_PICTURES
 
 
 @pytest.fixture(scope="module")

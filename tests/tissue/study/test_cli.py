@@ -69,7 +69,7 @@ def test_a_study_that_comes_with_the_package_is_found_by_its_name():
     [
         (
             ("figure9", "--out", "out"),
-            "Error: figure9: there is no such file; must be a TOML file, or a study: figure10,",
+            "Error: figure9: there is no such file; must be a TOML file, or a study: curved_published, figure10,",
         ),
         (("small.toml", "--out", "small.toml"), "Error: small.toml: must be a folder that can be written to"),
         (("small.toml", "--out", "."), "Error: .: must be new, empty or the folder of this study; it holds small.toml"),

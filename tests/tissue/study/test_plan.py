@@ -116,7 +116,9 @@ def test_all_errors_are_in_one_message(written):
 
 
 def test_a_file_that_is_none_names_the_studies_that_are(tmp_path):
-    with pytest.raises(InvalidProblem, match="there is no such file; must be a TOML file, or a study: figure10, "):
+    with pytest.raises(
+        InvalidProblem, match="there is no such file; must be a TOML file, or a study: curved_published, figure10, "
+    ):
         load_study(tmp_path / "none.toml")
     bad = tmp_path / "bad.toml"
     bad.write_text("title = ", "utf-8")

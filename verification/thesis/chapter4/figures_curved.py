@@ -49,7 +49,7 @@ def draw_ways_out(ways_out: pd.DataFrame, path: Path) -> Path:
                     100 * mine["value"], at, xerr=spread, fmt=marker, color=colour, label=layer, markersize=5
                 )
             panel.set_yticks(range(len(names)), names)
-            panel.set(xlabel=f"{side} extrusion [%]", xlim=(0, 100))
+            panel.set(xlabel=f"{side} extrusion [%]", xlim=(-2, 100))
         panels[0].invert_yaxis()
         panels[1].legend(title="layer")
     write(figure, path)
@@ -65,6 +65,6 @@ def draw_tissues(path: Path) -> Path:
             given: dict[str, object] = {"tissue.cells": 51, "numerics.t_end": "24 h", "numerics.keep": "24 h"}
             parameters = preset("published").changed(given | changes)
             draw_frame(panel, simulate(parameters, 0, throw=False).final, parameters)
-            panel.set_title(name, y=1.05, fontsize=9)
+            panel.set_title(name, y=1.1, fontsize=9)
     write(figure, path)
     return path
