@@ -15,6 +15,7 @@ from tissue.events.known import events
 from tissue.files.layer import Points, curve_of
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
+from tissue.model.basal_curve import LINE, BasalCurve
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
 ROUNDING = 1e-12
@@ -118,41 +119,38 @@ def _fit(cells: int, shape: str, nuclei: str, part: tuple[float, float], *length
     )
 
 
-def _curve(points: Points, shape: str, *rest: Any) -> str | None:
-    """``rest``: perimeter, aspect, side, closed, soft radius."""
+def _curve(_: Points, *layer: Any) -> str | None:
+    """``layer``: as of ``curve_of``."""
     try:
-        curve_of(shape, rest[0], rest[1], points, *rest[2:])
+        curve_of(*layer)
     except ValueError as error:
         return str(error)
     return None
 
 
-def _bends(height: Measure, *rest: Any) -> str | None:
-    """Below a height the normals of the inner side of a curve do not meet; ``rest``: as of ``curve_of``."""
-    largest = _curvature(*rest) * reduced(height, rest[-1])
-    if largest < 1:
+def _bends(height: Measure, *layer: Any) -> str | None:
+    """Below a height the normals of the inner side of a curve do not meet."""
+    largest = _curve_or_line(*layer).largest_curvature
+    if largest * reduced(height, layer[-1]) < 1:
         return None
-    radius = 1 / _curvature(*rest)
-    return f"below {radius:.4g} R_soft, the smallest curvature radius of the basal layer on the side of the tissue"
+    return f"below {1 / largest:.4g} R_soft, the smallest curvature radius of the basal layer on the side of the tissue"
 
 
-def _curvature(*rest: Any) -> float:
-    try:
-        return curve_of(*rest).largest_curvature
-    except ValueError:  # which ``_curve`` tells
-        return 0.0
-
-
-def _spread(cells: int, largest: Measure, *rest: Any) -> str | None:
+def _spread(cells: int, largest: Measure, *layer: Any) -> str | None:
     """Of a ring the basal points are spread over its whole length."""
-    try:
-        curve = curve_of(*rest)
-    except ValueError:
+    curve, most = _curve_or_line(*layer), reduced(largest, layer[-1])
+    if not curve.ring or cells * most >= curve.length * (1 - ROUNDING):
         return None
-    if not curve.ring or cells * reduced(largest, rest[-1]) >= curve.length * (1 - ROUNDING):
-        return None
-    least = math.ceil(curve.length / reduced(largest, rest[-1]) * (1 - ROUNDING))
+    least = math.ceil(curve.length / most * (1 - ROUNDING))
     return f"at least {least}: of fewer the basal points do not go around, {curve.length:.4g} R_soft, within (C2)"
+
+
+def _curve_or_line(*layer: Any) -> BasalCurve:
+    """The curve, or the line in place of one that is none, which ``_curve`` tells."""
+    try:
+        return curve_of(*layer)
+    except ValueError:
+        return LINE
 
 
 def _in_the_middle(group: int, cells: int) -> str | None:
@@ -173,22 +171,12 @@ def _waits(event: EmtEvent) -> Rule:
     return Rule(keys, allowed)
 
 
-LAYER = tuple(f"layer.{name}" for name in ("shape", "perimeter", "aspect", "points", "side", "closed"))
+SHAPE = tuple(f"layer.{name}" for name in ("shape", "perimeter", "aspect", "points", "side", "closed"))
+LAYER = (*SHAPE, "cell.soft_radius")
 RULES = (
-    Rule(
-        (
-            "layer.points",
-            "layer.shape",
-            "layer.perimeter",
-            "layer.aspect",
-            "layer.side",
-            "layer.closed",
-            "cell.soft_radius",
-        ),
-        _curve,
-    ),
-    Rule(("tissue.height", *LAYER, "cell.soft_radius"), _bends),
-    Rule(("tissue.cells", "tissue.max_basal_distance", *LAYER, "cell.soft_radius"), _spread),
+    Rule(("layer.points", *LAYER), _curve),
+    Rule(("tissue.height", *LAYER), _bends),
+    Rule(("tissue.cells", "tissue.max_basal_distance", *LAYER), _spread),
     Rule(("emt.cells", "tissue.cells"), _in_the_middle),
     Rule(("cell.hard_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
     Rule(("cell.enlarged_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
