@@ -11,10 +11,10 @@ if TYPE_CHECKING:
     from tissue.files.parameters import Parameters, load, preset
     from tissue.first_order import simulate
     from tissue.many import simulate_many
-    from tissue.model.frame import Frame
     from tissue.observable import Observable
     from tissue.registration import register
     from tissue.run import Run, RunFailed
+    from tissue.state.frame import Frame
     from tissue.study.run import run_study
 
 __all__ = [
@@ -36,7 +36,7 @@ __all__ = [
 _HOMES = {
     "DivisionRule": "division",
     "EmtEvent": "events.event",
-    "Frame": "model.frame",
+    "Frame": "state.frame",
     "Observable": "observable",
     "Parameters": "files.parameters",
     "Run": "run",

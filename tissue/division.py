@@ -9,8 +9,8 @@ from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.kernels.curve import course
 from tissue.kernels.store import Store
-from tissue.model.numbers import Numbers
 from tissue.registry import registered
+from tissue.state.numbers import Numbers
 
 
 @dataclass(frozen=True)

@@ -6,8 +6,8 @@ from collections.abc import Callable
 
 from tissue.files.parameters import Parameters
 from tissue.lot import Lot
-from tissue.model.frame import Frame
 from tissue.run import Run, RunFailed
+from tissue.state.frame import Frame
 
 
 def simulate(

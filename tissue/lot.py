@@ -7,16 +7,16 @@ from itertools import count, repeat, takewhile
 
 from dincl.status import Status
 from tissue.files.parameters import Parameters
-from tissue.kernels.advance import find_lost
 from tissue.kernels.board import LOST, RUNNING
-from tissue.kernels.group import Group
 from tissue.kernels.store import COUNTERS, NEXT_ID, Store, contents, copied
-from tissue.model.checkpoint import Parted, TissueCheckpoint, generator_states
-from tissue.model.frame import Frame
-from tissue.model.streams import Streams, streams
 from tissue.resume import checkpoint_of, resumed, steps_made
 from tissue.run import Run
 from tissue.start import started
+from tissue.state.checkpoint import Parted, TissueCheckpoint, generator_states
+from tissue.state.frame import Frame
+from tissue.state.streams import Streams, streams
+from tissue.step.advance import find_lost
+from tissue.step.group import Group
 
 
 class Lot:

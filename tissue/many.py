@@ -8,9 +8,9 @@ from dincl.errors import InvalidProblem
 from tissue.files.parameters import Parameters
 from tissue.kernels.lanes import WIDTH
 from tissue.lot import Lot
-from tissue.model.frame import Frame
 from tissue.resume import checkpoint_of
 from tissue.run import Run, RunFailed
+from tissue.state.frame import Frame
 
 
 def simulate_many(

@@ -14,7 +14,7 @@ from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.frame import Frame
+    from tissue.state.frame import Frame
 
 _NAME, _UNIT = re.compile("[a-z][a-z0-9_]*"), re.compile("[a-z0-9_]*")
 

@@ -12,19 +12,19 @@ from tissue.events.known import bit, row
 from tissue.events.known import events as known
 from tissue.files.combinations import ROUNDING
 from tissue.files.scenario import drawn
-from tissue.kernels.advance import find_lost
 from tissue.kernels.board import LOST
 from tissue.kernels.curve import curve_numbers
 from tissue.kernels.store import Store, copied, stored
-from tissue.model.cells import Cells, Emt
-from tissue.model.checkpoint import TissueCheckpoint, resumed_streams
-from tissue.model.frame import A_START, Frame
-from tissue.model.streams import streams
 from tissue.start import choose_middle
+from tissue.state.cells import Cells, Emt
+from tissue.state.checkpoint import TissueCheckpoint, resumed_streams
+from tissue.state.frame import A_START, Frame
+from tissue.state.streams import streams
+from tissue.step.advance import find_lost
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.streams import Streams
+    from tissue.state.streams import Streams
 
 
 def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Streams]:

@@ -12,9 +12,9 @@ import numpy as np
 
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.model.checkpoint import Parted
-from tissue.model.frame import Frame
 from tissue.model.observables import measurable
+from tissue.state.checkpoint import Parted
+from tissue.state.frame import Frame
 
 if TYPE_CHECKING:
     import pandas as pd

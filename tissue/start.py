@@ -11,19 +11,18 @@ from dincl.errors import InvalidProblem
 from tissue.files.scenario import drawn
 from tissue.kernels.board import Boards
 from tissue.kernels.curve import curve_numbers
-from tissue.kernels.cycle import set_phases
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import Store, stored
-from tissue.kernels.sweeps import part
-from tissue.model.basal_curve import LINE, BasalCurve
-from tissue.model.cells import Cells, Emt, Flags, Floats, no_emt
-from tissue.model.checkpoint import Parted
-from tissue.model.numbers import Numbers
-from tissue.model.numbers_start import StartNumbers
+from tissue.model.cycle import set_phases
+from tissue.model.discs import part
+from tissue.state.basal_curve import LINE, BasalCurve
+from tissue.state.cells import Cells, Emt, Flags, Floats, no_emt
+from tissue.state.checkpoint import Parted
+from tissue.state.numbers import Numbers, StartNumbers
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.streams import Streams
+    from tissue.state.streams import Streams
 
 NOBODY = np.zeros(0, np.bool_)
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.

@@ -12,7 +12,7 @@ from tissue.registry import registered
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.frame import Frame
+    from tissue.state.frame import Frame
 
 
 def _plain(name: str, meaning: str, measure: Callable[[Frame], float], unit: str = "") -> Observable:

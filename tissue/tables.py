@@ -14,8 +14,8 @@ from tissue.summary import summary_columns
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.cells import Integers
-    from tissue.model.frame import Frame
+    from tissue.state.cells import Integers
+    from tissue.state.frame import Frame
 
 # Columns that are lengths, and the array of Cells each one is taken from.
 LENGTHS = {

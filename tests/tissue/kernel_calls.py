@@ -10,14 +10,18 @@ from tests.tissue import states as tissue_states
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import settled
-from tissue.kernels import advance, kernel, scale, store
-from tissue.kernels.board import Boards, copy_in, copy_out
-from tissue.kernels.called import handed_rules
-from tissue.kernels.group import Group
+from tissue.kernels import kernel, store
+from tissue.kernels.board import Boards
 from tissue.kernels.handed import handed_numbers
-from tissue.kernels.sweeps import order_basal, separate
-from tissue.model.cells import Emt, emt_cells
+from tissue.model import scale
+from tissue.model.basal_layer import order_basal
+from tissue.model.discs import separate
 from tissue.model.energy import Forces
+from tissue.state.cells import Emt, emt_cells
+from tissue.step import advance
+from tissue.step.called import handed_rules
+from tissue.step.copies import copy_in, copy_out
+from tissue.step.group import Group
 
 COORDINATES = Forces._fields
 MOBILE = COORDINATES[:5]  # by is 0 on the basal line

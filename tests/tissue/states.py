@@ -4,8 +4,8 @@ import math
 
 import numpy as np
 
-from tissue.model.cells import CellLayers, Cells, empty
-from tissue.model.numbers import Numbers
+from tissue.state.cells import CellLayers, Cells, empty
+from tissue.state.numbers import Numbers
 
 # The thesis, with what it leaves open taken from the published program.
 THESIS = Numbers(

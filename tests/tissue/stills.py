@@ -8,8 +8,8 @@ from matplotlib.colors import to_rgb
 from tests.tissue.states import layers, tissue
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.frame import Frame
 from tissue.pictures.picture import stills
+from tissue.state.frame import Frame
 
 THESIS = preset("thesis")
 UM = 5.0

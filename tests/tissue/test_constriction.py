@@ -12,10 +12,10 @@ from tissue.events.known import bit, settled
 from tissue.files.parameters import load, preset
 from tissue.first_order import simulate
 from tissue.kernels.lanes import WIDTH
-from tissue.model.cells import emt_cells
-from tissue.model.frame import Frame
 from tissue.model.observables import ab_positions
 from tissue.quasi_steady.frozen import frozen_problem
+from tissue.state.cells import emt_cells
+from tissue.state.frame import Frame
 
 NEVER = np.inf
 

@@ -12,15 +12,15 @@ from tests.twins.tissue import steps as twins
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels.curve import curve_numbers
-from tissue.kernels.extents import measure_extents
-from tissue.kernels.group import Group
-from tissue.kernels.scale import measure
 from tissue.kernels.store import contents, stored
 from tissue.many import simulate_many
-from tissue.model.basal_curve import ellipse
 from tissue.model.energy import forces
+from tissue.model.extents import measure_extents
 from tissue.model.observables import ab_positions, areas, height, nucleus_height
+from tissue.model.scale import measure
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.state.basal_curve import ellipse
+from tissue.step.group import Group
 from tissue.study.outcomes import EXTENTS
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}
@@ -47,15 +47,8 @@ class Circle:
 def substep(cells, layers, numbers, circle, closed):
     """Z - (h/mu) grad W, basal points along the circle, then one sweep of projections; in plain NumPy."""
     step = numbers.dt / numbers.substeps / numbers.mu
-    force, b = forces(cells, layers, numbers), layers.basal
-    if closed:  # the junction that closes the ring is no neighbour in the array
-        i, j = layers.apical[-1], layers.apical[0]
-        way = np.array([cells.ax[j] - cells.ax[i], cells.ay[j] - cells.ay[i]])
-        k = numbers.junction_factor * (cells.stiff_aa[i] + cells.stiff_aa[j]) / 2
-        pull = k * (1 - cells.rest_aa[i] / np.hypot(*way)) * way
-        for end, sign in ((i, 1.0), (j, -1.0)):
-            force.ax[end] += sign * pull[0]
-            force.ay[end] += sign * pull[1]
+    curve = ellipse(circle.length, 1.0, inside=True, ring=closed)
+    force, b = forces(cells, layers, numbers, curve), layers.basal
     along = cells.along.copy()
     tx, ty = circle.tangents(along[b])
     along[b] += step * (force.bx[b] * tx + force.by[b] * ty)

@@ -12,14 +12,14 @@ from tests.tissue.states import cells, layers
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.kernels.advance import DONE
 from tissue.kernels.board import LOST
-from tissue.kernels.group import Group
 from tissue.kernels.store import COUNTERS
 from tissue.model.energy import Forces
-from tissue.model.streams import streams
 from tissue.run import RunFailed
 from tissue.start import started
+from tissue.state.streams import streams
+from tissue.step.advance import DONE
+from tissue.step.group import Group
 
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"}) for name in ("thesis", "published")}
 # Every cell divides in these hours, so that a run has many events.

@@ -7,7 +7,7 @@ from mpmath import mp
 from tests.twins.tissue.reference import Reference, line, taken
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.streams import streams
+from tissue.state.streams import streams
 
 STEPS, DIGITS = 5, 30
 PARAMETERS = preset("thesis").changed(

@@ -14,9 +14,9 @@ import tissue
 from dincl.errors import InvalidProblem
 from tissue.division import DivisionRule
 from tissue.events.known import bit, events, house, in_order, row, settled
-from tissue.model.streams import streams
 from tissue.registry import shelf
 from tissue.start import started
+from tissue.state.streams import streams
 from tissue.study import identity
 from tissue.study.categories import by_order, by_selection
 from tissue.summary import summary_columns

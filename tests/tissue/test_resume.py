@@ -11,7 +11,7 @@ from tissue.events.known import bit, row
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.many import simulate_many
-from tissue.model.frame import Frame
+from tissue.state.frame import Frame
 
 # Every cell divides in these hours; one event after the other begins, some before and some after each kept state.
 LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}

@@ -15,8 +15,8 @@ from tests.tissue.states import layers, tissue
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import bit, settled
-from tissue.model.cells import emt_cells
 from tissue.model.energy import forces
+from tissue.state.cells import emt_cells
 
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.
 RARE = 1e-3

@@ -7,8 +7,8 @@ from scipy import stats
 import dincl
 from tissue.files.parameters import preset
 from tissue.kernels.store import COUNTERS, contents
-from tissue.model.numbers_start import StartNumbers
 from tissue.start import first_state
+from tissue.state.numbers import StartNumbers
 
 RARE = 1e-3
 TOUCHING = 1e-10

@@ -19,8 +19,8 @@ from tissue.cli.study import study
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.frame import Frame
     from tissue.run import Run
+    from tissue.state.frame import Frame
 
 MAKES_NO_NUMBERS = True
 
@@ -45,7 +45,7 @@ def run(
 
     The first run on a machine takes longer: the kernels are compiled.
     """
-    from tissue.model.frame import Frame
+    from tissue.state.frame import Frame
 
     with messages():
         parameters = _parameters(file)

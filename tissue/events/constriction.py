@@ -7,7 +7,7 @@ import math
 from tissue.events.event import EmtEvent
 from tissue.events.layer import find, leave_apical
 from tissue.kernels.store import APICAL, Store
-from tissue.model.numbers import Numbers
+from tissue.state.numbers import Numbers
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:

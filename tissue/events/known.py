@@ -10,8 +10,8 @@ from pathlib import Path
 import numpy as np
 
 from tissue.events.event import EmtEvent
-from tissue.model.cells import Floats
 from tissue.registry import registered, shelf
+from tissue.state.cells import Floats
 
 # Those of the thesis have the first bits, in this order; where times are equal they happen in it.
 FIRST = ("a", "b", "s", "p")

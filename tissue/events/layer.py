@@ -5,7 +5,7 @@ from __future__ import annotations
 from dincl.compile import inner
 from tissue.kernels.chains import chained_before, chained_behind
 from tissue.kernels.store import APICAL, CELLS, Store
-from tissue.model.cells import Integers
+from tissue.state.cells import Integers
 
 
 @inner

@@ -7,7 +7,7 @@ import math
 from tissue.events.event import EmtEvent
 from tissue.kernels.curve import height_of
 from tissue.kernels.store import Store
-from tissue.model.numbers import Numbers
+from tissue.state.numbers import Numbers
 
 
 def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:

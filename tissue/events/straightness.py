@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from tissue.events.event import EmtEvent
 from tissue.kernels.store import Store
-from tissue.model.numbers import Numbers
+from tissue.state.numbers import Numbers
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:

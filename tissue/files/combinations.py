@@ -15,7 +15,7 @@ from tissue.events.known import events
 from tissue.files.layer import Points, curve_of
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
-from tissue.model.basal_curve import LINE, BasalCurve
+from tissue.state.basal_curve import LINE, BasalCurve
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
 ROUNDING = 1e-12

@@ -15,9 +15,9 @@ import numpy as np
 from dincl.errors import InvalidProblem
 from tissue.events.known import events as known
 from tissue.kernels.store import COUNTERS
-from tissue.model.basal_curve import ORDER, BasalCurve
-from tissue.model.cells import COORDINATES, KINDS, CellLayers, Cells, Emt
-from tissue.model.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
+from tissue.state.basal_curve import ORDER, BasalCurve
+from tissue.state.cells import COORDINATES, KINDS, CellLayers, Cells, Emt
+from tissue.state.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
 
 # In each file; another number with other contents.
 FORMAT = "tissue frame 1"

@@ -7,8 +7,8 @@ from functools import lru_cache
 import numpy as np
 
 from tissue.files.units import Measure, reduced
-from tissue.model.basal_curve import LINE, BasalCurve, ellipse, through
-from tissue.model.cells import Floats
+from tissue.state.basal_curve import LINE, BasalCurve, ellipse, through
+from tissue.state.cells import Floats
 
 Points = tuple[tuple[Measure, Measure], ...]
 

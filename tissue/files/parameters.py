@@ -38,10 +38,8 @@ from tissue.files.sections import (
 )
 from tissue.files.timing import Timing
 from tissue.files.units import Measure, reduced
-from tissue.model.basal_curve import BasalCurve
-from tissue.model.numbers import Numbers
-from tissue.model.numbers_daha import Daha
-from tissue.model.numbers_start import StartNumbers
+from tissue.state.basal_curve import BasalCurve
+from tissue.state.numbers import Daha, Numbers, StartNumbers
 
 PRESETS = ("thesis", "published", "chick", "gastrulation", "cuboidal")
 BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'

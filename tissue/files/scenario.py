@@ -9,7 +9,7 @@ from numpy.random import Generator, default_rng
 
 from tissue.events.known import FIRST, settled
 from tissue.files.timing import Timing
-from tissue.model.cells import Emt, Flags, emt_cells
+from tissue.state.cells import Emt, Flags, emt_cells
 
 
 class Scenario(NamedTuple):

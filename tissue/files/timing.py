@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from tissue.files.units import DURATION, Measure, parse
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 
 NEVER = "never"
 ALLOWED = (

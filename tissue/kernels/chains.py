@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dincl.compile import inner
-from tissue.model.cells import Cells
+from tissue.state.cells import Cells
 
 
 @inner

@@ -1,4 +1,4 @@
-"""The basal layer as a curve, for kernels: points, tangents, heights; see ``tissue.model.basal_curve``."""
+"""The basal layer as a curve, for kernels: points, tangents, heights; see ``tissue.state.basal_curve``."""
 
 from __future__ import annotations
 
@@ -9,8 +9,8 @@ import numpy as np
 
 from dincl.compile import inner
 from tissue.kernels.lanes import floored, fma, gather, maximum
-from tissue.model.basal_curve import NEWTON, ORDER, BasalCurve
-from tissue.model.cells import Floats
+from tissue.state.basal_curve import NEWTON, ORDER, BasalCurve
+from tissue.state.cells import Floats
 
 
 class CurveNumbers(NamedTuple):

@@ -14,8 +14,8 @@ from numpy.random import Generator
 
 from dincl.kernels.handles import Handle, reader, written
 from tissue.kernels.lanes import instruction
-from tissue.model.cells import Integers
-from tissue.model.numbers import Numbers
+from tissue.state.cells import Integers
+from tissue.state.numbers import Numbers
 
 # The words of a generator: the state of its bits, and the functions that take a double and 64 bits from there.
 GENERATOR = 3

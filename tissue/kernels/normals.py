@@ -26,7 +26,7 @@ from tissue.kernels.lanes import (
     store,
     twice_rsqrt,
 )
-from tissue.model.cells import Floats, Integers
+from tissue.state.cells import Floats, Integers
 
 # Of Threefry-2x32: its rounds, how far each of eight rounds in turn rotates, and the parity of the key.
 ROUNDS, ROTATIONS, PARITY = 20, (13, 15, 26, 6, 17, 29, 16, 24), 0x1BD11BDA

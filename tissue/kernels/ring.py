@@ -6,7 +6,7 @@ from typing import Any
 
 from dincl.compile import inner
 from tissue.kernels.lanes import either, load, positive_bits, spread, store
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 
 
 @inner

@@ -9,8 +9,8 @@ import numpy as np
 from dincl.kernels.handles import reader
 from tissue.kernels.curve import CurveNumbers, curve_numbers
 from tissue.kernels.handed import Handed, kind_of_handle
-from tissue.model.basal_curve import LINE
-from tissue.model.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, first, no_emt
+from tissue.state.basal_curve import LINE
+from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, first, no_emt
 
 # Places in Store.sizes
 CELLS, APICAL, BASAL, NEXT_ID = range(4)

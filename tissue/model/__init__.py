@@ -1,1 +1,1 @@
-"""The state of a tissue, its numbers, its energy, and what is measured of it."""
+"""The model, as chapters 3 and 4 have it: an idea a file, its formula beside the compiled code that carries it out."""

@@ -13,11 +13,11 @@ import numpy as np
 from dincl.checks import LARGEST, bounded
 from dincl.errors import InvalidProblem
 from dincl.rows.pairs import near_pairs
-from tissue.model.cells import CellLayers, Cells, Floats, Integers
-from tissue.model.numbers import Numbers
-
-# Soft discs have the radius R_soft = 1, so nuclei push each other below this distance.
-SOFT = 2.0
+from tissue.model import bending, junctions, repulsion, springs
+from tissue.model.repulsion import SOFT
+from tissue.state.basal_curve import LINE, BasalCurve
+from tissue.state.cells import CellLayers, Cells, Floats, Integers
+from tissue.state.numbers import Numbers
 
 
 class Parts(NamedTuple):
@@ -44,26 +44,16 @@ class Forces(NamedTuple):
     by: Floats
 
 
-def energy(cells: Cells, layers: CellLayers, numbers: Numbers) -> float:
+def energy(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> float:
     """W = sum_i (W_i^ax + W_i^bx + W_i^axb) + sum_{(i, j) in A} W_ij^aa + sum_{j < i} W_ij^xx  (3.14).
 
     Arguments and errors are those of ``parts``; complex for complex coordinates.
     """
-    return sum(parts(cells, layers, numbers))
+    return sum(parts(cells, layers, numbers, curve))
 
 
-def parts(cells: Cells, layers: CellLayers, numbers: Numbers) -> Parts:
-    r"""The terms of W.
-
-        W_i^ax  = alpha_i^ax (|A_i - X_i| - l)^2 / l^p,  l = 1 + eta_i^ax                   (3.9)
-        W_i^bx  = alpha_i^bx (|B_i - X_i| - l)^2 / l^p,  l = 1 + eta_i^bx                   (3.10)
-        W_ij^aa = k_ij/2 (|A_j - A_i| - eta_i^aa)^2  for j next after i in the layer        (3.11)
-        W_i^axb = alpha_i^axb (cos gamma_i + 1),  gamma_i = angle(A_i - X_i, B_i - X_i)     (3.12)
-        W_ij^xx = k_xx/2 (|X_i - X_j| - 2)^2  where |X_i - X_j| < 2, else 0                 (3.13)
-
-    with k_ij = junction_factor (alpha_i^aa + alpha_j^aa)/2. (3.13) is printed with a minus sign, which would attract.
-    The other form of (3.12) that is printed, alpha (cos pi - cos(gamma - pi)), is alpha (cos gamma - 1): smaller by
-    2 alpha, with the same forces.
+def parts(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> Parts:
+    """The terms of W, each as in the file of its name: ``springs``, ``junctions``, ``bending``, ``repulsion``.
 
     Parameters
     ----------
@@ -71,6 +61,8 @@ def parts(cells: Cells, layers: CellLayers, numbers: Numbers) -> Parts:
         Coordinates, rest lengths and stiffnesses of n cells; the coordinates may be complex.
     layers
         The apical layer, from left to right.
+    curve
+        The basal layer: whether the tissue is a closed tube, whose ends are joined.
     numbers
         ``power`` p, ``junction_factor`` and ``repulsion`` k_xx.
 
@@ -79,19 +71,19 @@ def parts(cells: Cells, layers: CellLayers, numbers: Numbers) -> Parts:
     InvalidProblem
         For coordinates that are not finite, two points that act on each other in one place, a spring with l <= 0.
     """
-    arrows = _arrows(cells, layers)
+    arrows = _arrows(cells, layers, curve)
     l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
-    stiffness, strain = _strained(cells, arrows.aa, numbers)
+    ends = arrows.aa.start, arrows.aa.end
     return Parts(
-        ax=np.sum(cells.stiff_ax * (arrows.xa.length - l_ax) ** 2 / l_ax**numbers.power),
-        bx=np.sum(cells.stiff_bx * (arrows.xb.length - l_bx) ** 2 / l_bx**numbers.power),
-        aa=np.sum(stiffness / 2 * strain**2),
-        axb=np.sum(cells.stiff_axb * (_cosine(arrows) + 1)),
-        xx=np.sum(numbers.repulsion / 2 * (arrows.xx.length - SOFT) ** 2),
+        ax=np.sum(springs.energy(arrows.xa.length, l_ax, cells.stiff_ax, numbers.power)),
+        bx=np.sum(springs.energy(arrows.xb.length, l_bx, cells.stiff_bx, numbers.power)),
+        aa=np.sum(junctions.energy(arrows.aa.length, cells.rest_aa[ends[0]], _stiffness(cells, arrows.aa, numbers))),
+        axb=np.sum(bending.energy(_cosine(arrows), cells.stiff_axb)),
+        xx=np.sum(repulsion.energy(arrows.xx.length, numbers.repulsion)),
     )
 
 
-def forces(cells: Cells, layers: CellLayers, numbers: Numbers) -> Forces:
+def forces(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> Forces:
     r"""-grad W, with u = (A - X)/|A - X|, v = (B - X)/|B - X|, c = u . v = cos gamma.
 
         on A_i  -2 alpha^ax (|A - X| - l)/l^p u - alpha^axb (v - c u)/|A - X|  + junctions
@@ -101,17 +93,16 @@ def forces(cells: Cells, layers: CellLayers, numbers: Numbers) -> Forces:
     A junction pulls A_i towards A_j with k_ij (|A_j - A_i| - eta_i^aa), and A_j the opposite way; the repulsion pulls
     X_i towards X_j with k_xx (|X_i - X_j| - 2) < 0. Arguments and errors are those of ``parts``.
     """
-    arrows = _arrows(cells, layers)
-    xa, xb, cosine = arrows.xa, arrows.xb, _cosine(arrows)
+    arrows = _arrows(cells, layers, curve)
+    xa, xb, aa, cosine = arrows.xa, arrows.xb, arrows.aa, _cosine(arrows)
     l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
-    on_a = -2 * cells.stiff_ax * (xa.length - l_ax) / l_ax**numbers.power * xa.unit
-    on_b = -2 * cells.stiff_bx * (xb.length - l_bx) / l_bx**numbers.power * xb.unit
-    on_a -= cells.stiff_axb * (xb.unit - cosine * xa.unit) / xa.length
-    on_b -= cells.stiff_axb * (xa.unit - cosine * xb.unit) / xb.length
+    on_a = -springs.tension(xa.length, l_ax, cells.stiff_ax, numbers.power) * xa.unit
+    on_b = -springs.tension(xb.length, l_bx, cells.stiff_bx, numbers.power) * xb.unit
+    on_a += bending.force(xa.unit, xb.unit, xa.length, cosine, cells.stiff_axb)
+    on_b += bending.force(xb.unit, xa.unit, xb.length, cosine, cells.stiff_axb)
     on_x = -(on_a + on_b)
-    stiffness, strain = _strained(cells, arrows.aa, numbers)
-    _pull(on_a, arrows.aa, stiffness * strain)
-    _pull(on_x, arrows.xx, numbers.repulsion * (arrows.xx.length - SOFT))
+    _pull(on_a, aa, junctions.tension(aa.length, cells.rest_aa[aa.start], _stiffness(cells, aa, numbers)))
+    _pull(on_x, arrows.xx, repulsion.tension(arrows.xx.length, numbers.repulsion))
     return Forces(*on_x, *on_a, *on_b)
 
 
@@ -129,17 +120,17 @@ class _Arrows(NamedTuple):
 
     xa: _Bundle  # from X_i to A_i
     xb: _Bundle  # from X_i to B_i
-    aa: _Bundle  # from A_i to A_j, next in the apical layer
+    aa: _Bundle  # from A_i to A_j, where a junction joins them
     xx: _Bundle  # from X_i to X_j, j < i, closer than 2
 
 
-def _arrows(cells: Cells, layers: CellLayers) -> _Arrows:
+def _arrows(cells: Cells, layers: CellLayers, curve: BasalCurve) -> _Arrows:
     x, a, b = _points(cells)
     each = np.arange(len(cells.x))
     return _Arrows(
         xa=_bundle("nucleus and apical point", x, a, each, each),
         xb=_bundle("nucleus and basal point", x, b, each, each),
-        aa=_bundle("apical points", a, a, layers.apical[:-1], layers.apical[1:]),
+        aa=_bundle("apical points", a, a, *junctions.pairs(cells, layers, curve.ring)),
         xx=_bundle("nuclei", x, x, *_soft_pairs(x)),
     )
 
@@ -182,10 +173,9 @@ def _spring_lengths(name: str, rest: Floats) -> Floats:
     return length
 
 
-def _strained(cells: Cells, junctions: _Bundle, numbers: Numbers) -> tuple[Floats, Floats]:
-    """k_ij and |A_j - A_i| - eta_i of the junctions, each of shape (m,)."""
-    i, j = junctions.start, junctions.end
-    return numbers.junction_factor * (cells.stiff_aa[i] + cells.stiff_aa[j]) / 2, junctions.length - cells.rest_aa[i]
+def _stiffness(cells: Cells, arrows: _Bundle, numbers: Numbers) -> Floats:
+    """k of the junctions, shape (m,)."""
+    return np.asarray(junctions.stiffness(cells, (arrows.start, arrows.end), numbers.junction_factor))
 
 
 def _cosine(arrows: _Arrows) -> Floats:

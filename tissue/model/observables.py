@@ -9,11 +9,11 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.errors import InvalidProblem
-from tissue.model.cells import CellLayers, Floats, Integers
+from tissue.state.cells import CellLayers, Floats, Integers
 
 if TYPE_CHECKING:
-    from tissue.model.frame import Frame
-    from tissue.model.numbers import Numbers
+    from tissue.state.frame import Frame
+    from tissue.state.numbers import Numbers
 
 PHASES = ("G1/S", "G2", "mitosis")
 # Soft discs have the radius R_soft = 1.

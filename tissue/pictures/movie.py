@@ -15,7 +15,7 @@ from tissue.pictures.picture import stills
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.frame import Frame
+    from tissue.state.frame import Frame
 
 MAKES_NO_NUMBERS = True
 

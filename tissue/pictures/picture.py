@@ -42,9 +42,9 @@ from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
-    from tissue.model.basal_curve import BasalCurve
-    from tissue.model.cells import Flags, Floats
-    from tissue.model.frame import Frame
+    from tissue.state.basal_curve import BasalCurve
+    from tissue.state.cells import Flags, Floats
+    from tissue.state.frame import Frame
 
 MAKES_NO_NUMBERS = True
 

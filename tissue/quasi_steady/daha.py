@@ -13,15 +13,14 @@ from dincl.checks import integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.kernels.advance import DONE
-from tissue.kernels.daha import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, boards_for, iterate, memory_for
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import contents, stored
-from tissue.model.cells import CellLayers, Cells
 from tissue.model.energy import energy
-from tissue.model.numbers import Numbers
-from tissue.model.numbers_daha import Daha
 from tissue.quasi_steady.frozen import constraints, particles
+from tissue.quasi_steady.iteration import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, boards_for, iterate, memory_for
+from tissue.state.cells import CellLayers, Cells
+from tissue.state.numbers import Daha, Numbers
+from tissue.step.advance import DONE
 
 STATUS = {
     DONE: Status.SUCCESS,

@@ -10,9 +10,9 @@ from dincl.errors import InvalidProblem
 from dincl.problem import Problem
 from dincl.projection import Projection
 from dincl.projection.project import project
-from tissue.model.cells import CellLayers, Cells, Floats, first
 from tissue.model.energy import Forces, forces
-from tissue.model.numbers import Numbers
+from tissue.state.cells import CellLayers, Cells, Floats, first
+from tissue.state.numbers import Numbers
 
 
 def frozen_problem(cells: Cells, layers: CellLayers, numbers: Numbers) -> Problem:

@@ -14,10 +14,12 @@ from dincl.rows.distance import DistanceRows
 from dincl.rows.pairs import near_pairs
 from dincl.rows.together import RowsTogether
 from dincl.status import Status
-from tissue.model.cells import CellLayers, Cells, Floats, Integers
-from tissue.model.energy import SOFT, energy, forces
-from tissue.model.numbers import Numbers
+from tissue.model import bending, junctions, repulsion, springs
+from tissue.model.energy import energy, forces
+from tissue.model.repulsion import SOFT
 from tissue.quasi_steady.frozen import cells_at, constraints, particles
+from tissue.state.cells import CellLayers, Cells, Floats, Integers
+from tissue.state.numbers import Numbers
 
 Ends = tuple[Integers, Integers]
 
@@ -264,21 +266,21 @@ class _Program:
 
 
 def _cell_energy(cells: Cells, numbers: Numbers, x: Any, a: Any, b: Any) -> Any:
-    """(3.9), (3.10), (3.12) of ``tissue.model.energy.parts``, for symbols x, a, b of shape (2, n)."""
-    l_ax, l_bx = 1 + cells.rest_ax, 1 + cells.rest_bx
-    d_ax, d_bx = _norms(a - x), _norms(b - x)
+    """(3.9), (3.10), (3.12), for symbols x, a, b of shape (2, n)."""
+    d_ax, d_bx, power = _norms(a - x), _norms(b - x), numbers.power
     cosine = casadi.sum1((a - x) * (b - x)) / (d_ax * d_bx)
-    each = _row(cells.stiff_ax / l_ax**numbers.power) * (d_ax - _row(l_ax)) ** 2
-    each += _row(cells.stiff_bx / l_bx**numbers.power) * (d_bx - _row(l_bx)) ** 2
-    return casadi.sum2(each + _row(cells.stiff_axb) * (cosine + 1))
+    each = springs.energy(d_ax, _row(1 + cells.rest_ax), _row(cells.stiff_ax), power)
+    each += springs.energy(d_bx, _row(1 + cells.rest_bx), _row(cells.stiff_bx), power)
+    return casadi.sum2(each + bending.energy(cosine, _row(cells.stiff_axb)))
 
 
 def _pair_energy(cells: Cells, layers: CellLayers, numbers: Numbers, x: Any, a: Any, soft: Ends) -> Any:
     """(3.11) and, of the pairs ``soft``, (3.13)."""
-    left, right = layers.apical[:-1], layers.apical[1:]
-    strain = _lengths(a, (left, right)) - _row(cells.rest_aa[left])
-    apical = numbers.junction_factor * casadi.sum2(_row(cells.stiff_aa[left] + cells.stiff_aa[right]) / 2 * strain**2)
-    return (apical + numbers.repulsion * casadi.sumsqr(casadi.fmax(0, SOFT - _lengths(x, soft)))) / 2
+    ends = junctions.pairs(cells, layers, closed=False)
+    stiffness = _row(junctions.stiffness(cells, ends, numbers.junction_factor))
+    apical = junctions.energy(_lengths(a, ends), _row(cells.rest_aa[ends[0]]), stiffness)
+    nuclei = repulsion.energy(casadi.fmin(SOFT, _lengths(x, soft)), numbers.repulsion)
+    return casadi.sum2(apical) + casadi.sum2(nuclei)
 
 
 def _arrows(points: Any, ends: Ends) -> Any:

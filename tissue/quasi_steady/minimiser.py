@@ -7,8 +7,8 @@ from typing import Protocol
 
 from dincl.checks import number
 from dincl.status import Status
-from tissue.model.cells import CellLayers, Cells
-from tissue.model.numbers import Numbers
+from tissue.state.cells import CellLayers, Cells
+from tissue.state.numbers import Numbers
 
 
 class Minimised(Protocol):

@@ -10,18 +10,18 @@ import numpy as np
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.parameters import Parameters
-from tissue.kernels.advance import apply_rules, is_full
-from tissue.kernels.called import handed_rules
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import COUNTERS, Store, contents, grown
 from tissue.lot import checkpoint_at, kept_steps
-from tissue.model.cells import COORDINATES, Cells, Flags, Floats, Integers
-from tissue.model.frame import Frame
-from tissue.model.streams import streams
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import TissueMinimiser
 from tissue.run import Run, RunFailed
 from tissue.start import started
+from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
+from tissue.state.frame import Frame
+from tissue.state.streams import streams
+from tissue.step.advance import apply_rules, is_full
+from tissue.step.called import handed_rules
 
 
 @dataclass(frozen=True, eq=False, repr=False)

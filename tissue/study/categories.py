@@ -12,7 +12,7 @@ import pandas as pd
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 
 EVENTS = ("A", "B", "S", "P")  # in this order where times are equal, so that [AB] has T_A <= T_B
 NO_EVENT = "none"

@@ -11,15 +11,15 @@ import pyarrow as pa
 from dincl.status import Status
 from tissue.events.known import FIRST, events, in_order
 from tissue.files.parameters import Parameters
-from tissue.kernels.extents import measure_extents
 from tissue.kernels.lanes import WIDTH
-from tissue.kernels.scale import measure
 from tissue.kernels.store import CELLS
 from tissue.lot import Lot
-from tissue.model.cells import Flags, Floats
-from tissue.model.frame import Frame
+from tissue.model.extents import measure_extents
+from tissue.model.scale import measure
 from tissue.observable import Observable
 from tissue.registry import registered
+from tissue.state.cells import Flags, Floats
+from tissue.state.frame import Frame
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -9,7 +9,7 @@ from dincl.errors import InvalidProblem
 from tests.tissue.test_resume import arrays, same
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.frame import Frame
+from tissue.state.frame import Frame
 
 SMALL = {
     "tissue.cells": 5,

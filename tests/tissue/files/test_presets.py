@@ -12,9 +12,7 @@ import pytest
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import FOLDER
 from tissue.files.parameters import preset
-from tissue.model.numbers import Numbers
-from tissue.model.numbers_daha import Daha
-from tissue.model.numbers_start import StartNumbers
+from tissue.state.numbers import Daha, Numbers, StartNumbers
 
 ROOT = Path(__file__).parents[3]
 THIRD = 1 / 3

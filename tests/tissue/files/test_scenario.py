@@ -16,9 +16,9 @@ from tissue.files.timing import Timing, timing
 from tissue.files.units import Measure
 from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
-from tissue.model.streams import streams
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.start import started
+from tissue.state.streams import streams
 
 NEVER = math.inf
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.

@@ -13,8 +13,8 @@ from tests.twins.tissue.state import Tissue
 from tissue.kernels.board import Boards
 from tissue.kernels.curve import curve_numbers
 from tissue.kernels.store import STRAIGHT
-from tissue.kernels.sweeps import part
-from tissue.model.basal_curve import ellipse
+from tissue.model.discs import part
+from tissue.state.basal_curve import ellipse
 
 seeds = st.integers(0, 2**32 - 1)
 RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))

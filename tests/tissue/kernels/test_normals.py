@@ -11,8 +11,8 @@ from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.kernels import kernel
 from tissue.kernels.lanes import WIDTH, store
-from tissue.kernels.noise import draw_key
 from tissue.kernels.normals import normals, shake, threefry
+from tissue.model.noise import draw_key
 
 RARE = 1e-3
 ALL = 0xFFFFFFFF

@@ -7,10 +7,10 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import COORDINATES, aged
 from tests.tissue.states import numbers
 from tissue.files.parameters import preset
-from tissue.kernels import advance
 from tissue.kernels.board import LOST
-from tissue.kernels.group import Group
 from tissue.kernels.store import CELLS
+from tissue.step import advance
+from tissue.step.group import Group
 
 each_preset = pytest.mark.parametrize("name", ["thesis", "published"])
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from tissue.model.basal_curve import LINE, ellipse, through
+from tissue.state.basal_curve import LINE, ellipse, through
 
 R = 60 / (2 * np.pi)
 PLACES = np.linspace(-70.0, 70.0, 401)

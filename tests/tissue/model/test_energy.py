@@ -1,27 +1,34 @@
 """The energy against the formulas typed out, the forces against the energy, and what mechanics asks of both."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 
 import dincl
 from tests.tissue.states import cells, layers, numbers, tissue
 from tissue.model.energy import Forces, Parts, energy, forces, parts
+from tissue.state.basal_curve import LINE, ellipse
 
 STEP = 1e-30
+TUBE = ellipse(40.0, 1.0, inside=True, ring=True)
 PARTS = Parts._fields
 COORDINATES = Forces._fields
 anywhere = pytest.mark.parametrize("seed", range(6))
 each_part = pytest.mark.parametrize("part", [*PARTS, "all"])
+each_curve = pytest.mark.parametrize("curve", [LINE, TUBE], ids=["line", "tube"])
 each_power = pytest.mark.parametrize("power", [1, 2])
 # A cell as it stands at rest: the springs have their lengths, the three points lie on a line.
 UPRIGHT = {"x": [[0.0, 2.5]], "a": [[0.0, 5.0]], "b": [[0.0, 0.0]]}
 
 
 def wild(seed, n=9):
-    """A state like no tissue: points anywhere, layers of some cells in any order."""
+    """A state like no tissue: points anywhere, layers of some cells in any order, the others in two chains."""
     rng = np.random.default_rng(seed)
     state = cells(n, seed)._replace(**{name: rng.uniform(-2.0, 2.0, n) for name in COORDINATES})
-    return state, layers(n, apical=rng.permutation(n)[: n - 2], basal=rng.permutation(n)[: n - 3])
+    inside, basal = rng.permutation(n), rng.permutation(n)[: n - 3]
+    state.chain[np.sort(inside[n - 5 :])] = 3, 8, 8, 3, 3
+    return state, layers(n, apical=inside[: n - 5], basal=basal)
 
 
 def only(part, state, given):
@@ -32,14 +39,22 @@ def only(part, state, given):
     return state._replace(**off), given._replace(repulsion=given.repulsion * (part == "xx"))
 
 
-def slope(state, network, given, name, k):
+def slope(state, network, given, curve, name, k):
     """dW/d(coordinate) of cell k by a complex step: exact to rounding, there is no difference to cancel."""
     moved = getattr(state, name).astype(complex)
     moved[k] += STEP * 1j
-    return energy(state._replace(**{name: moved}), network, given).imag / STEP
+    return energy(state._replace(**{name: moved}), network, given, curve).imag / STEP
 
 
-def typed_out(state, network, given):
+def joined(state, network, curve):
+    """The junctions: of the layer, of a closed one that of its ends, and of each chain."""
+    for line in (network.apical, *(np.flatnonzero(state.chain == number) for number in {*state.chain} - {0})):
+        yield from pairwise(line)
+    if curve.ring:
+        yield network.apical[-1], network.apical[0]
+
+
+def typed_out(state, network, given, curve):
     """(3.9)-(3.13) in units of R_soft, cell by cell and pair by pair."""
     n = len(state.x)
     x, a, b = (np.column_stack(part) for part in ((state.x, state.y), (state.ax, state.ay), (state.bx, state.by)))
@@ -53,7 +68,7 @@ def typed_out(state, network, given):
         for j in range(i):
             d = np.linalg.norm(x[i] - x[j])
             w["xx"] += given.repulsion / 2 * (d - 2) ** 2 if d <= 2 else 0.0
-    for i, j in zip(network.apical[:-1], network.apical[1:], strict=True):
+    for i, j in joined(state, network, curve):
         mean = (state.stiff_aa[i] + state.stiff_aa[j]) / 2
         w["aa"] += given.junction_factor * mean / 2 * (np.linalg.norm(a[i] - a[j]) - state.rest_aa[i]) ** 2
     return w
@@ -61,26 +76,28 @@ def typed_out(state, network, given):
 
 @anywhere
 @each_power
-def test_energy_is_the_formulas(seed, power):
+@each_curve
+def test_energy_is_the_formulas(seed, power, curve):
     for state, network in (wild(seed), (cells(30, seed), layers(30))):
         given = numbers(power=power, junction_factor=1.7, repulsion=0.6)
-        expected = typed_out(state, network, given)
-        assert parts(state, network, given)._asdict() == pytest.approx(expected, rel=1e-13)
-        assert energy(state, network, given) == pytest.approx(sum(expected.values()), rel=1e-13)
+        expected = typed_out(state, network, given, curve)
+        assert parts(state, network, given, curve)._asdict() == pytest.approx(expected, rel=1e-13)
+        assert energy(state, network, given, curve) == pytest.approx(sum(expected.values()), rel=1e-13)
         assert min(expected.values()) > 0
 
 
 @anywhere
 @each_power
 @each_part
-def test_forces_are_the_slope_of_the_energy(seed, power, part):
+@each_curve
+def test_forces_are_the_slope_of_the_energy(seed, power, part, curve):
     for drawn, network in (wild(seed), (cells(9, seed), layers(9))):
         state, given = only(part, drawn, numbers(power=power, junction_factor=1.7, repulsion=0.6))
-        found = forces(state, network, given)
+        found = forces(state, network, given, curve)
         largest = np.abs(found).max()
         assert largest > 0
         for name in COORDINATES:
-            exact = [-slope(state, network, given, name, k) for k in range(9)]
+            exact = [-slope(state, network, given, curve, name, k) for k in range(9)]
             assert getattr(found, name) == pytest.approx(exact, abs=1e-10 * largest)
 
 
@@ -190,8 +207,8 @@ def test_the_printed_sign_of_the_repulsion_attracts():
     """(3.13) as printed is the negative of W_xx: its force, minus its slope, pulls overlapping nuclei together."""
     state, given = two_nuclei(1.5)
     printed = given._replace(repulsion=-given.repulsion)
-    assert -slope(state, layers(2), printed, "x", 0) == pytest.approx(0.5)
-    assert -slope(state, layers(2), printed, "x", 1) == pytest.approx(-0.5)
+    assert -slope(state, layers(2), printed, LINE, "x", 0) == pytest.approx(0.5)
+    assert -slope(state, layers(2), printed, LINE, "x", 1) == pytest.approx(-0.5)
 
 
 def test_the_second_form_of_the_straightness_is_another_function():

@@ -9,7 +9,6 @@ from tests.tissue.states import HEIGHT, cells, layers, numbers
 from tests.tissue.states import tissue as cells_at
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.frame import Frame
 from tissue.model.observables import (
     PHASES,
     Extruded,
@@ -22,6 +21,7 @@ from tissue.model.observables import (
     phases,
     widths,
 )
+from tissue.state.frame import Frame
 
 
 def frame(x, a, apical=None, basal=None, t=0.0, **fields):

@@ -12,11 +12,11 @@ from dincl.errors import InvalidProblem
 from tests.contracts.test_imports import imported, sources
 from tests.tissue.states import layers, tissue
 from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, two_hours
-from tissue.model.frame import Frame
 from tissue.model.observables import PHASES
 from tissue.pictures import picture as drawing
 from tissue.pictures.picture import picture, stills
 from tissue.pictures.sheet import APICAL, BASAL, COLOURS, EMT_COLOURS
+from tissue.state.frame import Frame
 from tissue.tables import EVENTS
 
 

@@ -10,13 +10,13 @@ import dincl
 from dincl.minimise import DampedArrowHurwicz as OnAProblem
 from dincl.minimise import RelativeMove, minimise
 from tests.tissue.states import cells, divided, layers, numbers, tissue
-from tissue.kernels.group import Group
 from tissue.kernels.store import contents, stored
 from tissue.model.energy import Forces, energy, forces
-from tissue.model.numbers_daha import Daha
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
 from tissue.quasi_steady.frozen import constraints, frozen_problem, particles
 from tissue.quasi_steady.judge import local_minimum
+from tissue.state.numbers import Daha
+from tissue.step.group import Group
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 COORDINATES = Forces._fields

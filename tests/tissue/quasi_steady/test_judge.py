@@ -6,11 +6,11 @@ from scipy.optimize import minimize
 
 import dincl
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
-from tissue.model.cells import CellLayers
 from tissue.model.energy import energy, forces
 from tissue.quasi_steady import judge
 from tissue.quasi_steady.frozen import cells_at, constraints, particles
 from tissue.quasi_steady.judge import local_minimum
+from tissue.state.cells import CellLayers
 
 TOL = 1e-8
 STEP = 1e-30

@@ -10,13 +10,13 @@ import dincl
 from dincl.status import Status
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.cells import Cells
-from tissue.model.numbers_daha import Daha
-from tissue.model.streams import streams
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
 from tissue.run import RunFailed
+from tissue.state.cells import Cells
+from tissue.state.numbers import Daha
+from tissue.state.streams import streams
 
 COORDINATES = Cells._fields[:6]
 AGES = ("birth", "cycle", "id", "mother", "radius", "moves", "divides")

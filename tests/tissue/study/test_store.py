@@ -128,7 +128,7 @@ def test_many_differences_are_cut_short():
 def test_the_code_version_knows_the_sources_that_make_numbers():
     code = identity.house_code.__wrapped__()
     assert code["numba"] == version("numba")
-    rows = {"tissue.start", "tissue.kernels.substeps", "tissue.study.outcomes", "tissue.tables", "dincl.compile"}
+    rows = {"tissue.start", "tissue.step.substeps", "tissue.study.outcomes", "tissue.tables", "dincl.compile"}
     rows |= {"tissue.events.apical", "tissue.division", "tissue.summary"}
     assert rows <= code.keys()
     aside = {"tissue.picture", "tissue.cli_study", "tissue.study.ratios", "tissue.study.store", "dincl.study.execute"}

@@ -12,10 +12,10 @@ import numpy as np
 
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import bit, events
-from tissue.model.cells import CellLayers, Cells, Emt, Flags, Floats
-from tissue.model.frame import Frame
-from tissue.model.numbers import Numbers
 from tissue.model.observables import ab_positions
+from tissue.state.cells import CellLayers, Cells, Emt, Flags, Floats
+from tissue.state.frame import Frame
+from tissue.state.numbers import Numbers
 
 Arrays = TypeVar("Arrays", Cells, Emt)
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from tissue.model.cells import Floats, Integers
+from tissue.state.cells import Floats, Integers
 
 WORDS = 2.0**32
 

@@ -16,8 +16,8 @@ from typing import Any
 from mpmath import mp
 from numpy.random import Generator
 
-from tissue.model.frame import Frame
-from tissue.model.numbers import Numbers
+from tissue.state.frame import Frame
+from tissue.state.numbers import Numbers
 
 # The point of the basal layer at arclength s, and the unit tangent there.
 Layer = Callable[[Any], tuple[Any, Any]]

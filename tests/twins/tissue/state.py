@@ -2,7 +2,7 @@
 
 from typing import NamedTuple
 
-from tissue.model.cells import CellLayers, Cells, Emt, no_emt
+from tissue.state.cells import CellLayers, Cells, Emt, no_emt
 
 
 class Tissue(NamedTuple):

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -19,9 +18,9 @@ from tests.twins.tissue.events import Motion, begin_events, last_events, motion,
 from tests.twins.tissue.normals import WORDS, normals
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import bit
-from tissue.model.cells import CellLayers, Cells, Flags, Floats
-from tissue.model.energy import Forces, forces
-from tissue.model.numbers import Numbers
+from tissue.model.energy import forces
+from tissue.state.cells import CellLayers, Cells, Flags, Floats
+from tissue.state.numbers import Numbers
 
 
 def steps(tissue: Tissue, made: int, wanted: int, numbers: Numbers, draws: Generator, noise: Generator) -> Tissue:
@@ -125,26 +124,13 @@ def make_substeps(cells: Cells, layers: CellLayers, numbers: Numbers, noise: Gen
 
 def moved(cells: Cells, layers: CellLayers, numbers: Numbers, h: float, own: Motion) -> Cells:
     """Z - (h / mu) grad W(Z); basal points of the layer stay on the basal line (C3), others may run ahead (4.1)."""
-    push = with_chains(forces(cells, layers, numbers), cells, numbers)
+    push = forces(cells, layers, numbers)
     push.by[layers.basal] = 0.0
     push.bx[~own.forced] = push.by[~own.forced] = 0.0
     end = {name: getattr(cells, name) + h / numbers.mu * force for name, force in push._asdict().items()}
     ahead = np.array([cells.bx - cells.x, cells.by - cells.y])
     ahead *= own.runs / np.hypot(*ahead)
     return cells._replace(**end | {"bx": end["bx"] + ahead[0], "by": end["by"] + ahead[1]})
-
-
-def with_chains(push: Forces, cells: Cells, numbers: Numbers) -> Forces:
-    """The forces with those of the junctions of chains apart from the layer: k (d - eta) between neighbours."""
-    for number in set(cells.chain.tolist()) - {0}:
-        chain = np.flatnonzero(cells.chain == number)
-        for i, j in pairwise(chain):
-            dx, dy = cells.ax[j] - cells.ax[i], cells.ay[j] - cells.ay[i]
-            k = numbers.junction_factor * 0.5 * (cells.stiff_aa[i] + cells.stiff_aa[j])
-            pull = k * (1.0 - cells.rest_aa[i] / math.hypot(dx, dy))
-            push.ax[[i, j]] += pull * dx, -pull * dx
-            push.ay[[i, j]] += pull * dy, -pull * dy
-    return push
 
 
 def swept(cells: Cells, layers: CellLayers, numbers: Numbers) -> Cells:

@@ -9,10 +9,10 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
-from tissue.model.cells import CellLayers, Cells, empty
-from tissue.model.frame import Frame
 from tissue.pictures.picture import Box, drawing
 from tissue.pictures.sheet import Figure
+from tissue.state.cells import CellLayers, Cells, empty
+from tissue.state.frame import Frame
 from tissue.study.figures.needs import Studies, needs
 from tissue.study.figures.style import POSITION, caption
 from tissue.tables import EVENTS, LENGTHS

@@ -9,8 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from tissue.model.cells import Floats
 from tissue.pictures.sheet import EMT_COLOURS, Axes, Figure, Line2D, Patch
+from tissue.state.cells import Floats
 from tissue.study.categories import What
 from tissue.study.ratios import LEVEL, Ratio
 

@@ -10,8 +10,8 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Key, Row, Study
-from tissue.model.frame import Frame
-from tissue.model.numbers import Numbers
+from tissue.state.frame import Frame
+from tissue.state.numbers import Numbers
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.growing import growing
 from verification.thesis.chapter3.intervals import over_seeds

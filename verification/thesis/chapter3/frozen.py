@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tissue.model.cells import CellLayers, Cells, first
-from tissue.model.numbers import Numbers
+from tissue.state.cells import CellLayers, Cells, first
+from tissue.state.numbers import Numbers
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.growing import growing
 from verification.thesis.chapter3.jitter import substepped

@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from dincl.status import Status
 from tissue.files.parameters import Parameters, preset
 from tissue.kernels.board import RUNNING
-from tissue.kernels.group import Group
 from tissue.kernels.store import CELLS, Store, contents
-from tissue.model.cells import COORDINATES, Cells
-from tissue.model.frame import Frame
-from tissue.model.numbers import Numbers
-from tissue.model.streams import Streams, streams
 from tissue.start import started
+from tissue.state.cells import COORDINATES, Cells
+from tissue.state.frame import Frame
+from tissue.state.numbers import Numbers
+from tissue.state.streams import Streams, streams
+from tissue.step.group import Group
 
 Floats = NDArray[np.float64]
 PRESETS = ("thesis", "published")

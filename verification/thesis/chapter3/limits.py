@@ -12,8 +12,8 @@ import numpy as np
 
 from dincl.study import Study
 from tissue.files.parameters import preset
-from tissue.model.cells import CellLayers, empty
-from tissue.model.numbers import Numbers
+from tissue.state.cells import CellLayers, empty
+from tissue.state.numbers import Numbers
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.case import study as study_of_cases

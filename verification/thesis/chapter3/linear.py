@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.model.cells import CellLayers, Cells
 from tissue.model.energy import Forces, forces
-from tissue.model.numbers import Numbers
+from tissue.state.cells import CellLayers, Cells
+from tissue.state.numbers import Numbers
 
 Floats = NDArray[np.float64]
 # Unknowns of a cell whose basal point is on its line.

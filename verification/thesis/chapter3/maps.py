@@ -13,8 +13,8 @@ import pandas as pd
 
 from dincl.study import Study
 from tissue.files.parameters import preset
-from tissue.model.frame import Frame
-from tissue.model.numbers import Numbers
+from tissue.state.frame import Frame
+from tissue.state.numbers import Numbers
 from verification.thesis.chapter2.stability.plane import Axis, Plane, geometric
 from verification.thesis.chapter3 import frozen, linear
 from verification.thesis.chapter3.frozen import Frozen

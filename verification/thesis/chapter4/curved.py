@@ -14,7 +14,7 @@ import pandas as pd
 
 from dincl.study import workers
 from tissue.files.parameters import preset
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 from tissue.study.outcomes import SIDES, outcomes
 from tissue.study.ratios import wilson
 from tissue.study.read import Results

@@ -14,13 +14,13 @@ from scipy.optimize import minimize_scalar
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.kernels.called import handed_rules
-from tissue.kernels.cycle import adapt_rest_lengths
-from tissue.kernels.division import divide
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import contents, stored
-from tissue.model.cells import Cells
-from tissue.model.frame import Frame
+from tissue.model.cycle import adapt_rest_lengths
+from tissue.model.division import divide
+from tissue.state.cells import Cells
+from tissue.state.frame import Frame
+from tissue.step.called import handed_rules
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import grown, runs_for

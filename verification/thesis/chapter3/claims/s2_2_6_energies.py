@@ -11,10 +11,10 @@ import numpy as np
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.cells import COORDINATES, Cells
 from tissue.model.energy import forces
-from tissue.model.frame import Frame
 from tissue.model.observables import height
+from tissue.state.cells import COORDINATES, Cells
+from tissue.state.frame import Frame
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds

@@ -8,15 +8,15 @@ from scipy.optimize import minimize_scalar
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.kernels.called import handed_rules
-from tissue.kernels.cycle import adapt_rest_lengths
-from tissue.kernels.group import Group
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import contents, stored
-from tissue.model.cells import COORDINATES, Cells
+from tissue.model.cycle import adapt_rest_lengths
 from tissue.model.energy import energy
-from tissue.model.frame import Frame
 from tissue.quasi_steady.frozen import constraints, particles
+from tissue.state.cells import COORDINATES, Cells
+from tissue.state.frame import Frame
+from tissue.step.called import handed_rules
+from tissue.step.group import Group
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter3.terms import slope, spring

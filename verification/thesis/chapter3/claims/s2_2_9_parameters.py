@@ -10,9 +10,9 @@ import numpy as np
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.cells import COORDINATES
 from tissue.model.observables import nuclear_layers
 from tissue.quasi_steady.judge import local_minimum
+from tissue.state.cells import COORDINATES
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for

@@ -9,8 +9,8 @@ import numpy as np
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.frame import Frame
 from tissue.run import Run
+from tissue.state.frame import Frame
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from tissue.events.known import row
 from tissue.files.scenario import Scenario, drawn
 from tissue.files.timing import timing
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 from tissue.study.plan import load_study
 from tissue.study.ratios import wilson
 from verification.claims import claim

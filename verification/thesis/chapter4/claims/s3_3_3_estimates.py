@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.frequencies import CATEGORIES, RATIOS

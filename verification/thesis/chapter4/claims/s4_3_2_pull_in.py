@@ -6,9 +6,9 @@ import numpy as np
 
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.model.cells import CellLayers, Floats, empty
 from tissue.model.energy import forces
 from tissue.model.observables import ab_positions
+from tissue.state.cells import CellLayers, Floats, empty
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most
 from verification.thesis.chapter4.studies import PRESETS

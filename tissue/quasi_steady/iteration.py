@@ -8,16 +8,18 @@ import numpy as np
 
 from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.kernels.advance import DONE
-from tissue.kernels.board import LOST, Board, Boards, copy_in, copy_out
-from tissue.kernels.forces import junctions, move, push_in_rows
+from tissue.kernels.board import LOST, Board, Boards
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.kernels.lanes import WIDTH
-from tissue.kernels.multipliers import Multipliers, hold_basal, hold_discs, is_stale, list_pairs, multipliers_for
 from tissue.kernels.store import BASAL, STRAIGHT, store_at
-from tissue.model.cells import COORDINATES, Floats, Integers
-from tissue.model.numbers import Numbers
-from tissue.model.numbers_daha import Daha
+from tissue.model.junctions import pull_junctions
+from tissue.model.motion import move
+from tissue.model.repulsion import push_in_rows
+from tissue.quasi_steady.multipliers import Multipliers, hold_basal, hold_discs, is_stale, list_pairs, multipliers_for
+from tissue.state.cells import COORDINATES, Floats, Integers
+from tissue.state.numbers import Daha, Numbers
+from tissue.step.advance import DONE
+from tissue.step.copies import copy_in, copy_out
 
 # How a call ended, beside DONE: too many pairs are near each other; coordinates beyond all bounds; all iterations made,
 # and the rule does not hold yet.
@@ -68,7 +70,7 @@ def iterate(
         hold_discs(flat, daha, weight, memory.multipliers, memory.change)
         hold_basal(flat, layer, basal, daha, weight, memory.multipliers, memory.change)
         push_in_rows(flat, n, wide, rows)
-        junctions(flat, n, wide, rows)
+        pull_junctions(flat, n, wide, rows)
         move(wide, rows)
         moved, size = _move(memory, n)
         if not moved + size < TOO_FAR:  # nor if it is NaN

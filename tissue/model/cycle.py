@@ -11,11 +11,12 @@ from numpy.random import Generator
 
 from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.kernels.cytoskeleton import capped
-from tissue.kernels.rules import Rules, last_events
+from tissue.kernels.rules import Rules
 from tissue.kernels.store import CELLS, Store
-from tissue.model.cells import Cells
-from tissue.model.numbers import Numbers
+from tissue.model.cytoskeleton import capped
+from tissue.model.emt import last_events
+from tissue.state.cells import Cells
+from tissue.state.numbers import Numbers
 
 
 @inner
@@ -51,7 +52,7 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
 
     eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical and
     |A - B| - 2 for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink
-    towards 0. The sum of both eta* may have a cap, see ``tissue.kernels.cytoskeleton``. What has begun of the EMT takes
+    towards 0. The sum of both eta* may have a cap, see ``tissue.model.cytoskeleton``. What has begun of the EMT takes
     the place of these.
     """
     cells, n = store.cells, store.sizes[CELLS]

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.random import PCG64, Generator
 from numpy.typing import NDArray
 
-from tissue.model.cells import Emt, Integers
-from tissue.model.streams import Streams, streams
+from tissue.state.cells import Emt, Integers
+from tissue.state.streams import Streams, streams
 
 Words = NDArray[np.uint64]
 # The streams that a run draws from after its start.

@@ -9,7 +9,7 @@ from numpy.random import Generator
 from dincl.compile import inner
 from tissue.kernels.normals import WORDS
 from tissue.kernels.store import CELLS, Store
-from tissue.model.cells import Integers
+from tissue.state.cells import Integers
 
 
 @inner

@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from dincl.compile import inner
 from tissue.kernels.board import Board
 from tissue.kernels.near import find_near, list_ranges
-from tissue.model.cells import Floats, Integers
-from tissue.model.numbers_daha import Daha
+from tissue.state.cells import Floats, Integers
+from tissue.state.numbers import Daha
 
 # Pairs of hard discs per cell that may overlap soon, or did and still push: more mean that the tissue has collapsed.
 MOST = 32

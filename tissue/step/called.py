@@ -14,7 +14,7 @@ from tissue.events.known import events, in_order
 from tissue.kernels.handed import Handed
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
 from tissue.kernels.store import Store
-from tissue.model.cells import Integers
+from tissue.state.cells import Integers
 
 # By function, for the life of the process; threads come one at a time.
 _COMPILED: dict[Callable[..., Any], Any] = {}

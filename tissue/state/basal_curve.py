@@ -9,7 +9,7 @@ import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.special import ellipe, roots_legendre
 
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 
 # The curve turns by at most this angle within a piece [rad], so that a quintic polynomial differs from it by 1e-15 of
 # its curvature radius; bounds of the number of pieces.

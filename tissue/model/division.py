@@ -8,11 +8,11 @@ from numpy.random import Generator
 
 from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.kernels.cycle import draw_cycle
 from tissue.kernels.rules import Rules, call_place, call_splits
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
-from tissue.model.cells import Cells, Integers
-from tissue.model.numbers import Numbers
+from tissue.model.cycle import draw_cycle
+from tissue.state.cells import Cells, Integers
+from tissue.state.numbers import Numbers
 
 
 @inner

@@ -12,11 +12,13 @@ from numba import types
 
 from dincl.compile import c_function, inner
 from tissue.kernels.board import Board, board_at, wide_board_at
-from tissue.kernels.forces import junctions, move, push_in_pairs, push_in_rows
 from tissue.kernels.lanes import WIDTH
-from tissue.kernels.links import pull_links
 from tissue.kernels.normals import shake
-from tissue.kernels.sweeps import lay, order_basal, separate
+from tissue.model.basal_layer import lay, order_basal
+from tissue.model.discs import separate
+from tissue.model.junctions import pull_junctions, pull_links
+from tissue.model.motion import move
+from tissue.model.repulsion import push_in_pairs, push_in_rows
 
 _SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
 
@@ -35,7 +37,7 @@ def make_substep(board: Board, n: int, wide: Board, rows: int, flat: Board) -> N
     What a cell does by itself is done for eight at once: ``wide`` is the board in ``rows`` of eight cells, of one
     tissue or of eight; ``flat`` is the board in single numbers.
     """
-    junctions(board, n, wide, rows)
+    pull_junctions(board, n, wide, rows)
     pull_links(flat)
     move(wide, rows)
     separate(board, n)

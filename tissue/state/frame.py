@@ -6,9 +6,9 @@ from os import PathLike
 from typing import NamedTuple
 
 from dincl.errors import InvalidProblem
-from tissue.model.basal_curve import LINE, BasalCurve
-from tissue.model.cells import CellLayers, Cells
-from tissue.model.checkpoint import TissueCheckpoint
+from tissue.state.basal_curve import LINE, BasalCurve
+from tissue.state.cells import CellLayers, Cells
+from tissue.state.checkpoint import TissueCheckpoint
 
 # What a run can be started from, in messages.
 A_START = "a kept state of a run, such as run.final or Frame.load(path)"

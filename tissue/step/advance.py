@@ -9,18 +9,20 @@ from numba import types
 from numpy.random import Generator
 
 from tissue.kernels import kernel
-from tissue.kernels.board import LOST, RUNNING, board_at, copy_in, copy_out
-from tissue.kernels.cycle import adapt_rest_lengths, set_phases
-from tissue.kernels.division import count_due, divide
-from tissue.kernels.extents import is_closed
+from tissue.kernels.board import LOST, RUNNING, board_at
 from tissue.kernels.handed import generator_at, numbers_at
 from tissue.kernels.lanes import instruction
-from tissue.kernels.noise import add_noise, draw_key
-from tissue.kernels.rules import Rules, begin_events, rules_at
-from tissue.kernels.scale import watch_sides
+from tissue.kernels.rules import Rules, rules_at
 from tissue.kernels.store import CELLS, Store, store_at
-from tissue.model.cells import Integers
-from tissue.model.numbers import Numbers
+from tissue.model.cycle import adapt_rest_lengths, set_phases
+from tissue.model.division import count_due, divide
+from tissue.model.emt import begin_events
+from tissue.model.extents import is_closed
+from tissue.model.noise import add_noise, draw_key
+from tissue.model.scale import watch_sides
+from tissue.state.cells import Integers
+from tissue.state.numbers import Numbers
+from tissue.step.copies import copy_in, copy_out
 
 # How a call ended: all steps made; no room for the daughters that may come.
 DONE, FULL = range(2)

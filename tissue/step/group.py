@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import numpy as np
 
 from tissue.division import BESIDE, DivisionRule
-from tissue.kernels.advance import FULL, advance, find_lost, make_substeps
 from tissue.kernels.board import EMPTY, RUNNING, Boards
-from tissue.kernels.called import handed_rules
 from tissue.kernels.handed import GENERATOR, generator_words, handed_numbers
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.store import Store, grown
-from tissue.kernels.substeps import substeps_address
-from tissue.model.cells import Integers
-from tissue.model.numbers import Numbers
-from tissue.model.streams import Streams
+from tissue.state.cells import Integers
+from tissue.state.numbers import Numbers
+from tissue.state.streams import Streams
+from tissue.step.advance import FULL, advance, find_lost, make_substeps
+from tissue.step.called import handed_rules
+from tissue.step.substeps import substeps_address
 
 
 class Group:

@@ -8,7 +8,7 @@ from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
 from tissue.kernels.store import APICAL, CELLS, Store
-from tissue.model.cells import Floats
+from tissue.state.cells import Floats
 
 
 @inner

@@ -51,3 +51,36 @@ class Numbers(NamedTuple):
     spring_gives: bool  # above the basal line the basal spring grows at run_speed, in place of being without force
     contraction: float  # time in which its rest length decreases to 1/e below the line [h]; 0: at once
     forced_below: bool  # at run_depth the point follows the forces, in place of staying where it is
+
+
+class StartNumbers(NamedTuple):
+    """What the first state is made from; made from the parameters of a file by ``Parameters.start_numbers``.
+
+    Apical points lie at y = height, basal points at y = 0, each row evenly spaced and centred on the box of the nuclei.
+    """
+
+    cells: int
+    height: float
+    width: float  # of the box of the nuclei
+    apical_spacing: float
+    basal_spacing: float
+    nuclei: str  # x: "box" anywhere in the width, "even" spacing dx = width/(cells + 1) plus U(-dx, dx), "own_basal"
+    nuclei_low: float  # y: between these two heights
+    nuclei_high: float
+    rest_length: float  # eta of both cytoskeleton springs, without the radius R_soft
+    junction: float  # eta of the apical junctions
+
+
+class Daha(NamedTuple):
+    """Table 4 of chapter 3; made from the parameters of a file by ``Parameters.daha_numbers``.
+
+    Lengths are in units of R_soft.
+    """
+
+    alpha: float  # weight of the descent
+    beta: float  # of the ascent in the multipliers
+    gamma: float  # of the term that damps the constraints
+    c: float  # damping
+    dtau: float  # step
+    eps: float  # of the stopping rule (3.24)
+    most_iterations: int  # after these it has not terminated

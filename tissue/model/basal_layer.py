@@ -1,0 +1,68 @@
+"""The basal layer holds its points (C3), in order (C4), and neighbours at most max_basal apart (C2): one sweep."""
+
+from __future__ import annotations
+
+from dincl.compile import inner
+from tissue.kernels.board import Board
+from tissue.kernels.curve import course
+from tissue.kernels.lanes import either, fma, load, maximum, spread, store, where_positive
+from tissue.kernels.ring import at_ends, move_ends
+
+# Where there is no neighbour.
+NOWHERE = 1e300
+
+
+@inner
+def order_basal(board: Board, n: int) -> None:
+    """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= max_basal (C2) likewise.
+
+    Each sweep is a chain in which one correction waits for the one before: the second follows one neighbour behind the
+    first, so that both are under way at once. So at each point of the layer the end of the last but one before it is
+    known, and kept there, until it is brought back to its own place from right to left. In a ring both ends of the
+    layer are neighbours, and come last.
+    """
+    x, inside_at, ends, half_largest = board.along, board.in_basal, board.ends, 0.5 * board.max_basal
+    first, second, joined = spread(x, -NOWHERE), spread(x, NOWHERE), spread(x, 0.0)  # of the two before
+    made, corrections = spread(x, 1.0), spread(x, 0.0)
+    for i in range(n):
+        inside, at = load(inside_at, i), load(x, i)
+        push = maximum(fma(0.5, first, -0.5 * at), 0.0)
+        ordered = first - push
+        pull = maximum(fma(0.5, ordered - second, -half_largest), 0.0)
+        store(ends, i, second + pull)
+        corrections = corrections + where_positive(inside * push, made) + where_positive(inside * pull, made)
+        first, second = either(inside, at + push, first), either(inside * joined, ordered - pull, second)
+        joined = maximum(inside, joined)
+    pull = maximum(fma(0.5, first - second, -half_largest), 0.0)
+    end_before, end = second + pull, first - pull
+    for i in range(n - 1, -1, -1):
+        inside = load(inside_at, i)
+        store(x, i, either(inside, end, load(x, i)))
+        end, end_before = either(inside, end_before, end), either(inside, load(ends, i), end_before)
+    store(board.counts, 1, load(board.counts, 1) + corrections + where_positive(pull, made))
+    if board.curve.ring > 0.0:
+        _close(board, n)
+
+
+@inner
+def _close(board: Board, n: int) -> None:
+    """(C4), then (C2), for the last and the first cell of a ring."""
+    first, last = at_ends(board.in_basal, board.along, n)
+    gap = first + board.curve.ring - last
+    push = maximum(-0.5 * gap, 0.0)
+    pull = maximum(0.5 * (gap + 2.0 * push - board.max_basal), 0.0)
+    move_ends(board.in_basal, board.along, n, push - pull, pull - push)
+    made = spread(board.along, 1.0)
+    store(board.counts, 1, load(board.counts, 1) + where_positive(push, made) + where_positive(pull, made))
+
+
+@inner
+def lay(board: Board, rows: int) -> None:
+    """Put the basal points that a bent layer holds where they are along it."""
+    for i in range(rows):
+        inside = load(board.in_basal, i)
+        x, y, along_x, along_y = course(board.curve, load(board.along, i))
+        store(board.bx, i, either(inside, x, load(board.bx, i)))
+        store(board.by, i, either(inside, y, load(board.by, i)))
+        store(board.tangent_x, i, along_x)
+        store(board.tangent_y, i, along_y)

@@ -1,0 +1,94 @@
+"""The junctions of neighbours in the apical layer (3.11), and of those that have left it together.
+
+W = k/2 (d - eta)^2,  k = junction_factor (alpha_i + alpha_j) / 2
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import numpy as np
+
+from dincl.compile import inner
+from tissue.kernels.board import Board
+from tissue.kernels.lanes import either, fma, load, spread, store, twice_rsqrt, where_positive
+from tissue.kernels.ring import at_ends
+from tissue.state.cells import CellLayers, Cells, Integers
+
+
+def energy(d: Any, rest: Any, k: Any) -> Any:
+    """W of junctions of lengths d and rest lengths eta, for numbers, arrays and symbols."""
+    return k / 2 * (d - rest) ** 2
+
+
+def tension(d: Any, rest: Any, k: Any) -> Any:
+    """dW/dd."""
+    return k * (d - rest)
+
+
+def stiffness(cells: Cells, ends: tuple[Integers, Integers], factor: float) -> Any:
+    """k of the junctions between these cells."""
+    return factor * (cells.stiff_aa[ends[0]] + cells.stiff_aa[ends[1]]) / 2
+
+
+def pairs(cells: Cells, layers: CellLayers, closed: bool) -> tuple[Integers, Integers]:
+    """The cells i and j that junctions join, eta being that of i: in the layer, in a tube its ends, and in chains."""
+    apical, chained = layers.apical, np.flatnonzero(cells.chain)
+    ring = closed and len(apical) > 2
+    chained = chained[np.argsort(cells.chain[chained], kind="stable")]
+    linked = cells.chain[chained[:-1]] == cells.chain[chained[1:]]
+    i = (apical[:-1], apical[-1:] if ring else apical[:0], chained[:-1][linked])
+    j = (apical[1:], apical[:1] if ring else apical[:0], chained[1:][linked])
+    return np.concatenate(i), np.concatenate(j)
+
+
+@inner
+def pull_junctions(board: Board, n: int, wide: Board, rows: int) -> None:
+    """Displacement of the apical points by their junctions, pulls k (d - eta), for neighbours in the layer.
+
+    Each cell of the layer finds the one before it, then how their junction pulls it, then what the next one does. In a
+    ring the last one is before the first.
+    """
+    inside_at, ax, ay, drag_x, drag_y = board.in_apical, board.ax, board.ay, board.drag_x, board.drag_y
+    x, y = spread(ax, 0.0), spread(ax, 0.0)
+    if board.curve.ring > 0.0:
+        x, y = at_ends(inside_at, ax, n)[1], at_ends(inside_at, ay, n)[1]
+    for i in range(n):
+        inside = load(inside_at, i)
+        store(drag_x, i, x)
+        store(drag_y, i, y)
+        x, y = either(inside, load(ax, i), x), either(inside, load(ay, i), y)
+    for i in range(rows):
+        dx, dy, k = load(wide.ax, i) - load(wide.drag_x, i), load(wide.ay, i) - load(wide.drag_y, i), load(wide.k_aa, i)
+        pull = k - 0.5 * k * load(wide.rest, i) * twice_rsqrt(fma(dx, dx, dy * dy))
+        pull = where_positive(load(wide.joined, i), pull)
+        store(wide.drag_x, i, pull * dx)
+        store(wide.drag_y, i, pull * dy)
+    x, y = spread(ax, 0.0), spread(ax, 0.0)
+    if board.curve.ring > 0.0:
+        x, y = at_ends(inside_at, drag_x, n)[0], at_ends(inside_at, drag_y, n)[0]
+    for i in range(n - 1, -1, -1):
+        inside, back_x, back_y = load(inside_at, i), load(drag_x, i), load(drag_y, i)
+        store(drag_x, i, where_positive(inside, x - back_x))
+        store(drag_y, i, where_positive(inside, y - back_y))
+        x, y = either(inside, back_x, x), either(inside, back_y, y)
+
+
+@inner
+def pull_links(board: Board) -> None:
+    """Add to the displacements of the apical points what the junctions of chains do, pulls k (d - eta).
+
+    The board is seen flat.
+    """
+    ax, ay, drag_x, drag_y, links = board.ax, board.ay, board.drag_x, board.drag_y, board.links
+    for number in range(links[0]):
+        i, j = links[1 + 2 * number], links[2 + 2 * number]
+        dx, dy = ax[i] - ax[j], ay[i] - ay[j]
+        d = math.sqrt(dx * dx + dy * dy)
+        if d > 0.0:
+            pull = board.k_aa[i] * (1.0 - board.rest[i] / d)
+            drag_x[i] -= pull * dx
+            drag_y[i] -= pull * dy
+            drag_x[j] += pull * dx
+            drag_y[j] += pull * dy

@@ -1,0 +1,118 @@
+"""The soft repulsion of nuclei (3.13): discs of radius R_soft = 1 push each other apart where they overlap.
+
+    W = k/2 (2 - d)^2  for d < 2, else 0
+
+It is printed with a minus sign, which would attract.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from dincl.compile import inner
+from tissue.kernels.board import Board
+from tissue.kernels.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
+from tissue.kernels.near import find_near, find_near_rows, list_around, list_before, window_around
+
+# Distance below which two nuclei repel each other.
+SOFT = 2.0
+# Radius of the soft discs, a little more than 1: a pair at the end of the range, of which rounding decides
+# whether it repels, is looked at in every company.
+SOFT_END = 1.0 + 1e-9
+
+Lane = Any  # a double, or eight
+Plane = tuple[Lane, Lane]
+
+
+def energy(d: Any, k: Any) -> Any:
+    """W of pairs at distances d <= 2, for numbers, arrays and symbols."""
+    return k / 2 * (d - SOFT) ** 2
+
+
+def tension(d: Any, k: Any) -> Any:
+    """dW/dd < 0 of pairs at distances d < 2."""
+    return k * (d - SOFT)
+
+
+@inner
+def push_in_rows(board: Board, n: int, wide: Board, rows: int) -> None:
+    """Push of the soft discs on each nucleus of one tissue, the sum of (2 / d - 1) (X_i - X_j) over j.
+
+    Eight nuclei in a row meet all that are near one of them, one after the other. Without strength no pair is looked
+    at.
+    """
+    push, pairs = (spread(wide.x, 0.0), spread(wide.x, 0.0)), 0
+    if board.repulsion != 0.0:
+        find_near_rows(board, n, 0.0, SOFT_END)
+    for row in range(rows):
+        total = push
+        if board.repulsion == 0.0:
+            pass
+        elif board.bent:
+            for k in range(list_around(board, row, rows)):
+                total = _push_row(board, wide, row, board.begin[k], min(board.end[k], n), total)
+                pairs += WIDTH * (min(board.end[k], n) - board.begin[k])
+        else:
+            begin, end = window_around(board, row, n)
+            total = _push_row(board, wide, row, begin, end, total)
+            pairs += WIDTH * (end - begin)
+        store(wide.push_x, row, total[0])
+        store(wide.push_y, row, total[1])
+    board.pairs[0] += pairs // 2  # each twice
+
+
+@inner
+def _push_row(board: Board, wide: Board, row: int, begin: int, end: int, push: Plane) -> Plane:
+    """Add what cells ``begin`` to ``end`` do to a row, without a branch.
+
+    One that is beyond the range adds exact zeros, as a nucleus does to itself.
+    """
+    x_i, y_i, (push_x, push_y) = load(wide.x, row), load(wide.y, row), push
+    for j in range(begin, end):
+        dx, dy = x_i - load_wide(board.x, j), y_i - load_wide(board.y, j)
+        square = fma(dx, dx, dy * dy)
+        weight = where_positive(square, repelling(square))
+        push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
+    return push_x, push_y
+
+
+@inner
+def push_in_pairs(board: Board, n: int) -> None:
+    """The same in eight tissues, where each pair is looked at once. The sums are added up in the same order."""
+    none, pairs = spread(board.x, 0.0), 0
+    if board.repulsion != 0.0:
+        find_near(board, n, 0.0, SOFT_END)
+    for i in range(n):
+        sum_x, sum_y = none, none
+        if board.repulsion == 0.0:
+            pass
+        elif board.bent:
+            for k in range(list_before(board, i)):
+                sum_x, sum_y = _push_pairs(board, i, board.begin[k], min(board.end[k], i), (sum_x, sum_y))
+                pairs += max(0, min(board.end[k], i) - board.begin[k])
+        else:
+            sum_x, sum_y = _push_pairs(board, i, board.first[i], i, (sum_x, sum_y))
+            pairs += i - board.first[i]
+        store(board.push_x, i, 0.0 - sum_x)
+        store(board.push_y, i, 0.0 - sum_y)
+    board.pairs[0] += pairs
+
+
+@inner
+def _push_pairs(board: Board, i: int, begin: int, end: int, push: Plane) -> Plane:
+    """Add what nucleus i does to those from ``begin`` to ``end``, and collect what they do to it, with other sign."""
+    push_x, push_y, x_i, y_i = board.push_x, board.push_y, load(board.x, i), load(board.y, i)
+    sum_x, sum_y = push
+    for j in range(begin, end):
+        dx, dy = load(board.x, j) - x_i, load(board.y, j) - y_i
+        weight = repelling(fma(dx, dx, dy * dy))
+        sum_x, sum_y = fma(weight, dx, sum_x), fma(weight, dy, sum_y)
+        store(push_x, j, fma(weight, dx, load(push_x, j)))
+        store(push_y, j, fma(weight, dy, load(push_y, j)))
+    return sum_x, sum_y
+
+
+@inner
+def repelling(square: Lane) -> Lane:
+    """2 / d - 1 where two soft discs overlap, else 0, from d^2."""
+    return maximum(twice_rsqrt(square) - 1.0, 0.0)
