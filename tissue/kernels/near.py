@@ -6,9 +6,12 @@ the layer bends they need not be: blocks of a few cells in a row are compared by
 
 from __future__ import annotations
 
+from typing import Any
+
 from dincl.compile import inner
 from tissue.kernels.board import Board
 from tissue.kernels.lanes import WIDTH, load, maximum, positive_bits, spread, store
+from tissue.state.cells import Floats
 
 # Cells in a block: smaller ones are compared more often, larger ones are near each other more often.
 BLOCK = 4
@@ -97,12 +100,18 @@ def find_windows(board: Board, n: int, share: float, extra: float) -> None:
         x_i, reach = load(x, i), share * load(radius, i) + extra
         ahead = maximum(ahead, x_i + reach)
         store(front, i, ahead)
-        left = x_i - reach
-        while j > 0 and positive_bits(load(front, j - 1) - left):
-            j -= 1
-        while j < i and not positive_bits(load(front, j) - left):
-            j += 1
+        j = _first_beyond(front, x_i - reach, j, i)
         board.first[i] = j
+
+
+@inner
+def _first_beyond(front: Floats, left: Any, j: int, most: int) -> int:
+    """The first place whose ``front`` is beyond ``left`` in some tissue, ``most`` if none before is; from a guess j."""
+    while j > 0 and positive_bits(load(front, j - 1) - left):
+        j -= 1
+    while j < most and not positive_bits(load(front, j) - left):
+        j += 1
+    return j
 
 
 @inner
@@ -128,11 +137,7 @@ def find_boxes(board: Board, n: int, size: int, share: float, extra: float) -> N
         _surround(board, p, p * size, min(p * size + size, n), share, extra)
         ahead = maximum(ahead, load(board.right, p))
         store(board.front, p, ahead)
-        left = 0.0 - load(board.left, p)
-        while q > 0 and positive_bits(load(board.front, q - 1) - left):
-            q -= 1
-        while q < p and not positive_bits(load(board.front, q) - left):
-            q += 1
+        q = _first_beyond(board.front, 0.0 - load(board.left, p), q, p)
         board.first[p] = q
 
 

@@ -12,33 +12,26 @@ from tissue.state.cells import Floats
 @inner
 def at_ends(inside: Floats, values: Floats, n: int) -> tuple[Any, Any]:
     """The values of the first and of the last cell of a layer, in each tissue; 0 if the layer is empty."""
-    first, last, missing, i = spread(values, 0.0), spread(values, 0.0), spread(values, 1.0), 0
-    while i < n and positive_bits(missing):
-        here = load(inside, i)
-        first = either(here * missing, load(values, i), first)
-        missing = either(here, 0.0, missing)
-        i += 1
-    missing, i = spread(values, 1.0), n - 1
-    while i >= 0 and positive_bits(missing):
-        here = load(inside, i)
-        last = either(here * missing, load(values, i), last)
-        missing = either(here, 0.0, missing)
-        i -= 1
-    return first, last
+    none = spread(values, 0.0)
+    return _move_end(inside, values, 0, n, 1, none), _move_end(inside, values, n - 1, -1, -1, none)
 
 
 @inner
 def move_ends(inside: Floats, values: Floats, n: int, first: Any, last: Any) -> None:
     """Add to the values of the first and of the last cell of a layer."""
-    missing, i = spread(values, 1.0), 0
-    while i < n and positive_bits(missing):
-        here, value = load(inside, i), load(values, i)
-        store(values, i, either(here * missing, value + first, value))
-        missing = either(here, 0.0, missing)
-        i += 1
-    missing, i = spread(values, 1.0), n - 1
-    while i >= 0 and positive_bits(missing):
-        here, value = load(inside, i), load(values, i)
-        store(values, i, either(here * missing, value + last, value))
-        missing = either(here, 0.0, missing)
-        i -= 1
+    _move_end(inside, values, 0, n, 1, first)
+    _move_end(inside, values, n - 1, -1, -1, last)
+
+
+@inner
+def _move_end(inside: Floats, values: Floats, begin: int, stop: int, step: int, change: Any) -> Any:
+    """Walk until each tissue has met a cell of its layer, and add to the value of that cell: what it was, or 0."""
+    found, missing, i = spread(values, 0.0), spread(values, 1.0), begin
+    while i != stop and positive_bits(missing):
+        inside_i, value = load(inside, i), load(values, i)
+        here = inside_i * missing
+        found = either(here, value, found)
+        store(values, i, either(here, value + change, value))
+        missing = either(inside_i, 0.0, missing)
+        i += step
+    return found
