@@ -22,7 +22,7 @@ class Page(HTMLParser):
         self.ids += [given["id"]] if "id" in given else []
         self.links += [given["href"]] if "href" in given else []
         self.images += [given["src"]] if "src" in given else []
-        if tag in {"h2", "h3"}:
+        if tag == "h2":
             self.headings.append("")
         if tag not in EMPTY:
             self.open.append(tag)
@@ -31,5 +31,5 @@ class Page(HTMLParser):
         assert self.open.pop() == tag
 
     def handle_data(self, data: str) -> None:
-        if self.open and self.open[-1] in {"h2", "h3"}:
+        if self.open and self.open[-1] == "h2":
             self.headings[-1] += data

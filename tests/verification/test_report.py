@@ -1,4 +1,4 @@
-"""The page has every section, opens offline, and is written from tables without running anything again."""
+"""The pages have every section, open offline, and are written from tables without running anything again."""
 
 import re
 from pathlib import Path
@@ -20,8 +20,9 @@ from verification import cli
 from verification.claims import Effect
 from verification.decide import differing
 from verification.evidence import Kind
-from verification.page import report
-from verification.page.report import Context, cell, number, write_report
+from verification.page import parts
+from verification.page.parts import Grid, Section, Text, cell, number
+from verification.page.report import Chapter, Context, Finding, write_report
 from verification.thesis import chapters
 from verification.thesis.chapter3.growth import GrowthForm
 from verification.thesis.chapter4 import kept
@@ -153,25 +154,81 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
     return path, context
 
 
-def test_page_has_every_section_in_its_contents(made: tuple[Path, Context]) -> None:
-    text = made[0].read_text("utf-8")
-    page = Page(text)
-    assert page.open == []
-    assert [heading for heading in page.headings if not re.match(r"\d+\. ", heading)] == SECTIONS
-    assert len([heading for heading in page.headings if re.match(r"\d+\. ", heading)]) == len(CHAPTERS)
-    assert len(set(page.ids)) == len(page.ids)
-    assert {link[1:] for link in page.links if link.startswith("#")} == set(page.ids) - {"words", "verdict", "matches"}
+def pages(made: tuple[Path, Context]) -> dict[str, Page]:
+    """All pages of the report, by file."""
+    names = ["index.html", *(chapter.file for chapter in CHAPTERS)]
+    return {name: Page((made[0].parent / name).read_text("utf-8")) for name in names}
 
 
-def test_page_opens_offline(made: tuple[Path, Context]) -> None:
+def test_every_section_is_in_the_contents_of_its_chapter(made: tuple[Path, Context]) -> None:
+    found = pages(made)
+    assert all(page.open == [] for page in found.values())
+    assert [title for chapter in CHAPTERS for title in found[chapter.file].headings] == SECTIONS
+    for page in found.values():
+        assert len(set(page.ids)) == len(page.ids)
+        assert {chapter.file for chapter in CHAPTERS} <= set(page.links)
+        assert {f"#{name}" for name in page.ids if name.startswith("section-")} <= set(page.links)
+
+
+def test_the_first_page_says_what_was_found_and_where_it_is_shown(made: tuple[Path, Context]) -> None:
     text = made[0].read_text("utf-8")
-    page = Page(text)
-    assert "://" not in text
-    assert len(page.images) == IMAGES
-    assert all(image.startswith("data:image/png;base64,") for image in page.images)
-    outside = [link for link in page.links if not link.startswith("#")]
-    assert outside
-    assert all((made[0].parent / link).is_file() for link in outside)
+    linked = [link for link in Page(text).links if "#section-" in link]
+    assert len(CHAPTERS) <= len(linked) <= 10
+    assert {link.partition("#")[0] for link in linked} == {chapter.file for chapter in CHAPTERS}
+    assert "refresh" not in text
+    for chapter in CHAPTERS:
+        assert chapter.asked in text
+        own = (made[0].parent / chapter.file).read_text("utf-8")
+        for found in chapter.findings(made[1]):
+            assert found.html in text
+            assert found.html in own
+            assert re.search(r"\d", found.html)
+
+
+def test_pages_open_offline_and_link_what_is_there(made: tuple[Path, Context]) -> None:
+    folder, found = made[0].parent, pages(made)
+    assert not any("://" in path.read_text("utf-8") for path in folder.glob("*.html"))
+    images = [image for page in found.values() for image in page.images]
+    assert len(images) == len(set(images)) == IMAGES
+    assert all((folder / image).is_file() for image in images)
+    for name, page in found.items():
+        for link in page.links:
+            file, _, place = link.partition("#")
+            assert (folder / (file or name)).is_file()
+            assert not place or place in found[file or name].ids, link
+
+
+def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
+    seen = []
+
+    def chapter(number: int) -> Chapter:
+        def run(context: Context) -> None:
+            seen.append((context.out / "index.html").read_text("utf-8"))
+
+        def findings(context: Context) -> list[Finding]:
+            return [Finding(f"found {number}", "Only")]
+
+        def sections(context: Context) -> list[Section]:
+            return [Section("Only", [Text("said")])]
+
+        return Chapter(f"c{number}", f"Chapter {number}", f"asked {number}", run, sections, findings, number)
+
+    last = write_report([chapter(1), chapter(2)], Context(tmp_path, False, Here())).read_text("utf-8")
+    before, between = seen
+    assert "refresh" in before
+    assert "found" not in before.replace("What was found", "")
+    assert "found 1" in between
+    assert 'href="c1.html#section-1"' in between
+    assert "Chapter 2 (is being computed)" in between
+    assert "refresh" not in last
+    assert "found 2" in last
+
+
+def test_what_is_empty_is_not_printed() -> None:
+    rows = pd.DataFrame({"a": [1.0, np.nan], "none": [np.nan, np.nan], "text": ["x", ""], "blank": ["", ""]})
+    grid = Grid(rows, "", "few")
+    assert list(grid.shown) == ["a", "text"]
+    assert [[text for text, _ in row] for row in grid.cells] == [["1", "x"]]
 
 
 def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> None:
@@ -183,9 +240,10 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
 
 
 def test_page_states_machine_versions_orders_and_verdicts(made: tuple[Path, Context]) -> None:
-    text, tables = made[0].read_text("utf-8"), made[1].tables
+    tables = made[1].tables
     for word in ("cores", "numpy", "casadi", "short: fewer and coarser steps"):
-        assert word in text
+        assert word in made[0].read_text("utf-8")
+    text = (made[0].parent / "experiments.html").read_text("utf-8")
     for order in tables["orders"]["order"]:
         assert order in text
     for sentence in tables["orders"]["verdict"]:
@@ -193,7 +251,7 @@ def test_page_states_machine_versions_orders_and_verdicts(made: tuple[Path, Cont
 
 
 def test_page_has_every_claim_and_the_most_serious_corrections_first(made: tuple[Path, Context]) -> None:
-    text, table = made[0].read_text("utf-8"), made[1].tables["claims"]
+    text, table = (made[0].parent / "statements.html").read_text("utf-8"), made[1].tables["claims"]
     assert table["id"].tolist() == [claim.id for claim in few_claims()]
     assert [name for name in Page(text).ids if re.match(r"c\d\.", name)] == table["id"].tolist()
     assert not table["measured"].str.contains("is not there").any()  # what is open is so by its numbers
@@ -249,9 +307,8 @@ def test_command_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(chapters, "CHAPTERS", CHAPTERS[-1:])
     said = CliRunner().invoke(cli.app, ["report", "--full", "--out", str(tmp_path)])
     assert said.exit_code == 0, said.output
-    page = (tmp_path / "index.html").read_text("utf-8")
-    assert "complete" in page
-    assert "is not there" in page  # no study was run
+    assert "complete" in (tmp_path / "index.html").read_text("utf-8")
+    assert "is not there" in (tmp_path / "statements.html").read_text("utf-8")  # no study was run
 
 
 def test_form_is_the_one_given_for_its_class_or_else_the_short_or_full_one(tmp_path: Path) -> None:
@@ -295,4 +352,4 @@ def test_cells() -> None:
     assert cell("fails") == ("fails", "fails")
     assert cell("holds after the correction") == ("holds after the correction", "corrected")
     assert cell("PBD") == ("PBD", "")
-    assert report.VERDICTS.keys() == {kind.value for kind in Kind}
+    assert parts.VERDICTS.keys() == {kind.value for kind in Kind}

@@ -8,7 +8,7 @@ from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
-from verification.page.report import number
+from verification.page.parts import number
 
 
 def fill(template: Path, **values: Any) -> dict[str, str]:

@@ -1,97 +1,21 @@
-"""The report: one page that opens offline, its tables and figures beside it."""
+"""The report: what was found on the first page, then a page for each chapter, with tables and figures beside them."""
 
 from __future__ import annotations
 
-import base64
-import os
-import platform
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future
 from dataclasses import dataclass, field
-from datetime import datetime
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
 import pandas as pd
-from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
-from markupsafe import Markup
 
-from dincl.provenance import closure, libraries
 from dincl.study import write
-from verification.evidence import Kind
+from verification.page.facts import machine
+from verification.page.parts import Section
+from verification.page.render import render_page
 
 Form = TypeVar("Form")
-# Numbers smaller than this are written with an exponent.
-PLAIN = 1e-2
-VERDICTS = {kind.value: kind.name.lower() for kind in Kind}
-
-
-@dataclass(frozen=True)
-class Text:
-    """A paragraph; HTML."""
-
-    html: str
-    kind: str = field(default="text", init=False)
-
-
-@dataclass(frozen=True)
-class Picture:
-    """A figure file with its caption; it is embedded into the page."""
-
-    path: Path
-    caption: str
-    kind: str = field(default="picture", init=False)
-
-    @property
-    def data(self) -> str:
-        """The file as a data URI."""
-        return f"data:image/png;base64,{base64.b64encode(self.path.read_bytes()).decode('ascii')}"
-
-
-@dataclass(frozen=True)
-class Grid:
-    """A table on the page; ``file`` is the table it was taken from; a ``folded`` one opens on a click."""
-
-    rows: pd.DataFrame
-    caption: str
-    file: str
-    folded: bool = False
-    kind: str = field(default="grid", init=False)
-
-    @property
-    def cells(self) -> list[list[tuple[str, str]]]:
-        """Text and CSS class of every cell."""
-        return [[cell(value) for value in row] for row in self.rows.itertuples(index=False, name=None)]
-
-
-@dataclass(frozen=True)
-class SearchField:
-    """A field that hides the statements below it that lack a word that is typed, or have another verdict."""
-
-    kind: str = field(default="search", init=False)
-    verdicts: tuple[str, ...] = tuple(VERDICTS)
-
-
-@dataclass(frozen=True)
-class Statements:
-    """Claims, one below the other; the rows of ``verification.decide.decide_all``, with their chapter."""
-
-    table: pd.DataFrame
-    kind: str = field(default="statements", init=False)
-
-    @property
-    def rows(self) -> list[dict[str, Any]]:
-        """One dictionary for each claim, with the CSS class of its verdict as ``look``."""
-        return [row | {"look": VERDICTS[row["verdict"]]} for row in self.table.to_dict("records")]
-
-
-@dataclass(frozen=True)
-class Section:
-    """A heading with its parts."""
-
-    title: str
-    parts: Sequence[Text | Picture | Grid | SearchField | Statements]
 
 
 @dataclass
@@ -138,51 +62,107 @@ class Context:
 
 
 @dataclass(frozen=True)
+class Finding:
+    """What was learned: one sentence of HTML with its number, and the title of the section that shows it."""
+
+    html: str
+    section: str
+
+
+@dataclass(frozen=True)
 class Chapter:
     """``run`` completes the studies and fills ``context.tables``; ``sections`` writes about them, and only reads.
 
-    The pages stand in the order of ``place``. ``tables`` says how the names of its tables begin, so that one can be had
-    without the other chapters. ``prepare`` is done by one worker while the others begin with the chapters before: two
-    that come to the same kernels at the same time would both compile them.
+    The pages stand in the order of ``place``; ``name`` is that of the file. ``asked`` is a sentence, which ``findings``
+    answer. ``tables`` says how the names of its tables begin, so that one can be had without the other chapters.
+    ``prepare`` is done by one worker while the others begin with the chapters before: two that come to the same kernels
+    at the same time would both compile them.
     """
 
+    name: str
     title: str
+    asked: str
     run: Callable[[Context], None]
     sections: Callable[[Context], Sequence[Section]]
+    findings: Callable[[Context], Sequence[Finding]]
     place: int
     prepare: Callable[[], None] | None = None
     tables: tuple[str, ...] = ()
 
+    @property
+    def file(self) -> str:
+        """The name of its page."""
+        return f"{self.name}.html"
+
 
 def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
-    """Run all chapters and write ``index.html``; return its path."""
+    """Run all chapters, and write ``index.html`` and a page for each as soon as it is ready; the path of the first."""
     for chapter in chapters:
         if chapter.prepare is not None:
             context.executor.submit(chapter.prepare)
-    written = []
+    pages = _Pages(chapters, context)
+    pages.write_index([])
     for chapter in chapters:
         chapter.run(context)
         # At once, so that the figures of a chapter are drawn while the next one runs.
-        written.append((chapter.title, list(chapter.sections(context))))
-    context.finish_drawings()
-    facts = list(_facts(chapters, context))
-    return render_page("report.html", context.out / "index.html", chapters=written, facts=facts, safe=Markup)
+        pages.take(chapter)
+    return pages.finish()
 
 
-def render_page(template: str, path: Path, **values: Any) -> Path:
-    """Fill a template of this folder and put the page in place at once; ``made`` is the time."""
-    environment = Environment(
-        loader=PackageLoader("verification.page"),
-        autoescape=select_autoescape(),
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
-    new = path.with_name(f".{path.name}.new")
-    new.write_text(environment.get_template(template).render(made=made, **values), "utf-8")
-    os.replace(new, path)
-    return path
+@dataclass
+class _Written:
+    """A chapter whose studies are complete."""
+
+    chapter: Chapter
+    sections: Sequence[Section]
+    findings: Sequence[Finding]
+    drawings: Sequence[Future[Path]]
+
+    @property
+    def linked(self) -> list[tuple[str, str]]:
+        """Each finding with the address of its section."""
+        titles = [section.title for section in self.sections]
+        return [
+            (found.html, f"{self.chapter.file}#section-{titles.index(found.section) + 1}") for found in self.findings
+        ]
+
+
+class _Pages:
+    """The pages of a report that is being made."""
+
+    def __init__(self, chapters: Sequence[Chapter], context: Context) -> None:
+        self._chapters, self._context = chapters, context
+        self._ready: list[_Written] = []
+        self._waiting: list[_Written] = []
+
+    def take(self, chapter: Chapter) -> None:
+        """Add a chapter that was run, and write the pages whose figures are drawn."""
+        sections, findings = list(chapter.sections(self._context)), list(chapter.findings(self._context))
+        drawings, self._context.drawings = self._context.drawings, []
+        self._waiting.append(_Written(chapter, sections, findings, drawings))
+        while self._waiting and all(drawing.done() for drawing in self._waiting[0].drawings):
+            self._write(self._waiting.pop(0))
+        self.write_index([])
+
+    def finish(self) -> Path:
+        """Write what is left, when its figures are drawn; raises what went wrong with one."""
+        while self._waiting:
+            self._write(self._waiting.pop(0))
+        return self.write_index(list(_facts(self._chapters, self._context)))
+
+    def write_index(self, facts: Sequence[tuple[str, str]]) -> Path:
+        """The first page, as far as it is known; it loads itself again until ``facts`` end it."""
+        findings = [found for written in self._ready for found in written.linked]
+        ready = {written.chapter.name for written in self._ready}
+        values = {"chapters": self._chapters, "findings": findings, "ready": ready, "facts": facts, "here": ""}
+        return render_page("index.html", self._context.out / "index.html", **values)
+
+    def _write(self, written: _Written) -> None:
+        for drawing in written.drawings:
+            drawing.result()
+        values = {"chapters": self._chapters, "here": written.chapter.name, "written": written}
+        render_page("chapter.html", self._context.out / written.chapter.file, **values)
+        self._ready.append(written)
 
 
 def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str, str]]:
@@ -193,42 +173,3 @@ def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str,
     )
     yield from machine(*(chapter.run for chapter in chapters))
     yield "Times", "seconds of CPU time with two runs at once, after a warm-up; building of solvers included"
-
-
-def machine(*makers: Callable[..., Any]) -> Iterator[tuple[str, str]]:
-    """The machine, and the versions of the libraries that the makers of the numbers import."""
-    yield "Processor", f"{_processor()}, {os.cpu_count()} cores"
-    yield "System", f"{platform.system()} {platform.release()}, Python {platform.python_version()}"
-    yield "Versions", ", ".join(map(" ".join, libraries(closure(*makers)).items()))
-
-
-def _processor() -> str:
-    """The model, from the system where it tells."""
-    information = Path("/proc/cpuinfo")
-    lines = information.read_text("utf-8").splitlines() if information.exists() else []
-    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    return models[0] if models else platform.processor() or platform.machine()
-
-
-def cell(value: object) -> tuple[str, str]:
-    """Text of a value in a table, and its CSS class."""
-    if isinstance(value, bool | np.bool_):
-        return ("yes" if value else "no"), ""
-    if isinstance(value, float | np.floating):
-        return number(float(value)), "number"
-    if isinstance(value, int | np.integer):
-        return str(value), "number"
-    return str(value), VERDICTS.get(str(value), "")
-
-
-def number(value: float) -> str:
-    """Three digits, with an exponent where it is small or large."""
-    if np.isnan(value):
-        return "—"
-    if value == 0:
-        return "0"
-    if PLAIN <= abs(value) < 1e4:
-        return f"{value:.3g}" if abs(value) < 1e3 else f"{value:.0f}"
-    mantissa, exponent = f"{value:.1e}".split("e")
-    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
-    return f"{mantissa}·10{raised}"

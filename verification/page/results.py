@@ -11,7 +11,9 @@ from typing import Any
 from dincl import InvalidProblem
 from dincl.checks import describe
 from verification.measure import measure
-from verification.page.report import Grid, machine, render_page
+from verification.page.facts import machine
+from verification.page.parts import Grid
+from verification.page.render import render_page
 from verification.result import Result
 
 

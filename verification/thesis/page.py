@@ -11,8 +11,9 @@ import pandas as pd
 from verification.claims import Effect
 from verification.decide import decide_all, differing
 from verification.evidence import Kind
+from verification.page.parts import Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Grid, SearchField, Section, Statements, Text
+from verification.page.report import Chapter, Context, Finding
 from verification.thesis import kept
 from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
@@ -37,6 +38,8 @@ CORRECTIONS = {
 }
 ERRATA = {"id": "Remark", "source": "Source", "printed": "As printed", "corrected": "To be read"}
 ERRATA |= {"depends": "What depends on it"}
+COUNTS = "How the statements came out"
+WRONG = (Kind.CORRECTED.value, Kind.FAILS.value)  # as printed
 # The most serious first; what only concerns notation changes no result.
 SERIOUS = [effect.value for effect in Effect if effect is not Effect.NOTATION]
 
@@ -68,7 +71,7 @@ def _values(table: pd.DataFrame) -> dict[str, Any]:
     total, wrong = table["verdict"].value_counts(), corrections(table)
     return {
         "count": len(table),
-        "told": [f"{total.get(kind.value, 0)} {kind.value}" for kind in Kind],
+        **{kind.name.lower(): int(total.get(kind.value, 0)) for kind in Kind},
         "other": list(differing(table)["id"]),
         "wrong": len(wrong),
         "effects": [f"{count} {effect}" for effect, count in wrong["effect"].value_counts(sort=False).items()],
@@ -77,9 +80,9 @@ def _values(table: pd.DataFrame) -> dict[str, Any]:
 
 def _counts(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
     counts = pd.crosstab(table["chapter"], table["verdict"])
-    counts = counts.reindex(columns=[kind.value for kind in Kind], fill_value=0)
+    counts = counts[[kind.value for kind in Kind if kind.value in counts]]
     counts.insert(0, "Chapter", [TITLES[number] for number in counts.index])
-    return Section("How the statements came out", [Text(said["counts"]), Grid(counts, said["by_chapter"], "claims")])
+    return Section(COUNTS, [Text(said["counts"]), Grid(counts, said["by_chapter"], "claims")])
 
 
 def _corrections(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
@@ -103,9 +106,32 @@ def _errata(table: pd.DataFrame, said: Mapping[str, str]) -> Section:
 
 def corrections(table: pd.DataFrame) -> pd.DataFrame:
     """The statements that do not hold as printed and whose correction changes a result, the most serious first."""
-    wrong = table[table["verdict"].isin([Kind.CORRECTED.value, Kind.FAILS.value]) & table["effect"].isin(SERIOUS)]
+    wrong = table[table["verdict"].isin(WRONG) & table["effect"].isin(SERIOUS)]
     return wrong.sort_values("effect", key=lambda column: column.map(SERIOUS.index), kind="stable")
 
 
 # It reads the tables of all other chapters.
-CHAPTER = Chapter("What holds", run, sections, place=9)
+def findings(context: Context) -> Sequence[Finding]:
+    """How many statements hold, and how many are wrong as printed."""
+    table = context.tables["claims"]
+    total, wrong = table["verdict"].value_counts(), table[table["verdict"].isin(WRONG)]
+    said = fill(
+        PROSE / "learned.html",
+        count=len(table),
+        holds=total.get(Kind.HOLDS.value, 0),
+        wrong=len(wrong),
+        serious=int(wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value]).sum()),
+        open=total.get(Kind.OPEN.value, 0),
+    )
+    return [Finding(said["counts"], COUNTS)]
+
+
+CHAPTER = Chapter(
+    "statements",
+    "What holds",
+    "Which statements of the thesis hold, which do not, and what depends on them?",
+    run,
+    sections,
+    findings,
+    place=9,
+)

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Grid, Picture, Section, Text
+from verification.page.report import Chapter, Context, Finding
 from verification.thesis.chapter2 import convergence, exactness, extrapolation, infeasibility, large_steps, reference
 from verification.thesis.chapter2 import figures as plots
 from verification.thesis.chapter2.methods import CATCH_UP, METHODS, PBD
@@ -17,6 +18,7 @@ from verification.thesis.chapter2.runs import scene
 SCENES = tuple(scene(name) for name in convergence.SCENES)
 # Of each scene [time]; all of them are among the kept times of the reference.
 SHOWN = {"four_disks": (0.0, 0.5, 1.0, 1.5, 2.0), "ten_disks_corner": (0.0, 1.0, 1.5, 2.0, 3.0)}
+CROWD = "ten_disks_corner"
 PROSE = Path(__file__).parent / "prose"
 # Columns of the tables on the page, with their headings.
 REFERENCE = {
@@ -119,13 +121,17 @@ def _reference(context: Context) -> Section:
     return Section("The reference", [Text(said["events"]), Text(said["checks"]), grid])
 
 
+def _title(name: str) -> str:
+    return f"Convergence: {scene(name).title.lower()}"
+
+
 def _convergence(context: Context, name: str) -> Section:
     table, orders = context.tables["convergence"], context.tables["orders"]
     mine = orders[orders["scene"] == name]
     said = fill(PROSE / "convergence.html", pbd=list(mine[mine["method"] == PBD.name].itertuples()))
     words = {"t": "t", "method": "Method", "verdict": "In words"}
     return Section(
-        f"Convergence: {scene(name).title.lower()}",
+        _title(name),
         [
             Text(said["orders"]),
             *(
@@ -168,10 +174,28 @@ def _large(context: Context) -> Section:
     return Section("Large steps", [Text(said["runs"]), Picture(figure, said["picture"])])
 
 
+def findings(context: Context) -> Sequence[Finding]:
+    """The order of PBD, and its error beside that of catch-up."""
+    orders, table = context.tables["orders"], context.tables["convergence"]
+    mine = orders[orders["method"] == PBD.name]
+    crowd = table[(table["scene"] == CROWD) & (table["t"] < table["t"].max())]
+    errors = crowd.pivot_table(index=["dt", "t"], columns="method", values="error")[[PBD.name, CATCH_UP.name]].dropna()
+    ratios = (errors[PBD.name] / errors[CATCH_UP.name]).loc[errors.index.get_level_values("dt").min()]
+    said = fill(
+        PROSE / "learned_experiments.html",
+        orders=(mine["low"].min(), mine["high"].max()),
+        ratios=(ratios.min(), ratios.max()),
+    )
+    return [Finding(said["order"], _title(CROWD))]
+
+
 CHAPTER = Chapter(
+    "experiments",
     "Numerical experiments with first-order PBD",
+    "Do first-order PBD and catch-up converge on discs, with which order, and how much do discs overlap on the way?",
     run,
     sections,
+    findings,
     place=1,
     tables=(
         "positions",

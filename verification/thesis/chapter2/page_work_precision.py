@@ -8,13 +8,21 @@ from pathlib import Path
 import pandas as pd
 
 from verification.budget import GRACE
-from verification.cheapest import LEAST_SPREAD, RESOLVED
+from verification.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
 from verification.measure import BRIEF, REPEATS
+from verification.page.parts import Grid, Picture, Section, Text, number
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Grid, Picture, Section, Text, number
+from verification.page.report import Chapter, Context, Finding
 from verification.speed_accuracy import TARGETS
-from verification.thesis.chapter2 import cheapest, figures_work_precision, reach, work_precision, work_references
-from verification.thesis.chapter2.methods import METHODS
+from verification.thesis.chapter2 import (
+    cheapest,
+    figures_work_precision,
+    kept_winners,
+    reach,
+    work_precision,
+    work_references,
+)
+from verification.thesis.chapter2.methods import EVENT_DRIVEN, METHODS, PBD
 from verification.thesis.chapter2.work_references import SCENES
 
 WINNERS = {
@@ -50,6 +58,9 @@ RUNS = {
 REACH = {"discs": "Discs", "events": "Events", "target": "Error", "cheapest": "Cheapest"} | {
     method.name: method.label for method in reach.METHODS
 }
+CHEAPEST = "Who is cheapest"
+# Of the question that users ask first: ten discs to this error.
+TEN, MODERATE = "ten_disks_corner", 1e-4
 PROSE = Path(__file__).parent / "prose"
 
 
@@ -94,7 +105,7 @@ def _summary(context: Context) -> Section:
     )
     grid = Grid(_named(winners, WINNERS), said["table"], "work_winners")
     texts = [Text(said[name]) for name in ("error", "time", "second_order", "yardsticks", "references", "limits")]
-    return Section("Who is cheapest", [Text(cheapest.summary(winners)), grid, *texts])
+    return Section(CHEAPEST, [Text(cheapest.summary(winners)), grid, *texts])
 
 
 def _reach(context: Context) -> Section:
@@ -122,4 +133,32 @@ def _file(context: Context) -> str:
     return f"work_precision{'_full' if context.full else ''}"
 
 
-CHAPTER = Chapter("Speed against accuracy", run, sections, place=2, tables=("work_",))
+def findings(context: Context) -> Sequence[Finding]:
+    """Who is cheapest by the complete chart, which ships, and on ten discs to a moderate error."""
+    winners = context.tables["work_winners"] if context.full else pd.read_parquet(kept_winners.FILE)
+    alone = winners[~winners["cheapest"].isin(UNDECIDED)]["cheapest"]
+    row = winners[(winners["scene"] == TEN) & (winners["target"] == MODERATE)].iloc[0]
+    said = fill(
+        PROSE / "learned_speed.html",
+        pairs=len(winners),
+        alone=len(alone),
+        own=int((alone == EVENT_DRIVEN.label).sum()),
+        pbd=int((alone == PBD.label).sum()),
+        target=MODERATE,
+        methods=row["tied"].split("; "),
+        seconds=row["cost"],
+        times=row["pbd_ratio"],
+    )
+    return [Finding(said["winners"], CHEAPEST), Finding(said["ten"], CHEAPEST)]
+
+
+CHAPTER = Chapter(
+    "speed",
+    "Speed against accuracy",
+    "Which method reaches an error in the least time, on which scene?",
+    run,
+    sections,
+    findings,
+    place=2,
+    tables=("work_",),
+)

@@ -8,9 +8,13 @@ from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.study.outcomes import outcomes
-from verification.page.report import Chapter, Context, Section
+from verification.page.parts import Section
+from verification.page.prose import fill
+from verification.page.report import Chapter, Context, Finding
 from verification.thesis.chapter3.growing import until
 from verification.thesis.chapter3.sections import catch_up, daha, foretold, growth, judged, kernel, stability, substeps
+from verification.thesis.chapter3.sections.part import PROSE
+from verification.thesis.chapter3.substeps import ENOUGH
 
 # In the order of the page; a part may read the tables of those before it.
 PARTS = (
@@ -44,4 +48,22 @@ def sections(context: Context) -> Sequence[Section]:
     return [part.section(context) for part in PARTS]
 
 
-CHAPTER = Chapter("Tissue", run, sections, place=5, prepare=compile_kernels, tables=("tissue_",))
+def findings(context: Context) -> Sequence[Finding]:
+    """From how many substeps on the height is right, in each preset."""
+    table = context.tables["tissue_enough"]
+    last = table[table["t"] == table["t"].max()]
+    said = fill(PROSE / "learned.html", enough=ENOUGH, t=last["t"].iloc[0], rows=list(last.itertuples()))
+    return [Finding(said["height"], substeps.TITLE)]
+
+
+CHAPTER = Chapter(
+    "tissue",
+    "Tissue",
+    "How exact, fast and stable are the substeps of PBD in a growing tissue, and is the quasi-steady method better?",
+    run,
+    sections,
+    findings,
+    place=5,
+    prepare=compile_kernels,
+    tables=("tissue_",),
+)

@@ -3,10 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
-from verification.page.report import Chapter, Context, Section
+from verification.page.parts import Section
+from verification.page.prose import fill
+from verification.page.report import Chapter, Context, Finding
 from verification.thesis.chapter4 import kept, studies
 from verification.thesis.chapter4 import sections as page
+
+PROSE = Path(__file__).parent / "prose"
+# The factors of the ranking in words.
+FACTORS = {
+    "A": "the loss of apical adhesion [A]",
+    "B": "the loss of basal adhesion [B]",
+    "S": "the loss of straightness [S]",
+    "P": "protrusions [P]",
+    "inm": "interkinetic nuclear movement",
+    "onset": "the place of the nucleus at the onset",
+} | {f"{event} time": f"the time of [{event}]" for event in "ABSP"}
 
 
 def run(context: Context) -> None:
@@ -28,4 +42,22 @@ def sections(context: Context) -> Sequence[Section]:
     return page.sections(context)
 
 
-CHAPTER = Chapter("EMT", run, sections, place=6, tables=("emt_",))
+def findings(context: Context) -> Sequence[Finding]:
+    """What matters most for cells that leave, by the complete studies, which ship."""
+    ranking = context.tables[f"{kept.COMPLETE_PREFIX}ranking"]
+    mine = ranking[ranking["preset"] == "published"].sort_values("value", ascending=False)
+    first, second, third, *_ = mine.itertuples()
+    said = fill(PROSE / "learned_emt.html", names=FACTORS, first=first, second=second, third=third)
+    return [Finding(said["factors"], page.POSITIONS)]
+
+
+CHAPTER = Chapter(
+    "emt",
+    "EMT",
+    "What makes cells leave an epithelium, and do the printed ratios come out again?",
+    run,
+    sections,
+    findings,
+    place=6,
+    tables=("emt_",),
+)

@@ -7,11 +7,13 @@ from pathlib import Path
 
 import pandas as pd
 
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Grid, Picture, Section, Text
+from verification.page.report import Chapter, Context, Finding
 from verification.thesis.chapter4 import curved, figures_curved
 
 PARTS = ["value", "low", "high"]
+QUESTION = "Does curvature matter?"
 PROSE = Path(__file__).parent / "prose"
 WAYS_OUT = {"events": "Events", "layer": "Layer", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
     "of": "Cells"
@@ -47,7 +49,7 @@ def sections(context: Context) -> Sequence[Section]:
     tissues = context.draw("curved_tissues", figures_curved.draw_tissues)
     return [
         Section(
-            "Does curvature matter?",
+            QUESTION,
             [
                 Text(said["answer"]),
                 Picture(chart, said["chart"]),
@@ -72,4 +74,21 @@ def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
     return table[list(headings)].rename(columns=headings)
 
 
-CHAPTER = Chapter("Curved layers", run, sections, place=7, tables=("curved_",))
+def findings(context: Context) -> Sequence[Finding]:
+    """How many cells leave on the basal side of each layer."""
+    ways_out = context.tables["curved_ways_out"]
+    basal = ways_out[(ways_out["side"] == "basal") & (ways_out["events"] == "[A]")].set_index("layer")
+    parts = {layer: tuple(basal.loc[layer, PARTS]) for layer in curved.LAYERS}
+    return [Finding(fill(PROSE / "learned_curved.html", parts=parts)["basal"], QUESTION)]
+
+
+CHAPTER = Chapter(
+    "curved",
+    "Curved layers",
+    "Does it matter for cells that leave whether the basal layer bends?",
+    run,
+    sections,
+    findings,
+    place=7,
+    tables=("curved_",),
+)

@@ -10,11 +10,13 @@ import pandas as pd
 
 from tissue.study.comparisons import PRINTED_LEVEL, Difference, corrected
 from tissue.study.ratios import as_ratio
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text
+from verification.page.report import Context
 from verification.thesis.chapter3.maps import LABELS
 from verification.thesis.chapter4 import figures, headings, sensitivity, studies
 
+POSITIONS = "Position at the onset, timing, and what matters most"
 PROSE = Path(__file__).parent / "prose"
 # Figures of single runs, which want every state of some.
 EXAMPLES = (11, 16)
@@ -126,7 +128,7 @@ def _positions(context: Context) -> Section:
         outside=outside["outside"],
     )
     return Section(
-        "Position at the onset, timing, and what matters most",
+        POSITIONS,
         [
             Text(said["first_fifth"]),
             Text(said["outside"]),

@@ -4,8 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from verification.page.report import Chapter, Context, Section
+from verification.page.parts import Section
+from verification.page.prose import fill
+from verification.page.report import Chapter, Context, Finding
+from verification.rates import IID, PAIR
 from verification.thesis.chapter5.sections import agreement, cost, energy, failures, grid, rates, stability
+from verification.thesis.chapter5.sections.words import PROSE
 
 # In the order of the page; a part may read the tables of those before it.
 PARTS = (agreement.PART, energy.PART, rates.PART, stability.PART, grid.PART, cost.PART, failures.PART)
@@ -22,4 +26,21 @@ def sections(context: Context) -> Sequence[Section]:
     return [part.section(context) for part in PARTS]
 
 
-CHAPTER = Chapter("Mean field: DAE, ODE, PDE, moments", run, sections, place=8, tables=("meanfield_",))
+def findings(context: Context) -> Sequence[Finding]:
+    """How fast random starts come near to their density, by the complete distances, which ship."""
+    random = context.tables["meanfield_start_exponents"].set_index(["d", "start"])
+    line, space = random.loc[(1, IID)], random.loc[(3, PAIR)]
+    said = fill(PROSE / "learned.html", line=line, space=space)
+    return [Finding(said["rates"], rates.TITLE)]
+
+
+CHAPTER = Chapter(
+    "meanfield",
+    "Mean field: DAE, ODE, PDE, moments",
+    "Do many constrained particles become their mean-field limit, at which rate, and what does each solver cost?",
+    run,
+    sections,
+    findings,
+    place=8,
+    tables=("meanfield_",),
+)

@@ -14,7 +14,8 @@ from tissue.model.energy import energy
 from tissue.quasi_steady.judge import local_minimum
 from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.page import sheet
-from verification.page.report import Context, Grid, Picture, Text
+from verification.page.parts import Grid, Picture, Text
+from verification.page.report import Context
 from verification.thesis.chapter3 import catch_up, daha, daha_fit, daha_limits, judged
 from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.chapter3.sections import catch_up as catch_up_section

@@ -7,8 +7,9 @@ from pathlib import Path
 
 import pandas as pd
 
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Grid, Picture, Section, Text
+from verification.page.report import Chapter, Context, Finding
 from verification.thesis.chapter2.stability import case, catalogue, decades, jaws, pacman
 from verification.thesis.chapter2.stability import figures as figures_stability
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
@@ -22,6 +23,7 @@ HEADINGS = {
     "found": "Found",
     "agrees": "Agrees",
 }
+PREDICTED = "Failures that theory predicts"
 PROSE = Path(__file__).parent / "prose"
 # Steps of the picture of the Pacman set [time].
 SHOWN = (0.1, 0.02)
@@ -69,7 +71,7 @@ def _cases(context: Context) -> Section:
     said = fill(PROSE / "cases.html", count=len(table), agreeing=int(table["agrees"].sum()))
     words = table[["title", "words"]].rename(columns={"title": "Case", "words": "Particulars"})
     return Section(
-        "Failures that theory predicts",
+        PREDICTED,
         [
             Text(said["found"]),
             Grid(table[list(HEADINGS)].rename(columns=HEADINGS), said["table"], "stability_verdicts"),
@@ -110,4 +112,22 @@ def _pacman(context: Context) -> Section:
     return Section("The Pacman set", [Text(said["set"]), Picture(picture, said["runs"])])
 
 
-CHAPTER = Chapter("Where methods fail", run, sections, place=3, tables=("stability_",))
+def findings(context: Context) -> Sequence[Finding]:
+    """How many failures are where they were expected, and where PBD fails."""
+    table = context.tables["stability_verdicts"]
+    cases = {row.case: row for row in table.itertuples()}
+    counts = {"count": len(table), "agreeing": int(table["agrees"].sum())}
+    said = fill(PROSE / "learned.html", **counts, stiff=cases.get("drift-pbd"), crowd=cases.get("collapse"))
+    return [Finding(said["cases"], PREDICTED)]
+
+
+CHAPTER = Chapter(
+    "failures",
+    "Where methods fail",
+    "Where does each method fail, and does it fail where theory says?",
+    run,
+    sections,
+    findings,
+    place=3,
+    tables=("stability_",),
+)

@@ -7,8 +7,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text
+from verification.page.report import Context
 from verification.thesis.chapter3 import catch_up, figures_daha
 from verification.thesis.chapter3.judged import floored
 from verification.thesis.chapter3.sections.part import PROSE, Part, named

@@ -7,8 +7,9 @@ from typing import Any
 import pandas as pd
 
 from tissue.files.parameters import preset
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text
+from verification.page.report import Context
 from verification.thesis.chapter3 import disturbed
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3.growing import PRESETS

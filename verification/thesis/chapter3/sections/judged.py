@@ -7,8 +7,9 @@ from typing import Any
 
 import pandas as pd
 
+from verification.page.parts import Grid, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Section, Text
+from verification.page.report import Context
 from verification.thesis.chapter3 import judged
 from verification.thesis.chapter3.sections.part import PROSE, Part, named
 

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from verification.page.parts import Grid, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Section, Text
+from verification.page.report import Context
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.sections.part import PROSE, Part, named

@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text
+from verification.page.report import Context
 from verification.thesis.chapter3 import beyond, limits, maps
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3.sections.part import PROSE, Part, named

@@ -8,8 +8,9 @@ import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text
+from verification.page.report import Context
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import substeps
 from verification.thesis.chapter3.growing import PRESETS
@@ -35,6 +36,7 @@ ERRORS = {
     "lost": "Lost",
     "runs": "Runs",
 }
+TITLE = "Substeps: how exact, how fast"
 HEIGHTS = {
     "preset": "Preset",
     "t": "t [h]",
@@ -65,7 +67,7 @@ def _substeps(context: Context) -> Section:
     height = context.draw("tissue_heights", figures_tissue.heights, heights)
     said = fill(PROSE / "substeps.html", **_errors(errors), **_heights(context.tables["tissue_enough"], heights))
     return Section(
-        "Substeps: how exact, how fast",
+        TITLE,
         [
             Text(said["measures"]),
             Text(said["own"]),

@@ -6,8 +6,9 @@ from typing import Any
 
 import pandas as pd
 
+from verification.page.parts import Grid, Picture, Section, Text, number
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text, number
+from verification.page.report import Context
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import cost, figures
 from verification.thesis.chapter5.cases import TITLES

@@ -6,8 +6,9 @@ from typing import Any
 
 import pandas as pd
 
+from verification.page.parts import Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context, Grid, Picture, Section, Text
+from verification.page.report import Context
 from verification.rates import QUANTILES
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, flow_rates, sampling
@@ -27,6 +28,7 @@ EXPONENTS = {
     "known": "Known",
     "agrees": "Known one within",
 }
+TITLE = "How fast N particles find their limit"
 AT_START = {
     "d": "d",
     "start": "Start",
@@ -75,7 +77,7 @@ def _section(context: Context) -> Section:
         **_through(fitted, tables["flow_means"]),
     )
     return Section(
-        "How fast N particles find their limit",
+        TITLE,
         [
             Text(said["start"]),
             Text(said["flow"]),

@@ -1,0 +1,26 @@
+"""What numbers depend on besides the code: the machine, and the versions of libraries."""
+
+from __future__ import annotations
+
+import os
+import platform
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+from dincl.provenance import closure, libraries
+
+
+def machine(*makers: Callable[..., Any]) -> Iterator[tuple[str, str]]:
+    """The machine, and the versions of the libraries that the makers of the numbers import."""
+    yield "Processor", f"{_processor()}, {os.cpu_count()} cores"
+    yield "System", f"{platform.system()} {platform.release()}, Python {platform.python_version()}"
+    yield "Versions", ", ".join(map(" ".join, libraries(closure(*makers)).items()))
+
+
+def _processor() -> str:
+    """The model, from the system where it tells."""
+    information = Path("/proc/cpuinfo")
+    lines = information.read_text("utf-8").splitlines() if information.exists() else []
+    models = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
+    return models[0] if models else platform.processor() or platform.machine()

@@ -1,0 +1,115 @@
+"""What a page is made of: paragraphs, figures, tables, statements, in sections."""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from verification.evidence import Kind
+
+# Numbers smaller than this are written with an exponent.
+PLAIN = 1e-2
+VERDICTS = {kind.value: kind.name.lower() for kind in Kind}
+
+
+@dataclass(frozen=True)
+class Text:
+    """A paragraph; HTML."""
+
+    html: str
+    kind: str = field(default="text", init=False)
+
+
+@dataclass(frozen=True)
+class Picture:
+    """A figure file with its caption; the page links it."""
+
+    path: Path
+    caption: str
+    kind: str = field(default="picture", init=False)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in dots, so that a page keeps room for it; the file is a PNG."""
+        return struct.unpack(">II", self.path.read_bytes()[16:24])
+
+
+@dataclass(frozen=True)
+class Grid:
+    """A table on the page; ``file`` is the table it was taken from; a ``folded`` one opens on a click."""
+
+    rows: pd.DataFrame
+    caption: str
+    file: str
+    folded: bool = False
+    kind: str = field(default="grid", init=False)
+
+    @property
+    def shown(self) -> pd.DataFrame:
+        """The rows without columns and rows in which nothing stands."""
+        said = self.rows.notna() & (self.rows != "")
+        return self.rows.loc[said.any(axis=1), said.any(axis=0)]
+
+    @property
+    def cells(self) -> list[list[tuple[str, str]]]:
+        """Text and CSS class of every cell that is shown."""
+        return [[cell(value) for value in row] for row in self.shown.itertuples(index=False, name=None)]
+
+
+@dataclass(frozen=True)
+class SearchField:
+    """A field that hides the statements below it that lack a word that is typed, or have another verdict."""
+
+    kind: str = field(default="search", init=False)
+    verdicts: tuple[str, ...] = tuple(VERDICTS)
+
+
+@dataclass(frozen=True)
+class Statements:
+    """Claims, one below the other; the rows of ``verification.decide.decide_all``, with their chapter."""
+
+    table: pd.DataFrame
+    kind: str = field(default="statements", init=False)
+
+    @property
+    def rows(self) -> list[dict[str, Any]]:
+        """One dictionary for each claim, with the CSS class of its verdict as ``look``."""
+        return [row | {"look": VERDICTS[row["verdict"]]} for row in self.table.to_dict("records")]
+
+
+@dataclass(frozen=True)
+class Section:
+    """A heading with its parts."""
+
+    title: str
+    parts: Sequence[Text | Picture | Grid | SearchField | Statements]
+
+
+def cell(value: object) -> tuple[str, str]:
+    """Text of a value in a table, and its CSS class."""
+    if isinstance(value, bool | np.bool_):
+        return ("yes" if value else "no"), ""
+    if isinstance(value, float | np.floating):
+        return number(float(value)), "number"
+    if isinstance(value, int | np.integer):
+        return str(value), "number"
+    return str(value), VERDICTS.get(str(value), "")
+
+
+def number(value: float) -> str:
+    """Three digits, with an exponent where it is small or large."""
+    if np.isnan(value):
+        return "—"
+    if value == 0:
+        return "0"
+    if PLAIN <= abs(value) < 1e4:
+        return f"{value:.3g}" if abs(value) < 1e3 else f"{value:.0f}"
+    mantissa, exponent = f"{value:.1e}".split("e")
+    raised = str(int(exponent)).translate(str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"))
+    return f"{mantissa}·10{raised}"

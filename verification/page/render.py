@@ -1,0 +1,33 @@
+"""Pages from templates, put in place at once."""
+
+from __future__ import annotations
+
+import os
+from datetime import datetime
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
+from markupsafe import Markup
+
+
+def render_page(template: str, path: Path, **values: Any) -> Path:
+    """Fill a template of this folder and put the page in place; ``made`` is the time, ``safe`` marks HTML as such."""
+    made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    new = path.with_name(f".{path.name}.new")
+    new.write_text(_environment().get_template(template).render(made=made, safe=Markup, **values), "utf-8")
+    os.replace(new, path)
+    return path
+
+
+@cache
+def _environment() -> Environment:
+    return Environment(
+        loader=PackageLoader("verification.page"),
+        autoescape=select_autoescape(),
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
