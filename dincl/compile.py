@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import inspect
 import json
-import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -15,8 +14,8 @@ from typing import Any, TypeVar, cast
 import numba
 from numba import types
 from numba.core.caching import CacheImpl, _CacheLocator
-from numba.core.event import Listener, register
 
+from dincl.announcement import ANNOUNCEMENT
 from dincl.parts import PartCompiler
 from dincl.provenance import closure, libraries
 from dincl.provenance.source import digest_of, read_source, source
@@ -72,7 +71,7 @@ def c_function(signature: Any, function: Callable[..., Any]) -> Any:
     It makes no arrays, and nobody hears of what it raises: it says so by the number that it returns.
     """
     options: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
-    with _by_closure():
+    with _by_closure(), ANNOUNCEMENT.of(function):
         return numba.cfunc(signature, **options)(function)
 
 
@@ -99,23 +98,6 @@ def _by_closure() -> Iterator[None]:
             yield
         finally:
             config.CACHE_LOCATOR_CLASSES = before
-
-
-class _Announcement(Listener):
-    """Says once, to who sits at a terminal, what takes so long."""
-
-    said = False
-
-    def on_start(self, event: Any) -> None:
-        if not self.said and sys.stderr.isatty():
-            print("Compiling machine code; this happens once, and takes half a minute.", file=sys.stderr)
-        self.said = True
-
-    def on_end(self, event: Any) -> None:
-        """Nothing."""
-
-
-register("numba:compile", _Announcement())
 
 
 class ByClosure(_CacheLocator):
