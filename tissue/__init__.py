@@ -10,21 +10,25 @@ if TYPE_CHECKING:
     from tissue.events.event import EmtEvent
     from tissue.files.parameters import Parameters, load, preset
     from tissue.first_order import simulate
+    from tissue.force import Force
     from tissue.many import simulate_many
     from tissue.observable import Observable
     from tissue.registration import register
     from tissue.run import Run, RunFailed
+    from tissue.slopes import force_error
     from tissue.state.frame import Frame
     from tissue.study.run import run_study
 
 __all__ = [
     "DivisionRule",
     "EmtEvent",
+    "Force",
     "Frame",
     "Observable",
     "Parameters",
     "Run",
     "RunFailed",
+    "force_error",
     "load",
     "preset",
     "register",
@@ -36,11 +40,13 @@ __all__ = [
 _HOMES = {
     "DivisionRule": "division",
     "EmtEvent": "events.event",
+    "Force": "force",
     "Frame": "state.frame",
     "Observable": "observable",
     "Parameters": "files.parameters",
     "Run": "run",
     "RunFailed": "run",
+    "force_error": "slopes",
     "load": "files.parameters",
     "preset": "files.parameters",
     "register": "registration",

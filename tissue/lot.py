@@ -32,7 +32,8 @@ class Lot:
             random = tuple(streams(seed) for seed in seeds)
             held, self._parted = zip(*map(started, repeat(parameters), random), strict=True)
         self._random = random
-        self._group = Group(held, parameters.numbers(), random, parameters.division_rule())
+        rule, forces = parameters.division_rule(), parameters.forces.acting()
+        self._group = Group(held, parameters.numbers(), random, rule, forces)
 
     def times(self) -> Iterator[float]:
         """The kept times [h], the first that of the start; when one is given, the runs are there."""

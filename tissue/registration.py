@@ -1,4 +1,4 @@
-"""How users add to the tissue: events, observables and division rules of their own, from their own modules."""
+"""How users add to the tissue: events, forces, observables, rules of divisions, from modules of their own."""
 
 from __future__ import annotations
 
@@ -14,24 +14,25 @@ from dincl.provenance import provenance
 from tissue.division import BESIDE, DivisionRule
 from tissue.events.event import EmtEvent
 from tissue.events.known import events, house
+from tissue.force import Force
 from tissue.observable import Observable
 from tissue.registry import registered, shelf
 from tissue.summary import HOUSE
 
 # What there may be of each kind: sets of events are bits, and pictures have a colour for each set.
 MOST = 8
-KINDS = (EmtEvent, Observable, DivisionRule)
+KINDS = (EmtEvent, Observable, DivisionRule, Force)
 
 
 def register(*things: Any) -> None:
-    """Add events, observables or division rules, under their names; again from the same file takes their places.
+    """Add events, forces, observables or division rules, by name; again from the same file takes their places.
 
     Parameters
     ----------
     things
-        Each an ``EmtEvent``, an ``Observable`` or a ``DivisionRule``, whose functions stand at top level of a file.
-        Called from that file, ``register`` is called again wherever the file is imported: parameters that list it,
-        ``own.modules = ["my_module.py"]``, do so in every process.
+        Each an ``EmtEvent``, ``Force``, ``Observable`` or ``DivisionRule``, whose functions stand at top level of a
+        file. Called from that file, ``register`` is called again wherever the file is imported: parameters that list
+        it, ``own.modules = ["my_module.py"]``, do so in every process.
 
     Raises
     ------

@@ -16,8 +16,8 @@ from tissue.kernels.handed import handed_numbers
 from tissue.model import scale
 from tissue.model.basal_layer import order_basal
 from tissue.model.discs import separate
-from tissue.model.energy import Forces
 from tissue.state.cells import Emt, emt_cells
+from tissue.state.forces import Forces
 from tissue.step import advance
 from tissue.step.called import handed_rules
 from tissue.step.copies import copy_in, copy_out

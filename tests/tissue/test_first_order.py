@@ -14,9 +14,9 @@ from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels.board import LOST
 from tissue.kernels.store import COUNTERS
-from tissue.model.energy import Forces
 from tissue.run import RunFailed
 from tissue.start import started
+from tissue.state.forces import Forces
 from tissue.state.streams import streams
 from tissue.step.advance import DONE
 from tissue.step.group import Group

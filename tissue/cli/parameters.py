@@ -43,7 +43,8 @@ def list_parameters(name: Name = None) -> None:
         return
     for section, fields in found.items():
         print(f"[{section}] {heading(fields)}")
-        _list([facts for facts in keys.values() if facts.section == section], values)
+        mine = [facts for facts in keys.values() if facts.section == section]
+        _list(mine, values) if mine else print()
 
 
 def _list(keys: list[KeyFacts], presets: dict[str, dict[str, Any]]) -> None:

@@ -34,13 +34,22 @@ def unknown(key: str, value: Any, known: Iterable[str]) -> str:
 
 def no_key(key: str, known: Iterable[str]) -> str:
     """What is wrong with a name that is no key."""
-    return f"unknown key; the nearest known one is {_nearest(key, known)}"
+    keys = list(known)
+    if key.startswith("forces.") and not any(name.startswith("forces.") for name in keys):
+        return "unknown key; no force is registered, as files in own.modules do"
+    return f"unknown key; the nearest known one is {_nearest(key, keys)}"
 
 
-def unknown_events(given: Any, shape: type[BaseModel]) -> list[str]:
-    """A line for each key given in the section [emt] that is none: as a key it may be the name of any event."""
-    keys, found = sections(shape)["emt"].all_keys(), given.items() if isinstance(given, Mapping) else ()
-    return [unknown(f"emt.{key}", value, known_keys(shape)) for key, value in found if key not in keys]
+def unknown_names(tables: Mapping[str, Any], shape: type[BaseModel]) -> list[str]:
+    """A line for each key that is none in the sections where it may be the name of any event, or force."""
+    open_ones = {name: fields for name, fields in sections(shape).items() if fields.model_config["extra"] == "allow"}
+    given = {f"{section}.{key}": value for section in open_ones for key, value in _items(tables.get(section))}
+    keys = known_keys(shape)
+    return [unknown(key, value, keys) for key, value in given.items() if key not in keys]
+
+
+def _items(table: Any) -> Iterable[tuple[str, Any]]:
+    return table.items() if isinstance(table, Mapping) else ()
 
 
 def refuse(source: str, lines: Iterable[str]) -> InvalidProblem:
@@ -67,7 +76,8 @@ def _line(item: Any, shape: type[BaseModel]) -> str:
 
 def _allowed(key: str, shape: type[BaseModel]) -> str:
     if "." not in key:
-        return f"a section [{key}] with the keys {', '.join(sections(shape)[key].model_fields)}"
+        keys = ", ".join(sections(shape)[key].all_keys())
+        return f"a section [{key}] with {f'the keys {keys}' if keys else 'names of registered forces'}"
     facts = all_keys(shape)[key]
     return f"{facts.allowed} ({facts.meaning})"
 

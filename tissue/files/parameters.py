@@ -17,9 +17,10 @@ from tissue.division import DivisionRule, division_rules
 from tissue.events.known import events
 from tissue.files.combinations import broken
 from tissue.files.fields import bring
+from tissue.files.forces import ForcesSection
 from tissue.files.keys import all_keys, optional_sections
 from tissue.files.layer import curve_of
-from tissue.files.messages import known_keys, problems, refuse, unknown, unknown_events
+from tissue.files.messages import known_keys, problems, refuse, unknown, unknown_names
 from tissue.files.own_modules import imported, placed
 from tissue.files.parameter_files import FOLDER, merged, read, written
 from tissue.files.scenario import Scenario
@@ -63,6 +64,7 @@ class Parameters(BaseModel):
     start: StartSection
     emt: EmtSection
     events: EventsSection
+    forces: ForcesSection
     daha: DahaSection
     layer: LayerSection
 
@@ -117,7 +119,7 @@ class Parameters(BaseModel):
 
     def as_dict(self) -> dict[str, Any]:
         """All sections as in a file, quantities as text in um, R_soft and h: the same dict for equal parameters."""
-        return self.model_dump(mode="json")
+        return {section: table for section, table in self.model_dump(mode="json").items() if table}
 
     def as_toml(self) -> str:
         """The text of a file without base that ``load`` makes equal parameters of; behind each value what it means."""
@@ -295,7 +297,7 @@ def _checked(tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), 
     own = tables.get("own")
     bring(own.get("modules") if isinstance(own, Mapping) else None)
     noted: dict[tuple[type[BaseModel], str], Any] = {}
-    found = [*lines, *unknown_events(tables.get("emt"), Parameters)]
+    found = [*lines, *unknown_names(tables, Parameters)]
     try:
         parameters = Parameters.model_validate(tables, context=noted)
     except ValidationError as error:

@@ -56,9 +56,10 @@ def page() -> str:
     parts = [TOP]
     for section, fields in sections(Parameters).items():
         rows = [_row(facts, values) for facts in keys if facts.section == section]
-        table = "".join(map(_line, [COLUMNS, ("---",) * len(COLUMNS), *rows]))
         about = heading(fields)
-        parts.append(f"## [{section}]\n\n{about[0].upper()}{about[1:]}\n\n{table}")
+        parts += [f"## [{section}]\n", f"{about[0].upper()}{about[1:]}\n"]
+        if rows:
+            parts.append("".join(map(_line, [COLUMNS, ("---",) * len(COLUMNS), *rows])))
     return "\n".join(parts)
 
 

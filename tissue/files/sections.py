@@ -77,7 +77,7 @@ class OwnSection(ParameterSection):
     """[own]: what is not in this package."""
 
     modules: Modules = key(
-        "files, relative to this one, that register events, observables or rules of divisions",
+        "files, relative to this one, that register events, forces, observables or rules of divisions",
         "",
         "docs/tutorials/own_event.md",
         [],

@@ -91,6 +91,7 @@ class Board(NamedTuple):
     deviation: float  # of the noise in a substep
     bent: int  # whether the basal layer is not a straight line, 1 or 0
     curve: CurveNumbers
+    forces: int  # where those of users are, see ``tissue.step.own_forces``; 0: there are none
 
 
 # How long the arrays are that have no place for each cell.
@@ -107,14 +108,16 @@ class Boards:
     alone is apart in both: two words, and two for each lane. ``block`` has the arrays with a number for each cell.
     """
 
-    def __init__(self, capacity: int, width: int, numbers: Numbers, scale: float, curve: CurveNumbers) -> None:
+    def __init__(
+        self, capacity: int, width: int, numbers: Numbers, scale: float, curve: CurveNumbers, forces: int = 0
+    ) -> None:
         m = -(-capacity * width // WIDTH) * WIDTH
         names = Board._fields[: Board._fields.index("first")]
         self.block = _aligned(len(names), m)
         block = {name: line[:m] for name, line in zip(names, self.block, strict=True)}
         for name in WHOLE:
             block[name] = block[name].view(np.int64)
-        same = _common(capacity, width, numbers, scale) | {"bent": curve.bent, "curve": curve}
+        same = _common(capacity, width, numbers, scale) | {"bent": curve.bent, "curve": curve, "forces": forces}
         self.pairs: Integers = same["pairs"]
         flat = {name: line[: SHORT.get(name, m) * (width if name in SHORT else 1)] for name, line in block.items()}
         wide = {name: line.reshape(-1, WIDTH)[: SHORT.get(name)] for name, line in block.items()}
@@ -123,7 +126,7 @@ class Boards:
         if not curve.bent:
             flat["along"], wide["along"] = flat["bx"], wide["bx"]
         # For kernels these are ``Board``.
-        self.flat: Any = Handed(Board(**flat, **same), _FLAT)
+        self.flat: Any = Handed(Board(**flat, **same), FLAT)
         self.wide: Any = Handed(Board(**wide, **same), _WIDE)
 
 
@@ -164,10 +167,10 @@ def _example(*shape: int) -> Board:
     whole = {*WHOLE, *SAME}
     kinds = {name: np.int64 if name in whole else np.float64 for name in Board._fields}
     plain: dict[str, Any] = {"substeps": 0, "repulsion": 0.0, "max_basal": 0.0, "deviation": 0.0}
-    plain |= {"bent": 0, "curve": STRAIGHT}
+    plain |= {"bent": 0, "curve": STRAIGHT, "forces": 0}
     lines = dict.fromkeys(SAME, (1,))
     return Board(**{name: plain.get(name, np.zeros(lines.get(name, shape), kind)) for name, kind in kinds.items()})
 
 
-_FLAT, _WIDE = kind_of_handle(_example(1)), kind_of_handle(_example(1, WIDTH))
+FLAT, _WIDE = kind_of_handle(_example(1)), kind_of_handle(_example(1, WIDTH))
 board_at, wide_board_at = reader(_example(1)), reader(_example(1, WIDTH))

@@ -40,28 +40,28 @@ rules_at = reader(_EXAMPLE)
 @instruction
 def call_begin(typing: Any, address: Any, store: Any, i: Any, bit: Any, numbers: Any) -> Any:
     """Call a function ``begin`` by its address."""
-    return _called(BEGIN)
+    return called(BEGIN)
 
 
 @instruction
 def call_last(typing: Any, address: Any, store: Any, i: Any, rest_ax: Any, rest_bx: Any, numbers: Any) -> Any:
     """Call a function ``last`` by its address."""
-    return _called(LAST)
+    return called(LAST)
 
 
 @instruction
 def call_splits(typing: Any, address: Any, store: Any, i: Any, number: Any, numbers: Any) -> Any:
     """Call a function ``splits`` by its address."""
-    return _called(SPLITS)
+    return called(SPLITS)
 
 
 @instruction
 def call_place(typing: Any, address: Any, store: Any, i: Any, numbers: Any) -> Any:
     """Call a function ``place`` by its address."""
-    return _called(PLACE)
+    return called(PLACE)
 
 
-def _called(signature: Any) -> Any:
+def called(signature: Any) -> Any:
     """A call of what has this signature; the address comes first."""
     silent = signature.return_type == types.void
 

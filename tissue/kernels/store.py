@@ -11,6 +11,7 @@ from tissue.kernels.curve import CurveNumbers, curve_numbers
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.state.basal_curve import LINE
 from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, first, no_emt
+from tissue.state.forces import Forces
 
 # Places in Store.sizes
 CELLS, APICAL, BASAL, NEXT_ID = range(4)
@@ -48,6 +49,7 @@ class StoreArrays(NamedTuple):
     noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
     counts: Integers  # one for each of COUNTERS
     curve: CurveNumbers  # the basal layer
+    on: Forces  # what forces of users do in a substep, (capacity,)
 
 
 class Store(Handed):
@@ -65,6 +67,7 @@ class Store(Handed):
             self.noise_key,
             self.counts,
             self.curve,
+            self.on,
         ) = parts
 
 
@@ -106,7 +109,8 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers) -> StoreArrays:
     layers = CellLayers(*np.zeros((2, capacity), np.int64))
     motion = BasalMotion(*np.zeros((3, capacity)))
     sizes, key, counts = np.zeros(4, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
-    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts, curve)
+    on = Forces(*np.zeros((len(Forces._fields), capacity)))
+    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts, curve, on)
 
 
 _EXAMPLE = _room(2, no_emt(), STRAIGHT)

@@ -17,6 +17,7 @@ from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.repulsion import SOFT
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import CellLayers, Cells, Floats, Integers
+from tissue.state.forces import Forces
 from tissue.state.numbers import Numbers
 
 
@@ -28,20 +29,6 @@ class Parts(NamedTuple):
     aa: float  # apical junctions (3.11)
     axb: float  # straightness (3.12)
     xx: float  # soft repulsion (3.13)
-
-
-class Forces(NamedTuple):
-    """-grad W for each cell, shape (n,): on the nucleus, the apical point and the basal point [1 / R_soft].
-
-    ``by`` is given for all cells; the caller leaves it out for those that the basal line holds  (C3).
-    """
-
-    x: Floats
-    y: Floats
-    ax: Floats
-    ay: Floats
-    bx: Floats
-    by: Floats
 
 
 def energy(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> float:

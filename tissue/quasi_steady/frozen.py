@@ -10,8 +10,9 @@ from dincl.errors import InvalidProblem
 from dincl.problem import Problem
 from dincl.projection import Projection
 from dincl.projection.project import project
-from tissue.model.energy import Forces, forces
+from tissue.model.energy import forces
 from tissue.state.cells import CellLayers, Cells, Floats, first
+from tissue.state.forces import Forces
 from tissue.state.numbers import Numbers
 
 

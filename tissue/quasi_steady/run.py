@@ -70,8 +70,8 @@ def simulate_quasi_steady(
     Raises
     ------
     InvalidProblem
-        As ``simulate``, and if noise is to be added in each substep: there are none; or if there are EMT cells, or the
-        basal layer is not a line.
+        As ``simulate``, and if noise is to be added in each substep: there are none; or if there are EMT cells, the
+        basal layer is not a line, or there is a force that is not of the thesis.
     RunFailed
         If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
     """
@@ -82,6 +82,8 @@ def simulate_quasi_steady(
         raise InvalidProblem(f'layer.shape = "{parameters.layer.shape}": must be "line" for the quasi-steady model')
     if parameters.emt.cells:
         raise InvalidProblem(f"emt.cells = {parameters.emt.cells}: must be 0, the quasi-steady model has no EMT events")
+    for force, strength in parameters.forces.acting():
+        raise InvalidProblem(f"forces.{force.name} = {strength:g}: must be 0, the quasi-steady model does not know it")
     steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
     found = steps.run(watch)
     if throw and not found.status:

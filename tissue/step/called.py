@@ -11,10 +11,12 @@ import numpy as np
 from dincl.compile import c_function
 from tissue.division import BESIDE, DivisionRule
 from tissue.events.known import events, in_order
+from tissue.force import Force
 from tissue.kernels.handed import Handed
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
 from tissue.kernels.store import Store
 from tissue.state.cells import Integers
+from tissue.step.own_forces import ENERGY, OWN, PART, PUSH, OwnForces, evaluate, follow
 
 # By function, for the life of the process; threads come one at a time.
 _COMPILED: dict[Callable[..., Any], Any] = {}
@@ -30,6 +32,19 @@ def handed_rules(stores: Iterable[Store], division: DivisionRule = BESIDE) -> An
     (splits,), (place,) = _addresses(SPLITS, [division.splits]), _addresses(PLACE, [division.place])
     order = np.array(in_order(), np.int64)
     return Handed(Rules(order, _addresses(BEGIN, begin), _addresses(LAST, last), int(splits), int(place)), RULES)
+
+
+def handed_forces(forces: Sequence[tuple[Force, float]], stores: Integers, numbers: int, scale: float) -> Any:
+    """The forces of users with their strengths, for tissues and numbers at these addresses; ``scale`` = h / mu."""
+    push, parts = _addresses(PUSH, [force.push for force, _ in forces]), _addresses(PART, [evaluate, follow])
+    strengths = np.array([strength for _, strength in forces])
+    return Handed(OwnForces(push, strengths, stores, numbers, scale, *parts.tolist()), OWN)
+
+
+def push_and_energy(force: Force) -> tuple[int, int]:
+    """The machine code of a force, and of its energy; 0 if it has none."""
+    (push,), (energy,) = _addresses(PUSH, [force.push]), _addresses(ENERGY, [force.energy])
+    return int(push), int(energy)
 
 
 def _addresses(signature: Any, functions: Sequence[Callable[..., Any] | None]) -> Integers:

@@ -95,14 +95,20 @@ def copy_out(board: Board, stores: Integers) -> None:
     for k in range(width):
         if board.cells[k] > 0:
             store = store_at(stores[k])
-            cells = store.cells
-            for i in range(board.cells[k]):
-                place = width * i + k
-                cells.x[i], cells.y[i] = board.x[place], board.y[place]
-                cells.ax[i], cells.ay[i] = board.ax[place], board.ay[place]
-                cells.bx[i], cells.by[i] = board.bx[place], board.by[place]
-                if board.bent:
-                    cells.along[i] = board.along[place]
+            put_back(board, store, k)
             store.counts[SUBSTEPS] += board.substeps
             store.counts[CORRECTIONS] += int(board.counts[k])
             store.counts[BASAL_CORRECTIONS] += int(board.counts[width + k])
+
+
+@inner
+def put_back(board: Board, store: Store, k: int) -> None:
+    """Copy the positions of lane k back to its tissue."""
+    cells, width = store.cells, len(board.cells)
+    pairs = (cells.x, board.x), (cells.y, board.y), (cells.ax, board.ax), (cells.ay, board.ay)
+    for mine, theirs in (*pairs, (cells.bx, board.bx), (cells.by, board.by)):
+        for i in range(board.cells[k]):
+            mine[i] = theirs[width * i + k]
+    if board.bent:
+        for i in range(board.cells[k]):
+            cells.along[i] = board.along[width * i + k]

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from tissue.division import BESIDE, DivisionRule
+from tissue.force import Force
 from tissue.kernels.board import EMPTY, RUNNING, Boards
 from tissue.kernels.handed import GENERATOR, generator_words, handed_numbers
 from tissue.kernels.lanes import WIDTH
@@ -15,7 +16,7 @@ from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers
 from tissue.state.streams import Streams
 from tissue.step.advance import FULL, advance, find_lost, make_substeps
-from tissue.step.called import handed_rules
+from tissue.step.called import handed_forces, handed_rules
 from tissue.step.substeps import substeps_address
 
 
@@ -26,6 +27,8 @@ class Group:
     ----------
     stores
         The tissues, up to WIDTH.
+    forces
+        Those of users that act, with their strengths, in the order of their names.
     ended
         Of each RUNNING, or the number of the step that failed; (1,) for a tissue alone, (WIDTH,) for several: EMPTY
         where there is none.
@@ -37,8 +40,9 @@ class Group:
         numbers: Numbers,
         random: Sequence[Streams] = (),
         division: DivisionRule = BESIDE,
+        forces: Sequence[tuple[Force, float]] = (),
     ) -> None:
-        self.stores = list(stores)
+        self.stores, self.forces = list(stores), forces
         width = 1 if len(self.stores) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.stores), RUNNING, EMPTY)
         self._numbers, self._handed, self._keep = numbers, handed_numbers(numbers), random
@@ -75,11 +79,13 @@ class Group:
         """Tell the kernel where everything is."""
         width, numbers = len(self.ended), self._numbers
         scale = numbers.dt / numbers.substeps / numbers.mu
-        self._board = Boards(
-            max(len(held.cells.x) for held in self.stores), width, numbers, scale, self.stores[0].curve
-        )
         addresses = [held.address for held in self.stores]
         self._addresses = np.array(addresses + addresses[-1:] * (width - len(addresses)))
+        own, capacity = 0, max(len(held.cells.x) for held in self.stores)
+        if self.forces:
+            self._own = handed_forces(self.forces, self._addresses, self._handed.address, scale)
+            own = self._own.address
+        self._board = Boards(capacity, width, numbers, scale, self.stores[0].curve, own)
         code, rules = substeps_address(width), self._rules.address
         how = self._handed.address, self._board.flat.address, self._board.wide.address, code, rules
         self._how = np.array(how, np.int64)

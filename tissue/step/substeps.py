@@ -19,6 +19,7 @@ from tissue.model.discs import separate
 from tissue.model.junctions import pull_junctions, pull_links
 from tissue.model.motion import move
 from tissue.model.repulsion import push_in_pairs, push_in_rows
+from tissue.step.own_forces import call_own, own_at
 
 _SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
 
@@ -39,7 +40,12 @@ def make_substep(board: Board, n: int, wide: Board, rows: int, flat: Board) -> N
     """
     pull_junctions(board, n, wide, rows)
     pull_links(flat)
+    own = own_at(flat.forces)
+    if flat.forces:
+        call_own(own.evaluate, own, flat)
     move(wide, rows)
+    if flat.forces:
+        call_own(own.follow, own, flat)
     separate(board, n)
     order_basal(board, n)
     if board.bent:

@@ -11,10 +11,11 @@ from dincl.minimise import DampedArrowHurwicz as OnAProblem
 from dincl.minimise import RelativeMove, minimise
 from tests.tissue.states import cells, divided, layers, numbers, tissue
 from tissue.kernels.store import contents, stored
-from tissue.model.energy import Forces, energy, forces
+from tissue.model.energy import energy, forces
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
 from tissue.quasi_steady.frozen import constraints, frozen_problem, particles
 from tissue.quasi_steady.judge import local_minimum
+from tissue.state.forces import Forces
 from tissue.state.numbers import Daha
 from tissue.step.group import Group
 

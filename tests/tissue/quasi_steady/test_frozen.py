@@ -7,8 +7,9 @@ from scipy.optimize import nnls
 import dincl
 from dincl import StepState
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
-from tissue.model.energy import Forces, forces
+from tissue.model.energy import forces
 from tissue.quasi_steady.frozen import cells_at, frozen_problem, made_feasible, particles
+from tissue.state.forces import Forces
 
 N = 60
 T_END = 0.1

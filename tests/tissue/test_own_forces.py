@@ -1,0 +1,420 @@
+"""Forces that users add: they do what mechanics says, wherever they run, and cost nothing where there are none."""
+
+import math
+import multiprocessing
+import shutil
+import sys
+import tomllib
+from concurrent.futures import ProcessPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numba.core.errors import TypingError
+
+import tissue
+from dincl.errors import InvalidProblem
+from dincl.status import Status
+from tests.tissue import kernel_calls as kernels
+from tests.tissue import states
+from tissue.kernels.curve import curve_numbers
+from tissue.kernels.store import contents, stored
+from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.registry import registered, shelf
+from tissue.state.basal_curve import ellipse
+from tissue.state.cells import COORDINATES
+from tissue.step.group import Group
+from tissue.study import identity
+
+NAME = "own_forces_copy"
+WALL, POINT = 6.0, (1.0, 3.0)  # as there: who imports it registers its forces
+SHORT = {"numerics.t_end": "4 h", "numerics.keep": "1 h", "tissue.cells": 30, "tissue.width": "8 R_soft"}
+# Every cell divides once or twice, so that the stores grow.
+LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
+EMT = {"emt.cells": 4, "emt.b": "0.5 h to 2 h", "emt.p": "2 h"}
+TUBE = {"layer.shape": "circle", "layer.perimeter": "60 R_soft", "layer.side": "outside", "tissue.cells": 180}
+LAYERS = {"line": {}, "arc": {**TUBE, "tissue.cells": 60}, "tube": {**TUBE, "layer.closed": True}}
+each_layer = pytest.mark.parametrize("layer", LAYERS)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def own(tmp_path_factory):
+    """The module of a user; nothing of it is left."""
+    before = dict(shelf(tissue.Force))
+    shelf(tissue.Force).clear()
+    file = tmp_path_factory.mktemp("own") / f"{NAME}.py"
+    shutil.copy(Path(__file__).with_name("own_forces.py"), file)
+    tissue.preset("thesis").changed({"own.modules": [str(file)]})
+    yield file
+    sys.modules.pop(NAME, None)
+    shelf(tissue.Force).clear()
+    shelf(tissue.Force).update(before)
+
+
+@pytest.fixture
+def kept():
+    """What a test registers is gone after it."""
+    before = dict(shelf(tissue.Force))
+    yield
+    shelf(tissue.Force).clear()
+    shelf(tissue.Force).update(before)
+
+
+def named(name):
+    return next(force for force in registered(tissue.Force) if force.name == name)
+
+
+def published(own, **changes):
+    return tissue.preset("published").changed({"own.modules": [str(own)], **SHORT, **changes})
+
+
+def same(a, b):
+    return all(one.tobytes() == other.tobytes() for one, other in zip(a.cells, b.cells, strict=True))
+
+
+def distance(a, b):
+    return max(np.abs(getattr(a, name) - getattr(b, name)).max() for name in COORDINATES)
+
+
+# What a force does
+
+
+def test_points_without_other_forces_go_to_the_point_as_explicit_euler_does():
+    """Z - P is (1 - h s / mu)^n of what it was; a basal point on the line stays there, a free one goes."""
+    x, a, b = (np.array([[-40.0, y], [0.5, y], [50.0, y]]) for y in (4.0, 8.0, 0.0))
+    free = {f"stiff_{name}": 0.0 for name in ("ax", "bx", "axb", "aa")}
+    cells, numbers = states.tissue(x, a, b, radius=0.01, **free), states.numbers(repulsion=0.0, max_basal=1e3)
+    held = stored(cells, states.layers(3, basal=[0, 2]), capacity=5)
+    group = Group([held], numbers, forces=[(named("point"), 0.4)])
+    assert group.make_substeps()
+    found = contents(group.stores[0])[0]
+    left = (1 - 0.4 * numbers.dt / numbers.substeps / numbers.mu) ** numbers.substeps
+    for name, target in zip(COORDINATES, POINT * 3, strict=True):
+        expected = target + left * (getattr(cells, name) - target)
+        if name == "by":
+            expected[[0, 2]] = 0.0
+        assert getattr(found, name) == pytest.approx(expected, abs=1e-12)
+
+
+def test_a_wall_holds_a_cell_where_forces_are_in_balance():
+    """The springs have their lengths at y = 8; k = 2 alpha / l is that of both in a row, halved."""
+    state = kernels.upright(height=8.0, nucleus=4.0, rest_ax=3.0, rest_bx=3.0)
+    group = Group(
+        [kernels.held(state)], states.numbers(repulsion=0.0, dt=1.0, substeps=400), forces=[(named("wall"), 3.0)]
+    )
+    for _ in range(30):
+        assert group.make_substeps()
+    found = contents(group.stores[0])[0]
+    spring = 2 * states.THESIS.alpha_ax / 4.0 / 2
+    assert found.ay[0] == pytest.approx((3.0 * WALL + spring * 8.0) / (3.0 + spring), abs=1e-9)
+    assert found.y[0] == pytest.approx(found.ay[0] / 2, abs=1e-9)
+
+
+@each_layer
+@pytest.mark.parametrize("company", [1, 3])
+def test_a_force_of_the_thesis_written_by_a_user_moves_all_points_alike(own, layer, company):
+    """The bending energy, with free and running basal points: as the term of the model, to what rounding grows to."""
+    given = published(own, **LAYERS[layer], **EMT, **{"numerics.t_end": "2.5 h", "numerics.keep": "2.5 h"})
+    theirs = given.changed({"cell.alpha_axb": 0, "forces.straight": given.cell.alpha_axb})
+    without = given.changed({"cell.alpha_axb": 0})
+    runs = [tissue.simulate_many(one, range(company)) for one in (given, theirs, without)]
+    for ours, mine, none in zip(*runs, strict=True):
+        assert (ours.final.cells.by[ours.final.cells.emt >= 0] != 0).all()
+        assert distance(ours.final.cells, mine.final.cells) < 1e-8
+        assert distance(ours.final.cells, none.final.cells) > 0.1
+
+
+def test_a_tube_that_is_turned_moves_as_it_did():
+    """A pull to the centre, and cells that are not alike: the result is turned as the state was."""
+    n, angle = 24, 1.1
+    curve = ellipse(30.0, 1.0, inside=True, ring=True)
+    radius = curve.length / (2 * math.pi)
+    centre = tissue.Force("centre", pull_to_centre, "springs to the centre of a circle")
+    found = []
+    for turned in (0.0, angle):
+        s = curve.length / n * np.arange(n)
+        points = [np.column_stack(curve.above(s, height + 0.3 * np.sin(3 * s))) for height in (2.0, 3.5, 0.0)]
+        points[2] = np.column_stack(curve.above(s, np.zeros(n)))
+        points = [_turned(part, turned, radius) for part in points]
+        cells = states.tissue(*points, along=s + radius * turned, rest_ax=0.5 + 0.2 * np.sin(s), rest_bx=0.5)
+        held = stored(cells, capacity=n, curve=curve_numbers(curve))
+        group = Group([held], states.numbers(max_basal=2.0), forces=[(centre, 0.7 / radius)])
+        assert group.make_substeps()
+        found.append(contents(group.stores[0])[0])
+    for x, y in (("x", "y"), ("ax", "ay"), ("bx", "by")):
+        before, after = (np.column_stack((getattr(one, x), getattr(one, y))) for one in found)
+        assert after == pytest.approx(_turned(before, angle, radius), abs=1e-11)
+    assert np.hypot(found[0].x, found[0].y - radius).max() < radius
+
+
+def _turned(points, angle, radius):
+    """Points turned around the centre (0, radius)."""
+    c, s = math.cos(angle), math.sin(angle)
+    return (points - [0.0, radius]) @ np.array([[c, s], [-s, c]]) + [0.0, radius]
+
+
+def pull_to_centre(store, on, strength, numbers):
+    """For 30 / (2 pi) = R: the centre of the circle is (0, R)."""
+    cells = store.cells
+    for i in range(store.sizes[0]):
+        on.x[i] -= strength * cells.x[i]
+        on.y[i] -= strength * (cells.y[i] - 15.0 / math.pi)
+        on.bx[i] -= strength * cells.bx[i]
+        on.by[i] -= strength * (cells.by[i] - 15.0 / math.pi)
+
+
+# The same bits
+
+
+@each_layer
+@pytest.mark.parametrize("noise", ["step", "substep"])
+def test_alone_and_in_company(own, layer, noise):
+    """With divisions that fill the stores, and free basal points."""
+    forces = {"forces.wall": 2.0, "forces.straight": 3.0, "numerics.noise": noise, "tissue.two_daughters": 1.0}
+    given = published(own, **SHORT | LAYERS[layer] | LIVELY | EMT | forces | {"numerics.t_end": "3 h"})
+    company = tissue.simulate_many(given, range(3), throw=False)
+    for seed in range(3):
+        alone = tissue.simulate(given, seed, throw=False)
+        assert alone.stats == company[seed].stats
+        assert len(alone.final.cells.x) > 2 * given.tissue.cells
+        assert all(map(same, alone.frames, company[seed].frames))
+
+
+def test_strength_0_is_none(own):
+    given = published(own)
+    for seed in range(2):
+        one, other = (tissue.simulate(one, seed) for one in (given, given.changed({"forces.wall": 0})))
+        assert same(one.final, other.final)
+        assert not same(one.final, tissue.simulate(given.changed({"forces.wall": 0.1}), seed).final)
+
+
+@pytest.mark.parametrize("layer", ["line", "tube"])
+def test_a_run_goes_on_from_a_kept_state(own, layer):
+    given = published(own, **SHORT | LAYERS[layer] | LIVELY | EMT | {"forces.wall": 2.0})
+    whole = tissue.simulate(given, 1)
+    for start in whole.frames[:-1]:
+        assert same(tissue.simulate(given, 1, start=start).final, whole.final)
+
+
+def test_the_order_of_registration_does_not_matter(own, kept):
+    given = published(own, **{"forces.wall": 2.0, "forces.straight": 3.0, "forces.point": 0.1})
+    before = tissue.simulate(given, 1).final
+    order = list(shelf(tissue.Force).values())
+    shelf(tissue.Force).clear()
+    tissue.register(*reversed(order))
+    assert [force.name for force, _ in given.forces.acting()] == ["point", "straight", "wall"]
+    assert same(tissue.simulate(given, 1).final, before)
+
+
+def test_two_forces_add_up(own):
+    """Twice the wall is one of twice the strength."""
+    double = tissue.Force("wall_too", named("wall").push, "the same wall")
+    given = published(own)
+    ends = []
+    for forces in ([(named("wall"), 2.0)], [(named("wall"), 1.0), (double, 1.0)]):
+        held = stored(*tissue.simulate(given, 0).final[1:3], capacity=40)
+        group = Group([held], states.numbers(), forces=forces)
+        assert group.make_substeps()
+        ends.append(contents(group.stores[0])[0])
+    assert distance(*ends) < 1e-13
+
+
+# A force against its energy
+
+
+@pytest.mark.parametrize("layer", ["line", "tube"])
+@pytest.mark.parametrize("strength", [1.0, 40.0])
+def test_forces_are_minus_the_slope_of_the_energy(own, layer, strength):
+    run = tissue.simulate(published(own, **SHORT | LAYERS[layer] | {"numerics.t_end": "1 h"}), 0)
+    for name in ("wall", "straight"):
+        assert tissue.force_error(named(name), run, strength) < 1e-6
+
+
+def test_a_wrong_force_is_found(own):
+    run = tissue.simulate(published(own, **{"numerics.t_end": "1 h"}), 0)
+    wall, straight = named("wall"), named("straight")
+    assert tissue.force_error(tissue.Force("w", half_a_wall, "", "", wall.energy), run) == pytest.approx(0.5, rel=1e-6)
+    assert tissue.force_error(tissue.Force("w", nothing, "", "", wall.energy), run) == pytest.approx(1.0)
+    assert tissue.force_error(tissue.Force("w", wall.push, "", "", no_energy), run) == pytest.approx(1.0)
+    assert tissue.force_error(tissue.Force("w", wall.push, "", "", straight.energy), run) > 0.1
+
+
+def test_a_state_is_not_changed_by_the_comparison(own):
+    run = tissue.simulate(published(own, **{"numerics.t_end": "1 h"}), 0)
+    before = tissue.simulate(run.parameters, 0).final
+    tissue.force_error(named("wall"), run)
+    assert same(run.final, before)
+
+
+@pytest.mark.parametrize(
+    ("energy", "push", "message"),
+    [
+        (None, "push_down", "Force f: energy = None: must be a function to compare push with"),
+        ("no_energy", "nothing", "Force f at t = 1 h: must act on a point, to be compared"),
+        ("no_number", "nothing", "Force f at t = 1 h: must give finite forces and energies"),
+        ("no_energy", "not_finite", "Force f at t = 1 h: must give finite forces and energies"),
+    ],
+)
+def test_what_cannot_be_compared_is_named(own, energy, push, message):
+    run = tissue.simulate(published(own, **{"numerics.t_end": "1 h"}), 0)
+    force = tissue.Force("f", globals().get(push, nothing), "", "", energy and globals()[energy])
+    with pytest.raises(InvalidProblem, match=message):
+        tissue.force_error(force, run)
+    with pytest.raises(InvalidProblem, match="strength = 0: must be a finite number > 0"):
+        tissue.force_error(named("wall"), run, 0)
+
+
+# Failures
+
+
+@each_layer
+@pytest.mark.parametrize("strength", [1.0, 1e3, 1e12])
+def test_what_is_not_finite_or_huge_ends_the_run_and_no_other(own, layer, strength):
+    """1: no number; 1e3: out of bounds within a few substeps; 1e12: beyond all doubles."""
+    given = published(own, **SHORT | LAYERS[layer] | {"numerics.t_end": "1 h", "emt.cells": 0})
+    exploding = given.changed({"forces.explosive": strength})
+    runs = tissue.simulate_many(exploding, range(8), throw=False)
+    lost = [run.frames[0].cells.cycle[0] > 15.0 for run in runs]
+    assert 0 < sum(lost) < 8
+    for seed, (run, is_lost) in enumerate(zip(runs, lost, strict=True)):
+        if is_lost:
+            assert run.status is Status.NON_FINITE
+            assert "has a coordinate that is not finite, or beyond" in run.detail
+            with pytest.raises(tissue.RunFailed):
+                tissue.simulate(exploding, seed)
+        else:
+            assert same(run.final, tissue.simulate(given, seed).final)
+
+
+def test_what_does_not_compile_is_said_by_numba(own, kept):
+    """As for events: the error has the line."""
+    tissue.register(tissue.Force("wordy", say, "no code for kernels"))
+    with pytest.raises(TypingError, match=r"def say\(store, on, strength, numbers\)"):
+        tissue.simulate(published(own, **{"forces.wordy": 1}), 0)
+
+
+# Parameters
+
+
+def test_the_strength_is_a_key(own):
+    given = published(own, **{"forces.wall": "1/2"})
+    assert dict(given.forces) == {"wall": 0.5}
+    assert given.changed({"forces.point": 3}).as_dict()["forces"] == {"point": 3.0, "wall": 0.5}
+    assert [(force.name, strength) for force, strength in given.forces.acting()] == [("wall", 0.5)]
+    text = given.as_toml()
+    assert "[forces]\nwall = 0.5  # nothing is above a height\n" in text
+    again = own.with_name("again.toml")
+    again.write_text(text, "utf-8")
+    assert tissue.load(again) == given
+
+
+def test_a_file_without_forces_has_no_section(own):
+    for given in (published(own), tissue.preset("thesis")):
+        assert "[forces]" not in given.as_toml()
+        assert tomllib.loads(given.as_toml()) == given.as_dict()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"forces.wall": -1}, "forces.wall = -1: must be a number >= 0, without unit"),
+        ({"forces.wall": "1 um"}, "forces.wall = '1 um': must be a number >= 0, without unit"),
+        ({"forces.wall": math.nan}, "forces.wall = nan: must be a number >= 0"),
+        ({"forces.walls": 1}, "forces.walls = 1: unknown key; the nearest known one is forces.wall$"),
+    ],
+)
+def test_what_is_wrong_is_named(own, changes, message):
+    with pytest.raises(InvalidProblem, match=message):
+        published(own, **changes)
+
+
+def test_without_any_force_the_section_is_empty(tmp_path, kept):
+    shelf(tissue.Force).clear()
+    with pytest.raises(
+        InvalidProblem, match=r"wall = 1: unknown key; no force is registered, as files in own.modules do"
+    ):
+        tissue.preset("thesis").changed({"forces.wall": 1})
+    file = tmp_path / "bad.toml"
+    for text, message in (
+        ("forces.wall = 1", "bad.toml: forces.wall = 1: unknown key; no force is registered"),
+        ("forces = 3", r"forces = 3: must be a section \[forces\] with names of registered forces"),
+    ):
+        file.write_text(f'base = "thesis"\n{text}\n', "utf-8")
+        with pytest.raises(InvalidProblem, match=message):
+            tissue.load(file)
+    file.write_text('base = "thesis"\n[forces]\n', "utf-8")
+    assert tissue.load(file) == tissue.preset("thesis")
+
+
+def test_the_quasi_steady_model_refuses_forces(own):
+    given = tissue.preset("thesis").changed({"own.modules": [str(own)], "forces.wall": 2})
+    with pytest.raises(InvalidProblem, match=r"forces.wall = 2: must be 0, the quasi-steady model does not know it"):
+        simulate_quasi_steady(given)
+
+
+# Registration and studies
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: tissue.Force("Two words", nothing, ""), "name = 'Two words': must be lower-case letters, digits and"),
+        (lambda: tissue.Force(3, nothing, ""), "name = 3: must be lower-case"),
+        (lambda: tissue.Force("f", 3, ""), "Force f: push = 3: must be a function"),
+        (lambda: tissue.Force("f", nothing, "", "", 3), "Force f: energy = 3: must be a function, or None"),
+        (lambda: tissue.register(tissue.Force("wall", nothing, "")), "Force wall: must have another name"),
+        (lambda: tissue.register(tissue.Force("f", lambda *_: None, "")), "must stand at top level of a file"),
+        (
+            lambda: tissue.register(3),
+            "must be one of tissue.EmtEvent, tissue.Observable, tissue.DivisionRule, tissue.F",
+        ),
+    ],
+)
+def test_what_cannot_be_registered_is_named(make, message):
+    with pytest.raises(InvalidProblem, match=message):
+        make()
+
+
+def test_studies_on_other_processes(own, tmp_path):
+    """A fresh process knows the force; the identity of the study has its text; a strength is a value like others."""
+    (tmp_path / "base.toml").write_text(published(own, **{"numerics.t_end": "2 h"}).as_toml(), "utf-8")
+    study = tmp_path / "study.toml"
+    study.write_text(
+        'title = "walled"\nbase = "base.toml"\nreplicates = 2\nseed = 1\n'
+        "[scenarios.free]\n[scenarios.walled]\nforces.wall = 5\n",
+        "utf-8",
+    )
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as executor:
+        found = tissue.run_study(study, tmp_path / "out", executor)
+    heights = [found.runs(name)["height_um_2h"].mean() for name in ("free", "walled")]
+    assert heights[1] < heights[0]
+    assert NAME in identity.code()
+    own.write_text(own.read_text("utf-8") + "MORE = 1\n", "utf-8")
+    with pytest.raises(InvalidProblem, match=rf"holds results of another study[^$]*{NAME}: \w+ -> \w+"):
+        tissue.run_study(study, tmp_path / "out")
+
+
+def nothing(store, on, strength, numbers):
+    pass
+
+
+def half_a_wall(store, on, strength, numbers):
+    for i in range(store.sizes[0]):
+        on.ay[i] -= 0.5 * strength * max(0.0, store.cells.ay[i] - WALL)
+        on.y[i] -= 0.5 * strength * max(0.0, store.cells.y[i] - WALL)
+
+
+def not_finite(store, on, strength, numbers):
+    on.x[0] += math.inf
+
+
+def say(store, on, strength, numbers):
+    on.x[0] += "a word"
+
+
+def no_energy(store, strength, numbers):
+    return 0.0
+
+
+def no_number(store, strength, numbers):
+    return math.nan

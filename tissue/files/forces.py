@@ -1,0 +1,35 @@
+"""The section [forces] of a parameter file: forces that are not of the thesis."""
+
+from __future__ import annotations
+
+from pydantic import ConfigDict
+
+from tissue.files.fields import NonNegative, Number
+from tissue.files.keys import KeyFacts
+from tissue.files.sections import ParameterSection
+from tissue.force import Force
+from tissue.registry import registered
+
+
+class ForcesSection(ParameterSection):
+    """[forces]: the strengths of forces that files in own.modules register, by their names.
+
+    Forces of the thesis have theirs in [cell] and [rules]. A force whose strength is 0, or not given, is not called.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
+    __pydantic_extra__: dict[str, NonNegative]
+
+    @classmethod
+    def further_keys(cls) -> tuple[KeyFacts, ...]:
+        """All forces that are registered."""
+        plain = Number(zero=True)
+        return tuple(
+            KeyFacts(f"forces.{force.name}", force.meaning, "", force.source, plain.unit, plain.allowed, 0)
+            for force in registered(Force)
+        )
+
+    def acting(self) -> tuple[tuple[Force, float], ...]:
+        """The forces whose strength is not 0, with it, in the order of their names."""
+        known = {force.name: force for force in registered(Force)}
+        return tuple((known[name], strength) for name, strength in sorted(self) if strength > 0)

@@ -1,0 +1,101 @@
+"""Forces of users in a substep: evaluated before the others move the points, followed after them.
+
+So a substep is explicit Euler of the sum, Z - (h / mu) grad (W + W_own)(Z). Both parts are called by their addresses:
+a run without such forces neither compiles nor contains them. They go tissue by tissue, in numbers, not in lanes: the
+bits are the same alone and in company.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numba import types
+
+from dincl.compile import inner
+from dincl.kernels.handles import reader
+from tissue.kernels.board import FLAT, Board
+from tissue.kernels.handed import NUMBERS, kind_of_handle, numbers_at
+from tissue.kernels.lanes import instruction
+from tissue.kernels.rules import called
+from tissue.kernels.store import CELLS, STORE, Store, store_at
+from tissue.state.cells import Floats, Integers
+from tissue.state.forces import Forces
+from tissue.step.copies import put_back
+
+
+class OwnForces(NamedTuple):
+    """What those that act on tissues side by side are."""
+
+    push: Integers  # (forces,): where their machine code is, in the order of their names
+    strength: Floats  # (forces,)
+    stores: Integers  # (1,) or (WIDTH,): where the tissues are
+    numbers: int  # where the numbers of the run are
+    scale: float  # h / mu
+    evaluate: int  # the machine code of the functions below
+    follow: int
+
+
+_EXAMPLE = OwnForces(np.zeros(1, np.int64), np.zeros(1), np.zeros(1, np.int64), 0, 0.0, 0, 0)
+OWN = kind_of_handle(_EXAMPLE)
+own_at = reader(_EXAMPLE)
+# push(store, on, strength, numbers) and energy(store, strength, numbers) of a force; a part of a substep.
+PUSH: Any = types.void(STORE, kind_of_handle(Forces(*np.zeros((6, 1)))), types.float64, NUMBERS)
+ENERGY: Any = types.float64(STORE, types.float64, NUMBERS)
+PART: Any = types.void(OWN, FLAT)
+
+
+@instruction
+def call_push(typing: Any, address: Any, store: Any, on: Any, strength: Any, numbers: Any) -> Any:
+    """Call a function ``push`` by its address."""
+    return called(PUSH)
+
+
+@instruction
+def call_energy(typing: Any, address: Any, store: Any, strength: Any, numbers: Any) -> Any:
+    """Call a function ``energy`` by its address."""
+    return called(ENERGY)
+
+
+@instruction
+def call_own(typing: Any, address: Any, own: Any, board: Any) -> Any:
+    """Call ``evaluate`` or ``follow`` by its address."""
+    return called(PART)
+
+
+@inner
+def clear(store: Store) -> None:
+    """No force on any point."""
+    on = store.on
+    for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by):
+        for i in range(store.sizes[CELLS]):
+            forces[i] = 0.0
+
+
+def evaluate(own: OwnForces, board: Board) -> None:
+    """The sum of the forces where the points of each tissue on the board, seen flat, are now: ``Store.on``."""
+    for k in range(len(board.cells)):
+        if board.cells[k] > 0:
+            store = store_at(own.stores[k])
+            put_back(board, store, k)
+            clear(store)
+            for number in range(len(own.push)):
+                call_push(own.push[number], store, store.on, own.strength[number], numbers_at(own.numbers))
+
+
+def follow(own: OwnForces, board: Board) -> None:
+    """Move the points of each tissue by (h / mu) times these forces, a basal point as the others do, see ``move``."""
+    width, scale = len(board.cells), own.scale
+    for k in range(width):
+        on = store_at(own.stores[k]).on
+        for points, force in ((board.x, on.x), (board.y, on.y), (board.ax, on.ax), (board.ay, on.ay)):
+            for i in range(board.cells[k]):
+                points[width * i + k] += scale * force[i]
+        if board.bent:
+            for i in range(board.cells[k]):
+                place = width * i + k
+                along = scale * on.bx[i] * board.tangent_x[place] + scale * on.by[i] * board.tangent_y[place]
+                board.along[place] += board.in_basal[place] * along
+        for points, force, moves in ((board.bx, on.bx, board.bx_moves), (board.by, on.by, board.by_moves)):
+            for i in range(board.cells[k]):
+                points[width * i + k] += moves[width * i + k] * (scale * force[i])
