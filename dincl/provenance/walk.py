@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 from types import ModuleType
@@ -53,6 +53,17 @@ def closure(*starts: Start) -> Closure:
     return Closure(dict(sorted(walk.modules.items())), frozenset(walk.libraries))
 
 
+class _Imported(NamedTuple):
+    """The modules and libraries that a module imports."""
+
+    modules: tuple[tuple[str, Path], ...]
+    libraries: frozenset[str]
+
+
+# By module, file and digest of its text: a report asks what hundreds of functions can reach.
+_IMPORTED: dict[tuple[str, Path, str], _Imported] = {}
+
+
 class _Walk:
     """A walk along import statements."""
 
@@ -83,8 +94,9 @@ class _Walk:
             self._pass(name)
             found = read_source(path)
             home = name if path.stem == "__init__" else name.rpartition(".")[0]
-            for item in found.imports:
-                todo += self._meant(item, home)
+            meant = self._imported((name, path, found.digest), found.imports, home)
+            todo += meant.modules
+            self.libraries |= meant.libraries
             if found.dynamic:
                 todo += self._beneath(home, path.parent)
 
@@ -96,13 +108,29 @@ class _Walk:
             if path is not None:
                 self.modules.setdefault(name, path)
 
-    def _meant(self, item: Import, home: str) -> Iterator[tuple[str, Path]]:
-        """The modules of this program that an import names; libraries are noted."""
-        module = resolve_name("." * item.level + item.module, home) if item.level else item.module
-        top = module.partition(".")[0]
-        if not self.is_ours(top):
-            self.libraries |= {top} - sys.stdlib_module_names
-            return
+    def _imported(self, key: tuple[str, Path, str], imports: Iterable[Import], home: str) -> _Imported:
+        """What a module with this text imports; looked for once in a process, unless some of it is not there."""
+        if key not in _IMPORTED:
+            modules: list[tuple[str, Path]] = []
+            libraries: set[str] = set()
+            missing = False
+            for item in imports:
+                module = resolve_name("." * item.level + item.module, home) if item.level else item.module
+                top = module.partition(".")[0]
+                if self.is_ours(top):
+                    found = list(self._meant(item, module))
+                    missing |= not found
+                    modules += found
+                else:
+                    libraries |= {top} - sys.stdlib_module_names
+            made = _Imported(tuple(modules), frozenset(libraries))
+            if missing:
+                return made
+            _IMPORTED[key] = made
+        return _IMPORTED[key]
+
+    def _meant(self, item: Import, module: str) -> Iterator[tuple[str, Path]]:
+        """The modules of this program that an import names."""
         inner = self._find(f"{module}.{item.name}") if item.name not in ("", "*") else None
         if inner is not None:
             yield from _wanted(f"{module}.{item.name}", inner)
