@@ -17,8 +17,8 @@ from tissue.state.numbers import Numbers
 class DivisionRule:
     """Whether a cell splits when its cycle ends, and where its daughters are; ``rule`` in the section [division].
 
-    Control cells are asked; a cell that undergoes EMT never splits. Its functions are plain Python at top level of a
-    file; numba compiles them, alone, when a run first needs them.
+    A cell that undergoes EMT never splits, all others are asked; ``numbers`` are those of the type of the cell. Its
+    functions are plain Python at top level of a file; numba compiles them, alone, when a run first needs them.
 
     Attributes
     ----------

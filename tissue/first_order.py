@@ -33,7 +33,8 @@ def simulate(
         the parameters and the seed of that run it goes on with the bits that it has without a stop; with another seed
         it goes on with the random numbers of this one. Parameters may differ: they hold from here on, and those of the
         state at t = 0 have no effect. What has begun of the EMT stays; what has not, and INM of its cells, is drawn by
-        the seed from the parameters. Where the run before had no EMT cells, ``emt.cells`` in the middle are now.
+        the seed from the parameters. Types are known by their names. Where there were control cells alone, EMT cells
+        and named types get their places now.
     throw
         Whether a run that fails raises; otherwise its Status says so.
     watch
@@ -43,8 +44,8 @@ def simulate(
     ------
     InvalidProblem
         For a bad seed, or for more cells than fit at the start; for a ``start`` that is no state of a run or was lost,
-        is later than the end or no whole number of steps, has another number of EMT cells, or is later than the time
-        of an event that has not begun.
+        is later than the end or no whole number of steps, has another number of EMT cells or types that the parameters
+        do not have, or is later than the time of an event that has not begun.
     RunFailed
         If coordinates leave the finite numbers; the error carries the Run up to then.
     """

@@ -32,8 +32,8 @@ class Lot:
             random = tuple(streams(seed) for seed in seeds)
             held, self._parted = zip(*map(started, repeat(parameters), random), strict=True)
         self._random = random
-        rule, forces = parameters.division_rule(), parameters.forces.acting()
-        self._group = Group(held, parameters.numbers(), random, rule, forces)
+        rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
+        self._group = Group(held, parameters.numbers(), random, rule, forces, named)
 
     def times(self) -> Iterator[float]:
         """The kept times [h], the first that of the start; when one is given, the runs are there."""
@@ -70,7 +70,7 @@ class Lot:
     def frame(self, k: int, t: float) -> Frame:
         """A copy of run k at the present time t, or of the state that failed, at its time."""
         held, random = self.store(k), self._random[k]
-        checkpoint = checkpoint_at(held, self.seeds[k], random, self._parted[k])
+        checkpoint = checkpoint_at(held, self.seeds[k], random, self._parted[k], self.parameters)
         time = t if self.goes_on(k) else self._stopped(k)
         return Frame(time, *contents(held), self.parameters.curve(), checkpoint)
 
@@ -102,10 +102,10 @@ class Lot:
         return float(self._group.ended[k] * self.parameters.numerics.dt.value)
 
 
-def checkpoint_at(held: Store, seed: int, random: Streams, parted: Parted) -> TissueCheckpoint:
+def checkpoint_at(held: Store, seed: int, random: Streams, parted: Parted, parameters: Parameters) -> TissueCheckpoint:
     """A copy of what a run is besides its cells, at the present time."""
-    states = generator_states(random)
-    return TissueCheckpoint(seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, parted)
+    states, types = generator_states(random), tuple(parameters.types.named())
+    return TissueCheckpoint(seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, parted, types)
 
 
 def kept_steps(parameters: Parameters) -> Iterator[int]:

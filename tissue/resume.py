@@ -2,21 +2,21 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from dincl.checks import describe, integer
 from dincl.errors import InvalidProblem
-from tissue.events.known import bit, row
-from tissue.events.known import events as known
+from tissue.events.known import bit
 from tissue.files.combinations import ROUNDING
-from tissue.files.scenario import drawn
 from tissue.kernels.board import LOST
 from tissue.kernels.curve import curve_numbers
-from tissue.kernels.store import Store, copied, stored
-from tissue.start import choose_middle
-from tissue.state.cells import Cells, Emt
+from tissue.kernels.store import Store, stored
+from tissue.resumed_types import typed
+from tissue.start import of_kinds
+from tissue.state.cells import Cells
 from tissue.state.checkpoint import TissueCheckpoint, resumed_streams
 from tissue.state.frame import A_START, Frame
 from tissue.state.streams import streams
@@ -42,7 +42,7 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Str
     goes_on = integer("seed", seed, least=0) == past.seed
     random = resumed_streams(seed, past.generators) if goes_on else streams(seed)
     cells = Cells._make(array.copy() for array in start.cells)
-    emt = _emt(parameters, start, cells, past, random)
+    emt = typed(parameters, start, cells, random)
     _stiffen(parameters, cells)
     _refuse_layer(parameters, start)
     curve = curve_numbers(parameters.curve())
@@ -83,59 +83,12 @@ def steps_made(parameters: Parameters, start: Frame) -> int:
     return round(made)
 
 
-def _emt(parameters: Parameters, start: Frame, cells: Cells, past: TissueCheckpoint, random: Streams) -> Emt:
-    """The EMT cells with their past and, as the seed draws them from the parameters, their future.
-
-    An event that has begun stays; the others have the times of the scenario. A tissue of control cells gets its EMT
-    cells now, in its middle.
-    """
-    scenario, had = parameters.scenario(), len(past.emt.side)
-    if had not in (0, scenario.cells):
-        raise InvalidProblem(f"emt.cells = {scenario.cells}: must be {had}, as many as there are at the start")
-    emt, moves = drawn(scenario, random.emt)
-    if had == 0:
-        if 0 < len(moves) > len(cells.x) - 2:
-            raise InvalidProblem(
-                f"emt.cells = {len(moves)}: must be at most {len(cells.x) - 2}, with control cells aside"
-            )
-        choose_middle(cells, moves)
-    else:
-        mine = cells.emt >= 0
-        cells.moves[mine] = moves[cells.emt[mine]]
-        emt = _with_past(emt, copied(past.emt), cells)
-    _refuse_past(parameters, start.t, emt, cells)
-    return emt
-
-
-def _with_past(emt: Emt, before: Emt, cells: Cells) -> Emt:
-    """The EMT cells with these times for what has not begun, and all else as before."""
-    events = np.zeros(len(emt.side), np.int64)
-    events[cells.emt[cells.emt >= 0]] = cells.events[cells.emt >= 0]
-    at = emt.at.copy()
-    for k, event in enumerate(known()):
-        if event.after is not None:
-            at[k] = np.maximum(at[k], at[row(event.after)])
-        at[k] = np.where(events >> k & 1, before.at[k], at[k])
-    return before._replace(at=at)
-
-
-def _refuse_past(parameters: Parameters, t: float, emt: Emt, cells: Cells) -> None:
-    """Refuse an event that has not begun but should have; at t = 0 none has."""
-    for i in np.flatnonzero(cells.emt >= 0) if t > 0 else ():
-        for event, times in zip(known(), emt.at, strict=True):
-            time = times[cells.emt[i]]
-            if time <= t and not cells.events[i] & bit(event.name):
-                raise InvalidProblem(
-                    f'emt.{event.name} = "{getattr(parameters.emt, event.name)}": must be after the time of the start, '
-                    f"t = {t:g} h, for cell {cells.id[i]}, in which it has not begun; this seed draws {time:g} h"
-                )
-
-
 def _stiffen(parameters: Parameters, cells: Cells) -> None:
     """Give the springs the stiffness of the parameters, as rules and events would have; see ``tissue.events``."""
     numbers = parameters.numbers()
+    own = partial(of_kinds, cells.kind, (numbers, numbers, *parameters.named_numbers()))
     freed_a, freed_b = cells.events & bit("a") > 0, cells.events & bit("b") > 0
-    cells.stiff_ax[:] = np.where(freed_a, numbers.alpha_ax * numbers.freed_stiffness, numbers.alpha_ax)
-    free = np.where(freed_b, numbers.alpha_bx * numbers.freed_stiffness, numbers.alpha_bx)
+    cells.stiff_ax[:] = np.where(freed_a, own("alpha_ax") * numbers.freed_stiffness, own("alpha_ax"))
+    free = np.where(freed_b, own("alpha_bx") * numbers.freed_stiffness, own("alpha_bx"))
     cells.stiff_bx[:] = np.where(cells.events & bit("p") > 0, cells.stiff_bx, free)  # [P] gives its own in each dt
-    cells.stiff_axb[:] = np.where(cells.events & bit("s") > 0, numbers.bent_stiffness, numbers.alpha_axb)
+    cells.stiff_axb[:] = np.where(cells.events & bit("s") > 0, numbers.bent_stiffness, own("alpha_axb"))

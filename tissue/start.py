@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.files.scenario import drawn
+from tissue.groups import Crowd, control_cells, crowd_of
 from tissue.kernels.board import Boards
 from tissue.kernels.curve import curve_numbers
 from tissue.kernels.handed import handed_numbers
@@ -16,7 +18,7 @@ from tissue.kernels.store import Store, stored
 from tissue.model.cycle import set_phases
 from tissue.model.discs import part
 from tissue.state.basal_curve import LINE, BasalCurve
-from tissue.state.cells import Cells, Emt, Flags, Floats, no_emt
+from tissue.state.cells import Cells, Floats, Integers
 from tissue.state.checkpoint import Parted
 from tissue.state.numbers import Numbers, StartNumbers
 
@@ -24,26 +26,36 @@ if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.state.streams import Streams
 
-NOBODY = np.zeros(0, np.bool_)
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
 TOUCHING = 1e-10
 MOST_SWEEPS = 10_000
 
 
 def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
-    """The first state of a run: that of ``first_state``, with the EMT cells of its scenario in the middle."""
-    group = drawn(parameters.scenario(), random.emt)
-    return first_state(parameters.start_numbers(), parameters.numbers(), random.start, group, parameters.curve())
+    """The first state of a run: that of ``first_state``, with the cells of its types where the parameters have them."""
+    start, groups = parameters.start_numbers(), parameters.groups()
+    types = Types(
+        crowd_of(groups, start.cells, random), parameters.named_numbers(), [one.rest_length for one in groups]
+    )
+    return first_state(start, parameters.numbers(), random.start, types, parameters.curve())
+
+
+class Types(NamedTuple):
+    """Which cells are of which type, and what they have of their own."""
+
+    crowd: Crowd
+    numbers: Sequence[Numbers] = ()  # of the named types
+    rest_lengths: Sequence[float] = ()  # of EMT cells and of the named types
 
 
 def first_state(
     start: StartNumbers,
     numbers: Numbers,
     draws: Generator,
-    group: tuple[Emt, Flags] | None = None,
+    types: Types | None = None,
     curve: BasalCurve = LINE,
 ) -> tuple[Store, Parted]:
-    """Draw a tissue and make it feasible; ``group``: its EMT cells, see ``tissue.files.scenario.drawn``.
+    """Draw a tissue and make it feasible; ``types``: of its cells, all control cells if it is None.
 
     Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle]. What
     is drawn at (x, y) above a line is put at the height y above arclength x of the basal layer, where that bends.
@@ -55,27 +67,21 @@ def first_state(
     InvalidProblem
         If the nuclei could not be parted: more cells than fit.
     """
-    cells, (emt, moves) = _bent(_drawn(start, numbers, draws), curve), group or (no_emt(), NOBODY)
-    choose_middle(cells, moves)
-    held = stored(cells, emt=emt, capacity=2 * start.cells, curve=curve_numbers(curve))
-    set_phases(held, 0.0, handed_numbers(numbers))
+    types = types or Types(control_cells(start.cells))
+    cells = _bent(_drawn(start, numbers, draws, types), curve)
+    held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve_numbers(curve))
+    set_phases(held, 0.0, handed_numbers(numbers, types.numbers))
     return held, _part(held, start.cells, numbers)
 
 
-def choose_middle(cells: Cells, moves: Flags) -> None:
-    """Make the cells in the middle EMT cells, with INM or not: they begin new cycles but never divide (2.2.5)."""
-    m = len(moves)
-    first = (len(cells.x) - m) // 2
-    group = slice(first, first + m)
-    cells.emt[group], cells.moves[group], cells.divides[group] = np.arange(m), moves, False
-
-
-def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator) -> Cells:
-    """Cells with the drawn positions, ages and cycles."""
-    n = start.cells
+def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator, types: Types) -> Cells:
+    """Cells with the drawn positions, ages and cycles: one number gives all types theirs."""
+    n, crowd = start.cells, types.crowd
+    own = partial(of_kinds, crowd.kind, (numbers, numbers, *types.numbers))
+    rest = np.array([start.rest_length, *types.rest_lengths])[crowd.kind]
     places: Floats = np.arange(n, dtype=np.float64) - (n - 1) / 2
     apical, basal = start.apical_spacing * places, start.basal_spacing * places
-    cycle = draws.uniform(numbers.min_cycle, numbers.max_cycle, n)
+    cycle = draws.uniform(own("min_cycle"), own("max_cycle"))
     age = draws.uniform(0.0, 1.0, n) * cycle
     return Cells(
         x=_columns(start, basal, draws),
@@ -84,25 +90,31 @@ def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator) -> Cells:
         ay=np.full(n, start.height),
         bx=basal,
         by=np.zeros(n),
-        rest_ax=np.full(n, start.rest_length),
-        rest_bx=np.full(n, start.rest_length),
+        rest_ax=rest.copy(),
+        rest_bx=rest.copy(),
         rest_aa=np.full(n, start.junction),
-        stiff_ax=np.full(n, numbers.alpha_ax),
-        stiff_bx=np.full(n, numbers.alpha_bx),
-        stiff_axb=np.full(n, numbers.alpha_axb),
-        stiff_aa=np.full(n, numbers.alpha_aa),
-        radius=np.full(n, numbers.hard_radius),
+        stiff_ax=own("alpha_ax"),
+        stiff_bx=own("alpha_bx"),
+        stiff_axb=own("alpha_axb"),
+        stiff_aa=own("alpha_aa"),
+        radius=own("hard_radius"),
         birth=-age,
         cycle=cycle,
-        moves=np.ones(n, np.bool_),
-        divides=np.ones(n, np.bool_),
+        moves=crowd.moves,
+        divides=crowd.divides,
         id=np.arange(n),
         mother=np.full(n, -1),
-        emt=np.full(n, -1),
+        emt=crowd.numbers(),
         events=np.zeros(n, np.int64),
         chain=np.zeros(n, np.int64),
         along=np.zeros(n),
+        kind=crowd.kind,
     )
+
+
+def of_kinds(kind: Integers, kinds: Sequence[Numbers], name: str) -> Floats:
+    """A number of each cell, that of its kind."""
+    return np.array([getattr(one, name) for one in kinds])[kind]
 
 
 def _bent(cells: Cells, curve: BasalCurve) -> Cells:

@@ -68,6 +68,7 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
     ``emt``                                                 int64     number among the EMT cells, from left; -1: control
     ``events``                                              str       EMT events that have begun: "", "A", ..., "ABSP"
+    ``type``                                                str       "control", "emt", or the name of a type
     ======================================================  ========  ===============================================
     """
     columns = [dict(_of_cells(frame, parameters)) for frame in measurable(frames)]
@@ -105,13 +106,19 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
     cells, layers, each = frame.cells, frame.layers, np.arange(len(frame.cells.x))
     yield "time_h", np.full(len(each), frame.t)
     yield from (("id", cells.id), ("mother", cells.mother))
-    yield "phase", pd.Categorical.from_codes(phases(frame, parameters.numbers()), PHASES, ordered=True)
+    yield (
+        "phase",
+        pd.Categorical.from_codes(
+            phases(frame, parameters.numbers(), parameters.named_numbers()), PHASES, ordered=True
+        ),
+    )
     yield from (("age_h", frame.t - cells.birth), ("cycle_h", cells.cycle))
     yield from ((column, _um(parameters) * getattr(cells, name)) for column, name in LENGTHS.items())
     yield "y_ab", ab_positions(frame)
     yield from (("in_apical_layer", np.isin(each, layers.apical)), ("in_basal_layer", np.isin(each, layers.basal)))
     yield from (("migrates", cells.moves), ("divides", cells.divides))
     yield from (("emt", cells.emt), ("events", _names(cells.events)))
+    yield "type", np.array(parameters.type_names)[cells.kind]
 
 
 def _names(begun: Integers) -> Any:

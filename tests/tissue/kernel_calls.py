@@ -54,10 +54,10 @@ def taken(kept):
     return Tissue(*store.contents(kept), int(kept.sizes[store.NEXT_ID]), kept.emt)
 
 
-def apply_rules(tissue, t, numbers, draws, noise):
+def apply_rules(tissue, t, numbers, draws, noise, named=()):
     """As ``twins.apply_rules``."""
     kept = held(tissue)
-    advance.apply_rules(kept, t, handed_numbers(numbers), handed_rules([kept]), draws, noise)
+    advance.apply_rules(kept, t, handed_numbers(numbers, named), handed_rules([kept]), draws, noise)
     return taken(kept)
 
 
@@ -69,9 +69,9 @@ def make_substeps(cells, layers, numbers, noise):
     return taken(group.stores[0]).cells
 
 
-def steps(tissue, made, wanted, numbers, draws, noise):
+def steps(tissue, made, wanted, numbers, draws, noise, named=()):
     """As ``twins.steps``."""
-    group = Group([held(tissue, 4 * len(tissue.cells.x) + ROOM)], numbers, [Random(draws, noise)])
+    group = Group([held(tissue, 4 * len(tissue.cells.x) + ROOM)], numbers, [Random(draws, noise)], named=named)
     assert group.call(made, wanted) == (wanted, advance.DONE)
     assert not group.ended.any()
     return taken(group.stores[0])
@@ -82,11 +82,11 @@ def measure(tissue, positions, controls):
     scale.measure(held(tissue), positions, controls)
 
 
-def together(states, wanted, given_numbers, seeds):
+def together(states, wanted, given_numbers, seeds, named=()):
     """The states after steps made side by side; ``ended`` of each."""
     room = 4 * max(len(state.cells.x) for state in states)
     random = [Random(*generators(seed)) for seed in seeds]
-    group = Group([held(state, room) for state in states], given_numbers, random)
+    group = Group([held(state, room) for state in states], given_numbers, random, named=named)
     assert group.call(0, wanted) == (wanted, advance.DONE)
     return [taken(kept) for kept in group.stores], group.ended
 
@@ -124,7 +124,7 @@ def distance(a, b):
 
 def same_events(a, b):
     """Whether all that rules decide, and no position enters, is the same bit for bit."""
-    fields = ("stiff_aa", "radius", "birth", "cycle", "moves", "divides", "id", "mother", "emt", "events")
+    fields = ("stiff_aa", "radius", "birth", "cycle", "moves", "divides", "id", "mother", "emt", "events", "kind")
     return all(np.array_equal(getattr(a.cells, name), getattr(b.cells, name)) for name in fields) and all(
         np.array_equal(*pair) for pair in zip(a.layers, b.layers, strict=True)
     )
@@ -143,14 +143,14 @@ def freed(n):
     return tissue_states.layers(n, apical=[i for i in range(n) if i % 5], basal=[i for i in range(n - 1) if i % 4 != 2])
 
 
-def compared(state, given_numbers, wanted, seed=0):
+def compared(state, given_numbers, wanted, seed=0, named=()):
     """The same steps by kernels and by twins, equal to rounding; the result of the twins.
 
     Rounding of each substep may grow as much as the distance of two neighbouring states grows from start to end.
     """
-    made = steps(state, 0, wanted, given_numbers, *generators(seed))
-    expected = twins.steps(state, 0, wanted, given_numbers, *generators(seed))
-    beside = twins.steps(_shaken(state, seed), 0, wanted, given_numbers, *generators(seed))
+    made = steps(state, 0, wanted, given_numbers, *generators(seed), named)
+    expected = twins.steps(state, 0, wanted, given_numbers, *generators(seed), named)
+    beside = twins.steps(_shaken(state, seed), 0, wanted, given_numbers, *generators(seed), named)
     growth = max(1.0, distance(beside.cells, expected.cells) / NEAR_BY)
     assert same_events(made, expected)
     assert made.next_id == expected.next_id

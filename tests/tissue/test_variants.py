@@ -256,7 +256,17 @@ CHANGES = {
 }
 # Keys that no step depends on, those of the other solver, and times of events, which tests of the
 # events look at, and rules of divisions, as those of the modules of users and curved layers do.
-ASIDE = ("cell.soft_radius", "numerics.t_end", "numerics.keep", "emt.*", "daha.*", "layer.*", "own.*", "division.rule")
+ASIDE = (
+    "cell.soft_radius",
+    "numerics.t_end",
+    "numerics.keep",
+    "emt.*",
+    "daha.*",
+    "layer.*",
+    "own.*",
+    "types.*",
+    "division.rule",
+)
 
 
 def expected(name, changes):

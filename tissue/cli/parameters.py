@@ -26,12 +26,13 @@ def list_parameters(name: Name = None) -> None:
 
     A value is that of all presets, or of those in brackets.
     """
-    from tissue.files.keys import all_keys, heading, sections
+    from tissue.files.keys import all_keys, general, heading, sections
     from tissue.files.messages import no_key
     from tissue.files.parameters import Parameters
     from tissue.files.reference import presets
 
     keys, found = all_keys(Parameters), sections(Parameters)
+    name = name if name is None else general(name)
     with messages():
         if name is not None and name not in keys and name not in found:
             raise InvalidProblem(f"{name}: {no_key(name, [*found, *keys])}")
@@ -69,6 +70,9 @@ def _told(facts: KeyFacts, presets: dict[str, dict[str, Any]]) -> str:
         "source": facts.source,
         "allowed": facts.allowed,
         "default": json.dumps(facts.default) if facts.has_default else "none: a file without base has to give it",
-    } | {name: json.dumps(values.get(facts.name, facts.default)) for name, values in presets.items()}
+    }
+    for name, values in presets.items():
+        if facts.has_default or facts.name in values:
+            lines[name] = json.dumps(values.get(facts.name, facts.default))
     width = max(map(len, lines))
     return "\n".join([facts.name, *(f"  {what:{width}}  {text}" for what, text in lines.items() if text)])

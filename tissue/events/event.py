@@ -28,9 +28,9 @@ class EmtEvent:
     meaning, source
         One line each: what happens, and who says so.
     begin
-        ``begin(store, i, bit, numbers)``, called once, for cell i. ``bit``: that of this event, as in
-        ``store.cells.events``, which does not have it yet; ``store.emt.new`` has the bits of all events that begin in
-        the same step. None: nothing happens at once.
+        ``begin(store, i, bit, numbers)``, called once, for cell i; ``numbers`` are those of its type. ``bit``: that of
+        this event, as in ``store.cells.events``, which does not have it yet; ``store.emt.new`` has the bits of all
+        events that begin in the same step. None: nothing happens at once.
     last
         ``last(store, i, rest_ax, rest_bx, numbers)``, called for each dt from then on, after the rest lengths of the
         springs have relaxed as in other cells; given are those before. The events of this package are called first,

@@ -6,7 +6,7 @@ A rule that lacks one of its values, because that one is bad by itself, is left 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,8 +33,18 @@ class Rule:
 
 def broken(values: Mapping[str, Any]) -> list[str]:
     """One line for each rule that the values break; ``values`` by keys such as "tissue.cells"."""
+    return broken_of((*RULES, *waiting()), values)
+
+
+def waiting() -> list[Rule]:
+    """The rules of events that wait for others."""
+    return [_waits(event) for event in events() if event.after]
+
+
+def broken_of(rules: Iterable[Rule], values: Mapping[str, Any]) -> list[str]:
+    """One line for each of these rules that the values break."""
     lines = []
-    for rule in (*RULES, *(_waits(event) for event in events() if event.after)):
+    for rule in rules:
         if not all(key in values for key in rule.keys):
             continue
         allowed = rule.allowed(*(values[key] for key in rule.keys))

@@ -5,18 +5,15 @@ Each says what is ``allowed``, for messages, and in which ``unit`` values are ke
 
 from __future__ import annotations
 
-from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from numbers import Integral, Real
-from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import PlainSerializer, PlainValidator
 
-from dincl.errors import InvalidProblem
 from tissue.division import division_rules
-from tissue.files.own_modules import imported
+from tissue.files.own_modules import ModuleFiles
 from tissue.files.timing import ALLOWED, Timing, timing
 from tissue.files.units import (
     DIFFUSION,
@@ -180,31 +177,6 @@ class DivisionName:
 
     def __call__(self, raw: Any) -> str:
         return str(OneOf(tuple(division_rules()))(raw))
-
-
-@dataclass(frozen=True)
-class ModuleFiles:
-    """Files of Python, which are imported: what they register may be named by the other values."""
-
-    allowed: str = 'a list of files of Python, such as ["my_module.py"]'
-    unit: str = "files"
-
-    def __call__(self, raw: Any) -> tuple[str, ...]:
-        if not isinstance(raw, (list, tuple)) or not all(isinstance(file, str) for file in raw):
-            raise ValueError(f"must be {self.allowed}")
-        files = [Path(file).resolve() for file in raw]
-        for file in files:
-            try:
-                imported(file)
-            except InvalidProblem as error:
-                raise ValueError(f"must be {self.allowed}; {error}") from error
-        return tuple(map(str, files))
-
-
-def bring(modules: Any) -> None:
-    """Import modules, so that their names are known; what is wrong with them is said where their key is checked."""
-    with suppress(ValueError):
-        ModuleFiles()(modules or [])
 
 
 @dataclass(frozen=True)

@@ -16,12 +16,12 @@ from dincl.errors import InvalidProblem
 from tissue.events.known import events as known
 from tissue.kernels.store import COUNTERS
 from tissue.state.basal_curve import ORDER, BasalCurve
-from tissue.state.cells import COORDINATES, KINDS, CellLayers, Cells, Emt
+from tissue.state.cells import COORDINATES, KINDS, NAMED, CellLayers, Cells, Emt
 from tissue.state.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
 
 # In each file; another number with other contents.
-FORMAT = "tissue frame 1"
-TEXTS = ("format", "seed", "events")
+FORMAT = "tissue frame 2"
+TEXTS = ("format", "seed", "events", "types")
 # What archives and arrays raise that are damaged.
 UNREADABLE = (
     *(OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError, RuntimeError, MemoryError),
@@ -36,7 +36,7 @@ def save(parts: Parts, path: str | PathLike[str]) -> None:
     """As ``Frame.save``, of the fields of the frame."""
     t, cells, layers, curve, past = parts
     arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": str(past.seed), "next_id": past.next_id}
-    arrays |= {"events": _events()}
+    arrays |= {"events": _events(), "types": " ".join(past.types)}
     arrays |= {"counts": past.counts, "generators": past.generators}
     arrays |= {"parted_sweeps": past.parted.sweeps, "parted_moved": past.parted.moved}
     arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
@@ -73,7 +73,8 @@ def _parts(arrays: Arrays) -> Parts:
     emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})
     parted = Parted(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
     seed, next_id = int(str(arrays["seed"])), int(arrays["next_id"])
-    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], parted)
+    types = tuple(str(arrays["types"]).split())
+    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], parted, types)
     table, (length, origin), (around, ring) = (
         arrays["curve.table"],
         (float(arrays[f"curve.{name}"]) for name in ("length", "origin")),
@@ -139,6 +140,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
         if np.isnan(arrays[name]).any():
             yield f"{name} is not a number"
     ids, among, events = arrays["cells.id"], arrays["cells.emt"], arrays["cells.events"]
+    kinds = len(str(arrays["types"]).split())
     checks = {
         "t": arrays["t"] >= 0,
         "cells.x": n > 0,
@@ -149,6 +151,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
         "cells.cycle": (arrays["cells.cycle"] > 0).all(),
         "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(among[among >= 0], np.arange(m)),
         "cells.events": ((events >= 0) & (events < 1 << len(known())) & ((events == 0) | (among >= 0))).all(),
+        "cells.kind": ((arrays["cells.kind"] >= 0) & (arrays["cells.kind"] < NAMED + kinds)).all(),
         "counts": (arrays["counts"] >= 0).all(),
     }
     for name in (f"layers.{layer}" for layer in CellLayers._fields):

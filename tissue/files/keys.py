@@ -61,12 +61,22 @@ class KeyFacts:
         return self.unit == self.allowed
 
 
+# What stands for the name of a type of cells in the names of its keys.
+TYPE = "NAME"
+
+
+def general(key: str) -> str:
+    """The name under which a key is known: "types.NAME.cells" for "types.soft.cells"."""
+    section, *rest = key.split(".")
+    return ".".join((section, TYPE, *rest[1:])) if section == "types" and rest else key
+
+
 def all_keys(shape: type[BaseModel]) -> dict[str, KeyFacts]:
     """The keys of all sections by name, in the order of a file."""
     found: dict[str, KeyFacts] = {}
     for section, fields in sections(shape).items():
         found |= {
-            f"{section}.{name}": _facts(f"{section}.{name}", field) for name, field in fields.model_fields.items()
+            f"{section}.{name}": facts_of(f"{section}.{name}", field) for name, field in fields.model_fields.items()
         }
         found |= {facts.name: facts for facts in fields.further_keys()}
     return found
@@ -88,7 +98,8 @@ def heading(fields: type[BaseModel]) -> str:
     return (fields.__doc__ or "").partition("]: ")[2].partition("\n")[0]
 
 
-def _facts(name: str, field: Any) -> KeyFacts:
+def facts_of(name: str, field: Any) -> KeyFacts:
+    """What the field of a section says of its key."""
     check = field.metadata[0].func
     default = NOTHING if field.is_required() else field.default
     return KeyFacts(

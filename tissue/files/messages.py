@@ -10,7 +10,7 @@ from pydantic import BaseModel, ValidationError
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
-from tissue.files.keys import all_keys, sections
+from tissue.files.keys import TYPE, all_keys, general, sections
 
 # A key in the same section counts as this much nearer than one in another.
 SAME_SECTION = 0.25
@@ -37,19 +37,30 @@ def no_key(key: str, known: Iterable[str]) -> str:
     keys = list(known)
     if key.startswith("forces.") and not any(name.startswith("forces.") for name in keys):
         return "unknown key; no force is registered, as files in own.modules do"
-    return f"unknown key; the nearest known one is {_nearest(key, keys)}"
+    nearest = _nearest(general(key), keys)
+    if key.startswith("types."):
+        nearest = nearest.replace(f".{TYPE}.", f".{key.split('.')[1]}.")
+    return f"unknown key; the nearest known one is {nearest}"
 
 
-def unknown_names(tables: Mapping[str, Any], shape: type[BaseModel]) -> list[str]:
-    """A line for each key that is none in the sections where it may be the name of any event, or force."""
-    open_ones = {name: fields for name, fields in sections(shape).items() if fields.model_config["extra"] == "allow"}
-    given = {f"{section}.{key}": value for section in open_ones for key, value in _items(tables.get(section))}
-    keys = known_keys(shape)
-    return [unknown(key, value, keys) for key, value in given.items() if key not in keys]
+def known_only(tables: Mapping[str, Any], shape: type[BaseModel]) -> tuple[dict[str, Any], list[str]]:
+    """The tables without keys that are none where a key may name any event or force, and a line for each of them."""
+    keys, result = known_keys(shape), dict(tables)
+    lines: list[str] = []
 
+    def only(section: str, given: Any) -> Any:
+        if not isinstance(given, Mapping):
+            return given
+        names = {name: f"{section}.{name}" for name in given}
+        wrong = [name for name, key in names.items() if general(key) not in keys]
+        lines.extend(unknown(names[name], given[name], keys) for name in wrong)
+        return {name: value for name, value in given.items() if name not in wrong}
 
-def _items(table: Any) -> Iterable[tuple[str, Any]]:
-    return table.items() if isinstance(table, Mapping) else ()
+    for section in (name for name in ("emt", "forces") if name in tables):
+        result[section] = only(section, tables[section])
+    if isinstance(tables.get("types"), Mapping):
+        result["types"] = {name: only(f"types.{name}", given) for name, given in tables["types"].items()}
+    return result, lines
 
 
 def refuse(source: str, lines: Iterable[str]) -> InvalidProblem:
@@ -75,16 +86,19 @@ def _line(item: Any, shape: type[BaseModel]) -> str:
 
 
 def _allowed(key: str, shape: type[BaseModel]) -> str:
-    if "." not in key:
-        keys = ", ".join(sections(shape)[key].all_keys())
-        return f"a section [{key}] with {f'the keys {keys}' if keys else 'names of registered forces'}"
-    facts = all_keys(shape)[key]
+    keys = all_keys(shape)
+    if general(key) not in keys:
+        own = sections(shape)[key].model_fields if key in sections(shape) else ()
+        table = f"{general(key)}."
+        names = [*own] or [name.removeprefix(table) for name in keys if name.startswith(table)]
+        return f"a section [{key}] with {'the keys ' + ', '.join(names) if names else 'names of registered forces'}"
+    facts = keys[general(key)]
     return f"{facts.allowed} ({facts.meaning})"
 
 
 def _choice(key: str, shape: type[BaseModel]) -> str:
     """What is chosen between a few values; for numbers and times the name of the key says enough."""
-    facts = all_keys(shape).get(key)
+    facts = all_keys(shape).get(general(key))
     return f" ({facts.meaning})" if facts is not None and facts.is_choice else ""
 
 

@@ -4,11 +4,38 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
 from importlib.util import find_spec, module_from_spec, spec_from_file_location
 from pathlib import Path
 from typing import Any
 
 from dincl.errors import InvalidProblem
+
+
+@dataclass(frozen=True)
+class ModuleFiles:
+    """Files of Python, which are imported: what they register may be named by the other values."""
+
+    allowed: str = 'a list of files of Python, such as ["my_module.py"]'
+    unit: str = "files"
+
+    def __call__(self, raw: Any) -> tuple[str, ...]:
+        if not isinstance(raw, (list, tuple)) or not all(isinstance(file, str) for file in raw):
+            raise ValueError(f"must be {self.allowed}")
+        files = [Path(file).resolve() for file in raw]
+        for file in files:
+            try:
+                imported(file)
+            except InvalidProblem as error:
+                raise ValueError(f"must be {self.allowed}; {error}") from error
+        return tuple(map(str, files))
+
+
+def bring(modules: Any) -> None:
+    """Import modules, so that their names are known; what is wrong with them is said where their key is checked."""
+    with suppress(ValueError):
+        ModuleFiles()(modules or [])
 
 
 def placed(tables: Mapping[str, Any], folder: Path, before: Sequence[str] = ()) -> dict[str, Any]:

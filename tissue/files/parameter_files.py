@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
 from dincl.errors import InvalidProblem
+from tissue.files.keys import general
 
 FOLDER = Path(__file__).parent / "presets"
 
@@ -33,8 +34,28 @@ def merged(base: Mapping[str, Any], changes: Mapping[str, Any]) -> dict[str, Any
     result = dict(base)
     for name, change in changes.items():
         ours = result.get(name)
-        result[name] = {**ours, **change} if isinstance(ours, Mapping) and isinstance(change, Mapping) else change
+        result[name] = merged(ours, change) if isinstance(ours, Mapping) and isinstance(change, Mapping) else change
     return result
+
+
+def flat(tables: Mapping[str, Any], section: str = "") -> dict[str, Any]:
+    """Values by keys such as "emt.cells" or "types.soft.cells", as ``Parameters.changed`` takes them."""
+    values: dict[str, Any] = {}
+    for name, value in tables.items():
+        values |= flat(value, f"{section}{name}.") if isinstance(value, Mapping) else {f"{section}{name}": value}
+    return values
+
+
+def nested(values: Mapping[str, Any]) -> dict[str, Any]:
+    """The tables of a file that have these values by their keys."""
+    tables: dict[str, Any] = {}
+    for key, value in values.items():
+        *sections, name = key.split(".")
+        table = tables
+        for section in sections:
+            table = table.setdefault(section, {})
+        table[name] = value
+    return tables
 
 
 def written(tables: Mapping[str, Mapping[str, Any]], comments: Mapping[str, str]) -> str:
@@ -44,10 +65,19 @@ def written(tables: Mapping[str, Mapping[str, Any]], comments: Mapping[str, str]
     """
 
     def line(section: str, name: str, value: Any) -> str:
-        comment = comments.get(f"{section}.{name}")
+        comment = comments.get(general(f"{section}.{name}"))
         return f"{name} = {json.dumps(value)}" + (f"  # {comment}\n" if comment else "\n")
 
     return "\n".join(
         f"[{section}]\n" + "".join(line(section, name, value) for name, value in table.items())
-        for section, table in tables.items()
+        for section, table in _leaves(tables)
     )
+
+
+def _leaves(tables: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The tables that have values, under their whole names."""
+    for name, table in tables.items():
+        if any(isinstance(value, Mapping) for value in table.values()):
+            yield from _leaves(table, f"{above}{name}.")
+        else:
+            yield f"{above}{name}", table

@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from os import PathLike
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel, ConfigDict, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, ValidationError, model_serializer, model_validator
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.division import DivisionRule, division_rules
 from tissue.events.known import events
+from tissue.files.cell_types import OWN_KEYS, UNNAMED, TypesSection
 from tissue.files.combinations import broken
-from tissue.files.fields import bring
+from tissue.files.emt_sections import EmtSection, EventsSection
 from tissue.files.forces import ForcesSection
-from tissue.files.keys import all_keys, optional_sections
+from tissue.files.keys import all_keys, general, optional_sections
 from tissue.files.layer import curve_of
-from tissue.files.messages import known_keys, problems, refuse, unknown, unknown_names
-from tissue.files.own_modules import imported, placed
-from tissue.files.parameter_files import FOLDER, merged, read, written
-from tissue.files.scenario import Scenario
+from tissue.files.messages import known_keys, known_only, problems, refuse, unknown
+from tissue.files.own_modules import bring, imported, placed
+from tissue.files.parameter_files import FOLDER, merged, nested, read, written
+from tissue.files.plain_numbers import to_numbers, to_start_numbers
+from tissue.files.scenario import CellGroup, Scenario
 from tissue.files.sections import (
     CellSection,
     DahaSection,
     DivisionSection,
-    EmtSection,
-    EventsSection,
     LayerSection,
     NumericsSection,
     OwnSection,
@@ -38,7 +37,7 @@ from tissue.files.sections import (
     TissueSection,
 )
 from tissue.files.timing import Timing
-from tissue.files.units import Measure, reduced
+from tissue.files.type_rules import broken_types, wrong_names
 from tissue.state.basal_curve import BasalCurve
 from tissue.state.numbers import Daha, Numbers, StartNumbers
 
@@ -67,6 +66,7 @@ class Parameters(BaseModel):
     forces: ForcesSection
     daha: DahaSection
     layer: LayerSection
+    types: TypesSection
 
     @model_validator(mode="before")
     @classmethod
@@ -78,9 +78,14 @@ class Parameters(BaseModel):
     def _together(self) -> Parameters:
         values: dict[str, Any] = {f"emt.{event.name}": Timing() for event in events()}
         values |= {f"{section}.{name}": value for section, fields in self for name, value in fields}
-        if lines := broken(values):
+        if lines := [*broken(values), *broken_types(values)]:
             raise ValueError("; ".join(lines))
         return self
+
+    @model_serializer(mode="wrap")
+    def _as_file(self, write: Any) -> dict[str, Any]:
+        """Without the sections in which nothing is."""
+        return {section: table for section, table in write(self).items() if table}
 
     def changed(self, changes: Mapping[str, Any]) -> Parameters:
         """These parameters with other values for some keys, checked anew as a whole.
@@ -88,7 +93,8 @@ class Parameters(BaseModel):
         Parameters
         ----------
         changes
-            Values as in a file by keys with section: {"numerics.mu": "0.1 h", "tissue.cells": 30}.
+            Values as in a file by keys with section: {"numerics.mu": "0.1 h", "tissue.cells": 30}; those of a type have
+            its name, {"types.soft.cells": 5}.
 
         Raises
         ------
@@ -99,13 +105,9 @@ class Parameters(BaseModel):
             raise InvalidProblem(f'changes = {describe(changes)}: must map keys such as "numerics.mu" to their values')
         bring(changes.get("own.modules"))
         keys = known_keys(Parameters)
-        known = {key: value for key, value in changes.items() if key in keys}
-        lines = [unknown(str(key), value, keys) for key, value in changes.items() if key not in keys]
-        tables: dict[str, dict[str, Any]] = {}
-        for key, value in known.items():
-            section, _, name = key.partition(".")
-            tables.setdefault(section, {})[name] = value
-        return _checked(merged(self.as_dict(), tables), "changed parameters", lines)
+        known = {key: value for key, value in changes.items() if general(str(key)) in keys}
+        lines = [unknown(str(key), value, keys) for key, value in changes.items() if key not in known]
+        return _checked(merged(self.as_dict(), nested(known)), "changed parameters", lines)
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
         """Another process imports the modules again."""
@@ -119,7 +121,7 @@ class Parameters(BaseModel):
 
     def as_dict(self) -> dict[str, Any]:
         """All sections as in a file, quantities as text in um, R_soft and h: the same dict for equal parameters."""
-        return {section: table for section, table in self.model_dump(mode="json").items() if table}
+        return self.model_dump(mode="json")
 
     def as_toml(self) -> str:
         """The text of a file without base that ``load`` makes equal parameters of; behind each value what it means."""
@@ -132,48 +134,16 @@ class Parameters(BaseModel):
 
     def numbers(self) -> Numbers:
         """What the kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
-        tissue, cell, numerics, rules, events = self.tissue, self.cell, self.numerics, self.rules, self.events
-        longest = cell.max_cytoskeleton
-        return Numbers(
-            dt=numerics.dt.value,
-            substeps=numerics.substeps,
-            mu=numerics.mu.value,
-            variance=2 * reduced(tissue.diffusion, cell.soft_radius),
-            noise_in_substeps=numerics.noise == "substep",
-            power=rules.spring_power,
-            junction_factor=rules.junction_factor,
-            repulsion=rules.repulsion_factor * cell.alpha_xx,
-            max_basal=reduced(tissue.max_basal_distance, cell.soft_radius),
-            alpha_aa=cell.alpha_aa,
-            alpha_ax=cell.alpha_ax,
-            alpha_bx=cell.alpha_bx,
-            alpha_axb=cell.alpha_axb,
-            hard_radius=reduced(cell.hard_radius, cell.soft_radius),
-            enlarged_radius=reduced(cell.enlarged_radius, cell.soft_radius),
-            g2=cell.g2.value,
-            mitosis=cell.mitosis.value,
-            min_cycle=cell.min_cycle.value,
-            max_cycle=cell.max_cycle.value,
-            rate_aa=cell.rate_aa.value,
-            rate_ax=cell.rate_ax.value,
-            rate_bx=cell.rate_bx.value,
-            max_cytoskeleton=math.inf if longest is None else reduced(longest, cell.soft_radius),
-            two_daughters=tissue.two_daughters,
-            division_offset=reduced(self.division.offset, cell.soft_radius),
-            new_junction=reduced(self.division.new_junction, cell.soft_radius),
-            floor_rest=rules.floor_rest_length,
-            enlarge_in_g2=rules.enlarge_from == "G2",
-            g2_stiffening=rules.g2_stiffening,
-            resting_enlarge=rules.resting_cells_enlarge,
-            freed_stiffness=events.freed_stiffness,
-            bridge_present=events.bridge == "distance",
-            bent_stiffness=events.bent_stiffness,
-            run_speed=reduced(events.run_speed, cell.soft_radius),
-            run_depth=reduced(events.run_depth, cell.soft_radius),
-            spring_gives=events.spring_above == "gives way",
-            contraction=events.contraction.value,
-            forced_below=events.at_depth == "forces",
-        )
+        return to_numbers(self.tissue, self.cell, self.numerics, self.rules, self.division, self.events)
+
+    def named_numbers(self) -> tuple[Numbers, ...]:
+        """The same for the cells of each named type, in the order of [types]."""
+        return tuple(one.numbers() for one in self._of_types())
+
+    @property
+    def type_names(self) -> tuple[str, ...]:
+        """The types of cells by their numbers, as ``Cells.kind`` has them: control cells, EMT cells, then the named."""
+        return (*UNNAMED, *self.types.named())
 
     def curve(self) -> BasalCurve:
         """The basal layer."""
@@ -183,27 +153,28 @@ class Parameters(BaseModel):
 
     def start_numbers(self) -> StartNumbers:
         """What the first state is made from: lengths over R_soft. A ring of cells is spread evenly over its layer."""
-        tissue, soft_radius, curve = self.tissue, self.cell.soft_radius, self.curve()
-        even = Measure(curve.length / tissue.cells, "R_soft") if curve.ring else None
-        height = reduced(tissue.height, soft_radius)
-        low, high = self.start.nuclei_height
-        return StartNumbers(
-            cells=tissue.cells,
-            height=height,
-            width=curve.length if curve.ring else reduced(tissue.width, soft_radius),
-            apical_spacing=reduced(even or tissue.apical_spacing, soft_radius),
-            basal_spacing=reduced(even or tissue.basal_spacing, soft_radius),
-            nuclei=self.start.nuclei,
-            nuclei_low=low * height,
-            nuclei_high=high * height,
-            rest_length=reduced(self.cell.initial_rest_length, soft_radius),
-            junction=reduced(self.division.new_junction, soft_radius),
-        )
+        return to_start_numbers(self.tissue, self.cell, self.division, self.start, self.curve())
 
     def scenario(self) -> Scenario:
         """What the EMT cells are drawn from: times in h."""
         emt = self.emt
         return Scenario(emt.cells, emt.inm, emt.times())
+
+    def groups(self) -> tuple[CellGroup, ...]:
+        """The cells that are no control cells: those of [emt], then those of each named type."""
+        rest, named = self.start_numbers().rest_length, self.types.named().items()
+        emt = CellGroup(UNNAMED[-1], self.scenario(), 0.5, divides=False, may_leave=True, rest_length=rest)
+        rests = (one.start_numbers().rest_length for one in self._of_types())
+        return emt, *(one.group(name, rest) for (name, one), rest in zip(named, rests, strict=True))
+
+    def _of_types(self) -> Iterator[Parameters]:
+        """Parameters that hold for the cells of a type, for each."""
+        for one in self.types.named().values():
+            tables: dict[str, dict[str, Any]] = {}
+            for name, value in one.own().items():
+                tables.setdefault(OWN_KEYS[name], {})[name] = value
+            changed = {section: getattr(self, section).model_copy(update=table) for section, table in tables.items()}
+            yield self.model_copy(update=changed)
 
     def daha_numbers(self) -> Daha:
         """The parameters of the quasi-steady model's solver."""
@@ -297,13 +268,14 @@ def _checked(tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), 
     own = tables.get("own")
     bring(own.get("modules") if isinstance(own, Mapping) else None)
     noted: dict[tuple[type[BaseModel], str], Any] = {}
-    found = [*lines, *unknown_names(tables, Parameters)]
+    tables, unknown_lines = known_only(tables, Parameters)
+    found = [*lines, *unknown_lines, *wrong_names(tables.get("types"))]
     try:
         parameters = Parameters.model_validate(tables, context=noted)
     except ValidationError as error:
         names = {field.annotation: section for section, field in Parameters.model_fields.items()}
-        good = {f"{names[section]}.{name}": value for (section, name), value in noted.items()}
-        found += problems(error, Parameters, missing=missing) + broken(good)
+        good = {f"{names[section]}.{name}": value for (section, name), value in noted.items() if section in names}
+        found += problems(error, Parameters, missing=missing) + broken(good) + broken_types(good)
     if found:
         raise refuse(source, found)
     return parameters

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from tissue.files.keys import KeyFacts, all_keys, heading, sections
-from tissue.files.parameter_files import FOLDER, merged, read
+from tissue.files.parameter_files import FOLDER, flat, merged, read
 from tissue.files.parameters import PRESETS, Parameters
 
 MAKES_NO_NUMBERS = True
@@ -23,25 +23,21 @@ TOP = """# The keys of parameter files
 section. A value is that of all presets, or of those in brackets. A key with a default may be left out in any file.
 Where the value of a preset is from stands at it in `tissue/files/presets`. The [source](../SOURCE.md) of a key is its
 place in the thesis, or a row of the table of model variants. `python -m tissue.files.reference` makes this page from
-`tissue/files/sections.py`.
+`tissue/files/sections.py`, `tissue/files/emt_sections.py` and `tissue/files/cell_types.py`.
 """
 
 
 def presets() -> dict[str, dict[str, Any]]:
     """The values of each preset as its file gives them, by key; without those that it leaves to their default."""
-    return {
-        preset: {
-            f"{section}.{name}": value for section, table in _tables(preset).items() for name, value in table.items()
-        }
-        for preset in PRESETS
-    }
+    return {preset: flat(_tables(preset)) for preset in PRESETS}
 
 
 def spread(facts: KeyFacts, values: Mapping[str, Mapping[str, Any]]) -> str:
     """The values of a key in the presets: one if all have it, else each with those that have it."""
     groups: dict[str, list[str]] = {}
     for preset, theirs in values.items():
-        groups.setdefault(json.dumps(theirs.get(facts.name, facts.default)), []).append(preset)
+        if facts.has_default or facts.name in theirs:  # no preset has a type of cells
+            groups.setdefault(json.dumps(theirs.get(facts.name, facts.default)), []).append(preset)
     if len(groups) == 1:
         groups = {value: [] for value in groups}
     if facts.has_default:

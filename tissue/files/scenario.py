@@ -1,4 +1,4 @@
-"""The EMT cells of a run: how many, and the chances of their events."""
+"""The groups of cells of a run that are not control cells: how many, and the chances of their events."""
 
 from __future__ import annotations
 
@@ -18,6 +18,17 @@ class Scenario(NamedTuple):
     cells: int  # N^EMT
     inm: float  # probability of interkinetic nuclear movement
     times: Mapping[str, Timing]  # of the events by name; the others never begin
+
+
+class CellGroup(NamedTuple):
+    """The EMT cells or those of a named type; made from the parameters of a file by ``Parameters.groups``."""
+
+    name: str
+    scenario: Scenario
+    place: float | None  # of the middle of the group, as a part of the tissue from left to right; None: scattered
+    divides: bool
+    may_leave: bool  # whether its cells have events, and so are EMT cells
+    rest_length: float  # eta of both cytoskeleton springs at the start, without the radius R_soft
 
 
 def drawn(scenario: Scenario, draws: Generator) -> tuple[Emt, Flags]:

@@ -1,27 +1,24 @@
 """The sections of a parameter file: which keys there are, what each one means and what its value may be.
 
-This is the only place that says so: lists, messages, written files and docs/parameters.md take it from here, see
-``tissue.files.keys``. A section says nothing about combinations of values: ``tissue.files.combinations`` does.
+This and ``tissue.files.emt_sections`` are the only places that say so: lists, messages, written files and
+docs/parameters.md take it from here, see ``tissue.files.keys``; types of cells do, too (``tissue.files.cell_types``). A
+section says nothing about combinations of values: ``tissue.files.combinations`` does.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, field_validator, model_validator
+from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, field_validator
 
 from tissue.division import BESIDE
-from tissue.events.known import events, house
 from tissue.files.fields import (
     MOST_CELLS,
-    Begin,
     Count,
     DiffusionOrZero,
     DivisionRuleName,
     Duration,
     DurationOrZero,
-    EventTime,
     Flag,
     Fractions,
     Kept,
@@ -36,10 +33,8 @@ from tissue.files.fields import (
     Positive,
     Probability,
     RateOrZero,
-    Speed,
 )
 from tissue.files.keys import KeyFacts, key
-from tissue.files.timing import NEVER, Timing
 
 TABLE_1 = "Table 1 of chapter 3"
 TABLE_2 = "Table 2 of chapter 3"
@@ -215,88 +210,6 @@ class StartSection(ParameterSection):
         "rule of the horizontal places of nuclei", "", 'row "nuclei at start"'
     )
     nuclei_height: Fractions = key("parts of the height between which nuclei begin", "", 'row "nuclei at start"')
-
-
-class EmtSection(ParameterSection):
-    """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4).
-
-    Besides those below each event of ``tissue.events.known.events`` is a key; where it is not given, it never begins.
-
-    An event fires in the step dt that ends at its time, or in which its time lies: it acts from the beginning of this
-    step, so up to dt before its time.
-    """
-
-    model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
-    __pydantic_extra__: dict[str, Begin]
-
-    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
-        "EMT cells, in the middle of the tissue", "N^EMT", "section 2.2 of chapter 4"
-    )
-    inm: Probability = key(
-        "probability that an EMT cell performs interkinetic nuclear movement", "", "section 2.1 of chapter 4"
-    )
-    a: Begin = key("when apical adhesion is lost, [A]", "T^A", "section 2.2.1 of chapter 4", NEVER)
-    b: Begin = key("when basal adhesion is lost, [B]", "T^B", "section 2.2.2 of chapter 4", NEVER)
-    s: Begin = key("when straightness is lost, [S]", "T^S", "section 2.2.3 of chapter 4", NEVER)
-    p: Begin = key("when protrusions begin, [P]; they wait for [B]", "T^P", "section 2.2.4 of chapter 4", NEVER)
-
-    @model_validator(mode="before")
-    @classmethod
-    def _with_events(cls, given: Any) -> Any:
-        """The events of this package never begin if nothing is said of them."""
-        return {**{event.name: NEVER for event in house()}, **given} if isinstance(given, Mapping) else given
-
-    @classmethod
-    def further_keys(cls) -> tuple[KeyFacts, ...]:
-        """All events but those of the thesis."""
-        time, others = EventTime(), (event for event in events() if event.name not in cls.model_fields)
-        return tuple(
-            KeyFacts(f"emt.{event.name}", event.meaning, "", event.source, time.unit, time.allowed, NEVER)
-            for event in others
-        )
-
-    @model_validator(mode="after")
-    def _note_events(self, info: ValidationInfo) -> EmtSection:
-        """Note the others as well."""
-        if info.context is not None:
-            for event in events():
-                info.context[EmtSection, event.name] = getattr(self, event.name, Timing())
-        return self
-
-    def times(self) -> dict[str, Timing]:
-        """When the events begin, by name."""
-        return {name: value for name, value in self if isinstance(value, Timing)}
-
-
-class EventsSection(ParameterSection):
-    """[events]: how the variants of the model carry out the events (section 2.2 of chapter 4)."""
-
-    freed_stiffness: NonNegative = key(
-        "factor of the stiffness of the spring to a freed point, after [A] and [B]",
-        "",
-        'row "[A], [B]: stiffness of the freed spring"',
-    )
-    bridge: Annotated[str, PlainValidator(OneOf(("sum", "distance")))] = key(
-        "rest length of the junction that bridges a cell after [A]: that of the two removed, or the distance",
-        "",
-        "section 2.2.1 of chapter 4",
-    )
-    bent_stiffness: NonNegative = key(
-        "stiffness of the bending spring after [S]", "alpha^axb", "section 2.2.3 of chapter 4"
-    )
-    run_speed: Speed = key("speed of the basal point in [P]", "v^run", "(4.1)")
-    run_depth: Length = key("depth below the basal layer at which its run ends", "", "(4.1)")
-    spring_above: Annotated[str, PlainValidator(OneOf(("no force", "gives way")))] = key(
-        "basal-nuclei spring in [P] while the basal point is above the layer", "", "section 2.2.4 of chapter 4"
-    )
-    contraction: DurationOrZero = key(
-        "time constant of its rest length once the point is below the layer; 0: at once",
-        "",
-        "section 2.2.4 of chapter 4",
-    )
-    at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))] = key(
-        "what the basal point does at run_depth", "", "(4.1)"
-    )
 
 
 class DahaSection(ParameterSection):

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import ctypes
+from collections.abc import Sequence
 from typing import Any, get_type_hints
 
 import numba
 import numpy as np
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import NativeValue, unbox
@@ -62,9 +64,26 @@ NUMBERS = kind_of_handle(_EXAMPLE)
 numbers_at = reader(_EXAMPLE)
 
 
-def handed_numbers(numbers: Numbers) -> Any:
-    """The numbers of a run, ``Handed``: for kernels they are ``Numbers``."""
-    return Handed(tuple(type(kind)(value) for kind, value in zip(_EXAMPLE, numbers, strict=True)), NUMBERS)
+def handed_numbers(numbers: Numbers, named: Sequence[Numbers] = ()) -> Any:
+    """The numbers of a run, ``Handed``: for kernels they are ``Numbers``, those of control cells.
+
+    Behind these lie those of EMT cells, the same, and of the named types, so that ``Cells.kind`` says where.
+    """
+    kinds = (numbers, numbers, *named)
+    return Handed(
+        tuple(tuple(type(one)(value) for one, value in zip(_EXAMPLE, kind, strict=True)) for kind in kinds), NUMBERS
+    )
+
+
+@instruction
+def numbers_of(typing: Any, numbers: Any, kind: Any) -> Any:
+    """The numbers of the cells of a kind; given are those that ``handed_numbers`` hands to kernels."""
+
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        size = ir.Constant(ir.IntType(64), np.dtype(np.int64).itemsize * len(_EXAMPLE))
+        return builder.add(values[0], builder.mul(values[1], size))
+
+    return numbers(numbers, types.int64), generate
 
 
 def generator_words(generator: Generator) -> Integers:

@@ -11,6 +11,7 @@ from numpy.random import Generator
 
 from dincl.compile import inner
 from tissue.kernels import kernel
+from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules
 from tissue.kernels.store import CELLS, Store
 from tissue.model.cytoskeleton import capped
@@ -34,16 +35,17 @@ def in_g2(cells: Cells, i: int, t: float, numbers: Numbers) -> bool:
 
 @kernel
 def set_phases(store: Store, t: float, numbers: Numbers) -> None:
-    """Hard radius (3.4) and stiffness of the apical junctions at time t, from the phase of each cell."""
+    """Hard radius (3.4) and stiffness of the apical junctions at time t, from the phase and the type of each cell."""
     cells = store.cells
     for i in range(store.sizes[CELLS]):
-        changes = cells.moves[i] or numbers.resting_enlarge
-        late = in_g2(cells, i, t, numbers)
-        mitosis = t - cells.birth[i] >= cells.cycle[i] - numbers.mitosis
-        enlarged = changes and (late if numbers.enlarge_in_g2 else mitosis)
-        radius = numbers.enlarged_radius if enlarged else numbers.hard_radius
+        own = numbers_of(numbers, cells.kind[i])
+        changes = cells.moves[i] or own.resting_enlarge
+        late = in_g2(cells, i, t, own)
+        mitosis = t - cells.birth[i] >= cells.cycle[i] - own.mitosis
+        enlarged = changes and (late if own.enlarge_in_g2 else mitosis)
+        radius = own.enlarged_radius if enlarged else own.hard_radius
         cells.radius[i] = radius
-        cells.stiff_aa[i] = numbers.alpha_aa * (numbers.g2_stiffening if changes and late else 1.0)
+        cells.stiff_aa[i] = own.alpha_aa * (own.g2_stiffening if changes and late else 1.0)
 
 
 @kernel
@@ -56,21 +58,25 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
     the place of these.
     """
     cells, n = store.cells, store.sizes[CELLS]
-    keep_ax, keep_bx = math.exp(-numbers.rate_ax * numbers.dt), math.exp(-numbers.rate_bx * numbers.dt)
-    keep_aa = math.exp(-numbers.rate_aa * numbers.dt)
+    kind, own, keep_ax, keep_bx, keep_aa = -1, numbers, 0.0, 0.0, 0.0
     for i in range(n):
+        if cells.kind[i] != kind:  # of neighbours it is mostly the same: three exponentials for many cells
+            kind = cells.kind[i]
+            own = numbers_of(numbers, kind)
+            keep_ax, keep_bx = math.exp(-own.rate_ax * own.dt), math.exp(-own.rate_bx * own.dt)
+            keep_aa = math.exp(-own.rate_aa * own.dt)
         rest_ax, rest_bx = cells.rest_ax[i], cells.rest_bx[i]
-        if cells.moves[i] and in_g2(cells, i, t, numbers):
+        if cells.moves[i] and in_g2(cells, i, t, own):
             wanted_ax = 0.0
             wanted_bx = math.hypot(cells.ax[i] - cells.bx[i], cells.ay[i] - cells.by[i]) - 2.0
         else:
             wanted_ax = math.hypot(cells.x[i] - cells.ax[i], cells.y[i] - cells.ay[i]) - 1.0
             wanted_bx = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
-        if numbers.floor_rest:
+        if own.floor_rest:
             wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
-        wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], numbers.max_cytoskeleton)
+        wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], own.max_cytoskeleton)
         cells.rest_ax[i] = wanted_ax + (rest_ax - wanted_ax) * keep_ax
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         cells.rest_aa[i] *= keep_aa
         if cells.events[i]:
-            last_events(store, i, rest_ax, rest_bx, numbers, rules)
+            last_events(store, i, rest_ax, rest_bx, own, rules)

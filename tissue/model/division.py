@@ -8,6 +8,7 @@ from numpy.random import Generator
 
 from dincl.compile import inner
 from tissue.kernels import kernel
+from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules, call_place, call_splits
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cycle import draw_cycle
@@ -39,14 +40,15 @@ def divide(store: Store, t: float, numbers: Numbers, rules: Rules, draws: Genera
     i = 0
     while i < sizes[CELLS]:
         if is_due(cells, i, t):
-            two = cells.divides[i] and call_splits(rules.splits, store, i, draws.random(), numbers) != 0
+            own = numbers_of(numbers, cells.kind[i])
+            two = cells.divides[i] and call_splits(rules.splits, store, i, draws.random(), own) != 0
             cells.birth[i] = t
-            cells.cycle[i] = draw_cycle(numbers, draws)
+            cells.cycle[i] = draw_cycle(own, draws)
             if two:
-                _split(store, i, numbers)
-                call_place(rules.place, store, i, numbers)
+                _split(store, i, own)
+                call_place(rules.place, store, i, own)
                 i += 1
-                cells.cycle[i] = draw_cycle(numbers, draws)
+                cells.cycle[i] = draw_cycle(own, draws)
         i += 1
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dincl.compile import inner
+from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules, call_begin, call_last
 from tissue.kernels.store import CELLS, Store
 from tissue.model.scale import ab_position
@@ -25,9 +26,10 @@ def begin_events(store: Store, t: float, numbers: Numbers, rules: Rules) -> None
             continue
         if cells.events[i] == 0:
             emt.onset_ab[k] = ab_position(store, i)
+        own = numbers_of(numbers, cells.kind[i])
         for event in rules.order:
             if (emt.new[k] >> event) & 1 and rules.begin[event] != 0:
-                call_begin(rules.begin[event], store, i, 1 << event, numbers)
+                call_begin(rules.begin[event], store, i, 1 << event, own)
         cells.events[i] |= emt.new[k]
 
 

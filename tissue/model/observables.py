@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -108,14 +108,17 @@ def areas(frame: Frame) -> Areas:
     return Areas(within, curve.area - within) if curve.area > 0 else Areas(-curve.area, curve.area - within)
 
 
-def phases(frame: Frame, numbers: Numbers) -> Integers:
+def phases(frame: Frame, numbers: Numbers, named: Sequence[Numbers] = ()) -> Integers:
     """Index into PHASES for each cell, shape (n,), from its age t - t_birth (section 2.2.1 of chapter 3).
 
     G2 stands for its active part: t_age >= t_cycle - T_G2 - T_mitosis; mitosis begins at t_cycle - T_mitosis.
+    ``named``: the numbers of the named types of cells.
     """
     age, cycle = frame.t - frame.cells.birth, frame.cells.cycle
-    late = age >= cycle - numbers.g2 - numbers.mitosis
-    return late.astype(np.int64) + (age >= cycle - numbers.mitosis)
+    g2, mitosis = np.array([(one.g2, one.mitosis) for one in (numbers, numbers, *named)])[frame.cells.kind].T
+    late = age >= cycle - g2 - mitosis
+    found: Integers = late.astype(np.int64) + (age >= cycle - mitosis)
+    return found
 
 
 def ab_positions(frame: Frame) -> Floats:

@@ -1,5 +1,5 @@
 """The tissue to scale, in um: discs, springs, layers; control cells in the colour of their cycle phase, EMT cells in
-that of their events.
+that of their events; named types by their edges.
 """
 
 from __future__ import annotations
@@ -26,6 +26,7 @@ from tissue.pictures.sheet import (
     EMT_COLOURS,
     GREY,
     SPRING,
+    TYPE_COLOURS,
     Artist,
     Axes,
     EllipseCollection,
@@ -36,8 +37,10 @@ from tissue.pictures.sheet import (
     emt_entries,
     legend,
     style,
+    type_entries,
     write,
 )
+from tissue.state.cells import NAMED
 from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
@@ -104,7 +107,8 @@ def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = N
         Inches that stay free below the legend.
     """
     with style():
-        figure, panels = _sheet(len(frames), box or _box(frames, parameters), parameters, DPI, _begun(frames), room)
+        second = _second(frames, parameters)
+        figure, panels = _sheet(len(frames), box or _box(frames, parameters), parameters, DPI, second, room)
         for panel, frame in zip(panels, frames, strict=True):
             _draw(panel, frame, parameters, _decimals(frames))
     return figure
@@ -123,7 +127,7 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
     Arguments and errors are those of ``picture``.
     """
     with style():
-        figure, (panel,) = _sheet(1, _box(frames, parameters), parameters, MOVIE_DPI, _begun(frames))
+        figure, (panel,) = _sheet(1, _box(frames, parameters), parameters, MOVIE_DPI, _second(frames, parameters))
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
@@ -154,17 +158,19 @@ def _box(frames: Sequence[Frame], parameters: Parameters) -> Box:
     return Box(left, right, low, high)
 
 
-def _begun(frames: Sequence[Frame]) -> list[str]:
-    """The events of EMT cells to tell apart, in the order of the colours; none if there are only control cells."""
+def _second(frames: Sequence[Frame], parameters: Parameters) -> dict[str, Any]:
+    """The second line of the legend, which may be empty: EMT cells in the order of their colours, and named types."""
     found = {EVENTS[k] for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
-    return [name for name in EMT_COLOURS if name in found]
+    kinds = sorted({k for frame in frames for k in frame.cells.kind.tolist() if k >= NAMED})
+    colours = {parameters.type_names[k]: TYPE_COLOURS[k - NAMED] for k in kinds}
+    return emt_entries([name for name in EMT_COLOURS if name in found]) | type_entries(colours)
 
 
 def _sheet(
-    count: int, box: Box, parameters: Parameters, dpi: int, begun: Sequence[str], room: float = 0.0
+    count: int, box: Box, parameters: Parameters, dpi: int, second: dict[str, Any], room: float = 0.0
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels of one scale, and the legend below, in two lines where there are EMT cells."""
-    below = BOTTOM + LEGEND * (2 if begun else 1) + room
+    """A figure with ``count`` panels of one scale, and the legend below, in two lines if there is a second one."""
+    below = BOTTOM + LEGEND * (2 if second else 1) + room
     rows = -(-count // COLUMNS)
     columns = -(-count // rows)
     slot = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
@@ -181,8 +187,8 @@ def _sheet(
         panels.append(figure.add_axes((left / WIDTH, low / total, wide / WIDTH, tall / total)))
         _axes(panels[-1], box, parameters, lowest=k + columns >= count, leftmost=column == 0)
     legend(figure, control_entries(), LEFT / WIDTH, room / total)
-    if begun:
-        legend(figure, emt_entries(begun), LEFT / WIDTH, (LEGEND + room) / total)
+    if second:
+        legend(figure, second, LEFT / WIDTH, (LEGEND + room) / total)
     return figure, panels
 
 
@@ -216,6 +222,7 @@ def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> l
     nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
     colours, edges = _colours(frame, parameters)
     soft, hard = np.full(len(nuclei), um), um * cells.radius
+    widths = np.where(cells.kind < NAMED, 0.4, 1.2)
     thin = _thinner(panel)
     collections = (
         _discs(panel, nuclei, soft, facecolors=colours, alpha=0.25, linewidths=0, zorder=2),
@@ -223,7 +230,7 @@ def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> l
         LineCollection(
             list(np.stack((apical, nuclei, basal), axis=1)), colors=SPRING, linewidths=0.7 * thin, alpha=0.55, zorder=3
         ),
-        _discs(panel, nuclei, hard, facecolors=colours, edgecolors=edges, linewidths=0.4 * thin, zorder=4),
+        _discs(panel, nuclei, hard, facecolors=colours, edgecolors=edges, linewidths=thin * widths, zorder=4),
     )
     for collection in collections:
         panel.add_collection(collection)
@@ -244,9 +251,12 @@ def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> l
 def _colours(frame: Frame, parameters: Parameters) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
     """Of the discs of each cell, and of the edge of its hard disc."""
     cells, is_emt = frame.cells, frame.cells.emt >= 0
-    of_phase = np.array([COLOURS[name] for name in PHASES])[phases(frame, parameters.numbers())]
+    of_phase = np.array([COLOURS[name] for name in PHASES])[
+        phases(frame, parameters.numbers(), parameters.named_numbers())
+    ]
     of_events = np.array([EMT_COLOURS.get(name, GREY) for name in EVENTS])[cells.events]
-    return np.where(is_emt, of_events, of_phase), np.where(is_emt, "black", "white")
+    of_type = np.array(("", "", *TYPE_COLOURS))[cells.kind]
+    return np.where(is_emt, of_events, of_phase), np.where(of_type == "", np.where(is_emt, "black", "white"), of_type)
 
 
 def _free(frame: Frame) -> tuple[Flags, Flags]:

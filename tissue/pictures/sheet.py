@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from io import BytesIO
 from os import PathLike
@@ -42,6 +42,8 @@ EMT_COLOURS = {
     "BSP": "#f4894b",
     "ABSP": "#67000d",
 }
+# Of the edges of cells of named types, in their order.
+TYPE_COLOURS = ("#00c2a8", "#e6194b", "#7b2ff7", "#9acd32", "#8c564b", "#ff6ec7", "#3d3dcc", "#c0c0c0")
 SPRING, APICAL, BASAL, BELOW, GREY = "#5d6670", "#c8232c", "#1d1d1d", "#f1efe9", "#8a8a8a"
 STYLE: Any = {
     "font.family": "DejaVu Sans",
@@ -100,7 +102,9 @@ def control_entries() -> dict[str, Any]:
 
 
 def emt_entries(begun: Sequence[str]) -> dict[str, Any]:
-    """The legend of EMT cells with these events."""
+    """The legend of EMT cells with these events, if there are any."""
+    if not begun:
+        return {}
     edge = {"markeredgecolor": "black", "markeredgewidth": 0.6}
     texts = [f"[{name}]" if name else "before any event" for name in begun]
     texts[0] = f"EMT cell: {texts[0]}"
@@ -111,6 +115,14 @@ def emt_entries(begun: Sequence[str]) -> dict[str, Any]:
         if any(event in name for name in begun):
             found[f"free {layer} point"] = (Line2D([], [], color=colour, **CROSS),)
     return found
+
+
+def type_entries(colours: Mapping[str, str]) -> dict[str, Any]:
+    """The legend of named types, by their edges."""
+    return {
+        f"type {name}": (_dot(GREY, 6, markeredgecolor=colour, markeredgewidth=1.2),)
+        for name, colour in colours.items()
+    }
 
 
 def legend(figure: Figure, entries: dict[str, Any], left: float, low: float) -> None:

@@ -84,6 +84,11 @@ def simulate_quasi_steady(
         raise InvalidProblem(f"emt.cells = {parameters.emt.cells}: must be 0, the quasi-steady model has no EMT events")
     for force, strength in parameters.forces.acting():
         raise InvalidProblem(f"forces.{force.name} = {strength:g}: must be 0, the quasi-steady model does not know it")
+    for name, one in parameters.types.named().items():
+        if one.has_events and one.cells:
+            raise InvalidProblem(
+                f"types.{name}.cells = {one.cells}: must be 0, the quasi-steady model has no EMT events"
+            )
     steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
     found = steps.run(watch)
     if throw and not found.status:
@@ -122,16 +127,16 @@ class _Steps:
 
     def _frame(self, t: float) -> Frame:
         """A copy of the present state."""
-        checkpoint = checkpoint_at(self._held, self._seed, self._random, self._parted)
+        checkpoint = checkpoint_at(self._held, self._seed, self._random, self._parted, self._parameters)
         return Frame(t, *contents(self._held), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:
         """One step dt to time t, through a minimum; how it ended, and the particulars of a failure in words."""
-        numbers = self._parameters.numbers()
+        numbers, named = self._parameters.numbers(), self._parameters.named_numbers()
         if is_full(self._held, t):
             self._held = grown(self._held)
         rules = handed_rules([self._held], self._parameters.division_rule())
-        apply_rules(self._held, t, handed_numbers(numbers), rules, self._random.cycle, self._random.noise)
+        apply_rules(self._held, t, handed_numbers(numbers, named), rules, self._random.cycle, self._random.noise)
         found = self._minimiser.minimise(*contents(self._held), numbers)
         self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
         _place(self._held, found.cells)

@@ -43,8 +43,11 @@ class Cells(NamedTuple):
     events: Integers  # the EMT events that have begun, a sum of bits, see ``tissue.events.known.bit``
     chain: Integers  # 0, or the number of a chain of apical points apart from the layer: id + 1 of its first cell
     along: Floats  # arclength of the basal point, where the layer bends and holds it; on a line bx says it
+    kind: Integers  # CONTROL, EMT, or the number of a named type from NAMED on
 
 
+# The types of cells, see ``Cells.kind``: the first named one has the number NAMED.
+CONTROL, EMT, NAMED = range(3)
 # The fields of Cells that are coordinates.
 COORDINATES = Cells._fields[:6]
 
@@ -68,7 +71,10 @@ class Emt(NamedTuple):
 
 
 # The kinds of the fields that are not numbers.
-KINDS = {"moves": np.bool_, "divides": np.bool_, **dict.fromkeys(("id", "mother", "emt", "events", "chain"), np.int64)}
+KINDS = {
+    **dict.fromkeys(("moves", "divides"), np.bool_),
+    **dict.fromkeys(("id", "mother", "emt", "events", "chain", "kind"), np.int64),
+}
 
 
 def empty(capacity: int) -> Cells:

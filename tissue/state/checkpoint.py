@@ -38,6 +38,7 @@ class TissueCheckpoint(NamedTuple):
     counts: Integers  # one for each of ``tissue.kernels.store.COUNTERS``, since t = 0
     generators: Words  # (2, WORDS): where the streams DRAWN stand
     parted: Parted  # at t = 0
+    types: tuple[str, ...] = ()  # the names of the named types, by their numbers
 
 
 def generator_states(random: Streams) -> Words:

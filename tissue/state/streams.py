@@ -21,6 +21,7 @@ class Streams(NamedTuple):
     cycle: Generator  # durations of cycles, second daughters
     noise: Generator  # of the nuclei
     emt: Generator  # INM and times of the events of EMT cells
+    types: Generator  # the same of cells of named types, and their places
 
 
 def streams(seed: int) -> Streams:

@@ -21,7 +21,7 @@ from tissue.step.substeps import substeps_address
 
 
 class Group:
-    """Running tissues of the same numbers.
+    """Running tissues of the same numbers; ``named``: those of the named types of cells.
 
     Attributes
     ----------
@@ -41,11 +41,12 @@ class Group:
         random: Sequence[Streams] = (),
         division: DivisionRule = BESIDE,
         forces: Sequence[tuple[Force, float]] = (),
+        named: Sequence[Numbers] = (),
     ) -> None:
         self.stores, self.forces = list(stores), forces
         width = 1 if len(self.stores) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.stores), RUNNING, EMPTY)
-        self._numbers, self._handed, self._keep = numbers, handed_numbers(numbers), random
+        self._numbers, self._handed, self._keep = numbers, handed_numbers(numbers, named), random
         self._rules = handed_rules(self.stores, division)
         words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
         self._random = np.ascontiguousarray(np.array(words, np.int64).reshape(-1, 2, GENERATOR).transpose(1, 0, 2))

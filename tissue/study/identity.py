@@ -11,6 +11,7 @@ from importlib import import_module
 from typing import Any
 
 from dincl.provenance import provenance
+from tissue.files.parameter_files import flat
 from tissue.registration import own_code
 from tissue.study.plan import PART, TissueStudy
 from tissue.study.wording import in_scenarios
@@ -84,13 +85,10 @@ def _scenarios(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
 
 def _keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
     """The parameters that differ."""
-    sections = {section: {*old.get(section, {}), *new.get(section, {})} for section in {**old, **new}}
-    pairs = [
-        (f"{section}.{key}", old.get(section, {}).get(key), new.get(section, {}).get(key))
-        for section, keys in sections.items()
-        for key in sorted(keys)
-    ]
-    return [f"{key}: {json.dumps(before)} -> {json.dumps(after)}" for key, before, after in pairs if before != after]
+    sections, before, after = [*{**old, **new}], flat(old), flat(new)
+    keys = sorted({**before, **after}, key=lambda key: (sections.index(key.partition(".")[0]), key))
+    pairs = ((key, before.get(key), after.get(key)) for key in keys)
+    return [f"{key}: {json.dumps(one)} -> {json.dumps(two)}" for key, one, two in pairs if one != two]
 
 
 def code_differences(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pyarrow as pa
+from numpy.typing import NDArray
 
 from dincl.status import Status
 from tissue.events.known import FIRST, events, in_order
@@ -127,14 +128,19 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
     )
     at = np.array([held.emt.at for held in stores]).reshape(len(stores), len(events()), m)
     began = {events()[k].name: at[:, k].ravel() for k in in_order()}
-    shown = {*FIRST, *(name for name, timing in lot.parameters.emt.times().items() if timing.ever)}
+    times = [group.scenario.times for group in lot.parameters.groups()]
+    shown = {*FIRST, *(name for one in times for name, timing in one.items() if timing.ever)}
     # In the order of the tissue, which is that of their numbers.
-    inm = [held.cells.moves[: held.sizes[CELLS]][held.cells.emt[: held.sizes[CELLS]] >= 0] for held in stores]
+    mine = [np.flatnonzero(held.cells.emt[: held.sizes[CELLS]] >= 0) for held in stores]
+    inm, kinds = (
+        [getattr(held.cells, name)[of] for held, of in zip(stores, mine, strict=True)] for name in ("moves", "kind")
+    )
     scale = lot.parameters.cell.soft_radius.value
     columns: dict[str, Any] = {
         "replicate": np.repeat(np.array(replicates, np.int64)[kept], m),
         "cell": np.tile(np.arange(m), len(kept)),
         "inm": np.array(inm, np.bool_).ravel(),
+        **(_types(lot, np.array(kinds, np.int8)) if lot.parameters.types.named() else {}),
         **{f"t_{name}_h": times for name, times in began.items() if name in shown},
         "onset_h": np.minimum.reduce(list(began.values())),
         "onset_ab": pa.array(onset, mask=np.isinf(onset)),
@@ -146,6 +152,11 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
         columns[f"ab_{t:g}h"] = positions[kept].ravel()
         columns[f"below_{t:g}h"] = (positions <= controls[:, 3:])[kept].ravel()
     return pa.table(columns)
+
+
+def _types(lot: Lot, kinds: NDArray[np.int8]) -> dict[str, Any]:
+    """The type of each EMT cell, where there are named ones."""
+    return {"type": pa.DictionaryArray.from_arrays(kinds.ravel(), list(lot.parameters.type_names))}
 
 
 def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:

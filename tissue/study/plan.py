@@ -12,7 +12,7 @@ from dincl.errors import InvalidProblem
 from tissue.events.known import events
 from tissue.files.messages import refuse
 from tissue.files.own_modules import placed
-from tissue.files.parameter_files import merged, read
+from tissue.files.parameter_files import flat, merged, read
 from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.study.shape import checked
 from tissue.study.wording import in_scenarios, waits
@@ -110,20 +110,13 @@ def shipped() -> list[str]:
     return sorted(file.stem for file in FOLDER.glob("*.toml"))
 
 
-def flat(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Values by keys such as "emt.cells", as ``Parameters.changed`` takes them."""
-    values: dict[str, Any] = {}
-    for section, table in tables.items():
-        keyed = {f"{section}.{key}": value for key, value in table.items()} if isinstance(table, dict) else None
-        values |= {section: table} if keyed is None else keyed
-    return values
-
-
 def _waiting(parameters: Parameters) -> list[str]:
     """The events that wait."""
-    times, marks = parameters.emt.times(), {event.name: event.mark for event in events()}
-    pairs = ((event.name, event.after) for event in events() if event.name in times and event.after in times)
-    return [line for one, two in pairs for line in waits(marks[one], times[one], marks[two], times[two])]
+    found, marks = [], {event.name: event.mark for event in events()}
+    for times in (dict(group.scenario.times) for group in parameters.groups()):
+        pairs = ((event.name, event.after) for event in events() if event.name in times and event.after in times)
+        found += [line for one, two in pairs for line in waits(marks[one], times[one], marks[two], times[two])]
+    return list(dict.fromkeys(found))
 
 
 def _found(path: str | PathLike[str]) -> Path:

@@ -13,9 +13,9 @@ import pyarrow.dataset as ds
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
 from tissue.study.layout import scenario_folder, trajectory
-from tissue.study.plan import flat
 from tissue.study.store import about
 
 if TYPE_CHECKING:
@@ -77,6 +77,7 @@ class Results:
         =========================================  ========  =========================================================
         ``replicate``, ``cell``                    int64     cells count from left to right
         ``inm``                                    bool      whether it has interkinetic nuclear movement
+        ``type``                                   category  where there are named types: "emt", or the name of one
         ``t_a_h``, ``t_b_h``, ``t_s_h``            float64   times of the events; inf: never
         ``t_p_h``                                  float64   when [P] begins to act, max(T^P, T^B)
         ``t_NAME_h``                               float64   likewise, of any other event that the parameters time

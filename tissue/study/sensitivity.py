@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dincl.checks import describe, integer
 from dincl.errors import InvalidProblem
+from tissue.files.parameter_files import flat, nested
 from tissue.files.parameters import Parameters
 from tissue.study.ratios import LEVEL, Ratio, quantile
 
@@ -48,13 +49,7 @@ class Plan:
 
     def scenarios(self) -> dict[str, dict[str, dict[str, Any]]]:
         """The overrides of each point, by section and key: {"point 00000": {"cell": {"alpha_aa": 4.2}}}."""
-        result: dict[str, dict[str, dict[str, Any]]] = {}
-        for k, point in enumerate(self.points):
-            sections = result.setdefault(point_name(k), {})
-            for name, value in point.items():
-                section, _, key = name.partition(".")
-                sections.setdefault(section, {})[key] = value
-        return result
+        return {point_name(k): nested(point) for k, point in enumerate(self.points)}
 
     def toml(self, head: Mapping[str, Any], overrides: Mapping[str, Mapping[str, Any]]) -> str:
         """The text of a study file with a scenario for each point.
@@ -236,8 +231,7 @@ def indices(
 
 def _ends(base: Parameters, name: str, pair: tuple[Any, Any]) -> tuple[float, float, str]:
     """The bounds of a parameter as numbers with their unit, "" for none."""
-    section, _, key = name.partition(".")
-    texts = [str(base.changed({name: value}).as_dict()[section][key]).split(" ", 1) for value in pair]
+    texts = [str(flat(base.changed({name: value}).as_dict())[name]).split(" ", 1) for value in pair]
     units = [" ".join(rest) for _, *rest in texts]
     try:
         low, high = (float(number) for number, *_ in texts)
@@ -251,6 +245,6 @@ def _ends(base: Parameters, name: str, pair: tuple[Any, Any]) -> tuple[float, fl
 def _inline(sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
     """Sections as inline tables of TOML."""
     return [
-        f"{section} = {{ {', '.join(f'{key} = {json.dumps(value)}' for key, value in table.items())} }}"
+        f"{section} = {{ {', '.join(f'{key} = {json.dumps(value)}' for key, value in flat(table).items())} }}"
         for section, table in sections.items()
     ]

@@ -12,10 +12,11 @@ from dincl.errors import InvalidProblem
 from tests.contracts.test_imports import imported, sources
 from tests.tissue.states import layers, tissue
 from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, two_hours
+from tissue.files.cell_types import MOST_TYPES
 from tissue.model.observables import PHASES
 from tissue.pictures import picture as drawing
 from tissue.pictures.picture import picture, stills
-from tissue.pictures.sheet import APICAL, BASAL, COLOURS, EMT_COLOURS
+from tissue.pictures.sheet import APICAL, BASAL, COLOURS, EMT_COLOURS, TYPE_COLOURS
 from tissue.state.frame import Frame
 from tissue.tables import EVENTS
 
@@ -157,6 +158,19 @@ def test_the_legend_names_the_events_that_are_there(figures):
     picture([trio("A")], THESIS, "x.png")
     names = [text.get_text() for text in figures[1].legends[1].get_texts()]
     assert names == ["EMT cell: [A]", "free apical point"]
+
+
+def test_a_named_type_has_an_edge_of_its_own(figures):
+    given = THESIS.changed({"types.soft.cells": 1, "types.hard.cells": 1, "types.hard.place": 0})
+    frame = trio()
+    frame.cells.kind[:] = [3, 1, 0]
+    picture([frame], given, "x.png")
+    hard = figures[0].axes[0].collections[3]
+    assert [to_hex(colour) for colour in hard.get_edgecolors()] == [TYPE_COLOURS[1], "#000000", "#ffffff"]
+    assert hard.get_linewidths()[0] > 2 * hard.get_linewidths()[1]
+    entries = [text.get_text() for text in figures[0].legends[1].get_texts()]
+    assert entries == ["EMT cell: [A]", "free apical point", "type hard"]
+    assert len(TYPE_COLOURS) == MOST_TYPES
 
 
 def test_room_for_a_caption_is_left_below_the_legend(figures):

@@ -11,6 +11,7 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 
 from tests.twins.tissue.state import Tissue
+from tests.twins.tissue.types import Named, of_cell
 from tissue.events.known import bit, events
 from tissue.model.observables import ab_positions
 from tissue.state.cells import CellLayers, Cells, Emt, Flags, Floats
@@ -35,12 +36,12 @@ def motion(cells: Cells, numbers: Numbers) -> Motion:
     return Motion(forced, np.where(running, numbers.run_speed * numbers.dt / numbers.substeps, 0.0))
 
 
-def begin_events(tissue: Tissue, t: float, numbers: Numbers) -> Tissue:
+def begin_events(tissue: Tissue, t: float, numbers: Numbers, named: Named = ()) -> Tissue:
     """Twin of ``kernels.rules.begin_events``."""
     cells, (apical, basal), emt = _copied(tissue.cells), tissue.layers, _copied(tissue.emt)
     positions = ab_positions(Frame(t, *tissue[:2])) if len(emt.side) else None
     for i in np.flatnonzero(cells.emt >= 0):
-        k = cells.emt[i]
+        k, own = cells.emt[i], of_cell(numbers, named, cells.kind[i])
         times = {bit(event.name): emt.at[row, k] for row, event in enumerate(events())}
         new = sum(bit for bit, time in times.items() if t >= time and not cells.events[i] & bit)
         emt.new[k] = new
@@ -51,10 +52,10 @@ def begin_events(tissue: Tissue, t: float, numbers: Numbers) -> Tissue:
         if new & bit("a") and i in chain:
             chain = _without(chain, i, cells, numbers)
             apical, cells.chain[i] = apical if cells.chain[i] else chain, 0
-            cells.stiff_ax[i] = numbers.freed_stiffness * numbers.alpha_ax
+            cells.stiff_ax[i] = numbers.freed_stiffness * own.alpha_ax
         if new & bit("b") and i in basal:
             basal = basal[basal != i]
-            cells.stiff_bx[i] = numbers.freed_stiffness * numbers.alpha_bx
+            cells.stiff_bx[i] = numbers.freed_stiffness * own.alpha_bx
         if new & bit("ac") and i in apical:
             apical = _constricted(apical, i, cells, emt)
         if new & bit("s"):
@@ -84,16 +85,17 @@ def _constricted(layer: np.ndarray, i: int, cells: Cells, emt: Emt) -> np.ndarra
     return np.concatenate((left, right))
 
 
-def last_events(cells: Cells, before: Cells, numbers: Numbers) -> Cells:
+def last_events(cells: Cells, before: Cells, numbers: Numbers, named: Named = ()) -> Cells:
     """Twin of ``kernels.rules.last_events``; ``before``: with the rest lengths before this dt."""
     cells = _copied(cells)
     for i in np.flatnonzero(cells.events):
+        own = of_cell(numbers, named, cells.kind[i])
         if cells.events[i] & bit("a"):
-            cells.rest_ax[i] = before.rest_ax[i] * math.exp(-numbers.rate_ax * numbers.dt)
+            cells.rest_ax[i] = before.rest_ax[i] * math.exp(-own.rate_ax * own.dt)
         if cells.events[i] & bit("p"):
-            cells.rest_bx[i], cells.stiff_bx[i] = _grip(cells, i, before.rest_bx[i], numbers)
+            cells.rest_bx[i], cells.stiff_bx[i] = _grip(cells, i, before.rest_bx[i], own)
         elif cells.events[i] & bit("b"):
-            cells.rest_bx[i] = before.rest_bx[i] * math.exp(-numbers.rate_bx * numbers.dt)
+            cells.rest_bx[i] = before.rest_bx[i] * math.exp(-own.rate_bx * own.dt)
     return cells
 
 

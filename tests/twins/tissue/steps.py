@@ -17,31 +17,38 @@ from numpy.random import Generator
 from tests.twins.tissue.events import Motion, begin_events, last_events, motion, watch_sides
 from tests.twins.tissue.normals import WORDS, normals
 from tests.twins.tissue.state import Tissue
+from tests.twins.tissue.types import Named, of_all, of_cell
 from tissue.events.known import bit
 from tissue.model.energy import forces
 from tissue.state.cells import CellLayers, Cells, Flags, Floats
 from tissue.state.numbers import Numbers
 
 
-def steps(tissue: Tissue, made: int, wanted: int, numbers: Numbers, draws: Generator, noise: Generator) -> Tissue:
+def steps(
+    tissue: Tissue, made: int, wanted: int, numbers: Numbers, draws: Generator, noise: Generator, named: Named = ()
+) -> Tissue:
     """Twin of ``advance.advance``: the steps ``made`` to ``wanted``, the k-th to t = (k + 1) dt (Method 3.7)."""
     for k in range(made, wanted):
-        tissue = apply_rules(tissue, (k + 1) * numbers.dt, numbers, draws, noise)
+        tissue = apply_rules(tissue, (k + 1) * numbers.dt, numbers, draws, noise, named)
         tissue = tissue._replace(cells=make_substeps(tissue.cells, tissue.layers, numbers, noise))
         tissue = watch_sides(tissue, (k + 1) * numbers.dt)
     return tissue
 
 
-def apply_rules(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, noise: Generator) -> Tissue:
+def apply_rules(
+    tissue: Tissue, t: float, numbers: Numbers, draws: Generator, noise: Generator, named: Named = ()
+) -> Tissue:
     """Twin of ``advance.apply_rules``: divisions, EMT events, phases, rest lengths, noise."""
-    tissue = begin_events(divide(tissue, t, numbers, draws), t, numbers)
-    cells = adapt_rest_lengths(set_phases(tissue.cells, t, numbers), t, numbers)
+    tissue = begin_events(divide(tissue, t, numbers, draws, named), t, numbers, named)
+    own = of_all(numbers, named, tissue.cells.kind)
+    before = set_phases(tissue.cells, t, own)
+    cells = last_events(adapt_rest_lengths(before, t, own), before, numbers, named)
     if not numbers.noise_in_substeps:
         cells = add_noise(cells, numbers.variance * numbers.dt, noise)
     return tissue._replace(cells=cells)
 
 
-def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator) -> Tissue:
+def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: Named = ()) -> Tissue:
     """Twin of ``division.divide`` (section 2.2.5 of chapter 3): cells go from one list to another.
 
     Layers are lists of ids.
@@ -53,10 +60,11 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator) -> Tiss
         if t - cell.birth < cell.cycle:
             one_by_one.append(cell)
             continue
-        two = cell.divides and draws.random() < numbers.two_daughters
-        first = cell._replace(birth=t, cycle=_new_cycle(numbers, draws))
+        own = of_cell(numbers, named, cell.kind)
+        two = cell.divides and draws.random() < own.two_daughters
+        first = cell._replace(birth=t, cycle=_new_cycle(own, draws))
         if two:
-            second = first._replace(cycle=_new_cycle(numbers, draws), id=next_id, mother=first.id)
+            second = first._replace(cycle=_new_cycle(own, draws), id=next_id, mother=first.id)
             first = _shifted(first, -numbers.division_offset)._replace(rest_aa=numbers.new_junction)
             one_by_one += [first, _shifted(second, numbers.division_offset)]
             for layer in (apical, basal):
@@ -71,7 +79,7 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator) -> Tiss
     return tissue._replace(cells=cells, layers=layers, next_id=next_id)
 
 
-def set_phases(cells: Cells, t: float, numbers: Numbers) -> Cells:
+def set_phases(cells: Cells, t: float, numbers: Any) -> Cells:
     """Twin of ``cycle.set_phases``: hard radius (3.4), (3.8), and stiffness of the apical junctions."""
     changes = cells.moves | numbers.resting_enlarge
     late = changes & _in_g2(cells, t, numbers)
@@ -82,7 +90,7 @@ def set_phases(cells: Cells, t: float, numbers: Numbers) -> Cells:
     )
 
 
-def adapt_rest_lengths(cells: Cells, t: float, numbers: Numbers) -> Cells:
+def adapt_rest_lengths(cells: Cells, t: float, numbers: Any) -> Cells:
     """Twin of ``cycle.adapt_rest_lengths``: (3.2), (3.3), (3.6) solved exactly over dt for a desired length at rest."""
     rises = cells.moves & _in_g2(cells, t, numbers)
     to_a = np.hypot(cells.x - cells.ax, cells.y - cells.ay)
@@ -96,12 +104,11 @@ def adapt_rest_lengths(cells: Cells, t: float, numbers: Numbers) -> Cells:
     total = np.where(free_a, 0.0, wanted_ax) + np.where(free_b, 0.0, wanted_bx)
     share = np.divide(numbers.max_cytoskeleton, total, out=np.ones(len(total)), where=total > numbers.max_cytoskeleton)
     wanted_ax, wanted_bx = share * wanted_ax, share * wanted_bx
-    relaxed = cells._replace(
-        rest_ax=wanted_ax + (cells.rest_ax - wanted_ax) * math.exp(-numbers.rate_ax * numbers.dt),
-        rest_bx=wanted_bx + (cells.rest_bx - wanted_bx) * math.exp(-numbers.rate_bx * numbers.dt),
-        rest_aa=cells.rest_aa * math.exp(-numbers.rate_aa * numbers.dt),
+    return cells._replace(
+        rest_ax=wanted_ax + (cells.rest_ax - wanted_ax) * np.exp(-numbers.rate_ax * numbers.dt),
+        rest_bx=wanted_bx + (cells.rest_bx - wanted_bx) * np.exp(-numbers.rate_bx * numbers.dt),
+        rest_aa=cells.rest_aa * np.exp(-numbers.rate_aa * numbers.dt),
     )
-    return last_events(relaxed, cells, numbers)
 
 
 def add_noise(cells: Cells, variance: float, noise: Generator) -> Cells:
@@ -175,8 +182,9 @@ def limit(b: Floats, largest: float) -> Floats:
     return b
 
 
-def _in_g2(cells: Cells, t: float, numbers: Numbers) -> Flags:
-    return t - cells.birth >= cells.cycle - numbers.g2 - numbers.mitosis
+def _in_g2(cells: Cells, t: float, numbers: Any) -> Flags:
+    late: Flags = t - cells.birth >= cells.cycle - numbers.g2 - numbers.mitosis
+    return late
 
 
 def _each(cells: Cells) -> Iterator[Any]:

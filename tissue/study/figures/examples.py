@@ -9,6 +9,7 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
+from tissue.files.cell_types import UNNAMED
 from tissue.pictures.picture import Box, drawing
 from tissue.pictures.sheet import Figure
 from tissue.state.cells import CellLayers, Cells, empty
@@ -63,7 +64,9 @@ def figure_16(results: Studies) -> Figure:
     return _sheet([alone, group], study.parameters(name), text + missing)
 
 
-def frames(table: pd.DataFrame, times: Sequence[float], soft_radius: float) -> list[Frame]:
+def frames(
+    table: pd.DataFrame, times: Sequence[float], soft_radius: float, types: Sequence[str] = UNNAMED
+) -> list[Frame]:
     """States of a run from its table, as far as pictures need them.
 
     Parameters
@@ -74,14 +77,16 @@ def frames(table: pd.DataFrame, times: Sequence[float], soft_radius: float) -> l
         Kept times [h].
     soft_radius
         R_soft [um].
+    types
+        The types of cells, as ``Parameters.type_names`` has them.
     """
-    return [_frame(table[table["time_h"] == t], t, soft_radius) for t in times]
+    return [_frame(table[table["time_h"] == t], t, soft_radius, types) for t in times]
 
 
-def _frame(rows: pd.DataFrame, t: float, soft_radius: float) -> Frame:
+def _frame(rows: pd.DataFrame, t: float, soft_radius: float, types: Sequence[str]) -> Frame:
     lengths = {name: rows[column].to_numpy() / soft_radius for column, name in LENGTHS.items()}
     others = {"birth": t - rows["age_h"], "cycle": rows["cycle_h"], "id": rows["id"], "emt": rows["emt"]}
-    codes = {"events": rows["events"].map(EVENTS.index)}
+    codes = {"events": rows["events"].map(EVENTS.index), "kind": rows["type"].map(list(types).index)}
     plain = {name: column.to_numpy() for name, column in (others | codes).items()}
     cells: Cells = empty(len(rows))._replace(**lengths, **plain)
     return Frame(t, cells, CellLayers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in CellLayers._fields)))
@@ -120,7 +125,8 @@ def _sheet(examples: Sequence[Example], parameters: Parameters, text: str) -> Fi
     for one in examples:
         kept = one.table["time_h"].unique()
         wanted = np.linspace(one.onset, kept[-1], STILLS)
-        states += frames(one.table, [float(kept[np.argmin(np.abs(kept - t))]) for t in wanted], um)
+        at = [float(kept[np.argmin(np.abs(kept - t))]) for t in wanted]
+        states += frames(one.table, at, um, parameters.type_names)
     heights = np.concatenate([np.concatenate((state.cells.y, state.cells.ay, state.cells.by)) for state in states])
     box = Box(-ASIDE, ASIDE, um * float(heights.min()) - ROOM, um * float(heights.max()) + ROOM)
     figure = drawing(states, parameters, box, FOOT)

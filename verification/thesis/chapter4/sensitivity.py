@@ -6,9 +6,10 @@ from collections.abc import Mapping
 
 import pandas as pd
 
+from tissue.files.parameter_files import flat
 from tissue.files.parameters import preset
 from tissue.study.categories import kept_times, outcome
-from tissue.study.plan import TissueStudy, flat
+from tissue.study.plan import TissueStudy
 from tissue.study.ratios import ratio
 from tissue.study.read import Results
 from tissue.study.sensitivity import Plan, analyse, plan_sensitivity

@@ -1,0 +1,302 @@
+"""Named types of cells in one tissue: their numbers, events and divisions, alone, in company and after a stop."""
+
+import math
+
+import numpy as np
+import pytest
+
+from dincl.errors import InvalidProblem
+from tests.tissue import kernel_calls as kernels
+from tests.tissue.kernel_calls import aged, compared, freed, generators, together, with_emt
+from tests.tissue.kernels.test_many import same_bits, same_cells
+from tests.tissue.states import layers, numbers
+from tests.tissue.test_resume import same
+from tissue.events.known import bit, row
+from tissue.files.cell_types import OWN_KEYS
+from tissue.files.parameters import preset
+from tissue.first_order import simulate
+from tissue.kernels.lanes import WIDTH
+from tissue.many import simulate_many
+from tissue.model.observables import PHASES, phases
+from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.start import started
+from tissue.state.cells import EMT, NAMED
+from tissue.state.frame import Frame
+from tissue.state.streams import streams
+from tissue.study.outcomes import outcomes
+
+SHORT = preset("published").changed({"numerics.t_end": "6 h", "numerics.keep": "1 h"})
+# Cells divide all the time, each type in its own way.
+LIVELY = {"cell.min_cycle": "2 h", "cell.max_cycle": "5 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}
+MIXED = SHORT.changed(
+    LIVELY
+    | {
+        "tissue.two_daughters": 0.5,
+        "types.stiff.cells": 8,
+        "types.stiff.place": 0.1,
+        "types.stiff.alpha_ax": 10,
+        "types.stiff.alpha_bx": 10,
+        "types.quick.cells": 9,
+        "types.quick.place": "scattered",
+        "types.quick.min_cycle": "1 h",
+        "types.quick.max_cycle": "1.5 h",
+        "types.quick.g2": "0.2 h",
+        "types.leaving.cells": 3,
+        "types.leaving.place": 0.9,
+        "types.leaving.divides": False,
+        "types.leaving.inm": 0.5,
+        "types.leaving.a": "2 h",
+        "types.leaving.alpha_ax": 3,
+    }
+)
+GIVEN = numbers(two_daughters=0.5, enlarge_in_g2=True, freed_stiffness=2.0, g2_stiffening=2.0)
+OWN = (
+    GIVEN._replace(alpha_aa=10.0, alpha_ax=4.0, alpha_bx=4.0, alpha_axb=30.0, rate_ax=1.0, rate_bx=2.0, rate_aa=0.3),
+    GIVEN._replace(min_cycle=0.4, max_cycle=0.9, two_daughters=1.0, g2=0.2, mitosis=0.1, enlarged_radius=0.5),
+    GIVEN._replace(max_cytoskeleton=3.0, hard_radius=0.2, rate_ax=3.0, alpha_bx=0.7),
+)
+
+
+def mixed(n, seed, layers_of=layers):
+    """A random tissue of all ages and types, of which some cells of the last type undergo EMT."""
+    kind = np.random.default_rng(seed + 100).integers(0, NAMED + len(OWN), n)
+    kind[kind == EMT] = 0
+    state = aged(n, seed, layers_of, kind=kind)
+    state.cells.cycle[kind == NAMED + 1] = 0.6
+    state.cells.birth[kind == NAMED + 1] = -0.3
+    return with_emt(state, np.flatnonzero(kind == NAMED + 2)[:4], a=0.25, b=0.35, s=0.25, p=0.45)
+
+
+# Kernels and twins
+
+
+@pytest.mark.parametrize("network", [layers, freed])
+@pytest.mark.parametrize("seed", range(3))
+def test_each_cell_has_the_numbers_of_its_type(network, seed):
+    state = mixed(24, seed, network)
+    end = compared(state, GIVEN, 8, seed, OWN)
+    born = end.cells.id >= len(state.cells.x)
+    assert born.any()
+    mothers = dict(zip(end.cells.id, end.cells.kind, strict=True))
+    assert all(mothers[end.cells.mother[i]] == end.cells.kind[i] for i in np.flatnonzero(born))
+    assert (end.cells.events[end.cells.emt >= 0] > 0).all()
+
+
+def test_a_tissue_of_types_alone_and_in_company():
+    states = [mixed(n, n, freed if n % 2 else layers) for n in (1, 40, 9, 20, 2, 33, 8, 27)]
+    made, ended = together(states, 10, GIVEN, range(WIDTH), OWN)
+    assert not ended.any()
+    for seed, (state, one) in enumerate(zip(states, made, strict=True)):
+        assert same_cells(one, kernels.steps(state, 0, 10, GIVEN, *generators(seed), OWN))
+
+
+# Runs
+
+
+def test_runs_alone_and_abreast():
+    for run in simulate_many(MIXED, range(3)):
+        assert same_bits(run, simulate(MIXED, run.seed))
+        kinds = np.bincount(run.final.cells.kind)
+        assert kinds[1:].tolist() == [0, *kinds[2:]]
+        assert kinds[2:].min() > 0
+
+
+def test_a_type_like_control_cells_changes_no_bit():
+    plain = SHORT.changed(LIVELY | {"tissue.two_daughters": 0.5})
+    tables = plain.as_dict()
+    own = {f"types.same.{name}": tables[section][name] for name, section in OWN_KEYS.items()}
+    for place in (0.3, "scattered"):
+        like = plain.changed({"types.same.cells": 12, "types.same.place": place} | own)
+        one, two = simulate(plain, 3), simulate(like, 3)
+        assert (two.final.cells.kind == NAMED).sum() > 12
+        for a, b in zip(one.frames, two.frames, strict=True):
+            assert same(a._replace(cells=a.cells._replace(kind=b.cells.kind)), b)
+
+
+def test_what_the_start_has_of_each_type():
+    held, _ = started(MIXED, streams(2))
+    cells, n = held.cells, MIXED.tissue.cells
+    kind = cells.kind[:n]
+    assert np.bincount(kind).tolist() == [25, 0, 8, 9, 3]
+    assert np.flatnonzero(kind == NAMED).tolist() == list(range(8))
+    assert np.flatnonzero(kind == NAMED + 2).tolist() == [39, 40, 41]
+    assert (cells.stiff_ax[:n] == np.array([2.0, 2.0, 10.0, 2.0, 3.0])[kind]).all()
+    quick = kind == NAMED + 1
+    assert (cells.cycle[:n][quick] <= 1.5).all()
+    assert (cells.cycle[:n][~quick] >= 2.0).all()
+    assert (cells.divides[:n] == (kind != NAMED + 2)).all()
+    assert (cells.moves[:n] | (kind == NAMED + 2)).all()
+    scattered = np.flatnonzero(quick)
+    assert np.ptp(scattered) > len(scattered)
+    longer = MIXED.changed({"types.stiff.initial_rest_length": "1 R_soft"})
+    rest = started(longer, streams(2))[0].cells.rest_bx[:n]
+    assert (rest == np.where(kind == NAMED, 1.0, MIXED.start_numbers().rest_length)).all()
+
+
+def test_a_type_with_short_cycles_grows_faster():
+    """Of control cells no division brings two; each cell of the type ends its cycle of 1.95 h in the 20th step."""
+    grown = SHORT.changed(
+        {"tissue.two_daughters": 0, "types.quick.cells": 6, "types.quick.place": 0.25, "types.quick.two_daughters": 1}
+        | {"types.quick.min_cycle": "1.95 h", "types.quick.max_cycle": "1.95 h", "numerics.dt": "0.1 h"}
+    )
+    run = simulate(grown, 4)
+    first = run.frames[0].cells
+    steps = np.ceil((first.birth + first.cycle)[first.kind == NAMED] / 0.1)
+    for frame in run.frames:
+        made = round(frame.t / 0.1)
+        rounds = np.where(steps <= made, 1 + (made - steps) // 20, 0)
+        assert (frame.cells.kind == NAMED).sum() == (2**rounds).sum()
+        assert (frame.cells.kind == 0).sum() == 39
+    assert rounds.min() >= 2
+
+
+def test_a_type_that_all_cells_are_is_another_tissue():
+    """Cells of a stiffer type are those of a tissue that is stiffer as a whole, bit for bit."""
+    stiff = {"alpha_axb": 2 * SHORT.cell.alpha_axb, "alpha_aa": 2 * SHORT.cell.alpha_aa, "hard_radius": "0.2 R_soft"}
+    every = SHORT.changed({f"types.stiff.{name}": value for name, value in stiff.items()} | {"types.stiff.cells": 45})
+    whole = SHORT.changed({f"cell.{name}": value for name, value in stiff.items()})
+    one, two = simulate(every, 0).final, simulate(whole, 0).final
+    assert (one.cells.kind == NAMED).all()
+    assert same_cells(one._replace(cells=one.cells._replace(kind=two.cells.kind)), two)
+    assert not np.array_equal(one.cells.x[:45], simulate(SHORT, 0).final.cells.x[:45])
+
+
+# Events
+
+
+def test_types_have_events_of_their_own():
+    both = SHORT.changed(
+        {"emt.cells": 4, "emt.b": "3 h", "emt.s": "1 h to 5 h"}
+        | {"types.early.cells": 3, "types.early.place": 0.1, "types.early.a": "2 h", "types.early.divides": False}
+        | {"types.late.cells": 2, "types.late.place": "scattered", "types.late.a": "4 h", "types.late.divides": False}
+    )
+    run = simulate(both, 5)
+    table = run.table().query("emt >= 0")
+    assert table.groupby("time_h")["emt"].agg(list).map(lambda found: found == list(range(9))).all()
+    begun = table.assign(a=table["events"].str.contains("A")).groupby(["type", "time_h"])["a"].agg(["all", "any"])
+    for name, time in {"early": 2.0, "late": 4.0, "emt": math.inf}.items():
+        mine = begun.loc[name]
+        assert mine["all"].eq(mine["any"]).all()
+        assert mine.index[mine["all"]].tolist() == [t for t in range(7) if t >= time]
+    own = run.final.past.emt.at[:, table.query("time_h == 0")["type"] == "emt"]
+    alone = simulate(both.changed({"types.early.cells": 0, "types.late.cells": 0}), 5).final.past.emt.at
+    np.testing.assert_array_equal(own, alone)
+    rows = outcomes(both, [0], [5]).cells.to_pandas()
+    assert rows["t_a_h"].tolist() == run.final.past.emt.at[row("a")].tolist()
+    assert rows["type"].tolist() == table.query("time_h == 0")["type"].tolist()
+
+
+def test_what_a_type_is_drawn_is_its_own():
+    """Whatever other types there are, and whatever else it has."""
+    timed = {"types.b.cells": 5, "types.b.a": "1 h to 9 h, 50 %", "types.b.divides": False, "types.b.inm": 0.5}
+    one = SHORT.changed(timed)
+    two = SHORT.changed({"types.a.cells": 4, "types.a.place": 0.1, "emt.cells": 3, "types.b.place": 0.8} | timed)
+    (first, _), (second, _) = started(one, streams(1)), started(two, streams(1))
+    np.testing.assert_array_equal(
+        first.emt.at, second.emt.at[:, second.cells.kind[:45][second.cells.emt[:45] >= 0] == 3]
+    )
+    moves = [held.cells.moves[:45][held.cells.kind[:45] == k] for held, k in ((first, 2), (second, 3))]
+    np.testing.assert_array_equal(*moves)
+    other, _ = started(one, streams(2))
+    assert not np.array_equal(first.emt.at, other.emt.at)
+
+
+# A run that goes on
+
+
+def test_a_run_of_types_goes_on_with_the_same_bits(tmp_path):
+    whole = simulate(MIXED, 7)
+    half = simulate(MIXED.changed({"numerics.t_end": "3 h"}), 7).final
+    half.save(tmp_path / "half.npz")
+    again = Frame.load(tmp_path / "half.npz")
+    assert same(again, half)
+    assert again.past.types == ("stiff", "quick", "leaving")
+    for start in (half, again):
+        assert same(simulate(MIXED, 7, start=start).final, whole.final)
+
+
+def test_types_are_known_by_their_names():
+    tables = MIXED.as_dict()
+    plain = SHORT.changed(LIVELY | {"tissue.two_daughters": 0.5})
+    swapped = {name: tables["types"][name] for name in ("leaving", "stiff", "quick")}
+    other = plain.changed({f"types.{name}.{key}": value for name, one in swapped.items() for key, value in one.items()})
+    half = simulate(MIXED.changed({"numerics.t_end": "3 h"}), 7).final
+    one, two = simulate(MIXED, 7, start=half).final, simulate(other, 7, start=half).final
+    np.testing.assert_array_equal(np.array([0, 1, 3, 4, 2])[one.cells.kind], two.cells.kind)
+    assert same_cells(one._replace(cells=one.cells._replace(kind=two.cells.kind)), two)
+
+
+def test_parameters_of_a_type_may_change_from_a_state_on():
+    half = simulate(MIXED.changed({"numerics.t_end": "3 h"}), 7).final
+    changes = {"types.stiff.alpha_ax": 2, "types.stiff.divides": False, "types.leaving.s": "4 h"}
+    end = simulate(MIXED.changed(changes), 7, start=half).final
+    kind = end.cells.kind
+    assert (end.cells.stiff_ax[kind == NAMED] == 2.0).all()
+    assert not end.cells.divides[kind == NAMED].any()
+    assert (kind == NAMED).sum() == (half.cells.kind == NAMED).sum()
+    assert (end.cells.events[kind == NAMED + 2] == bit("a") + bit("s")).all()
+
+
+def test_control_cells_become_types():
+    half = simulate(SHORT.changed({"numerics.t_end": "3 h"}), 7).final
+    end = simulate(SHORT.changed({"types.new.cells": 5, "types.new.alpha_ax": 1}), 7, start=half)
+    first = np.flatnonzero(end.frames[0].cells.kind == NAMED)
+    n = len(half.cells.x)
+    assert first.tolist() == list(range((n - 5) // 2, (n - 5) // 2 + 5))
+    assert (end.final.cells.stiff_ax == np.where(end.final.cells.kind == NAMED, 1.0, SHORT.cell.alpha_ax)).all()
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"types.leaving.cells": 2}, r"types\.leaving\.cells = 2: must be 3, as many as there are at the start"),
+        ({"types.more.cells": 2, "types.more.place": 0.7}, r"types\.more\.cells = 2: must be 0, as many as there are"),
+        ({"types.leaving.b": "1 h"}, r'types\.leaving\.b = "1 h": must be after the time of the start, t = 3 h, for'),
+    ],
+)
+def test_a_start_that_does_not_go_with_the_types(changes, message):
+    half = simulate(MIXED.changed({"numerics.t_end": "3 h"}), 7).final
+    with pytest.raises(InvalidProblem, match=message):
+        simulate(MIXED.changed(changes), 7, start=half)
+    fewer = simulate(MIXED.changed({"types.stiff.cells": 1}), 7, start=half).final  # they divide: any number will do
+    assert (fewer.cells.kind == NAMED).sum() >= 8
+
+
+def test_a_start_of_types_that_are_missing():
+    half = simulate(MIXED.changed({"numerics.t_end": "3 h"}), 7).final
+    with pytest.raises(
+        InvalidProblem, match=r"types\.stiff is missing: must be there, \d+ cells of the start are of it"
+    ):
+        simulate(SHORT, 7, start=half)
+
+
+def test_more_types_than_there_are_cells_at_the_start():
+    control = simulate(SHORT.changed({"numerics.t_end": "0.4 h"}), 7).final
+    many = {"emt.cells": 1, "tissue.cells": 60, "types.new.cells": 45, "types.new.place": "scattered"}
+    with pytest.raises(InvalidProblem, match=r"types\.new\.cells = 45: must be at most 44: other groups have 1 of 45"):
+        simulate(SHORT.changed(many), 7, start=control)
+
+
+# What is measured
+
+
+def test_tables_and_phases_know_the_types():
+    run = simulate(MIXED, 7)
+    last = run.table().query("time_h == 6")
+    assert (last["type"] == np.array(MIXED.type_names)[run.final.cells.kind]).all()
+    found = phases(run.final, MIXED.numbers(), MIXED.named_numbers())
+    g2 = np.array([0.4, 0.4, 0.4, 0.2, 0.4])[run.final.cells.kind]
+    age, cycle = 6.0 - run.final.cells.birth, run.final.cells.cycle
+    assert (found == (age >= cycle - g2 - 0.4).astype(int) + (age >= cycle - 0.4)).all()
+    assert (last["phase"] == np.array(PHASES)[found]).all()
+
+
+def test_the_quasi_steady_model_has_types_without_events():
+    small = preset("thesis").changed(
+        {"tissue.cells": 8, "tissue.width": "25 um", "numerics.t_end": "0.3 h", "types.stiff.cells": 3}
+        | {"types.stiff.alpha_ax": 9}
+    )
+    final = simulate_quasi_steady(small, throw=False).final
+    assert (final.cells.stiff_ax == np.where(final.cells.kind == NAMED, 9.0, small.cell.alpha_ax)).all()
+    with pytest.raises(InvalidProblem, match=r"types\.stiff\.cells = 3: must be 0, the quasi-steady model has no EMT"):
+        simulate_quasi_steady(small.changed({"types.stiff.a": "1 h", "types.stiff.divides": False}))

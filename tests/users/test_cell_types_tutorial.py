@@ -1,0 +1,39 @@
+"""The tutorial about types of cells: its files and its Python run, and what its text says is so."""
+
+import pytest
+
+from tests.pages import ROOT, blocks, run
+
+PAGE = ROOT / "docs" / "tutorials" / "cell_types.md"
+
+
+@pytest.fixture(scope="module")
+def found(tmp_path_factory):
+    """What the page leaves, in a folder with its files."""
+    folder = tmp_path_factory.mktemp("cell_types")
+    for name, text in zip(("three_types.toml", "study.toml"), blocks(PAGE.read_text("utf-8"), "toml"), strict=True):
+        (folder / name).write_text(text, "utf-8")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(folder)
+        yield run(PAGE)
+
+
+def test_the_run_has_three_types(found):
+    counts = found["counts"]
+    assert counts.iloc[0].to_dict() == {"control": 30, "stiff": 6, "quick": 6, "leaving": 3}
+    assert counts["quick"].iloc[-1] > 18
+    assert (counts["leaving"] == 3).all()
+    assert found["parameters"].type_names == ("control", "emt", "stiff", "quick", "leaving")
+
+
+def test_a_type_with_events_is_emt_cells(found):
+    leaving = found["leaving"]
+    assert leaving["emt"].tolist() == [0, 1, 2]
+    assert leaving["events"].tolist() == ["AB"] * 3
+
+
+def test_the_study_knows_them(found):
+    cells = found["results"].cells("slow")
+    assert len(cells) == 3 * 16
+    assert cells["t_b_h"].eq(6.0).all()
+    assert cells["t_a_h"].between(2.0, 6.0).all()

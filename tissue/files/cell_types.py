@@ -1,0 +1,154 @@
+"""The named types of cells of a parameter file, [types.NAME]: how many, where, and what is theirs alone.
+
+What a type may have of its own is a key of [cell], or p^div: with check, unit and meaning of that key, and with its
+value where the type says nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Annotated, Any
+
+from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, create_model, model_serializer, model_validator
+
+from tissue.events.known import events
+from tissue.files.emt_sections import event_keys
+from tissue.files.fields import MOST_CELLS, Begin, Count, Flag, Number, Probability
+from tissue.files.keys import TYPE, KeyFacts, facts_of, key
+from tissue.files.scenario import CellGroup, Scenario
+from tissue.files.sections import CellSection, ParameterSection, TissueSection
+from tissue.files.timing import Timing
+
+# The types that have no name in files, by their numbers.
+UNNAMED = ("control", "emt")
+MOST_TYPES = 8
+SCATTERED = "scattered"
+TYPESCRIPT = "the public TypeScript program"
+# The keys that a type may have of its own, and their sections: not those of a pair of cells, nor the unit of length.
+OWN_KEYS = {
+    **{name: "cell" for name in CellSection.model_fields if name not in ("soft_radius", "alpha_xx")},
+    "two_daughters": "tissue",
+}
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where along the tissue a group is."""
+
+    allowed: str = f'a number from 0 to 1, without unit, or "{SCATTERED}"'
+    unit: str = f'0 to 1, or "{SCATTERED}"'
+
+    def __call__(self, raw: Any) -> float | str:
+        if isinstance(raw, str) and raw == SCATTERED:
+            return SCATTERED
+        try:
+            return Number(zero=True, most=1.0)(raw)
+        except ValueError as error:
+            raise ValueError(f"must be {self.allowed}") from error
+
+
+def first_of(cells: int, group: int, place: float) -> int:
+    """The first cell of a group: its middle is at this part of the tissue, and no cell of it outside."""
+    exact = place * cells - group / 2
+    return min(max(0, math.floor(exact + 1e-9)), cells - group)
+
+
+class TypeKeys(ParameterSection):
+    """A type without what it has of its own."""
+
+    model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
+    __pydantic_extra__: dict[str, Begin]
+
+    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
+        "cells of this type at the start", "", TYPESCRIPT
+    )
+    place: Annotated[float | str, PlainValidator(Place())] = key(
+        f"middle of the group, from left to right, or {SCATTERED} among control cells", "", TYPESCRIPT, 0.5
+    )
+    inm: Probability = key(
+        "probability that a cell of the start performs interkinetic nuclear movement",
+        "",
+        "section 2.1 of chapter 4",
+        1,
+    )
+    divides: Flag = key(
+        "whether its cells divide; false for a type with events", "", "section 2.2.5 of chapter 3", True
+    )
+
+    def own(self) -> dict[str, Any]:
+        """What it has of its own, by keys of OWN_KEYS."""
+        return {name: getattr(self, name) for name in OWN_KEYS if name in self.model_fields_set}
+
+    def times(self) -> dict[str, Timing]:
+        """When the events begin, by name."""
+        return {name: value for name, value in self if isinstance(value, Timing)}
+
+    @property
+    def has_events(self) -> bool:
+        """Whether one may begin: then its cells are EMT cells."""
+        return any(timing.ever for timing in self.times().values())
+
+    def group(self, name: str, rest_length: float) -> CellGroup:
+        """The cells at the start; ``rest_length``: of their springs [R_soft]."""
+        scenario = Scenario(self.cells, self.inm, self.times())
+        place = None if isinstance(self.place, str) else self.place
+        return CellGroup(name, scenario, place, self.divides, self.has_events, rest_length)
+
+    @model_serializer(mode="wrap")
+    def _as_given(self, write: Any) -> dict[str, Any]:
+        """What is not its own is left to the section that has it."""
+        own = self.own()
+        return {name: value for name, value in write(self).items() if name not in OWN_KEYS or name in own}
+
+
+def _field(name: str) -> Any:
+    """The key of a section as one that may be missing."""
+    section = CellSection if OWN_KEYS[name] == "cell" else TissueSection
+    field = section.model_fields[name]
+    facts: Any = field.json_schema_extra
+    own = Field(None, validate_default=False, description=field.description, json_schema_extra=facts)
+    return Annotated[(field.annotation, *field.metadata)], own
+
+
+if TYPE_CHECKING:
+    TypeSection = TypeKeys
+else:
+    TypeSection = create_model(
+        "TypeSection", __base__=TypeKeys, __module__=__name__, **{name: _field(name) for name in OWN_KEYS}
+    )
+
+
+class TypesSection(ParameterSection):
+    """[types]: groups of cells with a name, parameters and events of their own, each a table [types.NAME].
+
+    Up to eight. A key of [cell] holds for a type that does not have it; soft_radius and alpha_xx hold for all. Cells of
+    a type with events are EMT cells, as those of [emt] are, for tables, outcomes and studies: they never divide.
+    Daughters are of the type of their mother.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
+    __pydantic_extra__: dict[str, TypeSection]
+
+    def named(self) -> Mapping[str, TypeKeys]:
+        """The types by name, in the order of the file."""
+        return self.__pydantic_extra__
+
+    @classmethod
+    def further_keys(cls) -> tuple[KeyFacts, ...]:
+        """Those of any type."""
+        section = f"types.{TYPE}"
+        facts = (facts_of(f"{section}.{name}", field) for name, field in TypeSection.model_fields.items())
+        shown = (
+            replace(one, default=f"that of {OWN_KEYS[name]}.{name}") if name in OWN_KEYS else one
+            for name, one in ((one.name.rpartition(".")[2], one) for one in facts)
+        )
+        return *shown, *event_keys(section, events())
+
+    @model_validator(mode="after")
+    def _note_types(self, info: ValidationInfo) -> TypesSection:
+        """Note each one."""
+        if info.context is not None:
+            info.context.update({(TypesSection, name): one for name, one in self.named().items()})
+        return self

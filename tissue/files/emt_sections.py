@@ -1,0 +1,113 @@
+"""The sections on the EMT: which cells undergo it and when, and how the variants of the model carry it out."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Annotated, Any
+
+from pydantic import ConfigDict, PlainValidator, ValidationInfo, model_validator
+
+from tissue.events.event import EmtEvent
+from tissue.events.known import events, house
+from tissue.files.fields import (
+    MOST_CELLS,
+    Begin,
+    Count,
+    DurationOrZero,
+    EventTime,
+    Length,
+    NonNegative,
+    OneOf,
+    Probability,
+    Speed,
+)
+from tissue.files.keys import KeyFacts, key
+from tissue.files.sections import ParameterSection
+from tissue.files.timing import NEVER, Timing
+
+
+def event_keys(section: str, of: Iterable[EmtEvent]) -> tuple[KeyFacts, ...]:
+    """What is known of the times of events as keys of a section."""
+    time = EventTime()
+    return tuple(
+        KeyFacts(f"{section}.{event.name}", event.meaning, "", event.source, time.unit, time.allowed, NEVER)
+        for event in of
+    )
+
+
+class EmtSection(ParameterSection):
+    """[emt]: the group of cells in the middle of the tissue that undergoes EMT (section 2.3 of chapter 4).
+
+    Besides those below each event of ``tissue.events.known.events`` is a key; where it is not given, it never begins.
+
+    An event fires in the step dt that ends at its time, or in which its time lies: it acts from the beginning of this
+    step, so up to dt before its time.
+    """
+
+    model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
+    __pydantic_extra__: dict[str, Begin]
+
+    cells: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
+        "EMT cells, in the middle of the tissue", "N^EMT", "section 2.2 of chapter 4"
+    )
+    inm: Probability = key(
+        "probability that an EMT cell performs interkinetic nuclear movement", "", "section 2.1 of chapter 4"
+    )
+    a: Begin = key("when apical adhesion is lost, [A]", "T^A", "section 2.2.1 of chapter 4", NEVER)
+    b: Begin = key("when basal adhesion is lost, [B]", "T^B", "section 2.2.2 of chapter 4", NEVER)
+    s: Begin = key("when straightness is lost, [S]", "T^S", "section 2.2.3 of chapter 4", NEVER)
+    p: Begin = key("when protrusions begin, [P]; they wait for [B]", "T^P", "section 2.2.4 of chapter 4", NEVER)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _with_events(cls, given: Any) -> Any:
+        """The events of this package never begin if nothing is said of them."""
+        return {**{event.name: NEVER for event in house()}, **given} if isinstance(given, Mapping) else given
+
+    @classmethod
+    def further_keys(cls) -> tuple[KeyFacts, ...]:
+        """All events but those of the thesis."""
+        return event_keys("emt", (event for event in events() if event.name not in cls.model_fields))
+
+    @model_validator(mode="after")
+    def _note_events(self, info: ValidationInfo) -> EmtSection:
+        """Note the others as well."""
+        if info.context is not None:
+            for event in events():
+                info.context[EmtSection, event.name] = getattr(self, event.name, Timing())
+        return self
+
+    def times(self) -> dict[str, Timing]:
+        """When the events begin, by name."""
+        return {name: value for name, value in self if isinstance(value, Timing)}
+
+
+class EventsSection(ParameterSection):
+    """[events]: how the variants of the model carry out the events (section 2.2 of chapter 4)."""
+
+    freed_stiffness: NonNegative = key(
+        "factor of the stiffness of the spring to a freed point, after [A] and [B]",
+        "",
+        'row "[A], [B]: stiffness of the freed spring"',
+    )
+    bridge: Annotated[str, PlainValidator(OneOf(("sum", "distance")))] = key(
+        "rest length of the junction that bridges a cell after [A]: that of the two removed, or the distance",
+        "",
+        "section 2.2.1 of chapter 4",
+    )
+    bent_stiffness: NonNegative = key(
+        "stiffness of the bending spring after [S]", "alpha^axb", "section 2.2.3 of chapter 4"
+    )
+    run_speed: Speed = key("speed of the basal point in [P]", "v^run", "(4.1)")
+    run_depth: Length = key("depth below the basal layer at which its run ends", "", "(4.1)")
+    spring_above: Annotated[str, PlainValidator(OneOf(("no force", "gives way")))] = key(
+        "basal-nuclei spring in [P] while the basal point is above the layer", "", "section 2.2.4 of chapter 4"
+    )
+    contraction: DurationOrZero = key(
+        "time constant of its rest length once the point is below the layer; 0: at once",
+        "",
+        "section 2.2.4 of chapter 4",
+    )
+    at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))] = key(
+        "what the basal point does at run_depth", "", "(4.1)"
+    )

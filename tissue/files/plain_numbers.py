@@ -1,0 +1,92 @@
+"""Plain numbers of the parameters of a file, which have units: what kernels and the start of a run compute with."""
+
+from __future__ import annotations
+
+import math
+
+from tissue.files.emt_sections import EventsSection
+from tissue.files.sections import (
+    CellSection,
+    DivisionSection,
+    NumericsSection,
+    RulesSection,
+    StartSection,
+    TissueSection,
+)
+from tissue.files.units import Measure, reduced
+from tissue.state.basal_curve import BasalCurve
+from tissue.state.numbers import Numbers, StartNumbers
+
+
+def to_numbers(
+    tissue: TissueSection,
+    cell: CellSection,
+    numerics: NumericsSection,
+    rules: RulesSection,
+    division: DivisionSection,
+    events: EventsSection,
+) -> Numbers:
+    """What kernels compute with: lengths over R_soft, times in h, 2 D as the variance of the noise per hour."""
+    longest = cell.max_cytoskeleton
+    return Numbers(
+        dt=numerics.dt.value,
+        substeps=numerics.substeps,
+        mu=numerics.mu.value,
+        variance=2 * reduced(tissue.diffusion, cell.soft_radius),
+        noise_in_substeps=numerics.noise == "substep",
+        power=rules.spring_power,
+        junction_factor=rules.junction_factor,
+        repulsion=rules.repulsion_factor * cell.alpha_xx,
+        max_basal=reduced(tissue.max_basal_distance, cell.soft_radius),
+        alpha_aa=cell.alpha_aa,
+        alpha_ax=cell.alpha_ax,
+        alpha_bx=cell.alpha_bx,
+        alpha_axb=cell.alpha_axb,
+        hard_radius=reduced(cell.hard_radius, cell.soft_radius),
+        enlarged_radius=reduced(cell.enlarged_radius, cell.soft_radius),
+        g2=cell.g2.value,
+        mitosis=cell.mitosis.value,
+        min_cycle=cell.min_cycle.value,
+        max_cycle=cell.max_cycle.value,
+        rate_aa=cell.rate_aa.value,
+        rate_ax=cell.rate_ax.value,
+        rate_bx=cell.rate_bx.value,
+        max_cytoskeleton=math.inf if longest is None else reduced(longest, cell.soft_radius),
+        two_daughters=tissue.two_daughters,
+        division_offset=reduced(division.offset, cell.soft_radius),
+        new_junction=reduced(division.new_junction, cell.soft_radius),
+        floor_rest=rules.floor_rest_length,
+        enlarge_in_g2=rules.enlarge_from == "G2",
+        g2_stiffening=rules.g2_stiffening,
+        resting_enlarge=rules.resting_cells_enlarge,
+        freed_stiffness=events.freed_stiffness,
+        bridge_present=events.bridge == "distance",
+        bent_stiffness=events.bent_stiffness,
+        run_speed=reduced(events.run_speed, cell.soft_radius),
+        run_depth=reduced(events.run_depth, cell.soft_radius),
+        spring_gives=events.spring_above == "gives way",
+        contraction=events.contraction.value,
+        forced_below=events.at_depth == "forces",
+    )
+
+
+def to_start_numbers(
+    tissue: TissueSection, cell: CellSection, division: DivisionSection, start: StartSection, curve: BasalCurve
+) -> StartNumbers:
+    """What the first state is made from: lengths over R_soft. A ring of cells is spread evenly over its layer."""
+    soft_radius = cell.soft_radius
+    even = Measure(curve.length / tissue.cells, "R_soft") if curve.ring else None
+    height = reduced(tissue.height, soft_radius)
+    low, high = start.nuclei_height
+    return StartNumbers(
+        cells=tissue.cells,
+        height=height,
+        width=curve.length if curve.ring else reduced(tissue.width, soft_radius),
+        apical_spacing=reduced(even or tissue.apical_spacing, soft_radius),
+        basal_spacing=reduced(even or tissue.basal_spacing, soft_radius),
+        nuclei=start.nuclei,
+        nuclei_low=low * height,
+        nuclei_high=high * height,
+        rest_length=reduced(cell.initial_rest_length, soft_radius),
+        junction=reduced(division.new_junction, soft_radius),
+    )

@@ -1,0 +1,89 @@
+"""Which cells are of which type, and what these are drawn: [emt] in the middle, named types at their places."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+from numpy.random import Generator, default_rng
+
+from tissue.events.known import events
+from tissue.files.cell_types import first_of
+from tissue.files.scenario import CellGroup, drawn
+from tissue.state.cells import CONTROL, EMT, Emt, Flags, Floats, Integers, emt_cells
+
+if TYPE_CHECKING:
+    from tissue.state.streams import Streams
+
+
+class Draws(NamedTuple):
+    """What the cells of a group are drawn."""
+
+    times: Floats  # (events, m): when events begin [h]
+    moves: Flags  # (m,): whether they have INM
+    places: Generator  # of those that are scattered
+
+
+class Crowd(NamedTuple):
+    """What is known of each cell of a tissue by its type; (n,), or (events, n)."""
+
+    kind: Integers
+    moves: Flags
+    divides: Flags
+    may_leave: Flags  # whether it is an EMT cell
+    times: Floats  # when its events begin [h]
+
+    def emt(self) -> Emt:
+        """The EMT cells, from left to right."""
+        return emt_cells(self.times[:, self.may_leave])
+
+    def numbers(self) -> Integers:
+        """Of each cell its number among the EMT cells, -1 for none."""
+        return np.where(self.may_leave, np.cumsum(self.may_leave) - 1, -1)
+
+
+def drawn_for(groups: Sequence[CellGroup], random: Streams) -> list[Draws]:
+    """What each group is drawn; that of a named type is a function of the seed, of its name and of its scenario.
+
+    So runs of one seed have the same whatever other types there are.
+    """
+    first, *named = groups
+    emt, moves = drawn(first.scenario, random.emt)
+    found = [Draws(emt.at, moves, random.emt)]
+    key = int(random.types.integers(1 << 63))
+    for group in named:
+        chances, places = default_rng([key, *group.name.encode()]).spawn(2)
+        emt, moves = drawn(group.scenario, chances)
+        found.append(Draws(emt.at, moves, places))
+    return found
+
+
+def control_cells(n: int) -> Crowd:
+    """n of them: they have INM, and divide."""
+    yes, no = np.ones(n, np.bool_), np.zeros(n, np.bool_)
+    return Crowd(np.full(n, CONTROL), yes, yes.copy(), no, np.full((len(events()), n), np.inf))
+
+
+def crowd_of(groups: Sequence[CellGroup], n: int, random: Streams) -> Crowd:
+    """The types of n cells: each group at its place, then those that are scattered among the others, in their order."""
+    crowd, draws = control_cells(n), drawn_for(groups, random)
+    for scattered in (False, True):
+        for kind, (group, draw) in enumerate(zip(groups, draws, strict=True), EMT):
+            if scattered == (group.place is None):
+                give(crowd, _chosen(crowd, group, draw), kind, group, draw)
+    return crowd
+
+
+def give(crowd: Crowd, cells: Integers, kind: int, group: CellGroup, draw: Draws) -> None:
+    """Make these cells those of a group."""
+    crowd.kind[cells], crowd.moves[cells], crowd.divides[cells] = kind, draw.moves, group.divides
+    crowd.may_leave[cells], crowd.times[:, cells] = group.may_leave, draw.times
+
+
+def _chosen(crowd: Crowd, group: CellGroup, draw: Draws) -> Integers:
+    """The cells of a group, from left to right."""
+    m = group.scenario.cells
+    if group.place is None:
+        return np.sort(draw.places.permutation(np.flatnonzero(crowd.kind == CONTROL))[:m])
+    return first_of(len(crowd.kind), m, group.place) + np.arange(m)
