@@ -59,6 +59,7 @@ SECTIONS = [
     "The kernel",
     *EMT_SECTIONS,
     "Does curvature matter?",
+    "Does it matter that a tube is closed?",
     "A large circle becomes the line",
     *MEANFIELD_SECTIONS,
     "How the statements came out",
@@ -136,12 +137,14 @@ TABLES = {
     "tissue_swing",
     "tissue_thrown",
     "curved_limit",
+    "curved_lumen",
+    "curved_tubes",
     "curved_ways_out",
     *(f"emt_{name}" for name in kept.TABLES),
     *(f"emt_complete_{name}" for name in kept.COMPLETE),
     *MEANFIELD_TABLES,
 }
-IMAGES = 36 + MEANFIELD_PICTURES
+IMAGES = 37 + MEANFIELD_PICTURES
 
 
 @pytest.fixture(scope="module")

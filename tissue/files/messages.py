@@ -44,7 +44,7 @@ def no_key(key: str, known: Iterable[str]) -> str:
 
 
 def known_only(tables: Mapping[str, Any], shape: type[BaseModel]) -> tuple[dict[str, Any], list[str]]:
-    """The tables without keys that are none where a key may name any event or force, and a line for each of them."""
+    """The tables without keys that are none, of sections where a key may name any event or force; a line for each."""
     keys, result = known_keys(shape), dict(tables)
     lines: list[str] = []
 
@@ -56,10 +56,12 @@ def known_only(tables: Mapping[str, Any], shape: type[BaseModel]) -> tuple[dict[
         lines.extend(unknown(names[name], given[name], keys) for name in wrong)
         return {name: value for name, value in given.items() if name not in wrong}
 
-    for section in (name for name in ("emt", "forces") if name in tables):
-        result[section] = only(section, tables[section])
-    if isinstance(tables.get("types"), Mapping):
-        result["types"] = {name: only(f"types.{name}", given) for name, given in tables["types"].items()}
+    for section, fields in sections(shape).items():
+        given = tables.get(section)
+        if section == "types" and isinstance(given, Mapping):
+            result[section] = {name: only(f"types.{name}", one) for name, one in given.items()}
+        elif fields.model_config["extra"] == "allow" and section in tables:
+            result[section] = only(section, given)
     return result, lines
 
 
@@ -88,10 +90,10 @@ def _line(item: Any, shape: type[BaseModel]) -> str:
 def _allowed(key: str, shape: type[BaseModel]) -> str:
     keys = all_keys(shape)
     if general(key) not in keys:
-        own = sections(shape)[key].model_fields if key in sections(shape) else ()
+        own = sections(shape)[key].all_keys() if key in sections(shape) and key != "types" else ()
         table = f"{general(key)}."
-        names = [*own] or [name.removeprefix(table) for name in keys if name.startswith(table)]
-        return f"a section [{key}] with {'the keys ' + ', '.join(names) if names else 'names of registered forces'}"
+        names = ", ".join(own or [name.removeprefix(table) for name in keys if name.startswith(table)])
+        return f"a section [{key}] with {f'the keys {names}' if names else 'names of registered forces'}"
     facts = keys[general(key)]
     return f"{facts.allowed} ({facts.meaning})"
 

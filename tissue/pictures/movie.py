@@ -11,7 +11,10 @@ import numpy as np
 from PIL import Image
 
 from dincl.errors import InvalidProblem
+from tissue.pictures.emt import look_of
 from tissue.pictures.picture import stills
+from tissue.pictures.sheet import COLOURS as PHASE_COLOURS
+from tissue.pictures.sheet import shades
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -22,7 +25,7 @@ MAKES_NO_NUMBERS = True
 ENDINGS = (".gif", ".webp")
 # Milliseconds that each picture and the last one are shown; GIF counts in tens.
 EACH, LAST = 80, 2000
-# Of a GIF: more colours are no better to look at; of a WebP, from 0 to 100.
+# Of a GIF, besides those of the discs: more are no better to look at; of a WebP, from 0 to 100.
 COLOURS, QUALITY = 128, 75
 WHITE = 255
 
@@ -79,10 +82,11 @@ def _drawn(
 
 
 def _palette(frames: Sequence[Frame], parameters: Parameters) -> Image.Image:
-    """The colours of the last picture, and so of the legend, for all: with one palette nothing flickers."""
+    """The colours of the last picture, and of all discs of all: with one palette nothing flickers."""
     (still,) = stills(frames[-1:], parameters)
     found = Image.fromarray(still).quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
     colours = np.reshape(found.getpalette() or [], (-1, 3))[:COLOURS]
     colours[colours.sum(axis=1).argmax()] = WHITE  # the paper, which was averaged with the edges of letters
-    found.putpalette(colours.ravel().tolist())
+    discs = shades([*PHASE_COLOURS.values(), *look_of(frames).colours.values()])
+    found.putpalette(np.vstack((colours, discs)).ravel().tolist())
     return found

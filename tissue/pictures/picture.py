@@ -15,16 +15,17 @@ from numpy.typing import NDArray
 
 from dincl.errors import InvalidProblem
 from tissue.model.observables import PHASES, height, is_measurable, phases
+from tissue.pictures.emt import EmtLook, chains, free_points, look_of
 from tissue.pictures.sheet import (
     APICAL,
     BASAL,
     BELOW,
+    CHAIN,
     COLOURS,
     CROSS,
     DOT,
     DOT_SIZE,
-    EMT_COLOURS,
-    GREY,
+    SOFT,
     SPRING,
     TYPE_COLOURS,
     Artist,
@@ -46,7 +47,7 @@ from tissue.tables import EVENTS
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.state.basal_curve import BasalCurve
-    from tissue.state.cells import Flags, Floats
+    from tissue.state.cells import Floats
     from tissue.state.frame import Frame
 
 MAKES_NO_NUMBERS = True
@@ -54,13 +55,15 @@ MAKES_NO_NUMBERS = True
 ENDINGS = (".png", ".svg", ".pdf")
 # Inches: a picture, its panels at most, and what stands around them.
 WIDTH, TALLEST = 9.2, 7.0
-LEFT, RIGHT, TOP, GAP, BOTTOM, LEGEND = 0.55, 0.12, 0.32, 0.3, 0.48, 0.34
+LEFT, RIGHT, TOP, GAP, BOTTOM, LEGEND = 0.7, 0.12, 0.32, 0.3, 0.48, 0.34
 COLUMNS = 3
+ENTRIES = 7  # of a line of the legend of EMT cells
 DPI = 200
 MOVIE_DPI = 100
 MARGIN = 2.0  # um around the discs
 POINTS = 721  # of a basal layer that bends
 FULL, THINNEST = 3.5, 0.25  # points per um from which on lines have their full width; what is left of it at least
+LEAST_CROSS = 0.6  # of the size of the crosses
 
 
 class Box(NamedTuple):
@@ -106,11 +109,12 @@ def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = N
     room
         Inches that stay free below the legend.
     """
+    box, look = box or _box(frames, parameters), look_of(frames)
     with style():
-        second = _second(frames, parameters)
-        figure, panels = _sheet(len(frames), box or _box(frames, parameters), parameters, DPI, second, room)
+        second = _second(frames, parameters, look)
+        figure, panels = _sheet(len(frames), box, parameters, DPI, second, room)
         for panel, frame in zip(panels, frames, strict=True):
-            _draw(panel, frame, parameters, _decimals(frames))
+            _draw(panel, frame, parameters, _decimals(frames), look)
     return figure
 
 
@@ -118,7 +122,7 @@ def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
     """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
     with style():
         _axes(panel, _box([frame], parameters), parameters, lowest=True, leftmost=True)
-        _draw(panel, frame, parameters, _decimals([frame]))
+        _draw(panel, frame, parameters, _decimals([frame]), look_of([frame]))
 
 
 def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
@@ -126,15 +130,16 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
 
     Arguments and errors are those of ``picture``.
     """
+    box, look = _box(frames, parameters), look_of(frames)
     with style():
-        figure, (panel,) = _sheet(1, _box(frames, parameters), parameters, MOVIE_DPI, _second(frames, parameters))
+        figure, (panel,) = _sheet(1, box, parameters, MOVIE_DPI, _second(frames, parameters, look))
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
     for frame in frames:
         canvas.restore_region(background)
         with style():
-            for artist in _draw(panel, frame, parameters, decimals):
+            for artist in _draw(panel, frame, parameters, decimals, look):
                 panel.draw_artist(artist)
                 artist.remove()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -158,19 +163,20 @@ def _box(frames: Sequence[Frame], parameters: Parameters) -> Box:
     return Box(left, right, low, high)
 
 
-def _second(frames: Sequence[Frame], parameters: Parameters) -> dict[str, Any]:
-    """The second line of the legend, which may be empty: EMT cells in the order of their colours, and named types."""
-    found = {EVENTS[k] for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
+def _second(frames: Sequence[Frame], parameters: Parameters, look: EmtLook) -> dict[str, Any]:
+    """The further entries of the legend, which may be none: EMT cells and named types."""
     kinds = sorted({k for frame in frames for k in frame.cells.kind.tolist() if k >= NAMED})
-    colours = {parameters.type_names[k]: TYPE_COLOURS[k - NAMED] for k in kinds}
-    return emt_entries([name for name in EMT_COLOURS if name in found]) | type_entries(colours)
+    return emt_entries(look) | type_entries({parameters.type_names[k]: TYPE_COLOURS[k - NAMED] for k in kinds})
 
 
 def _sheet(
     count: int, box: Box, parameters: Parameters, dpi: int, second: dict[str, Any], room: float = 0.0
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels of one scale, and the legend below, in two lines if there is a second one."""
-    below = BOTTOM + LEGEND * (2 if second else 1) + room
+    """A figure with ``count`` panels of one scale, and the legend below, further entries above the usual ones."""
+    entries = list(second.items())
+    begins = range(0, len(entries), ENTRIES)
+    lines = [control_entries(), *(dict(entries[k : k + ENTRIES]) for k in reversed(begins))]
+    below = BOTTOM + LEGEND * len(lines) + room
     rows = -(-count // COLUMNS)
     columns = -(-count // rows)
     slot = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
@@ -186,9 +192,8 @@ def _sheet(
         low = below + (rows - 1 - row) * (tall + TOP + GAP)
         panels.append(figure.add_axes((left / WIDTH, low / total, wide / WIDTH, tall / total)))
         _axes(panels[-1], box, parameters, lowest=k + columns >= count, leftmost=column == 0)
-    legend(figure, control_entries(), LEFT / WIDTH, room / total)
-    if second:
-        legend(figure, second, LEFT / WIDTH, (LEGEND + room) / total)
+    for k, line in enumerate(lines):
+        legend(figure, line, LEFT / WIDTH, (k * LEGEND + room) / total)
     return figure, panels
 
 
@@ -216,54 +221,49 @@ def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> No
         panel.fill(x, y, color="white" if inside else BELOW, linewidth=0, zorder=0.5)
 
 
-def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int) -> list[Artist]:
+def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int, look: EmtLook) -> list[Artist]:
     """Everything that belongs to one state, from below to above."""
     um, cells = parameters.cell.soft_radius.value, frame.cells
     nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
-    colours, edges = _colours(frame, parameters)
+    colours, edges = _colours(frame, parameters, look)
     soft, hard = np.full(len(nuclei), um), um * cells.radius
     widths = np.where(cells.kind < NAMED, 0.4, 1.2)
     thin = _thinner(panel)
-    collections = (
-        _discs(panel, nuclei, soft, facecolors=colours, alpha=0.25, linewidths=0, zorder=2),
+    collections = [
+        _discs(panel, nuclei, soft, facecolors=colours, alpha=SOFT, linewidths=0, zorder=2),
         _discs(panel, nuclei, soft, facecolors="none", edgecolors=colours, linewidths=0.5 * thin, zorder=2),
         LineCollection(
             list(np.stack((apical, nuclei, basal), axis=1)), colors=SPRING, linewidths=0.7 * thin, alpha=0.55, zorder=3
         ),
         _discs(panel, nuclei, hard, facecolors=colours, edgecolors=edges, linewidths=thin * widths, zorder=4),
-    )
+    ]
+    if joined := [apical[members] for members in chains(frame)]:
+        collections.append(LineCollection(joined, colors=APICAL, zorder=5, **CHAIN))
     for collection in collections:
         panel.add_collection(collection)
     dots = DOT | {"markersize": DOT_SIZE * thin, "zorder": 5}
-    free_apical, free_basal = _free(frame)
+    crosses = CROSS | {"markersize": CROSS["markersize"] * max(thin, LEAST_CROSS)}
+    free_apical, free_basal = free_points(frame)
     layer = frame.layers.apical
     lines = panel.plot(
         *apical[np.append(layer, layer[: frame.curve.ring])].T, color=APICAL, linewidth=1.5 * thin, **dots
     )
     lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
     for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
-        lines += panel.plot(*points.T, color=colour, zorder=6, **CROSS) if len(points) else []
+        lines += panel.plot(*points.T, color=colour, zorder=6, **crosses) if len(points) else []
     count = f"{len(cells.x)} cell{'s' * (len(cells.x) != 1)}"
     title = f"t = {frame.t:.{decimals}f} h  ·  {count}  ·  height {um * height(frame):.3g} µm"
     return [*collections, *lines, panel.annotate(title, (0, 1), (0, 6), "axes fraction", "offset points", size=9.5)]
 
 
-def _colours(frame: Frame, parameters: Parameters) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
+def _colours(frame: Frame, parameters: Parameters, look: EmtLook) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
     """Of the discs of each cell, and of the edge of its hard disc."""
     cells, is_emt = frame.cells, frame.cells.emt >= 0
-    of_phase = np.array([COLOURS[name] for name in PHASES])[
-        phases(frame, parameters.numbers(), parameters.named_numbers())
-    ]
-    of_events = np.array([EMT_COLOURS.get(name, GREY) for name in EVENTS])[cells.events]
+    phase = phases(frame, parameters.numbers(), parameters.named_numbers())
+    of_phase = np.array([COLOURS[name] for name in PHASES])[phase]
+    of_events = np.array([look.colours[EVENTS[k]] if own else "" for k, own in zip(cells.events, is_emt, strict=True)])
     of_type = np.array(("", "", *TYPE_COLOURS))[cells.kind]
     return np.where(is_emt, of_events, of_phase), np.where(of_type == "", np.where(is_emt, "black", "white"), of_type)
-
-
-def _free(frame: Frame) -> tuple[Flags, Flags]:
-    """Whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
-    each, is_emt = np.arange(len(frame.cells.x)), frame.cells.emt >= 0
-    apical, basal = (is_emt & ~np.isin(each, layer) for layer in frame.layers)
-    return apical, basal
 
 
 def _thinner(panel: Axes) -> float:

@@ -10,16 +10,20 @@ from pathlib import Path
 from typing import Any
 
 import matplotlib as mpl
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import EllipseCollection, LineCollection
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.legend_handler import HandlerTuple
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from numpy.typing import NDArray
 
 from tissue.model.observables import PHASES
+from tissue.pictures.emt import EmtLook
 
 MAKES_NO_NUMBERS = True
 
@@ -27,21 +31,6 @@ __all__ = ["Artist", "Axes", "EllipseCollection", "Figure", "FigureCanvasAgg", "
 
 # Told apart by their lightness, too, and with every kind of colour blindness.
 COLOURS = dict(zip(PHASES, ("#4b82bb", "#f0a202", "#7a1f5c"), strict=True))
-# Of EMT cells, by the events that have begun: lighter than control cells or of another hue, the redder for [P].
-EMT_COLOURS = {
-    "": "#bdbdbd",
-    "A": "#009e73",
-    "B": "#cc79a7",
-    "S": "#8c6d31",
-    "AB": "#3a3a3a",
-    "AS": "#5f7a1f",
-    "BS": "#a0527d",
-    "BP": "#e8590c",
-    "ABS": "#7d7d7d",
-    "ABP": "#c1121f",
-    "BSP": "#f4894b",
-    "ABSP": "#67000d",
-}
 # Of the edges of cells of named types, in their order.
 TYPE_COLOURS = ("#00c2a8", "#e6194b", "#7b2ff7", "#9acd32", "#8c564b", "#ff6ec7", "#3d3dcc", "#c0c0c0")
 SPRING, APICAL, BASAL, BELOW, GREY = "#5d6670", "#c8232c", "#1d1d1d", "#f1efe9", "#8a8a8a"
@@ -57,7 +46,9 @@ STYLE: Any = {
 }
 DOT: dict[str, Any] = {"marker": "o", "markeredgewidth": 0}
 DOT_SIZE = 3.0
+SOFT = 0.25  # opacity of soft discs
 CROSS: dict[str, Any] = {"marker": "x", "markersize": 4.5, "markeredgewidth": 1.2, "linestyle": "none"}
+CHAIN: dict[str, Any] = {"linewidth": 1.0, "linestyle": (0, (3.0, 1.5))}
 
 
 @contextmanager
@@ -82,6 +73,12 @@ def png(figure: Figure) -> bytes:
     return file.getvalue()
 
 
+def shades(colours: Sequence[str]) -> NDArray[np.uint8]:
+    """Red, green, blue of hard discs of these colours and of soft ones on paper, (2 n, 3)."""
+    hard = 255 * np.array([to_rgb(colour) for colour in colours])
+    return np.round(np.vstack((hard, 255 + SOFT * (hard - 255)))).astype(np.uint8)
+
+
 def _dot(colour: str, size: float, **look: Any) -> Line2D:
     return Line2D([], [], linestyle="none", color=colour, markersize=size, **(DOT | look))
 
@@ -101,19 +98,18 @@ def control_entries() -> dict[str, Any]:
     }
 
 
-def emt_entries(begun: Sequence[str]) -> dict[str, Any]:
-    """The legend of EMT cells with these events, if there are any."""
-    if not begun:
-        return {}
+def emt_entries(look: EmtLook) -> dict[str, Any]:
+    """The legend of EMT cells that look so; empty if there are none."""
     edge = {"markeredgecolor": "black", "markeredgewidth": 0.6}
-    texts = [f"[{name}]" if name else "before any event" for name in begun]
-    texts[0] = f"EMT cell: {texts[0]}"
     found: dict[str, Any] = {}
-    for text, colour in zip(texts, [EMT_COLOURS[name] for name in begun], strict=True):
-        found[text] = (_dot(colour, 12, alpha=0.35), _dot(colour, 6, **edge))
-    for event, layer, colour in (("A", "apical", APICAL), ("B", "basal", BASAL)):
-        if any(event in name for name in begun):
+    for name, colour in look.colours.items():
+        text = f"[{name}]" if name else "before any event"
+        found[text if found else f"EMT cell: {text}"] = (_dot(colour, 12, alpha=0.35), _dot(colour, 6, **edge))
+    for is_there, layer, colour in ((look.apical, "apical", APICAL), (look.basal, "basal", BASAL)):
+        if is_there:
             found[f"free {layer} point"] = (Line2D([], [], color=colour, **CROSS),)
+    if look.chained:
+        found["joined apart from the layer"] = (Line2D([], [], color=APICAL, **CHAIN),)
     return found
 
 

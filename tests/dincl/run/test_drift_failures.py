@@ -155,6 +155,7 @@ def test_a_failure_is_told_once():
     assert np.array_equal(out, -X)
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_before_the_first_line_of_the_drift_is_heard(capfd):
     pointer, out = DriftPointer(dincl.Problem(X, lambda t, x: -x)), np.zeros_like(X)
     interrupt = ctypes.cast(ctypes.pythonapi.PyErr_SetInterrupt, ctypes.c_void_p).value

@@ -168,6 +168,7 @@ def test_what_is_raised_once_is_heard_though_nothing_is_touched(error, scheme):
     assert 5 < calls < last
 
 
+@pytest.mark.usefixtures("interruptible")
 def test_an_interrupt_before_the_first_line_of_a_path_is_heard(capfd):
     wall = dincl.Moving(dincl.HalfSpace((0, 1), -5.0), lambda t: np.zeros(2))
     system = SmallSystem(dincl.Problem(X0, lambda t, x: 0 * x, [wall]))

@@ -8,8 +8,10 @@ from dincl.errors import InvalidProblem
 from tests.tissue.stills import THESIS, coloured, pair, two_hours
 from tissue.model.observables import PHASES
 from tissue.pictures import movie as film
+from tissue.pictures.emt import EMT_COLOURS
 from tissue.pictures.picture import stills
 from tissue.pictures.sheet import COLOURS
+from tissue.tables import EVENTS
 
 
 @pytest.fixture(scope="module")
@@ -45,6 +47,18 @@ def test_a_gif_knows_the_colours_of_all_states(tmp_path):
         for k, phase in enumerate(PHASES):
             movie.seek(k)
             rows, _ = coloured(np.asarray(movie.convert("RGB")), COLOURS[phase], tolerance=6)
+            assert len(rows) > 300
+
+
+def test_a_gif_knows_the_colours_of_events_that_are_over(tmp_path):
+    frames = [pair(), pair(t=1.0), pair(t=2.0)]
+    for frame, events in zip(frames, ("A", "AB", "Ac"), strict=True):
+        frame.cells.emt[0], frame.cells.events[0] = 0, EVENTS.index(events)
+    film.movie(frames, THESIS, tmp_path / "movie.gif")
+    with Image.open(tmp_path / "movie.gif") as movie:
+        for k, events in enumerate(("A", "AB", "Ac")):
+            movie.seek(k)
+            rows, _ = coloured(np.asarray(movie.convert("RGB")), EMT_COLOURS[events], tolerance=6)
             assert len(rows) > 300
 
 

@@ -15,8 +15,9 @@ from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, two_hours
 from tissue.files.cell_types import MOST_TYPES
 from tissue.model.observables import PHASES
 from tissue.pictures import picture as drawing
+from tissue.pictures.emt import EMT_COLOURS, OTHER_COLOURS, look_of
 from tissue.pictures.picture import picture, stills
-from tissue.pictures.sheet import APICAL, BASAL, COLOURS, EMT_COLOURS, TYPE_COLOURS
+from tissue.pictures.sheet import APICAL, BASAL, COLOURS, TYPE_COLOURS
 from tissue.state.frame import Frame
 from tissue.tables import EVENTS
 
@@ -132,10 +133,47 @@ def test_an_emt_cell_has_the_colour_of_its_events_and_a_dark_edge(figures, event
 
 
 def test_every_set_of_events_of_the_thesis_that_can_be_has_a_colour_of_its_own():
-    """Sets with other events, which have the higher bits, are grey."""
+    """And constricted cells, which may have lost their adhesions."""
     possible = {name for name in map(EVENTS.__getitem__, range(16)) if "P" not in name or "B" in name}
-    assert set(EMT_COLOURS) == possible
-    assert len(set(EMT_COLOURS.values()) | set(COLOURS.values())) == len(possible) + len(PHASES)
+    assert set(EMT_COLOURS) == possible | {f"{lost}Ac" for lost in ("", "A", "B", "AB")}
+    assert len({*EMT_COLOURS.values(), *OTHER_COLOURS, *COLOURS.values()}) == (
+        len(EMT_COLOURS) + len(OTHER_COLOURS) + len(PHASES)
+    )
+
+
+def test_other_sets_of_events_have_colours_of_their_own_too():
+    others = [EVENTS[k] for k in range(16, 32) if EVENTS[k] not in EMT_COLOURS][: len(OTHER_COLOURS)]
+    found = look_of([trio(name) for name in ("A", *others)]).colours
+    assert found["A"] == EMT_COLOURS["A"]
+    assert {found[name] for name in others} == set(OTHER_COLOURS)
+
+
+def test_cells_that_constrict_together_are_joined(figures):
+    frame = trio("Ac")
+    frame.cells.emt[:2], frame.cells.chain[:2], frame.cells.events[:2] = (0, 1), 1, EVENTS.index("Ac")
+    picture([frame._replace(layers=layers(3, apical=[2]))], THESIS, "x.png")
+    *_, chain = figures[0].axes[0].collections
+    assert [path.vertices.tolist() for path in chain.get_paths()] == [[[0.0, 40.0], [30.0, 40.0]]]
+    names = [text.get_text() for text in figures[0].legends[1].get_texts()]
+    assert names == ["EMT cell: [Ac]", "free apical point", "joined apart from the layer"]
+
+
+def test_a_long_legend_has_lines_within_the_picture(figures):
+    picture([trio(name) for name in EMT_COLOURS], THESIS, "x.png")
+    *_, last, middle, first = figures[0].legends
+    assert [len(legend.get_texts()) for legend in (first, middle, last)] == [7, 7, 4]
+    for legend in figures[0].legends:
+        assert legend.get_window_extent().x1 < figures[0].bbox.x1
+    assert first.get_window_extent().y0 > middle.get_window_extent().y1
+
+
+def test_labels_of_the_axes_are_within_the_picture(figures):
+    """Numbers have three digits and a sign where a tube hangs below the x axis."""
+    frame = pair()
+    frame.cells.by[0] = -40.0
+    picture([frame], THESIS, "x.png")
+    figures[0].draw_without_rendering()
+    assert figures[0].axes[0].get_tightbbox().x0 > 0
 
 
 @pytest.mark.parametrize(

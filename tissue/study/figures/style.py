@@ -9,7 +9,8 @@ from typing import Any, Literal
 import numpy as np
 import pandas as pd
 
-from tissue.pictures.sheet import EMT_COLOURS, Axes, Figure, Line2D, Patch
+from tissue.pictures.emt import EMT_COLOURS
+from tissue.pictures.sheet import Axes, Figure, Line2D, Patch
 from tissue.state.cells import Floats
 from tissue.study.categories import What
 from tissue.study.ratios import LEVEL, Ratio

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -11,10 +12,15 @@ from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.pictures.picture import draw_frame
 from tissue.pictures.sheet import Figure, style, write
-from verification.thesis.chapter4.curved import LAYERS
 
+# A label, colour, mark and what it is filled with, rows.
+Series = tuple[str, tuple[str, ...], pd.DataFrame]
 # Distinct without colour, too.
 LOOKS = {"line": ("0.25", "o"), "inside": ("#d1495b", "s"), "outside": ("#2e78b7", "^")}
+LABELS = {"line": "line", "inside": "inside of an arc", "outside": "outside of an arc"}
+MARKERS = {600: "D"}
+STEP = 0.11  # between marks of one set of events
+APART = 30  # the layer whose EMT cells are further apart is there to compare
 CIRCLE: dict[str, object] = {"layer.shape": "circle", "layer.perimeter": "400 um"}
 TUBE: dict[str, object] = {
     "layer.shape": "circle",
@@ -23,35 +29,62 @@ TUBE: dict[str, object] = {
     "tissue.cells": 241,
 }
 TISSUES: dict[str, dict[str, object]] = {
-    "an arc, tissue inside": CIRCLE,
-    "an arc, tissue outside": CIRCLE | {"layer.side": "outside"},
-    "a tube, tissue outside": TUBE | {"layer.side": "outside"},
-    "a tube of 800 µm on an ellipse, tissue inside": TUBE
+    "inside of an arc of 400 µm": CIRCLE,
+    "outside of an arc of 400 µm": CIRCLE | {"layer.side": "outside"},
+    "outside of a tube of 400 µm": TUBE | {"layer.side": "outside"},
+    "inside of a tube of 800 µm on an ellipse": TUBE
     | {"layer.shape": "ellipse", "layer.perimeter": "800 um", "layer.aspect": 0.7, "tissue.cells": 481},
 }
 
 
 def draw_ways_out(ways_out: pd.DataFrame, path: Path) -> Path:
     """For each set of events the ratio of cells that have left on either side, on each layer."""
+    names = list(ways_out["events"].unique())
+    rows = [(LABELS[layer], LOOKS[layer], mine) for layer, mine in ways_out.groupby("layer", sort=False)]
+    return _draw(rows, names, 3.6, path)
+
+
+def draw_tubes(ways_out: pd.DataFrame, tubes: pd.DataFrame, path: Path) -> Path:
+    """The same on arcs and on closed tubes, which are filled."""
+    names = list(tubes["events"].unique())
+    rows = [(label, look, mine) for label, look, mine in _closed_or_not(ways_out, tubes) if len(mine)]
+    return _draw(rows, names, 4.8, path)
+
+
+def _closed_or_not(ways_out: pd.DataFrame, tubes: pd.DataFrame) -> Iterator[Series]:
+    """The line, and the layers on either side from the smallest to the largest, arcs before tubes."""
+    yield "line", LOOKS["line"], ways_out[ways_out["layer"] == "line"]
+    for side in ("outside", "inside"):
+        colour, marker = LOOKS[side]
+        yield f"{side} of an arc of 400 µm", (colour, marker, "white"), ways_out[ways_out["layer"] == side]
+        here = tubes[(tubes["layer"] == side) & (tubes["every"] != APART)]
+        for (perimeter, closed), mine in here.groupby(["perimeter_um", "closed"]):
+            shape = MARKERS.get(perimeter, marker)
+            label = f"{side} of {'a tube' if closed else 'an arc'} of {perimeter} µm"
+            yield label, (colour, shape, colour if closed else "white"), mine
+
+
+def _draw(series: Sequence[Series], names: Sequence[str], height: float, path: Path) -> Path:
+    """A panel for each side; a row of marks with intervals for each set of events."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():
-        figure = Figure(figsize=(9.0, 3.6), layout="constrained")
+        figure = Figure(figsize=(9.0, height), layout="constrained")
         panels = figure.subplots(1, 2, sharey=True)
         for panel, side in zip(panels, ("basal", "apical"), strict=True):
-            rows = ways_out[ways_out["side"] == side]
-            names = list(rows["events"].unique())
-            for k, layer in enumerate(LAYERS):
-                mine = rows[rows["layer"] == layer]
-                colour, marker = LOOKS[layer]
+            for k, (label, (colour, marker, *filled), rows) in enumerate(series):
+                mine = rows[(rows["side"] == side) & rows["events"].isin(names)]
                 spread = 100 * np.abs(mine[["low", "high"]].to_numpy().T - mine["value"].to_numpy())
-                at = np.arange(len(names)) + 0.2 * (k - 1)
-                panel.errorbar(
-                    100 * mine["value"], at, xerr=spread, fmt=marker, color=colour, label=layer, markersize=5
-                )
-            panel.set_yticks(range(len(names)), names)
+                at = np.array([names.index(name) for name in mine["events"]]) + STEP * (k - (len(series) - 1) / 2)
+                look = {"fmt": marker, "color": colour, "markersize": 5, "markerfacecolor": (*filled, colour)[0]}
+                panel.errorbar(100 * mine["value"], at, xerr=spread, label=label, **look)
+            panel.set_yticks(range(len(names)), [name.replace(", no", " without") for name in names])
             panel.set(xlabel=f"{side} extrusion [%]", xlim=(-2, 100))
+            panel.grid(axis="x", color="0.92")
+            for between in range(1, len(names)):
+                panel.axhline(between - 0.5, color="0.8", linewidth=0.6, zorder=0)
+            panel.set_axisbelow(True)
         panels[0].invert_yaxis()
-        panels[1].legend(title="layer")
+        panels[1].legend(loc="center right", frameon=True, framealpha=1.0, edgecolor="none")
     write(figure, path)
     return path
 
@@ -60,11 +93,12 @@ def draw_tissues(path: Path) -> Path:
     """Tissues on curved layers after a day."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():
-        figure = Figure(figsize=(9.0, 9.0), layout="constrained")
-        for panel, (name, changes) in zip(figure.subplots(2, 2).flat, TISSUES.items(), strict=True):
+        figure = Figure(figsize=(9.0, 8.0), layout="constrained")
+        panels = figure.subplots(2, 2, height_ratios=(2, 3)).flat
+        for panel, (name, changes) in zip(panels, TISSUES.items(), strict=True):
             given: dict[str, object] = {"tissue.cells": 51, "numerics.t_end": "24 h", "numerics.keep": "24 h"}
             parameters = preset("published").changed(given | changes)
             draw_frame(panel, simulate(parameters, 0, throw=False).final, parameters)
-            panel.set_title(name, y=1.1, fontsize=9)
+            panel.set_title(name, loc="left", pad=20, fontsize=9.5, fontweight="bold")
     write(figure, path)
     return path

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -12,23 +13,44 @@ from verification.page.prose import fill
 from verification.page.report import Chapter, Context, Finding
 from verification.thesis.chapter4 import curved, figures_curved
 
+ARC = 400  # um, of the arcs that the study of ways out has
 PARTS = ["value", "low", "high"]
 QUESTION = "Does curvature matter?"
 PROSE = Path(__file__).parent / "prose"
 WAYS_OUT = {"events": "Events", "layer": "Layer", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
     "of": "Cells"
 }
-LIMIT = {"side": "Tissue", "perimeter_um": "Perimeter [µm]", "height_um": "Height [µm]", "away_um": "Off the line"} | {
+LIMIT = {
+    "side": "Tissue",
+    "perimeter_um": "Perimeter [µm]",
+    "height_um": "Height [µm]",
+    "away_um": "Off the line [µm]",
     "low": "from",
     "high": "to",
     "runs": "Runs",
 }
+TUBES = {"events": "Events", "closed": "Closed", "layer": "Tissue", "perimeter_um": "Perimeter [µm]"} | {
+    "every": "Cells per EMT cell",
+    "side": "Way out",
+    "value": "Ratio",
+    "low": "from",
+    "high": "to",
+    "of": "EMT cells",
+    "runs": "Runs",
+    "failed": "not to the end",
+    "basal_spacing_um": "Basal distance [µm]",
+}
+LUMEN = {"perimeter_um": "Perimeter [µm]", "runs": "Runs", "value": "Part that closes", "low": "from", "high": "to"} | {
+    "first_h": "First [h]",
+    "median_h": "Median [h]",
+}
+TABLES = ("ways_out", "limit", "tubes", "lumen")
 
 
 def run(context: Context) -> None:
     """Take over the kept tables."""
-    context.keep("curved_ways_out", curved.table("ways_out"))
-    context.keep("curved_limit", curved.table("limit"))
+    for name in TABLES:
+        context.keep(f"curved_{name}", curved.table(name))
 
 
 def sections(context: Context) -> Sequence[Section]:
@@ -57,11 +79,48 @@ def sections(context: Context) -> Sequence[Section]:
                 Grid(_named(ways_out, WAYS_OUT), said["table"], "curved_ways_out", folded=True),
             ],
         ),
+        _closed(context),
         Section(
             "A large circle becomes the line",
             [Text(said["limit"]), Grid(_named(limit, LIMIT), said["heights"], "curved_limit")],
         ),
     ]
+
+
+def _closed(context: Context) -> Section:
+    """Tubes beside arcs, and when lumina close."""
+    ways_out, tubes, lumen = (context.tables[f"curved_{name}"] for name in ("ways_out", "tubes", "lumen"))
+    said = fill(PROSE / "tubes.html", ratio=partial(ratio, ways_out, tubes), **_facts(tubes, lumen))
+    chart = context.draw("curved_tubes", figures_curved.draw_tubes, ways_out, tubes)
+    return Section(
+        "Does it matter that a tube is closed?",
+        [
+            Text(said["answer"]),
+            Picture(chart, said["chart"]),
+            Text(said["lumen"]),
+            Grid(_named(lumen, LUMEN), said["times"], "curved_lumen"),
+            Grid(_named(tubes, TUBES), said["table"], "curved_tubes", folded=True),
+        ],
+    )
+
+
+def ratio(
+    ways_out: pd.DataFrame, tubes: pd.DataFrame, events: str, layer: str, perimeter: int, every: int = 0
+) -> tuple[float, ...]:
+    """The ratio of basal extrusion with its interval; ``every`` cells are one EMT cell of a tube, 0: on an arc."""
+    if every == 0 and perimeter == ARC:
+        rows = ways_out[ways_out["layer"] == layer]
+    else:
+        here = tubes[(tubes["layer"] == layer) & (tubes["perimeter_um"] == perimeter)]
+        rows = here[here["every"] == every] if every else here[~here["closed"]]
+    (row,) = rows[(rows["events"] == events) & (rows["side"] == "basal")][PARTS].itertuples(index=False)
+    return tuple(row)
+
+
+def _facts(tubes: pd.DataFrame, lumen: pd.DataFrame) -> dict[str, object]:
+    """How near basal points are on closed and open layers with the tissue inside, and whose lumen closes."""
+    inside = tubes[tubes["layer"] == "inside"].groupby("closed")["basal_spacing_um"].mean()
+    return {"spacing": inside.to_dict(), "lumen": list(lumen.itertuples()), "failed": int(tubes["failed"].sum())}
 
 
 def rate(rows: pd.DataFrame) -> float:
@@ -71,7 +130,7 @@ def rate(rows: pd.DataFrame) -> float:
 
 
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    return table[list(headings)].rename(columns=headings)
+    return table[list(headings)].replace({"events": {r", no": " without"}}, regex=True).rename(columns=headings)
 
 
 def findings(context: Context) -> Sequence[Finding]:

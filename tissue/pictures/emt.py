@@ -1,0 +1,80 @@
+"""How EMT cells look: a colour for each set of events, what has left its layer, and what is still joined."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from tissue.tables import EVENTS
+
+if TYPE_CHECKING:
+    from tissue.state.cells import Flags, Integers
+    from tissue.state.frame import Frame
+
+MAKES_NO_NUMBERS = True
+
+# By the events that have begun: lighter than control cells or of another hue, the redder for [P], blue-green for [AC].
+EMT_COLOURS = {
+    "": "#bdbdbd",
+    "A": "#009e73",
+    "B": "#cc79a7",
+    "S": "#8c6d31",
+    "AB": "#3a3a3a",
+    "AS": "#5f7a1f",
+    "BS": "#a0527d",
+    "BP": "#e8590c",
+    "ABS": "#7d7d7d",
+    "ABP": "#c1121f",
+    "BSP": "#f4894b",
+    "ABSP": "#67000d",
+    "Ac": "#17becf",
+    "AAc": "#0b6e75",
+    "BAc": "#9467bd",
+    "ABAc": "#4b2e83",
+}
+# Of all other sets, those with events of users among them.
+OTHER_COLOURS = ("#7cb342", "#ff8fb1", "#5d4037", "#c0ca33", "#a1887f", "#00695c", "#d7a6e8", "#9e0059")
+
+
+class EmtLook(NamedTuple):
+    """What is the same in all pictures of some states."""
+
+    colours: dict[str, str]  # of the sets of events that are there, in the order of the legend
+    apical: bool  # whether apical points are free, whether basal ones are
+    basal: bool
+    chained: bool  # whether free apical points are joined
+
+
+def look_of(frames: Sequence[Frame]) -> EmtLook:
+    """The sets of events that are there, each with a colour of its own as long as there are enough."""
+    begun = {int(k) for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
+    free = np.any([[points.any() for points in free_points(frame)] for frame in frames], axis=0)
+    return EmtLook(_colours(begun), bool(free[0]), bool(free[1]), any(any(True for _ in chains(one)) for one in frames))
+
+
+def free_points(frame: Frame) -> tuple[Flags, Flags]:
+    """Whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
+    each, is_emt = np.arange(len(frame.cells.x)), frame.cells.emt >= 0
+    apical, basal = (is_emt & ~np.isin(each, layer) for layer in frame.layers)
+    return apical, basal
+
+
+def chains(frame: Frame) -> Iterable[Integers]:
+    """The cells of each chain of two or more that have left the apical layer together, in their order."""
+    for number in np.unique(frame.cells.chain[frame.cells.chain > 0]):
+        members = np.flatnonzero(frame.cells.chain == number)
+        if len(members) > 1:
+            yield members
+
+
+def _colours(begun: set[int]) -> dict[str, str]:
+    """Those of other sets depend on the events themselves, so that pictures of one run agree if they can."""
+    names = {EVENTS[k]: k for k in sorted(begun)}
+    found = {name: colour for name, colour in EMT_COLOURS.items() if name in names}
+    for name in (name for name in names if name not in EMT_COLOURS):
+        begin = names[name] >> 4
+        turned = [OTHER_COLOURS[(begin + k) % len(OTHER_COLOURS)] for k in range(len(OTHER_COLOURS))]
+        found[name] = next((colour for colour in turned if colour not in found.values()), turned[0])
+    return found
