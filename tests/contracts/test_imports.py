@@ -17,6 +17,7 @@ MAY_IMPORT = {
 }
 HEAVY = (
     "SALib",
+    "bokeh",
     "casadi",
     "clarabel",
     "cvxpy",

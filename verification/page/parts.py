@@ -41,6 +41,16 @@ class Picture:
 
 
 @dataclass(frozen=True)
+class Chart:
+    """HTML of a chart that answers to the pointer, see ``verification.page.interactive``; without scripts a picture."""
+
+    html: str
+    caption: str
+    picture: Picture
+    kind: str = field(default="chart", init=False)
+
+
+@dataclass(frozen=True)
 class Grid:
     """A table on the page; ``file`` is the table it was taken from; a ``folded`` one opens on a click."""
 
@@ -88,7 +98,7 @@ class Section:
     """A heading with its parts."""
 
     title: str
-    parts: Sequence[Text | Picture | Grid | SearchField | Statements]
+    parts: Sequence[Text | Picture | Chart | Grid | SearchField | Statements]
 
 
 def cell(value: object) -> tuple[str, str]:

@@ -12,7 +12,7 @@ import pandas as pd
 
 from dincl.study import write
 from verification.page.facts import machine
-from verification.page.parts import Section
+from verification.page.parts import Chart, Section
 from verification.page.render import render_page
 
 Form = TypeVar("Form")
@@ -160,9 +160,17 @@ class _Pages:
     def _write(self, written: _Written) -> None:
         for drawing in written.drawings:
             drawing.result()
+        charts = any(isinstance(part, Chart) for section in written.sections for part in section.parts)
         values = {"chapters": self._chapters, "here": written.chapter.name, "written": written}
+        values["library"] = _library() if charts else ""
         render_page("chapter.html", self._context.out / written.chapter.file, **values)
         self._ready.append(written)
+
+
+def _library() -> str:
+    from verification.page.interactive import script
+
+    return script()
 
 
 def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str, str]]:

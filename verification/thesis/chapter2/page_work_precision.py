@@ -10,7 +10,7 @@ import pandas as pd
 from verification.budget import GRACE
 from verification.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
 from verification.measure import BRIEF, REPEATS
-from verification.page.parts import Grid, Picture, Section, Text, number
+from verification.page.parts import Chart, Grid, Picture, Section, Text, number
 from verification.page.prose import fill
 from verification.page.report import Chapter, Context, Finding
 from verification.speed_accuracy import TARGETS
@@ -103,9 +103,12 @@ def _summary(context: Context) -> Section:
         budget=_form(context).budget,
         grace=GRACE,
     )
-    grid = Grid(_named(winners, WINNERS), said["table"], "work_winners")
+    labels = _named(winners, WINNERS)
+    wide = labels.pivot(index="Scene", columns="Error", values="Cheapest").rename_axis(columns=None)
+    wide = wide[sorted(wide, reverse=True)].rename(columns=number).reset_index()
+    grids = Grid(wide, said["wide"], "work_winners"), Grid(labels, said["table"], "work_winners", folded=True)
     texts = [Text(said[name]) for name in ("error", "time", "second_order", "yardsticks", "references", "limits")]
-    return Section(CHEAPEST, [Text(cheapest.summary(winners)), grid, *texts])
+    return Section(CHEAPEST, [Text(cheapest.summary(winners)), *grids, *texts])
 
 
 def _reach(context: Context) -> Section:
@@ -115,14 +118,17 @@ def _reach(context: Context) -> Section:
 
 
 def _scene(context: Context, name: str) -> Section:
+    from verification.page.interactive import draw_work_precision
+
     table, times, winners = (context.tables[one] for one in ("work_precision", "work_times", "work_winners"))
     path = context.draw(f"work_precision_{name}", figures_work_precision.draw_chart, table, name, _form(context))
-    said = fill(PROSE / "work_scene.html")
+    said, one = fill(PROSE / "work_scene.html"), work_precision.chart(table, name, _form(context))
+    html = draw_work_precision(one.table, one.looks, one.errors[0], "cpu_seconds")
     return Section(
         f"Speed against accuracy: {SCENES[name]().title.lower()}",
         [
             Text(cheapest.sentence(winners[winners["scene"] == name])),
-            Picture(path, said["chart"]),
+            Chart(html, said["interactive"], Picture(path, said["chart"])),
             Grid(_named(times[times["scene"] == name], TIMES), said["times"], "work_times"),
             Grid(_named(table[table["scene"] == name], RUNS), said["runs"], _file(context), folded=True),
         ],

@@ -199,7 +199,7 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     sections = chapter.CHAPTER.sections(context)
     assert len(sections) == 4
     parts = [part for section in sections for part in section.parts]
-    pictures = [part.path for part in parts if part.kind == "picture"]
+    pictures = [part.picture.path for part in parts if part.kind == "chart"]
     assert len(pictures) == 2
     assert all(Path(path).stat().st_size > 1000 for path in pictures)
     files = {part.file for part in parts if part.kind == "grid"}
