@@ -16,6 +16,7 @@ from tissue.cli.figures import figures
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
 from tissue.cli.study import study
+from tissue.cli.summary import summarise
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -28,6 +29,7 @@ app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
 app.command()(study)
 app.command()(figures)
 app.command("parameters")(list_parameters)
+app.command("summary")(summarise)
 File = Annotated[str, typer.Argument(metavar="FILE", help="A parameter file, or a preset: thesis, published.")]
 Seed = Annotated[int, typer.Option(min=0, help="The run is a function of the parameters and this.")]
 

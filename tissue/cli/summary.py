@@ -1,0 +1,89 @@
+"""The command ``tissue summary``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from tissue.cli.messages import messages
+
+if TYPE_CHECKING:
+    from tissue.study.read import Results
+
+MAKES_NO_NUMBERS = True
+# Of a list that goes to a file: no value is broken.
+WIDE = 200
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study, or a folder with such folders in it.")]
+
+
+def summarise(folder: Folder) -> None:
+    """Say what studies found: ratios of EMT cells with 95 % intervals, scenarios against each other, control cells."""
+    from tissue.study.figures.catalogue import found
+
+    with messages():
+        texts = [_said(results) for results in found(folder).values()]
+    print("\n".join(texts))
+
+
+def _said(results: Results) -> str:
+    """All of one study."""
+    from tissue.study import answers
+
+    study, stored = results.study, results.summary()
+    plan = f"{study.replicates} runs of each of {len(study.scenarios)} scenarios, seed {study.seed}"
+    there = "" if results.complete else f", {stored['runs'].sum()} of them are stored"
+    said = [f"{study.title} ({results.folder})\n{plan}{there}; {stored['failed'].sum()} failed\n"]
+    changes, ratios = answers.scenario_changes(results), answers.scenario_ratios(results)
+    said.append(_table("Scenarios", changes.columns, changes.itertuples(index=False)))
+    if ratios.empty:
+        return "\n".join([*said, "No EMT cells.\n"])
+    found = (_found(row) for row in ratios.to_dict("records"))
+    said.append(_table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
+    against = (_compared(row) for row in answers.scenario_differences(results).to_dict("records"))
+    heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
+    said.append(_table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
+    shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))
+    sides = ("scenario", "side", "part [95 %]", "runs")
+    said.append(_table("Control cells outside of the tissue at the end", sides, shares))
+    return "\n".join(filter(None, said))
+
+
+def _found(row: dict[str, Any]) -> tuple[str, ...]:
+    part = _part(row["value"], row["low"], row["high"])
+    return row["scenario"], row["outcome"], part, f"{row['count']} of {row['of']}"
+
+
+def _share(row: dict[str, Any]) -> tuple[str, ...]:
+    return row["scenario"], row["side"], _part(row["mean"], row["low"], row["high"]), str(row["runs"])
+
+
+def _compared(row: dict[str, Any]) -> tuple[str, ...]:
+    import pandas as pd
+
+    points = f"{100 * row['difference']:+.1f} [{100 * row['low']:+.1f}, {100 * row['high']:+.1f}]"
+    needed = "" if pd.isna(row["needed"]) else str(row["needed"])
+    names = f"{row['first']} - {row['second']}"
+    return row["outcome"], names, points, f"{row['p']:.2g}", "yes" if row["differ"] else "not shown", needed
+
+
+def _part(value: float, low: float, high: float) -> str:
+    return f"{100 * value:.1f} % [{100 * low:.1f}, {100 * high:.1f}]"
+
+
+def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
+    """A table with its title, if it has rows."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(*columns, box=None, pad_edge=False)
+    for row in rows:
+        table.add_row(*(Text(str(value)) for value in row))
+    console = Console(highlight=False, width=None if Console().is_terminal else WIDE)
+    with console.capture() as made:
+        console.print(table)
+    return f"{title}\n{made.get()}" if table.row_count else ""

@@ -1,0 +1,108 @@
+"""What a study answers: ratios with intervals, its scenarios against each other, its control cells, what was run."""
+
+from __future__ import annotations
+
+from itertools import combinations
+from typing import Any, get_args
+
+import numpy as np
+import pandas as pd
+from scipy.special import stdtrit
+
+from tissue.files.parameter_files import flat
+from tissue.study.categories import What, kept_times, outcome
+from tissue.study.comparisons import Difference, corrected, runs_needed
+from tissue.study.ratios import LEVEL, Ratio, ratio
+from tissue.study.read import Results
+
+# Scenarios beyond which each is compared with the first one alone.
+MOST_PAIRED = 6
+# A corrected p-value below this is a difference.
+FOUND = 1 - LEVEL
+
+
+def scenario_ratios(results: Results) -> pd.DataFrame:
+    """Of the EMT cells of each scenario that is stored: how many are extruded, or below all control cells, at the end.
+
+    Columns: scenario, outcome ("basal", "apical", "below"), count, of [cells], effective [cells], value, low, high;
+    Wilson's 95 % intervals on the effective number of cells.
+    """
+    rows = [
+        {"scenario": scenario, "outcome": what, "count": one.count, "of": one.of, "effective": one.size}
+        | dict(zip(("value", "low", "high"), (one.value, *one.interval()), strict=True))
+        for scenario, found in _ratios(results).items()
+        for what, one in found.items()
+    ]
+    return pd.DataFrame(rows, columns=["scenario", "outcome", "count", "of", "effective", "value", "low", "high"])
+
+
+def scenario_differences(results: Results) -> pd.DataFrame:
+    """Scenarios against each other: all pairs of up to six, else each against the first one.
+
+    Columns: outcome, first, second (scenarios), difference, low, high (of their ratios, Newcombe's 95 % interval), p
+    (Holm's, over all rows), differ (p < 0.05), needed (runs of each that would probably show a difference of this size,
+    without correction for others; missing where one is shown, or none is there).
+    """
+    found = _ratios(results)
+    names = list(found)
+    pairs = list(combinations(names, 2)) if len(names) <= MOST_PAIRED else [(names[0], other) for other in names[1:]]
+    rows: list[dict[str, Any]] = []
+    for what in get_args(What):
+        for first, second in pairs:
+            one = Difference(found[first][what], found[second][what])
+            low, high = one.interval()
+            row = {"outcome": what, "first": first, "second": second, "difference": one.value, "low": low, "high": high}
+            rows.append(row | {"p": one.p_value(), "needed": _needed(one, results)})
+    table = pd.DataFrame(rows, columns=["outcome", "first", "second", "difference", "low", "high", "p", "needed"])
+    table["p"] = corrected(table["p"].astype(float))
+    table.insert(7, "differ", table["p"] < FOUND)
+    table["needed"] = table["needed"].astype("Int64").mask(table["differ"])
+    return table
+
+
+def control_shares(results: Results) -> pd.DataFrame:
+    """The control cells above the apical layer and below the basal layer at the end, as parts of all.
+
+    Columns: scenario, side, runs, mean, low, high: over runs that did not fail, with Student's 95 % interval.
+    """
+    rows = []
+    for scenario in _stored(results):
+        end = results.parameters(scenario).t_end
+        runs = results.runs(scenario)
+        sound = runs[(runs["status"] == "SUCCESS") & (runs[f"controls_{end:g}h"] > 0)]
+        for side in ("apical", "basal"):
+            shares = (sound[f"controls_{side}_{end:g}h"] / sound[f"controls_{end:g}h"]).to_numpy(np.float64)
+            if len(shares) > 1:
+                half = stdtrit(len(shares) - 1, 0.5 + LEVEL / 2) * shares.std(ddof=1) / np.sqrt(len(shares))
+                mean = shares.mean()
+                rows.append((scenario, side, len(shares), mean, max(0.0, mean - half), mean + half))
+    return pd.DataFrame(rows, columns=["scenario", "side", "runs", "mean", "low", "high"])
+
+
+def scenario_changes(results: Results) -> pd.DataFrame:
+    """The keys in which the scenarios differ: one row for each key, one column for each scenario."""
+    values = {name: flat(results.parameters(name).as_dict()) for name in results.study.scenarios}
+    table = pd.DataFrame(values, dtype=object).map(str)
+    return table[table.nunique(axis=1) > 1].rename_axis("key").reset_index()
+
+
+def _ratios(results: Results) -> dict[str, dict[str, Ratio]]:
+    """The ratios at the end by scenario and outcome, of scenarios with EMT cells in runs that did not fail."""
+    found: dict[str, dict[str, Ratio]] = {}
+    for scenario in _stored(results):
+        cells = results.cells(scenario)
+        if len(cells):
+            end = kept_times(cells)[-1]
+            hits = {what: outcome(cells, what, end) for what in get_args(What)}
+            found[scenario] = {what: ratio(one, cells["replicate"]) for what, one in hits.items()}
+    return found
+
+
+def _stored(results: Results) -> list[str]:
+    summary = results.summary()
+    return list(summary.loc[summary["runs"] > 0, "scenario"])
+
+
+def _needed(one: Difference, results: Results) -> int | None:
+    each = min(one.first.size, one.second.size) / results.study.replicates
+    return runs_needed(one.first.value, one.second.value, cells_per_run=each)
