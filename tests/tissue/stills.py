@@ -10,6 +10,7 @@ from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.pictures.picture import stills
 from tissue.state.frame import Frame
+from tissue.tables import EVENTS
 
 THESIS = preset("thesis")
 UM = 5.0
@@ -37,3 +38,11 @@ def coloured(still, colour, tolerance=3):
 def two_hours():
     """A run, a state every half hour."""
     return simulate(THESIS.changed({"numerics.t_end": "2 h", "numerics.keep": "0.5 h"}), 1)
+
+
+def trio(events="A"):
+    """Two control cells and one EMT cell with these events in the middle."""
+    x, a, b = ([[0.0, y], [6.0, y], [12.0, y]] for y in (4.0, 8.0, 0.0))
+    state = tissue(x, a, b, cycle=15.0, emt=[-1, 0, -1], events=[0, EVENTS.index(events), 0])
+    kept = {"apical": [0, 2] if "A" in events else None, "basal": [0, 2] if "B" in events else None}
+    return Frame(0.0, state, layers(3, **kept))

@@ -5,21 +5,16 @@ from itertools import pairwise
 import matplotlib as mpl
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex, to_rgb
-from matplotlib.figure import Figure
+from matplotlib.colors import to_rgb
 
 from dincl.errors import InvalidProblem
 from tests.contracts.test_imports import imported, sources
-from tests.tissue.states import layers, tissue
-from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, two_hours
-from tissue.files.cell_types import MOST_TYPES
+from tests.tissue.states import layers
+from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, trio, two_hours
 from tissue.model.observables import PHASES
 from tissue.pictures import picture as drawing
-from tissue.pictures.emt import EMT_COLOURS, OTHER_COLOURS, look_of
 from tissue.pictures.picture import picture, stills
-from tissue.pictures.sheet import APICAL, BASAL, COLOURS, TYPE_COLOURS
-from tissue.state.frame import Frame
-from tissue.tables import EVENTS
+from tissue.pictures.sheet import COLOURS
 
 
 def luminance(colour):
@@ -27,14 +22,6 @@ def luminance(colour):
     channels = np.array(to_rgb(colour))
     linear = np.where(channels <= 0.04045, channels / 12.92, ((channels + 0.055) / 1.055) ** 2.4)
     return float(linear @ (0.2126, 0.7152, 0.0722))
-
-
-@pytest.fixture
-def figures(monkeypatch):
-    """Figures instead of files."""
-    saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *args, **kwargs: saved.append(figure))
-    return saved
 
 
 @pytest.fixture(scope="module")
@@ -114,59 +101,6 @@ def test_the_legend_names_what_is_drawn(figures, run):
     assert names == [*PHASES, "soft, hard disc", "springs", "apical layer", "basal layer"]
 
 
-def trio(events="A"):
-    """Two control cells and one EMT cell with these events in the middle."""
-    x, a, b = ([[0.0, y], [6.0, y], [12.0, y]] for y in (4.0, 8.0, 0.0))
-    state = tissue(x, a, b, cycle=15.0, emt=[-1, 0, -1], events=[0, EVENTS.index(events), 0])
-    kept = {"apical": [0, 2] if "A" in events else None, "basal": [0, 2] if "B" in events else None}
-    return Frame(0.0, state, layers(3, **kept))
-
-
-@pytest.mark.parametrize("events", EMT_COLOURS)
-def test_an_emt_cell_has_the_colour_of_its_events_and_a_dark_edge(figures, events):
-    picture([trio(events)], THESIS, "x.png")
-    soft, _, _, hard = figures[0].axes[0].collections
-    wanted = [COLOURS["G1/S"], EMT_COLOURS[events], COLOURS["G1/S"]]
-    assert [to_hex(colour) for colour in hard.get_facecolors()] == wanted
-    assert [to_hex(colour) for colour in soft.get_facecolors()] == wanted
-    assert [to_hex(colour) for colour in hard.get_edgecolors()] == ["#ffffff", "#000000", "#ffffff"]
-
-
-def test_every_set_of_events_of_the_thesis_that_can_be_has_a_colour_of_its_own():
-    """And constricted cells, which may have lost their adhesions."""
-    possible = {name for name in map(EVENTS.__getitem__, range(16)) if "P" not in name or "B" in name}
-    assert set(EMT_COLOURS) == possible | {f"{lost}Ac" for lost in ("", "A", "B", "AB")}
-    assert len({*EMT_COLOURS.values(), *OTHER_COLOURS, *COLOURS.values()}) == (
-        len(EMT_COLOURS) + len(OTHER_COLOURS) + len(PHASES)
-    )
-
-
-def test_other_sets_of_events_have_colours_of_their_own_too():
-    others = [EVENTS[k] for k in range(16, 32) if EVENTS[k] not in EMT_COLOURS][: len(OTHER_COLOURS)]
-    found = look_of([trio(name) for name in ("A", *others)]).colours
-    assert found["A"] == EMT_COLOURS["A"]
-    assert {found[name] for name in others} == set(OTHER_COLOURS)
-
-
-def test_cells_that_constrict_together_are_joined(figures):
-    frame = trio("Ac")
-    frame.cells.emt[:2], frame.cells.chain[:2], frame.cells.events[:2] = (0, 1), 1, EVENTS.index("Ac")
-    picture([frame._replace(layers=layers(3, apical=[2]))], THESIS, "x.png")
-    *_, chain = figures[0].axes[0].collections
-    assert [path.vertices.tolist() for path in chain.get_paths()] == [[[0.0, 40.0], [30.0, 40.0]]]
-    names = [text.get_text() for text in figures[0].legends[1].get_texts()]
-    assert names == ["EMT cell: [Ac]", "free apical point", "joined apart from the layer"]
-
-
-def test_a_long_legend_has_lines_within_the_picture(figures):
-    picture([trio(name) for name in EMT_COLOURS], THESIS, "x.png")
-    *_, last, middle, first = figures[0].legends
-    assert [len(legend.get_texts()) for legend in (first, middle, last)] == [7, 7, 4]
-    for legend in figures[0].legends:
-        assert legend.get_window_extent().x1 < figures[0].bbox.x1
-    assert first.get_window_extent().y0 > middle.get_window_extent().y1
-
-
 def test_labels_of_the_axes_are_within_the_picture(figures):
     """Numbers have three digits and a sign where a tube hangs below the x axis."""
     frame = pair()
@@ -174,41 +108,6 @@ def test_labels_of_the_axes_are_within_the_picture(figures):
     picture([frame], THESIS, "x.png")
     figures[0].draw_without_rendering()
     assert figures[0].axes[0].get_tightbbox().x0 > 0
-
-
-@pytest.mark.parametrize(
-    ("events", "apical", "basal"), [("", 0, 0), ("A", 1, 0), ("B", 0, 1), ("AB", 1, 1), ("S", 0, 0)]
-)
-def test_crosses_mark_the_points_that_left_their_layers(figures, events, apical, basal):
-    picture([trio(events)], THESIS, "x.png")
-    lines = figures[0].axes[0].lines
-    crosses = [(line.get_color(), line.get_xydata().tolist()) for line in lines if line.get_marker() == "x"]
-    assert crosses == [(APICAL, [[30.0, 40.0]])] * apical + [(BASAL, [[30.0, 0.0]])] * basal
-    (dots,) = (line for line in lines if line.get_linestyle() == "None" and line.get_marker() == "o")
-    assert len(dots.get_xydata()) == 3 - basal
-
-
-def test_the_legend_names_the_events_that_are_there(figures):
-    picture([trio("B"), trio(""), trio("BP")], THESIS, "x.png")
-    control, emt = ([text.get_text() for text in legend.get_texts()] for legend in figures[0].legends)
-    assert control == [*PHASES, "soft, hard disc", "springs", "apical layer", "basal layer"]
-    assert emt == ["EMT cell: before any event", "[B]", "[BP]", "free basal point"]
-    picture([trio("A")], THESIS, "x.png")
-    names = [text.get_text() for text in figures[1].legends[1].get_texts()]
-    assert names == ["EMT cell: [A]", "free apical point"]
-
-
-def test_a_named_type_has_an_edge_of_its_own(figures):
-    given = THESIS.changed({"types.soft.cells": 1, "types.hard.cells": 1, "types.hard.place": 0})
-    frame = trio()
-    frame.cells.kind[:] = [3, 1, 0]
-    picture([frame], given, "x.png")
-    hard = figures[0].axes[0].collections[3]
-    assert [to_hex(colour) for colour in hard.get_edgecolors()] == [TYPE_COLOURS[1], "#000000", "#ffffff"]
-    assert hard.get_linewidths()[0] > 2 * hard.get_linewidths()[1]
-    entries = [text.get_text() for text in figures[0].legends[1].get_texts()]
-    assert entries == ["EMT cell: [A]", "free apical point", "type hard"]
-    assert len(TYPE_COLOURS) == MOST_TYPES
 
 
 def test_room_for_a_caption_is_left_below_the_legend(figures):

@@ -15,12 +15,11 @@ from tissue.model.energy import energy, forces
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
 from tissue.quasi_steady.frozen import constraints, frozen_problem, particles
 from tissue.quasi_steady.judge import local_minimum
-from tissue.state.forces import Forces
+from tissue.state.cells import COORDINATES
 from tissue.state.numbers import Daha
 from tissue.step.group import Group
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
-COORDINATES = Forces._fields
 NEVER = 1e-300  # an eps that no move meets
 
 

@@ -1,0 +1,93 @@
+"""What pages are made of, and how a report fills; without any study."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dincl.study import write
+from tests.verification.thesis.shortened import Here, Nowhere
+from verification.evidence import Kind
+from verification.page import parts
+from verification.page.parts import Grid, Section, Text, cell, number
+from verification.page.report import Chapter, Context, Finding, write_report
+from verification.thesis.chapter3.growth import GrowthForm
+from verification.thesis.chapter5.drift import DriftForm
+
+
+def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
+    seen = []
+
+    def chapter(number: int) -> Chapter:
+        def run(context: Context) -> None:
+            seen.append((context.out / "index.html").read_text("utf-8"))
+
+        def findings(context: Context) -> list[Finding]:
+            return [Finding(f"found {number}", "Only")]
+
+        def sections(context: Context) -> list[Section]:
+            return [Section("Only", [Text("said")])]
+
+        return Chapter(f"c{number}", f"Chapter {number}", f"asked {number}", run, sections, findings, number)
+
+    last = write_report([chapter(1), chapter(2)], Context(tmp_path, False, Here())).read_text("utf-8")
+    before, between = seen
+    assert "refresh" in before
+    assert "found" not in before.replace("What was found", "")
+    assert "found 1" in between
+    assert 'href="c1.html#section-1"' in between
+    assert "Chapter 2 (is being computed)" in between
+    assert "refresh" not in last
+    assert "found 2" in last
+
+
+def test_what_is_empty_is_not_printed() -> None:
+    rows = pd.DataFrame({"a": [1.0, np.nan], "none": [np.nan, np.nan], "text": ["x", ""], "blank": ["", ""]})
+    grid = Grid(rows, "", "few")
+    assert list(grid.shown) == ["a", "text"]
+    assert [[text for text, _ in row] for row in grid.cells] == [["1", "x"]]
+
+
+def test_form_is_the_one_given_for_its_class_or_else_the_short_or_full_one(tmp_path: Path) -> None:
+    short, full, other = GrowthForm(2, 0.1), GrowthForm(3, 0.1), GrowthForm(4, 0.1)
+    for complete in (False, True):
+        plain = Context(tmp_path, complete, Nowhere(), [DriftForm(1.0)])
+        assert plain.form(short, full) is (full if complete else short)
+        assert plain.form(short) is short  # one form only
+        assert Context(tmp_path, complete, Nowhere(), [DriftForm(1.0), other]).form(short, full) is other
+
+
+def test_kept_table_is_written(tmp_path: Path) -> None:
+    context = Context(tmp_path, True, Nowhere())
+    context.keep("few", pd.DataFrame({"a": [1, 2]}))
+    assert pd.read_csv(tmp_path / "tables" / "few.csv")["a"].tolist() == [1, 2]
+    write(context.tables["few"].head(1), tmp_path / "tables" / "few.parquet")
+    assert pd.read_parquet(tmp_path / "tables" / "few.parquet")["a"].tolist() == [1]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [
+        (0.0, "0"),
+        (0.1234, "0.123"),
+        (12.0, "12"),
+        (1234.4, "1234"),
+        (1.5e-7, "1.5·10⁻⁷"),
+        (-2e5, "-2.0·10⁵"),
+        (np.nan, "—"),
+    ],
+)
+def test_numbers(value: float, text: str) -> None:
+    assert number(value) == text
+    assert cell(value) == (text, "number")
+
+
+def test_cells() -> None:
+    assert cell(True) == ("yes", "")
+    assert cell(np.False_) == ("no", "")
+    assert cell(3) == ("3", "number")
+    assert cell("fails") == ("fails", "fails")
+    assert cell("holds after the correction") == ("holds after the correction", "corrected")
+    assert cell("PBD") == ("PBD", "")
+    assert parts.VERDICTS.keys() == {kind.value for kind in Kind}
