@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from verification.cheapest import NOT_TRIED, RESOLVED, accuracy, front
-from verification.outcome import COLOURS as OUTCOME_COLOURS
+from verification.page.outcome_map import draw_outcomes, outcome_handles
 from verification.page.sheet import GREY, Axes, own_axes
 
 Looks = Mapping[str, Mapping[str, Any]]
@@ -123,20 +123,17 @@ def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
 
 
 def draw_stability(table: pd.DataFrame, across: str, up: str, ax: Axes | None) -> Axes:
-    """The outcome of every cell, one colour for each word."""
+    """The outcome of every cell, a colour and a hatching for each word."""
     panel = own_axes(ax)
     x, y = (np.array(sorted(table[name].unique())) for name in (across, up))
     words = table.pivot(index=up, columns=across, values="outcome").loc[y, x].to_numpy()
-    colours = np.array([[rgb(OUTCOME_COLOURS[word]) for word in line] for line in words])
     wide, high = is_geometric(x), is_geometric(y)
-    panel.pcolormesh(edges(x, wide), edges(y, high), colours, edgecolors="white", linewidth=0.3)
+    draw_outcomes(panel, edges(x, wide), edges(y, high), words)
     panel.set(xlabel=across, ylabel=up)
     panel.set_xscale("log" if wide else "linear")
     panel.set_yscale("log" if high else "linear")
-    panel.grid(visible=False)
-    for word in dict.fromkeys(table["outcome"]):
-        panel.plot([], [], "s", color=OUTCOME_COLOURS[word], label=word)
-    panel.legend(fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
+    there = list(dict.fromkeys(table["outcome"]))
+    panel.legend(outcome_handles(there), there, fontsize="small", loc="upper left", bbox_to_anchor=(1.01, 1.0))
     return panel
 
 
@@ -158,8 +155,3 @@ def edges(values: Floats, logarithmic: bool) -> Floats:
     ends = [2 * places[0] - middle[0], 2 * places[-1] - middle[-1]]
     found: Floats = np.concatenate((ends[:1], middle, ends[1:]))
     return np.exp(found) if logarithmic else found
-
-
-def rgb(colour: str) -> list[float]:
-    """Red, green and blue in [0, 1] of "#rrggbb"."""
-    return [int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5)]

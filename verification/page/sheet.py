@@ -13,10 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PatchCollection
 from matplotlib.figure import Figure
-from matplotlib.patches import Circle, Polygon
+from matplotlib.patches import Circle, Patch, Polygon
 from numpy.typing import NDArray
 
-__all__ = ["GREY", "WIDTH", "Axes", "Figure", "discs", "own_axes", "polygon", "sheet"]
+__all__ = ["GREY", "WIDTH", "Axes", "Figure", "discs", "own_axes", "patch", "polygon", "sheet"]
 
 Floats = NDArray[np.float64]
 WIDTH = 9.2  # inches; the page shows figures at this width, with twice the dots
@@ -66,6 +66,11 @@ def discs(panel: Axes, centres: Floats, radius: Floats, **look: Any) -> None:
     """Discs to scale, centres (N, 2), radii (N,)."""
     shapes = [Circle(tuple(centre), r) for centre, r in zip(centres, radius, strict=True)]
     panel.add_collection(PatchCollection(shapes, **look))
+
+
+def patch(**look: Any) -> Patch:
+    """A field of a legend."""
+    return Patch(**look)
 
 
 def polygon(panel: Axes, corners: Floats, **look: Any) -> None:

@@ -11,8 +11,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.outcome import COLOURS
-from verification.page.charts import edges, rgb
+from verification.page.charts import edges
+from verification.page.outcome_map import draw_outcomes, outcome_handles
 from verification.page.sheet import GREY, Axes, Figure, polygon, sheet
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.decades import METHODS
@@ -51,9 +51,8 @@ def plane(table: pd.DataFrame, drawn: Plane, path: Path) -> Path:
 def _cells(panel: Axes, rows: pd.DataFrame, drawn: Plane) -> None:
     x, y = (np.array(sorted(rows[name].unique())) for name in ("x", "y"))
     outcomes = rows.pivot(index="y", columns="x", values="outcome").loc[y, x].to_numpy()
-    colours = np.array([[rgb(COLOURS[word]) for word in line] for line in outcomes])
     wide, high = edges(x, drawn.x.logarithmic), edges(y, drawn.y.logarithmic)
-    panel.pcolormesh(wide, high, colours, edgecolors="white", linewidth=0.3)
+    draw_outcomes(panel, wide, high, outcomes)
     panel.set(xlim=(wide[0], wide[-1]), ylim=(high[0], high[-1]))
     panel.set_xscale("log" if drawn.x.logarithmic else "linear")
     panel.set_yscale("log" if drawn.y.logarithmic else "linear")
@@ -74,8 +73,7 @@ def _lines(panel: Axes, method: str, drawn: Plane) -> None:
 
 def _legend(figure: Figure, panels: Iterable[Axes]) -> None:
     panels = list(panels)
-    shown = [panels[0].plot([], [], "s", color=COLOURS[word], markersize=7)[0] for word in WORDS]
-    figure.legend(shown, list(WORDS), loc="outside lower center", ncols=len(WORDS))
+    figure.legend(outcome_handles(WORDS), list(WORDS), loc="outside lower center", ncols=len(WORDS))
     lines = {
         label: handle for panel in panels for handle, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
