@@ -12,6 +12,7 @@ from verification.evidence import Kind
 from verification.page import parts
 from verification.page.parts import Grid, Section, Text, cell, number
 from verification.page.report import Chapter, Context, Finding, write_report
+from verification.thesis.chapter2 import page as experiments
 from verification.thesis.chapter3.growth import GrowthForm
 from verification.thesis.chapter5.drift import DriftForm
 
@@ -40,6 +41,24 @@ def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
     assert "Chapter 2 (is being computed)" in between
     assert "refresh" not in last
     assert "found 2" in last
+
+
+def test_a_finding_has_the_numbers_of_its_tables(tmp_path: Path) -> None:
+    """Of the finest step that both methods have, and not of the last time, where catch-up has come to rest."""
+    context = Context(tmp_path, False, Nowhere())
+    methods = {experiments.PBD.name: 6.0, experiments.CATCH_UP.name: 2.0}
+    rows = [
+        {"scene": experiments.CROWD, "method": method, "dt": dt, "t": t, "error": error * dt * (1 + t * (error > 5))}
+        for method, error in methods.items()
+        for dt in (0.1, 0.05)
+        for t in (0.5, 1.0, 2.0)
+    ]
+    finer = {"scene": experiments.CROWD, "method": experiments.PBD.name, "dt": 0.01, "t": 0.5, "error": 1.0}
+    orders = {"method": [experiments.PBD.name] * 2 + ["other"], "low": [0.9, 0.95, 0.1], "high": [1.0, 1.1, 9.0]}
+    context.tables |= {"convergence": pd.DataFrame([*rows, finer]), "orders": pd.DataFrame(orders)}
+    (found,) = experiments.findings(context)
+    assert "[0.9, 1.1] over the intervals" in found.html
+    assert "4.5 to 6 times that of catch-up" in found.html
 
 
 def test_what_is_empty_is_not_printed() -> None:

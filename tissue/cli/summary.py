@@ -43,7 +43,7 @@ def _said(results: Results) -> str:
         return "\n".join([*said, "No EMT cells.\n"])
     found = (_found(row) for row in ratios.to_dict("records"))
     said.append(_table("EMT cells at the end", ("scenario", "outcome", "ratio [95 %]", "cells"), found))
-    against = (_compared(row) for row in answers.scenario_differences(results).to_dict("records"))
+    against = (_compared(row) for row in answers.scenario_differences(ratios, study.replicates).to_dict("records"))
     heads = ("outcome", "first - second", "points [95 %]", "p", "differ", "runs needed")
     said.append(_table("Scenarios against each other; p of all these comparisons together (Holm)", heads, against))
     shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))

@@ -12,7 +12,7 @@ from scipy.special import stdtrit
 from tissue.files.parameter_files import flat
 from tissue.study.categories import What, kept_times, outcome
 from tissue.study.comparisons import Difference, corrected, runs_needed
-from tissue.study.ratios import LEVEL, Ratio, ratio
+from tissue.study.ratios import LEVEL, as_ratio, ratio
 from tissue.study.read import Results
 
 # Scenarios beyond which each is compared with the first one alone.
@@ -27,32 +27,33 @@ def scenario_ratios(results: Results) -> pd.DataFrame:
     Columns: scenario, outcome ("basal", "apical", "below"), count, of [cells], effective [cells], value, low, high;
     Wilson's 95 % intervals on the effective number of cells.
     """
-    rows = [
-        {"scenario": scenario, "outcome": what, "count": one.count, "of": one.of, "effective": one.size}
-        | dict(zip(("value", "low", "high"), (one.value, *one.interval()), strict=True))
-        for scenario, found in _ratios(results).items()
-        for what, one in found.items()
-    ]
+    rows: list[tuple[Any, ...]] = []
+    for scenario in _stored(results):
+        cells = results.cells(scenario)
+        for what in get_args(What) if len(cells) else ():
+            one = ratio(outcome(cells, what, kept_times(cells)[-1]), cells["replicate"])
+            rows.append((scenario, what, one.count, one.of, one.size, one.value, *one.interval()))
     return pd.DataFrame(rows, columns=["scenario", "outcome", "count", "of", "effective", "value", "low", "high"])
 
 
-def scenario_differences(results: Results) -> pd.DataFrame:
+def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
     """Scenarios against each other: all pairs of up to six, else each against the first one.
 
-    Columns: outcome, first, second (scenarios), difference, low, high (of their ratios, Newcombe's 95 % interval), p
-    (Holm's, over all rows), differ (p < 0.05), needed (runs of each that would probably show a difference of this size,
-    without correction for others; missing where one is shown, or none is there).
+    Given are the table of ``scenario_ratios`` and how many replicates a scenario has. Columns: outcome, first, second
+    (scenarios), difference, low, high (of their ratios, Newcombe's 95 % interval), p (Holm's, over all rows), differ
+    (p < 0.05), needed (runs of each that would probably show a difference of this size, without correction for others;
+    missing where one is shown, or none is there).
     """
-    found = _ratios(results)
-    names = list(found)
+    found = ratios.set_index(["scenario", "outcome"])
+    names = list(dict.fromkeys(ratios["scenario"]))
     pairs = list(combinations(names, 2)) if len(names) <= MOST_PAIRED else [(names[0], other) for other in names[1:]]
     rows: list[dict[str, Any]] = []
     for what in get_args(What):
         for first, second in pairs:
-            one = Difference(found[first][what], found[second][what])
+            one = Difference(as_ratio(found.loc[(first, what)]), as_ratio(found.loc[(second, what)]))
             low, high = one.interval()
             row = {"outcome": what, "first": first, "second": second, "difference": one.value, "low": low, "high": high}
-            rows.append(row | {"p": one.p_value(), "needed": _needed(one, results)})
+            rows.append(row | {"p": one.p_value(), "needed": _needed(one, replicates)})
     table = pd.DataFrame(rows, columns=["outcome", "first", "second", "difference", "low", "high", "p", "needed"])
     table["p"] = corrected(table["p"].astype(float))
     table.insert(7, "differ", table["p"] < FOUND)
@@ -86,23 +87,11 @@ def scenario_changes(results: Results) -> pd.DataFrame:
     return table[table.nunique(axis=1) > 1].rename_axis("key").reset_index()
 
 
-def _ratios(results: Results) -> dict[str, dict[str, Ratio]]:
-    """The ratios at the end by scenario and outcome, of scenarios with EMT cells in runs that did not fail."""
-    found: dict[str, dict[str, Ratio]] = {}
-    for scenario in _stored(results):
-        cells = results.cells(scenario)
-        if len(cells):
-            end = kept_times(cells)[-1]
-            hits = {what: outcome(cells, what, end) for what in get_args(What)}
-            found[scenario] = {what: ratio(one, cells["replicate"]) for what, one in hits.items()}
-    return found
-
-
 def _stored(results: Results) -> list[str]:
     summary = results.summary()
     return list(summary.loc[summary["runs"] > 0, "scenario"])
 
 
-def _needed(one: Difference, results: Results) -> int | None:
-    each = min(one.first.size, one.second.size) / results.study.replicates
+def _needed(one: Difference, replicates: int) -> int | None:
+    each = min(one.first.size, one.second.size) / replicates
     return runs_needed(one.first.value, one.second.value, cells_per_run=each)

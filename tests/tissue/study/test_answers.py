@@ -59,7 +59,8 @@ def test_ratios_are_those_of_the_cells(study):
 
 
 def test_scenarios_are_compared_in_pairs_and_corrected_together(study):
-    table, ratios = answers.scenario_differences(study), answers.scenario_ratios(study)
+    ratios = answers.scenario_ratios(study)
+    table = answers.scenario_differences(ratios, study.study.replicates)
     count = len(study.study.scenarios)
     pairs = count * (count - 1) // 2 if count <= answers.MOST_PAIRED else count - 1
     assert len(table) == 3 * pairs
@@ -78,7 +79,7 @@ def test_scenarios_are_compared_in_pairs_and_corrected_together(study):
 
 def test_many_scenarios_are_compared_with_the_first_one(study, monkeypatch):
     monkeypatch.setattr(answers, "MOST_PAIRED", 1)
-    table = answers.scenario_differences(study)
+    table = answers.scenario_differences(answers.scenario_ratios(study), study.study.replicates)
     assert set(table["first"]) == {study.study.scenarios[0]}
     assert len(table) == 3 * (len(study.study.scenarios) - 1)
 

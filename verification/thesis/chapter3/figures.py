@@ -10,6 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from verification.page.charts import edges
 from verification.page.sheet import GREY, Axes, Figure, sheet
 from verification.thesis.chapter3.beyond import SETTLED
 from verification.thesis.chapter3.disturbed import PART
@@ -179,7 +180,7 @@ def maps(tables: dict[str, pd.DataFrame], path: Path) -> Path:
 
 def _amplitudes(panel: Axes, rows: pd.DataFrame) -> Any:
     grid = rows.pivot(index="y", columns="x", values="amplitude")
-    x, y = _edges(grid.columns.to_numpy()), _edges(grid.index.to_numpy())
+    x, y = (edges(values.to_numpy(np.float64), logarithmic=True) for values in (grid.columns, grid.index))
     panel.set_facecolor(LOST)
     look: dict[str, Any] = {"cmap": "YlOrRd", "norm": "log", "edgecolors": "white", "linewidth": 0.3}
     mesh = panel.pcolormesh(x, y, grid.clip(CALM, WILD).to_numpy(), **look)
@@ -188,13 +189,6 @@ def _amplitudes(panel: Axes, rows: pd.DataFrame) -> Any:
     panel.plot(limit, limit.index, color="#22262b", linewidth=1.4)
     panel.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     return mesh
-
-
-def _edges(values: Floats) -> Floats:
-    """The sides of cells around values, halfway between them in the logarithm."""
-    places = np.log(values.astype(np.float64))
-    middle = (places[1:] + places[:-1]) / 2
-    return np.exp(np.concatenate(([2 * places[0] - middle[0]], middle, [2 * places[-1] - middle[-1]])))
 
 
 def jitter(summary: pd.DataFrame, path: Path) -> Path:

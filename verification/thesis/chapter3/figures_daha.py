@@ -9,6 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from verification.page.charts import edges
+from verification.page.outcome_map import rgb
 from verification.page.sheet import GREY, Axes, sheet
 from verification.thesis.chapter3 import daha_limits
 from verification.thesis.chapter3.daha import DOUBLED_CASE, PBD_SUBSTEPS, TERMINATING
@@ -81,10 +83,10 @@ def limits(tables: dict[str, pd.DataFrame], path: Path) -> Path:
         for panel, plane in zip(panels, daha_limits.PLANES, strict=True):
             mine = tables[plane.name]
             mine = mine[mine["method"] == seed]
-            x, y = (_edges(np.sort(mine[name].unique())) for name in "xy")
+            x, y = (edges(np.sort(mine[name].unique()), logarithmic=True) for name in "xy")
             numbers = mine["outcome"].map({name: k for k, name in enumerate(OUTCOMES)})
             grid = mine.assign(number=numbers).pivot(index="y", columns="x", values="number")
-            from_colours = np.array([_rgb(colour) for colour in COLOURS.values()])
+            from_colours = np.array([rgb(colour) for colour in COLOURS.values()])
             panel.pcolormesh(x, y, from_colours[grid.to_numpy().astype(int)], edgecolors="white", linewidth=0.3)
             panel.set(xscale="log", yscale="log", xlabel=plane.x.label, ylabel=plane.y.label, title=plane.title)
             panel.plot(1.0, 1.0, "o", color="#22262b", markersize=5)
@@ -95,17 +97,6 @@ def limits(tables: dict[str, pd.DataFrame], path: Path) -> Path:
         names = [*COLOURS, "linear limit", "Table 4"]
         figure.legend([*squares, line, dot], names, loc="outside lower center", ncols=6)
     return path
-
-
-def _rgb(colour: str) -> tuple[float, ...]:
-    return tuple(int(colour[k : k + 2], 16) / 255 for k in (1, 3, 5))
-
-
-def _edges(values: Floats) -> Floats:
-    """The sides of cells around values, halfway between them in the logarithm."""
-    places = np.log(values.astype(np.float64))
-    middle = (places[1:] + places[:-1]) / 2
-    return np.exp(np.concatenate(([2 * places[0] - middle[0]], middle, [2 * places[-1] - middle[-1]])))
 
 
 def catch_up(made: pd.DataFrame, path: Path) -> Path:
