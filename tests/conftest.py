@@ -7,13 +7,20 @@ import tempfile
 import time
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import hypothesis
-import numba
 import numpy as np
 import pytest
 from hypothesis.internal.conjecture import providers
 from hypothesis.internal.constants_ast import Constants
+
+from tests.browser import launched
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+pytest.register_assert_rewrite("tests.verification.in_browser")
 
 SEED = 20260101
 # Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
@@ -34,14 +41,35 @@ def pytest_addoption(parser: pytest.Parser) -> None:
     parser.addoption("--slow", action="store_true", help="run the tests marked slow, too")
 
 
+@pytest.hookimpl(tryfirst=True)  # before the processes are counted
+def pytest_cmdline_main(config: pytest.Config) -> None:
+    """Run a single file in this process: a second one would only read it, too."""
+    if config.getoption("numprocesses", None) and len(files(config)) == 1:
+        config.option.numprocesses = 0
+
+
 def pytest_configure(config: pytest.Config) -> None:
     """Where tests run in several processes, let one more compile the kernels of the tissue: else all would."""
     if os.environ.get("PYTEST_XDIST_WORKER") or not config.getoption("numprocesses", None):
+        return
+    if not any(has_to_do_with_tissue(file) for file in files(config)):
         return
     file = Path(tempfile.mkdtemp(), "compiled")
     os.environ[COMPILED] = str(file)
     command = [sys.executable, "-m", "tests.compile_kernels", str(file)]
     config.stash[COMPILER] = subprocess.Popen(command, cwd=Path(__file__).parent.parent)
+
+
+def files(config: pytest.Config) -> list[Path]:
+    """The files of tests that the command line names."""
+    places = [config.invocation_params.dir / argument.partition("::")[0] for argument in config.args]
+    inside = [file for place in places for file in place.rglob("test_*.py")]
+    return sorted({*inside, *(place for place in places if place.is_file())})
+
+
+def has_to_do_with_tissue(file: Path) -> bool:
+    """Whether a file of tests may come to the kernels of the tissue; contracts only read the sources."""
+    return file.parent.name != "contracts" and "tissue" in file.read_text("utf-8")
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
@@ -53,13 +81,15 @@ def pytest_unconfigure(config: pytest.Config) -> None:
 
 def pytest_runtest_setup(item: pytest.Item) -> None:
     """Wait for the kernels, if the file of a test has to do with tissue."""
-    if COMPILED in os.environ and "tissue" in item.path.read_text("utf-8"):
+    if COMPILED in os.environ and has_to_do_with_tissue(item.path):
         while not Path(os.environ[COMPILED]).exists():
             time.sleep(0.1)
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Skip the tests marked slow, unless the flag is given."""
+    """Begin with what takes longest, and skip the tests marked slow, unless the flag is given."""
+    # Begun near the end, the report would leave the other process with nothing to do for half of its time.
+    items.sort(key=lambda item: item.path.name != "test_report.py")
     if config.getoption("--slow"):
         return
     for item in items:
@@ -77,13 +107,14 @@ def _floating_point_faults_raise() -> Iterator[None]:
         yield
 
 
-@numba.njit
-def _seed_numba(seed: int) -> None:
-    np.random.seed(seed)  # noqa: NPY002 - inside a kernel this is the only way to numba's own stream
+@pytest.fixture(scope="class")
+def browser() -> Iterator["Browser"]:
+    """Open a browser; the test is skipped where there is none."""
+    with launched() as opened:
+        yield opened
 
 
 @pytest.fixture
 def rng() -> np.random.Generator:
-    """Seed a generator, and numba's own stream with it."""
-    _seed_numba(SEED)
+    """Seed a generator."""
     return np.random.default_rng(SEED)

@@ -175,10 +175,10 @@ def test_a_jump_stays_non_negative_within_bounds_found_beforehand(n: int) -> Non
         assert w1(grid.density(k), Density.uniform(y, 1 + y)) < 0.7 * np.diff(grid.edges[0])[0] ** (4 / 3)
 
 
-def test_tissue_element_in_the_plane() -> None:
+def test_element_in_the_plane() -> None:
     element = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=(1.0, 1.0, 0.0), k1=0.5)
     density, start, velocity, t = Density.bump((0.3, 0.1), 1.0), [1.0, 1.2, 0.1], [0.4, -0.2, 0.3], 1.0
-    y = tissue_element(density, np.array(start), np.array(velocity), t)
+    y = element_in_the_plane(density, np.array(start), np.array(velocity), t)
     grid = solve_pde(element, density, start, velocity, [t], cells=40, bounds=[(-1.4, -1.2), (2.0, 1.4)])
     back = stretch(np.array(start)) @ np.linalg.inv(stretch(y))
     exact = exact_averages(CellGrid(grid.edges), lambda x: density.density(x @ back.T) * np.linalg.det(back))
@@ -195,7 +195,7 @@ def stretch(y: Array) -> Array:
     return np.array([[y[0], y[2]], [y[2], y[1]]])
 
 
-def tissue_element(density: Density, y0: Array, v0: Array, t: float) -> Array:
+def element_in_the_plane(density: Density, y0: Array, v0: Array, t: float) -> Array:
     """L = |y'|^2/2 + m/2 tr(F' C F'^T) - k0/2 |y - y_rest|^2 - k1/2 tr(F C F^T) with C = E[xi xi^T]: linear in y."""
     inverse = np.linalg.inv(stretch(y0))
     C = inverse @ density.moments()[1] @ inverse.T

@@ -9,6 +9,7 @@ from scipy.optimize import nnls
 import dincl
 import verification as v
 from dincl.projection import FeasibleSet, QpAnswer, QpSolver
+from tests.browser import draw_all, fits, visit
 
 
 def pressed(pull):
@@ -85,3 +86,11 @@ def test_map_and_page(played, tmp_path):
     assert set(played[2].table["outcome"]) == {"bounded"}
     page = v.save(played, tmp_path).read_text("utf-8")
     assert page.count("<img") == 3
+
+
+def test_page_fits_a_telephone_and_its_pictures_open(played, browser, tmp_path):
+    with visit(browser, v.save(played, tmp_path), width=400) as page:
+        draw_all(page)
+        fits(page)
+        page.locator("figure a").first.click()
+        assert page.url.endswith(".png")

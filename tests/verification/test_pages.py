@@ -38,7 +38,9 @@ def test_the_first_page_fills_as_chapters_become_ready(tmp_path: Path) -> None:
     assert "found" not in before.replace("What was found", "")
     assert "found 1" in between
     assert 'href="c1.html#section-1"' in between
-    assert "Chapter 2 (is being computed)" in between
+    assert 'Chapter 2 <span class="made">(is being computed)</span>' in between
+    assert 'Chapter 2 <span class="made">(to come)</span>' in before
+    assert "c2.html" not in between
     assert "refresh" not in last
     assert "found 2" in last
 

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 from dincl import study
+from tests.verification.in_browser import PagesInABrowser
 from tests.verification.page import Page
 from tests.verification.thesis.shortened import FORMS, Here, Nowhere, few_claims, shorten
 from tests.verification.thesis.shortened_emt import SECTIONS as EMT_SECTIONS
@@ -138,6 +139,7 @@ TABLES = {
     *MEANFIELD_TABLES,
 }
 IMAGES = 37 + MEANFIELD_PICTURES
+LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 
 @pytest.fixture(scope="module")
@@ -148,6 +150,10 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
         shorten(patch)
         path = write_report(CHAPTERS, context)
     return path, context
+
+
+class TestPagesInABrowser(PagesInABrowser):
+    """In this file, so that the report is made once: the tests of one file run in one process."""
 
 
 def pages(made: tuple[Path, Context]) -> dict[str, Page]:
@@ -201,6 +207,7 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
     assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
     assert len(list((folder / "figures").glob("*.png"))) == IMAGES
     assert list(folder.rglob(".*.new")) == []
+    assert all(page.stat().st_size < LARGEST for page in folder.glob("*.html"))
 
 
 def test_page_states_machine_versions_orders_and_verdicts(made: tuple[Path, Context]) -> None:

@@ -27,12 +27,16 @@ HOVER = [
 ]
 PRINTF: dict[str, Any] = dict.fromkeys(("@setting", "@y", "@x", "@overlap"), "printf")
 DASHES = {"-": "solid", "--": "dashed", ":": "dotted", "-.": "dashdot"}
-# Entries of a legend side by side: as many fit beside each other on a telephone.
-COLUMNS = 2
+# Nothing is dragged until a tool is chosen: a finger that moves over the chart moves the page.
+TOOLS: dict[str, Any] = {"tools": "pan,wheel_zoom,box_zoom,reset,save", "active_drag": None}
+TOOLS |= {"toolbar_location": "above"}
+# As small as it takes for two entries to fit beside each other on a telephone.
+LEGEND: dict[str, Any] = {"location": "center", "border_line_color": None, "ncols": 2}
+LEGEND |= {"label_text_font_size": "11px", "glyph_width": 14, "padding": 0, "spacing": 2}
 
 
 def script() -> str:
-    """The text of the library's script; a page that has charts needs it once, before them."""
+    """The text of the library's script; a page that has charts needs it once, at its end."""
     return "\n".join(Resources(mode="inline", components=["bokeh"]).js_raw)
 
 
@@ -48,8 +52,7 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     """
     axes: dict[str, Any] = {"x_axis_type": "log", "y_axis_type": "log"}
     axes |= {"x_axis_label": NAMES.get(cost, cost.replace("_", " ")), "y_axis_label": NAMES[error]}
-    tools = "pan,wheel_zoom,box_zoom,reset,save"
-    panel = figure(height=HEIGHT, sizing_mode="stretch_width", tools=tools, **axes)
+    panel = figure(height=HEIGHT, sizing_mode="stretch_width", **TOOLS, **axes)
     best = front(table, error, cost)
     drawn = panel.line(best[cost], best["accuracy"].clip(lower=LOWEST), line_color="#d9d9d9", line_width=9)
     items: dict[str, list[Any]] = {"efficient front": [drawn]}
@@ -67,8 +70,7 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     panel.add_tools(HoverTool(renderers=points, tooltips=HOVER, formatters=PRINTF))
     panel.toolbar.logo = None
     entries = [LegendItem(label=name, renderers=shapes) for name, shapes in items.items()]
-    quiet: dict[str, Any] = {"location": "center", "border_line_color": None, "ncols": COLUMNS}
-    panel.add_layout(Legend(items=entries, click_policy="hide", **quiet), "below")
+    panel.add_layout(Legend(items=entries, click_policy="hide", **LEGEND), "below")
     made, place = components(panel)
     return f"{place}\n{made}"
 

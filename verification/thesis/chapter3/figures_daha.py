@@ -9,8 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from verification.outcome import Outcome
 from verification.page.charts import edges
-from verification.page.outcome_map import rgb
+from verification.page.outcome_map import draw_outcomes, outcome_handles
 from verification.page.sheet import GREY, Axes, sheet
 from verification.thesis.chapter3 import daha_limits
 from verification.thesis.chapter3.daha import DOUBLED_CASE, PBD_SUBSTEPS, TERMINATING
@@ -18,7 +19,9 @@ from verification.thesis.chapter3.daha_limits import OUTCOMES
 
 Floats = NDArray[np.float64]
 CASES = {TERMINATING: ("#0072b2", "α of Table 4"), DOUBLED_CASE: ("#d55e00", "α doubled, as (3.26) has it")}
-COLOURS = dict(zip(OUTCOMES, ("#9fc5a1", "#f0d264", "#b8443c", "#3a3a42"), strict=True))
+# Drawn as the outcome of the other maps that comes nearest to it.
+LIKE = (Outcome.CONVERGED, Outcome.INFEASIBLE, Outcome.NOT_TERMINATED, Outcome.UNSTABLE)
+DRAWN = {word: outcome.value for word, outcome in zip(OUTCOMES, LIKE, strict=True)}
 METHODS = {"PBD": "#d55e00", "LinearisedCatchUp": "#0072b2", "MidpointCatchUp": "#009e73"}
 # The range of iterations that Figure 11 is about.
 ITERATIONS = np.geomspace(1e2, 1e5, 60)
@@ -84,18 +87,15 @@ def limits(tables: dict[str, pd.DataFrame], path: Path) -> Path:
             mine = tables[plane.name]
             mine = mine[mine["method"] == seed]
             x, y = (edges(np.sort(mine[name].unique()), logarithmic=True) for name in "xy")
-            numbers = mine["outcome"].map({name: k for k, name in enumerate(OUTCOMES)})
-            grid = mine.assign(number=numbers).pivot(index="y", columns="x", values="number")
-            from_colours = np.array([rgb(colour) for colour in COLOURS.values()])
-            panel.pcolormesh(x, y, from_colours[grid.to_numpy().astype(int)], edgecolors="white", linewidth=0.3)
+            words = mine.assign(word=mine["outcome"].map(DRAWN)).pivot(index="y", columns="x", values="word")
+            draw_outcomes(panel, x, y, words.to_numpy())
             panel.set(xscale="log", yscale="log", xlabel=plane.x.label, ylabel=plane.y.label, title=plane.title)
             panel.plot(1.0, 1.0, "o", color="#22262b", markersize=5)
             if plane is daha_limits.PLANES[0]:
                 panel.axvline(mine["limit"].iloc[0], color="#22262b", linewidth=1.4)
-        squares = [panels[0].plot([], [], "s", color=colour, markersize=7)[0] for colour in COLOURS.values()]
         line, dot = panels[0].lines[1], panels[0].lines[0]
-        names = [*COLOURS, "linear limit", "Table 4"]
-        figure.legend([*squares, line, dot], names, loc="outside lower center", ncols=6)
+        names = [*DRAWN, "linear limit", "Table 4"]
+        figure.legend([*outcome_handles(DRAWN.values()), line, dot], names, loc="outside lower center", ncols=6)
     return path
 
 
