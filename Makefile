@@ -13,7 +13,8 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 PIP_TOOLS := pip-tools==7.6.2
-COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade --extra dev --allow-unsafe --strip-extras \
+EXTRAS := $(addprefix --extra ,dev meanfield report tissue yardsticks)
+COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade $(EXTRAS) --allow-unsafe --strip-extras \
 	--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --annotation-style line
 
 # The tests run in two processes: a library that starts threads of its own would only take turns with them. The tests of

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dincl.extras import needs
 from dincl.shapes import radii
 
 if TYPE_CHECKING:
@@ -19,7 +20,8 @@ __all__ = ["DataFrame", "to_frame"]
 
 def to_frame(problem: Problem, t: NDArray[np.float64], x: NDArray[np.float64]) -> DataFrame:
     """States x (K, N, d) at times t (K,), one row for each time and particle; see ``Trajectory.to_frame``."""
-    import pandas as pd
+    with needs("to_frame", "report"):
+        import pandas as pd
 
     kept, count, d = x.shape
     columns = {"t": np.repeat(t, count), "particle": np.tile(np.arange(count), kept)}

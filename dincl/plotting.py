@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from dincl.shapes import Ball, Bonds, Curve, Wall, radii, shapes_at
 
 if TYPE_CHECKING:
@@ -112,7 +113,8 @@ def to_html(film: Film) -> str:
 
 
 def _style() -> Any:
-    from matplotlib import rc_context
+    with needs("A picture", "report"):
+        from matplotlib import rc_context
 
     return rc_context(STYLE)
 
@@ -132,7 +134,8 @@ def _projection(view: View) -> dict[str, str]:
 
 
 def _writer(file: Path, fps: float) -> Any:
-    from matplotlib.animation import FFMpegWriter, PillowWriter
+    with needs("A movie", "report"):
+        from matplotlib.animation import FFMpegWriter, PillowWriter
 
     kinds: dict[str, Any] = {".gif": PillowWriter, ".mp4": FFMpegWriter}
     kind = kinds.get(file.suffix.lower())

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.extras import needs
+
 if TYPE_CHECKING:
     from collections.abc import Callable, Mapping, Sequence
 
@@ -23,7 +25,8 @@ DOT, THIN, MANY = 9.0, 0.7, 60
 def draw(panels: Sequence[Callable[[Any], None]], ax: Any = None) -> Any:
     """Draw panels side by side on a new figure, or the first of them on given axes; returns the axes of the first."""
     if ax is None:
-        import matplotlib.pyplot as plt
+        with needs("A picture", "meanfield"):
+            import matplotlib.pyplot as plt
 
         figure = plt.figure(figsize=(PANEL[0] * len(panels), PANEL[1]), layout="constrained")
         places = [figure.add_subplot(1, len(panels), k + 1) for k in range(len(panels))]

@@ -12,6 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from dincl.extras import need_all
 from verification.claims import Cost
 from verification.evidence import Kind
 
@@ -26,6 +27,7 @@ COLOURS = {Kind.HOLDS: "green", Kind.CORRECTED: "yellow", Kind.FAILS: "red", Kin
 @app.command()
 def report(full: Full = False, out: Out = Path("report")) -> None:
     """Run the studies that are missing and write <out>/index.html; an interrupted call is taken up again."""
+    need_all("verification report")
     from dincl.study import workers
     from verification.page.report import Context, write_report
     from verification.thesis.chapters import CHAPTERS
@@ -48,6 +50,7 @@ def claims(
 
     Verdicts and tables of studies that are in <out>/tables are not computed again: an interrupted call can be repeated.
     """
+    need_all("verification claims")
     from dincl.study import workers
     from verification.decide import decide_all, differing
     from verification.page.report import Context
@@ -90,6 +93,7 @@ def _list_claims(table: pd.DataFrame) -> None:
 @app.command()
 def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the failures that theory predicts, write tables and figures to <out>."""
+    need_all("verification stability")
     from dincl.study import workers
     from verification.page.report import Context
     from verification.thesis.chapter2.stability.page import CHAPTER
@@ -127,6 +131,7 @@ def compare(
 @app.command()
 def bench(out: Out = Path("report")) -> None:
     """Measure the time of PBD per disc and step, and of each projection; the tables are kept in <out>."""
+    need_all("verification bench")
     from verification.thesis import bench as timing
 
     timing.main(out)

@@ -75,7 +75,8 @@ def measure(
     Each run is timed alone, after runs that are thrown away, in which libraries are loaded and kernels compiled. A run
     in which machine code was made or loaded is made again: it gives no time and spends no budget. Repeats are
     interleaved: all settings, and then all again. ``status`` is that of the Trajectory, or REFUSED (the method cannot
-    serve the problem), FAILED (it raised), OUT_OF_BUDGET, LEFT_OUT (after a setting that was).
+    serve the problem), FAILED (it raised), OUT_OF_BUDGET, LEFT_OUT (after a setting that was, or where a library is
+    missing).
     """
     attempts = [
         Attempt(setting, {"method": method.label, "setting": setting} | _nothing(errors)) for setting in settings
@@ -127,7 +128,7 @@ def _after(before: Attempt, budget: Budget | None) -> str:
 def _warm_up(problem: Any, method: Method, setting: float, t: Floats) -> None:
     """Brief runs until one finds all its machine code there; one that is stopped may not have come to all of it."""
     for _ in range(MOST_AGAIN):
-        with machine_code() as made, suppress(OutOfBudgetError, *FAILURES):
+        with machine_code() as made, suppress(OutOfBudgetError, ModuleNotFoundError, *FAILURES):
             _run(problem, method, setting, t, CpuSeconds(BRIEF))
         if not made:
             return
@@ -139,6 +140,8 @@ def _first(
     """Make the first run of a attempt; the columns that say how it came out."""
     try:
         outcome = _timed(problem, method, attempt, known.t, budget)
+    except ModuleNotFoundError as missing:
+        return {"status": "LEFT_OUT", "detail": str(missing)}
     except dincl.InvalidProblem as refusal:
         return {"status": "REFUSED", "detail": str(refusal)}
     except OutOfBudgetError:

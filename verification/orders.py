@@ -16,7 +16,7 @@ from verification.measure import NORMS, measure
 from verification.method import Methods, as_methods
 from verification.order import MIN_STEPS, Order, estimate, order_text
 from verification.references import known_at
-from verification.result import Result
+from verification.result import Result, left_out
 
 if TYPE_CHECKING:
     from verification.page.sheet import Axes
@@ -62,7 +62,8 @@ class OrderStudy(Result):
     def __repr__(self) -> str:
         rows = self.fits.itertuples()
         lines = [f"  {row.method}, {row.error}: {row.order}" for row in rows]
-        return "\n".join([f"OrderStudy of {self.table['method'].nunique()} methods", *lines])
+        why = [f"  left out: {name}: {reason}" for name, reason in left_out(self.table).items()]
+        return "\n".join([f"OrderStudy of {self.table['method'].nunique()} methods", *lines, *why])
 
 
 def order_study(
@@ -103,10 +104,12 @@ def order_study(
     known = known_at(reference, t)
     rows = [row for method in chosen for row in measure(problem, method, ladder, known, names, budget, repeats=1)]
     table, fits = pd.DataFrame(rows), []
+    untried = left_out(table)
     for method in chosen:
         mine = table["method"] == method.label
         orders = {name: order_of(table[mine], name) for name in names}
-        fits += [{"method": method.label, "error": name} | _fit(order) for name, order in orders.items()]
+        found = {name: _fit(order) | _untried(untried.get(method.label)) for name, order in orders.items()}
+        fits += [{"method": method.label, "error": name} | row for name, row in found.items()]
         table.loc[mine, "role"] = [row.role for row in orders[names[0]].rows]
         table.loc[mine, "slope"] = [np.nan if row.slope is None else row.slope for row in orders[names[0]].rows]
     looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
@@ -141,6 +144,11 @@ def checked_settings(settings: Sequence[float], least: int = 1) -> tuple[float, 
     if len(ladder) < least or not all(0 < setting < np.inf for setting in ladder):
         raise InvalidProblem(f"settings = {settings!r}: must be {least} or more different numbers > 0")
     return ladder
+
+
+def _untried(why: str | None) -> dict[str, Any]:
+    """What stands in place of a fit where a method was left out."""
+    return {} if why is None else {"order": "left out", "failed": 0, "verdict": why}
 
 
 def _fit(order: Order) -> dict[str, Any]:

@@ -16,6 +16,22 @@ if TYPE_CHECKING:
     from verification.page.sheet import Axes, Figure
 
 
+def left_out(table: pd.DataFrame) -> dict[str, str]:
+    """Method -> why, of those that were not tried: a library is missing, or they are not made for so large a problem.
+
+    ``table`` has rows of ``measure``, those of a method from coarse to fine.
+    """
+    first = table.drop_duplicates("method")
+    never = first[first["status"] == "LEFT_OUT"]
+    return dict(zip(never["method"], never["detail"], strict=True))
+
+
+def left_out_rows(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
+    """The same as a table with its caption; nothing if all were tried."""
+    why = left_out(table)
+    return {"Methods that were left out.": pd.DataFrame(why.items(), columns=["method", "why"])} if why else {}
+
+
 class Result(ABC):
     """A result; frozen dataclasses that hold tables only, so that they pickle."""
 

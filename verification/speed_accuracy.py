@@ -18,7 +18,7 @@ from verification.measure import COUNTERS, REPEATS, measure
 from verification.method import Method, Methods, as_methods
 from verification.orders import checked_errors, checked_settings
 from verification.references import Known, known_at
-from verification.result import Result
+from verification.result import Result, left_out, left_out_rows
 
 if TYPE_CHECKING:
     from verification.page.sheet import Axes
@@ -96,7 +96,7 @@ class WorkPrecision(Result):
         return {
             f"The cheapest method for each error ({self.errors[0]}), CPU time in seconds.{note}": self.cheapest(),
             "CPU seconds that each method needs for an error (nan: not reached).": self.costs().reset_index(),
-        }
+        } | left_out_rows(self.table)
 
     def __repr__(self) -> str:
         won = self.cheapest()
@@ -109,6 +109,7 @@ class WorkPrecision(Result):
                 f"WorkPrecision of {len(self.looks)} methods; cheapest by CPU time at an error of",
                 *lines,
                 *(f"  {word}: {targets}" for word, targets in missed.items() if targets),
+                *(f"  left out: {name}: {why}" for name, why in left_out(self.table).items()),
             ]
         )
 

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 import dincl
 from dincl.checks import describe, number
+from dincl.extras import MissingLibrary
 from verification.measure import distance
 from verification.method import Method
 from verification.outcome import Outcome, judge
@@ -141,6 +142,8 @@ class _Cell:
             scheme = self._scheme(given)
             times = self._times(problem)
             path = dincl.solve(problem, scheme, t=times, throw=False)
+        except MissingLibrary:
+            raise
         except dincl.InvalidProblem as wrong:
             numbers = dict.fromkeys(("error", "overlap", "growth"), np.nan)
             return {"outcome": Outcome.REFUSED.value, "status": "INVALID", "detail": str(wrong)} | numbers

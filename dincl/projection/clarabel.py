@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.errors import StepFailure
+from dincl.extras import needs
 from dincl.projection.base import Projection
 from dincl.projection.qp import InteriorPointSolver, QpAnswer
 from dincl.status import Status
@@ -50,7 +51,8 @@ class _ClarabelSolver(InteriorPointSolver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        import clarabel
+        with needs("Clarabel", "yardsticks"):
+            import clarabel
 
         self._library: Any = clarabel
         self._settings = settings = clarabel.DefaultSettings()

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.errors import StepFailure
+from dincl.extras import needs
 from dincl.projection.base import Projection
 from dincl.projection.program_cache import ProgramCache
 from dincl.projection.qp import InteriorPointSolver, QpAnswer
@@ -55,7 +56,8 @@ class _CvxpySolver(InteriorPointSolver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        import cvxpy
+        with needs("CvxpyQP", "yardsticks"):
+            import cvxpy
 
         self._cvxpy: Any = cvxpy
         self._programs: ProgramCache[_Program] = ProgramCache(MOST_PROGRAMS)

@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.extras import needs
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -20,8 +22,9 @@ class GramFactor:
     """Solves (A_F A_F^T + shift) y = r for changing rows F of changing matrices A that tie the same coordinates."""
 
     def __init__(self) -> None:
-        import qdldl
-        from scipy.sparse import csc_array
+        with needs("ProjectedNewton", "yardsticks"):
+            import qdldl
+            from scipy.sparse import csc_array
 
         from dincl.kernels import gram
 

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from dincl.errors import StepFailure
+from dincl.extras import needs
 from dincl.projection.base import Projected, Projection, Solver
 from dincl.projection.program_cache import ProgramCache
 from dincl.rows.affine import linearised
@@ -52,7 +53,8 @@ class _IpoptSolver(Solver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        from dincl.projection.nlp import Program
+        with needs("Ipopt", "yardsticks"):
+            from dincl.projection.nlp import Program
 
         self._compile = Program
         self._programs: ProgramCache[Program] = ProgramCache(MOST_PROGRAMS)

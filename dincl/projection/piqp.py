@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.errors import StepFailure
+from dincl.extras import needs
 from dincl.projection.base import Projection
 from dincl.projection.qp import InteriorPointSolver, QpAnswer, refuse_if_empty
 from dincl.status import Status
@@ -48,7 +49,8 @@ class _PiqpSolver(InteriorPointSolver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        import piqp
+        with needs("Piqp", "yardsticks"):
+            import piqp
 
         self._library: Any = piqp
 

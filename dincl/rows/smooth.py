@@ -46,20 +46,27 @@ class SmoothRows(CurvedRows):
 
     def jacobian(self, x: NDArray[np.float64]) -> Csr:
         """What ``derivative`` returns, checked: real numbers of shape (m, N*d) or (m, N, d), or a sparse matrix."""
-        from scipy.sparse import csr_array, issparse
-
         name = self.names[1]
         raw = call(name, Status.CONSTRAINT_FAILED, self.derivative, x - self.shift)
         shape = (self.total, x.size)
-        if not issparse(raw):
-            raw = np.reshape(raw, shape) if np.size(raw) == self.total * x.size else raw
-            raw = numbers(name, Status.CONSTRAINT_FAILED, raw, shape)
-        elif raw.shape != shape:
+        if hasattr(raw, "tocsr"):
+            return self._from_sparse(raw, shape)
+        raw = np.reshape(raw, shape) if np.size(raw) == self.total * x.size else raw
+        full = numbers(name, Status.CONSTRAINT_FAILED, raw, shape)[self.index]
+        row, column = np.nonzero(full)
+        return csr(np.searchsorted(row, np.arange(len(full) + 1)), column, full[row, column], x.size)
+
+    def _from_sparse(self, raw: Any, shape: tuple[int, int]) -> Csr:
+        """A matrix of scipy.sparse, which is not imported for those who return none."""
+        from scipy.sparse import csr_array
+
+        name = self.names[1]
+        if raw.shape != shape:
             found = f"{name} returned a sparse matrix of shape {raw.shape}: must have shape {shape}."
             raise StepFailure(Status.CONSTRAINT_FAILED, found)
         rows = csr_array(raw)[self.index]
         data = numbers(name, Status.CONSTRAINT_FAILED, rows.data)
-        return csr(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), data, x.size)
+        return csr(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), data, shape[1])
 
     def take(self, keep: NDArray[np.bool_]) -> SmoothRows:
         return replace(self, index=self.index[keep])

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from meanfield.model.translate import Instruction
 
 if TYPE_CHECKING:
@@ -15,7 +16,8 @@ if TYPE_CHECKING:
 
 def library() -> Any:
     """CasADi, loaded on first use."""
-    import casadi
+    with needs("A model of meanfield", "meanfield"):
+        import casadi
 
     return casadi
 

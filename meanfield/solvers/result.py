@@ -7,6 +7,7 @@ from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from dincl.extras import needs
 from meanfield import plotting
 
 if TYPE_CHECKING:
@@ -38,7 +39,8 @@ class SolverResult(ABC):
 
     def to_frame(self) -> Any:
         """A pandas DataFrame, a row for each kept time: t, y1, ..., v1, ..., the energy, and what else is measured."""
-        import pandas as pd
+        with needs("to_frame", "meanfield"):
+            import pandas as pd
 
         columns = {"t": self.t}
         for name, values in (("y", self.y), ("v", self.v)):

@@ -17,6 +17,7 @@ from scipy.sparse import coo_array
 from scipy.spatial import cKDTree
 
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from dincl.status import Status
 from meanfield.errors import SolveFailed
 
@@ -172,7 +173,8 @@ def _priced(x: _Points, y: _Points, codes: Indices, u: Floats, v: Floats, gap: f
 
 def _optimum(x: _Points, y: _Points, costs: Floats | coo_array) -> _Plan:
     """The optimal plan for given costs, of all pairs or of some; its upper bound is the distance that it carries."""
-    import ot
+    with needs("w1 of points in d >= 2", "meanfield"):
+        import ot
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the same message is in the log

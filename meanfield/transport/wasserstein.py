@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from dincl import checks
 from dincl.errors import InvalidProblem
+from dincl.extras import needs
 from meanfield.density.density import Density
 from meanfield.density.panels import DEGREE, Panels
-from meanfield.transport import discrete
 
 Floats = NDArray[np.float64]
 
@@ -77,6 +77,9 @@ def w1(a: Measure, b: Measure) -> float:
         return _points_from_panels(one, other)
     if dimensions[0] == 1:
         return _points_apart(one, other)
+    with needs("w1 of points in d >= 2", "meanfield"):
+        from meanfield.transport import discrete
+
     return discrete.bounds(one.at, one.mass, other.at, other.mass).upper
 
 

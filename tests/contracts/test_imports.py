@@ -4,9 +4,16 @@ import ast
 import json
 import subprocess
 import sys
+import tomllib
+from collections.abc import Iterable
+from importlib.metadata import requires
 from pathlib import Path
 
 import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+from dincl.extras import PACKAGES
 
 ROOT = Path(__file__).parents[2]
 MAY_IMPORT = {
@@ -30,6 +37,12 @@ HEAVY = (
     "qdldl",
     "sklearn",
 )
+# What an extra is for, and what of it other extras serve: a minimiser of the tissue, the statements of one source.
+SERVED = {
+    "meanfield": ("meanfield", ()),
+    "report": ("verification", ("verification/thesis/",)),
+    "tissue": ("tissue", ("tissue/quasi_steady/judge.py",)),
+}
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
 
 
@@ -100,3 +113,28 @@ def test_import_dincl_loads_nothing_heavy() -> None:
     loaded = set(json.loads(run.stdout))
     assert "dincl" in loaded
     assert loaded.isdisjoint(NOT_WITH_DINCL)
+
+
+def brought(names: Iterable[str]) -> set[str]:
+    """The packages that these bring, with all that they need in turn."""
+    found: set[str] = set()
+    todo = list(names)
+    while todo:
+        name = canonicalize_name(todo.pop())
+        if name not in found:
+            found.add(name)
+            needed = [Requirement(text) for text in requires(name) or ()]
+            todo += [each.name for each in needed if not each.marker or each.marker.evaluate({"extra": ""})]
+    return found
+
+
+@pytest.mark.parametrize("extra", SERVED)
+def test_an_extra_brings_all_that_its_package_imports(extra: str) -> None:
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+    there = brought([*project["dependencies"], *project["optional-dependencies"][extra]])
+    room, others = SERVED[extra]
+    absent = {module for module, package in PACKAGES.items() if canonicalize_name(package) not in there}
+    assert "cvxpy" in absent
+    files = [path.relative_to(ROOT).as_posix() for path in sources(room)]
+    wrong = {name: imported((ROOT / name).read_text("utf-8")) & absent for name in files if not name.startswith(others)}
+    assert not {name: found for name, found in wrong.items() if found}

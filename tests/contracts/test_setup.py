@@ -36,10 +36,10 @@ def locked() -> list[Requirement]:
 
 
 def wanted() -> set[str]:
-    """Name the dependencies in pyproject.toml, those for development too."""
+    """Name the dependencies in pyproject.toml, those of all extras too."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
-    names = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
-    return {canonicalize_name(Requirement(name).name) for name in names}
+    names = [*project["dependencies"], *(name for extra in project["optional-dependencies"].values() for name in extra)]
+    return {canonicalize_name(Requirement(name).name) for name in names} - {project["name"]}
 
 
 def make(folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:

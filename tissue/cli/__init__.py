@@ -1,7 +1,15 @@
 """The commands of ``tissue``."""
 
-from tissue.cli.app import app
+from dincl.extras import command
 
 MAKES_NO_NUMBERS = True
 
-__all__ = ["app"]
+__all__ = ["main"]
+
+
+def main() -> None:
+    """Run the command that was called; where a library of it is missing, say so."""
+    with command("tissue", "tissue"):
+        from tissue.cli.app import app
+
+        app()

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from dincl.checks import number
+from dincl.extras import needs
 from dincl.status import Status
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.numbers import Numbers
@@ -59,6 +60,7 @@ class Judge:
         object.__setattr__(self, "tol", number("tol", self.tol, positive=True))
 
     def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Minimised:
-        from tissue.quasi_steady.judge import local_minimum
+        with needs("Judge", "yardsticks"):
+            from tissue.quasi_steady.judge import local_minimum
 
         return local_minimum(cells, layers, numbers, self.tol)

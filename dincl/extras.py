@@ -1,0 +1,81 @@
+"""Libraries that extras of the installation bring; a missing one is named in one message."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from importlib.util import find_spec
+from typing import Literal
+
+from dincl.errors import InvalidProblem
+
+MAKES_NO_NUMBERS = True
+
+Extra = Literal["all", "meanfield", "report", "tissue", "yardsticks"]
+# What is imported, and the package that brings it: all that pyproject.toml lists under these extras.
+PACKAGES = {
+    "PIL": "pillow",
+    "SALib": "SALib",
+    "bokeh": "bokeh",
+    "casadi": "casadi",
+    "clarabel": "clarabel",
+    "cvxpy": "cvxpy",
+    "distributed": "distributed",
+    "filelock": "filelock",
+    "jinja2": "jinja2",
+    "matplotlib": "matplotlib",
+    "ot": "POT",
+    "pandas": "pandas",
+    "pint": "pint",
+    "piqp": "piqp",
+    "pyarrow": "pyarrow",
+    "pydantic": "pydantic",
+    "qdldl": "qdldl",
+    "rich": "rich",
+    "scipy": "scipy",
+    "sklearn": "scikit-learn",
+    "typer": "typer",
+}
+BAD_INPUT = 2  # the code with which a command ends
+
+
+class MissingLibrary(InvalidProblem, ModuleNotFoundError):
+    """A library that is not installed; the message says what needs it, and the extra that brings it."""
+
+    def __init__(self, what: str, packages: str, extra: Extra) -> None:
+        super().__init__(f"{what} needs {packages}, not installed here: pip install 'dincl-testbed[{extra}]'")
+        self._made_of = what, packages, extra
+
+    def __reduce__(self) -> tuple[type[MissingLibrary], tuple[str, str, Extra]]:
+        return type(self), self._made_of
+
+
+@contextmanager
+def needs(what: str, extra: Extra) -> Iterator[None]:
+    """Around imports: where one of PACKAGES is missing, MissingLibrary says that ``what`` needs it, and the extra."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        library = (error.name or "").partition(".")[0]
+        if library not in PACKAGES or find_spec(library) is not None:
+            raise
+        raise MissingLibrary(what, PACKAGES[library], extra) from error
+
+
+def need_all(what: str) -> None:
+    """Raise MissingLibrary unless all of PACKAGES are installed; it names those that are not."""
+    missing = [package for module, package in PACKAGES.items() if find_spec(module) is None]
+    if missing:
+        raise MissingLibrary(what, ", ".join(missing), "all")
+
+
+@contextmanager
+def command(name: str, extra: Extra) -> Iterator[None]:
+    """Around a command: a missing library ends it with one message, as bad input does."""
+    try:
+        with needs(name, extra):
+            yield
+    except MissingLibrary as missing:
+        print(f"Error: {missing}", file=sys.stderr)
+        raise SystemExit(BAD_INPUT) from missing

@@ -1,0 +1,124 @@
+"""Without the libraries of the extras the core works, and whoever needs one is told which, and what brings it."""
+
+import json
+import pickle
+import subprocess
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+
+import dincl
+from dincl.extras import PACKAGES, MissingLibrary, need_all, needs
+
+ROOT = Path(__file__).parents[2]
+EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["optional-dependencies"]
+# The import system takes None for a module that cannot be found.
+WITHOUT = f"import sys; sys.modules.update(dict.fromkeys({sorted(PACKAGES)}))\n"
+CORE = """
+import json
+import numpy as np
+import dincl, meanfield, tissue, verification
+
+scene = dincl.scenes.four_disks()
+wall = dincl.Problem([[1.0, 0.0]], lambda t, x: -x, [dincl.Smooth(lambda x: x[:, 0] - 0.5, lambda x: [[1.0, 0.0]])])
+paths = [dincl.solve(wall, dincl.PBD(0.1), [1.0])]
+for scheme in (dincl.PBD(0.05), dincl.CatchUp(0.05, dincl.Daqp(1e-9)), dincl.CatchUp(0.05, dincl.GaussSeidel(1e-9))):
+    paths.append(dincl.solve(scene, scheme, [0.1]))
+said = {}
+asked = {
+    "Clarabel": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.Clarabel(1e-9)), [0.1]),
+    "CvxpyQP": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.CvxpyQP(1e-9)), [0.1]),
+    "EventDriven": lambda: dincl.solve(scene, dincl.EventDriven(1e-9), [0.1]),
+    "Ipopt": lambda: dincl.project(scene, scene.x0 / 2, dincl.Ipopt(1e-9)),
+    "Piqp": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.Piqp(1e-9)), [0.1]),
+    "ProjectedNewton": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.ProjectedNewton(1e-9)), [0.1]),
+    "chain_constant": lambda: dincl.geometry.chain_constant(4, 1.0),
+    "plot": paths[1].plot,
+    "to_frame": paths[1].to_frame,
+    "model": lambda: meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5),
+    "w1": lambda: meanfield.w1(np.eye(2), np.ones((2, 2))),
+    "study": lambda: __import__("dincl.study"),
+}
+for name, ask in asked.items():
+    try:
+        ask()
+    except dincl.InvalidProblem as missing:
+        said[name] = str(missing)
+line = meanfield.w1(np.arange(3.0), np.arange(3.0) + 1)
+ended = [path.status.name for path in paths]
+print(json.dumps({"ended": ended, "end": paths[0].final.tolist(), "w1": line, "said": said}))
+"""
+MESSAGES = {
+    "Clarabel": "Clarabel needs clarabel, not installed here: pip install 'dincl-testbed[yardsticks]'",
+    "CvxpyQP": "CvxpyQP needs cvxpy, not installed here: pip install 'dincl-testbed[yardsticks]'",
+    "EventDriven": "EventDriven needs scipy, not installed here: pip install 'dincl-testbed[yardsticks]'",
+    "Ipopt": "Ipopt needs casadi, not installed here: pip install 'dincl-testbed[yardsticks]'",
+    "Piqp": "Piqp needs piqp, not installed here: pip install 'dincl-testbed[yardsticks]'",
+    "ProjectedNewton": "ProjectedNewton needs qdldl, not installed here: pip install 'dincl-testbed[yardsticks]'",
+    "chain_constant": "chain_constant needs scipy, not installed here: pip install 'dincl-testbed[yardsticks]'",
+    "plot": "A picture needs matplotlib, not installed here: pip install 'dincl-testbed[report]'",
+    "to_frame": "to_frame needs pandas, not installed here: pip install 'dincl-testbed[report]'",
+    "model": "A model of meanfield needs casadi, not installed here: pip install 'dincl-testbed[meanfield]'",
+    "w1": "w1 of points in d >= 2 needs scipy, not installed here: pip install 'dincl-testbed[meanfield]'",
+    "study": "dincl.study needs rich, not installed here: pip install 'dincl-testbed[report]'",
+}
+COMMANDS = {
+    "from tissue.cli import main": "Error: tissue needs typer, not installed here: pip install 'dincl-testbed[tissue]'",
+    "from verification.command import main": (
+        "Error: verification needs pandas, not installed here: pip install 'dincl-testbed[report]'"
+    ),
+}
+
+
+def run(code):
+    """Run a program in which no library of an extra can be imported."""
+    return subprocess.run([sys.executable, "-c", WITHOUT + code], cwd=ROOT, capture_output=True, text=True, check=False)
+
+
+def test_every_package_of_an_extra_is_known():
+    listed = {Requirement(name).name for extra, names in EXTRAS.items() if extra != "dev" for name in names}
+    assert set(PACKAGES.values()) == listed - {"dincl-testbed"}
+
+
+def test_all_takes_every_extra_but_that_of_developers():
+    (itself,) = (Requirement(name) for name in EXTRAS["all"])
+    assert itself.name == "dincl-testbed"
+    assert itself.extras == EXTRAS.keys() - {"all", "dev"}
+
+
+def test_the_core_works_alone_and_says_what_is_missing():
+    done = run(CORE)
+    assert done.returncode == 0, done.stderr
+    found = json.loads(done.stdout)
+    assert set(found["ended"]) == {"SUCCESS"}
+    assert found["end"] == [[0.5, 0.0]]
+    assert found["w1"] == 1.0
+    assert found["said"] == MESSAGES
+
+
+@pytest.mark.parametrize(("command", "message"), COMMANDS.items(), ids=("tissue", "verification"))
+def test_a_command_without_its_libraries_ends_with_one_message(command, message):
+    done = run(f"{command}\nmain()")
+    assert (done.returncode, done.stderr.strip(), done.stdout) == (2, message, "")
+
+
+def test_other_modules_that_are_missing_are_no_matter_of_extras(monkeypatch):
+    with pytest.raises(ModuleNotFoundError, match="no_such_module") as error, needs("this", "all"):
+        import no_such_module  # noqa: F401
+    assert not isinstance(error.value, dincl.InvalidProblem)
+
+
+def test_what_needs_all_names_all_that_are_missing(monkeypatch):
+    need_all("the report")
+    for name in ("ot", "cvxpy"):
+        monkeypatch.setitem(sys.modules, name, None)
+    with pytest.raises(MissingLibrary, match=r"the report needs cvxpy, POT, not installed here: .*\[all\]"):
+        need_all("the report")
+
+
+def test_the_error_goes_between_processes():
+    error = pickle.loads(pickle.dumps(MissingLibrary("Ipopt", "casadi", "yardsticks")))
+    assert str(error) == MESSAGES["Ipopt"]
