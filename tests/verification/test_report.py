@@ -138,7 +138,7 @@ TABLES = {
     *(f"emt_complete_{name}" for name in kept.COMPLETE),
     *MEANFIELD_TABLES,
 }
-IMAGES = 37 + MEANFIELD_PICTURES
+IMAGES = 42 + MEANFIELD_PICTURES
 LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 

@@ -15,13 +15,14 @@ Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Results of a study,
 
 
 def figures(folder: Folder) -> None:
-    """Draw the counterparts of Figures 10 to 22 of chapter 4, as far as there are results, into DIR/figures.
+    """Draw studies, each into the folder figures in its own: positions, ratios in time and at the end, examples.
 
-    A line for each says from what it was drawn, or which study it lacks, with the command that makes it.
+    Of studies that come with the program also the counterparts of Figures 10 to 22 of chapter 4, into DIR/figures, both
+    presets beside each other. A line for each file says what it shows, or why it cannot be drawn.
     """
     from tissue.study.figures.catalogue import draw_all
 
     with messages():
         for one in draw_all(folder):
-            files = f"{one.files[0]} and {one.files[1].suffix}, from" if one.files else one.name
+            files = f"{one.files[0]} and {one.files[1].suffix}:" if one.files else one.name
             print(f"{files} {one.told}", flush=True)

@@ -53,8 +53,8 @@ if TYPE_CHECKING:
 MAKES_NO_NUMBERS = True
 
 ENDINGS = (".png", ".svg", ".pdf")
-# Inches: a picture, its panels at most, and what stands around them.
-WIDTH, TALLEST = 9.2, 7.0
+# Inches: a picture, its panels at most, one of many, and what stands around them.
+WIDTH, TALLEST, LEAST = 9.2, 7.0, 2.3
 LEFT, RIGHT, TOP, GAP, BOTTOM, LEGEND = 0.7, 0.12, 0.32, 0.3, 0.48, 0.34
 COLUMNS = 3
 ENTRIES = 7  # of a line of the legend of EMT cells
@@ -97,24 +97,26 @@ def picture(frames: Sequence[Frame], parameters: Parameters, path: str | PathLik
     write(drawing(frames, parameters), path)
 
 
-def drawing(frames: Sequence[Frame], parameters: Parameters, box: Box | None = None, room: float = 0.0) -> Figure:
+def drawing(
+    frames: Sequence[Frame], parameters: Parameters | Sequence[Parameters], box: Box | None = None, room: float = 0.0
+) -> Figure:
     """The figure that ``picture`` writes.
 
     Parameters
     ----------
     frames, parameters
-        As in ``picture``; the frames may be of several runs.
+        As in ``picture``; the frames may be of several runs on one basal layer, with the parameters of each.
     box
         What each panel shows; everything if it is None.
     room
         Inches that stay free below the legend.
     """
-    box, look = box or _box(frames, parameters), look_of(frames)
+    of = parameters if isinstance(parameters, Sequence) else [parameters] * max(1, len(frames))
+    box, look = box or _box(frames, of[0]), look_of(frames)
     with style():
-        second = _second(frames, parameters, look)
-        figure, panels = _sheet(len(frames), box, parameters, DPI, second, room)
-        for panel, frame in zip(panels, frames, strict=True):
-            _draw(panel, frame, parameters, _decimals(frames), look)
+        figure, panels = _sheet(len(frames), box, of[0], DPI, _second(frames, of[0], look), room)
+        for panel, frame, own in zip(panels, frames, of, strict=False):
+            _draw(panel, frame, own, _decimals(frames), look)
     return figure
 
 
@@ -180,7 +182,7 @@ def _sheet(
     rows = -(-count // COLUMNS)
     columns = -(-count // rows)
     slot = (WIDTH - LEFT - RIGHT - (columns - 1) * GAP) / columns
-    inches = min(slot / (box.right - box.left), TALLEST / rows / (box.high - box.low))
+    inches = min(slot / (box.right - box.left), max(LEAST, TALLEST / rows) / (box.high - box.low))
     wide, tall = inches * (box.right - box.left), inches * (box.high - box.low)
     total = rows * (tall + TOP) + (rows - 1) * GAP + below
     total = math.ceil(total * MOVIE_DPI) / MOVIE_DPI  # whole pixels

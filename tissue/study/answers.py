@@ -10,7 +10,7 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from tissue.files.parameter_files import flat
-from tissue.study.categories import What, kept_times, outcome
+from tissue.study.categories import What, outcome
 from tissue.study.comparisons import Difference, corrected, runs_needed
 from tissue.study.ratios import LEVEL, as_ratio, ratio
 from tissue.study.read import Results
@@ -24,16 +24,20 @@ FOUND = 1 - LEVEL
 def scenario_ratios(results: Results) -> pd.DataFrame:
     """Of the EMT cells of each scenario that is stored: how many are extruded, or below all control cells, at the end.
 
-    Columns: scenario, outcome ("basal", "apical", "below"), count, of [cells], effective [cells], value, low, high;
-    Wilson's 95 % intervals on the effective number of cells.
+    Columns: scenario, outcome ("basal", "apical", "below"), count, of [cells], effective [cells], runs [with such
+    cells], value, low, high; Wilson's 95 % intervals on the effective number of cells.
     """
     rows: list[tuple[Any, ...]] = []
     for scenario in _stored(results):
-        cells = results.cells(scenario)
+        end = results.parameters(scenario).t_end
+        cells = results.cells(scenario, ["replicate", f"ab_{end:g}h", f"below_{end:g}h"])
         for what in get_args(What) if len(cells) else ():
-            one = ratio(outcome(cells, what, kept_times(cells)[-1]), cells["replicate"])
-            rows.append((scenario, what, one.count, one.of, one.size, one.value, *one.interval()))
-    return pd.DataFrame(rows, columns=["scenario", "outcome", "count", "of", "effective", "value", "low", "high"])
+            one = ratio(outcome(cells, what, end), cells["replicate"])
+            counts = one.count, one.of, one.size, cells["replicate"].nunique()
+            rows.append((scenario, what, *counts, one.value, *one.interval()))
+    return pd.DataFrame(
+        rows, columns=["scenario", "outcome", "count", "of", "effective", "runs", "value", "low", "high"]
+    )
 
 
 def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:

@@ -6,38 +6,54 @@ import pytest
 from typer.testing import CliRunner
 
 from dincl.errors import InvalidProblem
-from tests.tissue.study.figures_stand_in import made, outcomes
+from tests.tissue.study.figures_stand_in import caption, made, outcomes, written
 from tissue.cli.app import app
-from tissue.study.figures.catalogue import FIGURES, draw_all, found
+from tissue.pictures.sheet import write
+from tissue.study.figures import catalogue
+from tissue.study.figures.catalogue import draw_all, found
+
+NO_STATES = (
+    "keeps no states of its runs; trajectories = [0] in the study file keeps those of the first run of each scenario"
+)
 
 
 @pytest.fixture
 def quick(monkeypatch, tmp_path):
-    """Studies that take no time, in a folder of their own; drawings of few dots."""
+    """Studies that take no time, in a folder of their own; drawings of few dots, most of them in name only."""
     monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
     monkeypatch.setattr("tissue.study.figures.style.DPI", 30)
     monkeypatch.setattr("tissue.pictures.picture.DPI", 30)
     monkeypatch.chdir(tmp_path)
-    return tmp_path
+    return written(monkeypatch)
 
 
-def test_the_command_draws_what_it_can_and_says_what_the_others_need(quick):
+def test_the_command_draws_what_it_can_and_says_what_the_others_need(quick, monkeypatch):
+    monkeypatch.setattr(
+        catalogue, "write", lambda figure, path: write(figure, path) if "figure12." in str(path) else None
+    )
     made(["figure12", "figure12_published", "table5_7"], "results", trajectories=())
     Path("results/notes").mkdir()
     done = CliRunner().invoke(app, ["figures", "results"])
     assert (done.exit_code, done.stderr) == (0, "")
     lines = done.stdout.splitlines()
-    assert len(lines) == len(FIGURES) + 1
-    assert lines[2] == "results/figures/figure12.png and .svg, from results/figure12"
-    assert lines[13] == "results/figures/figure12_published.png and .svg, from results/figure12_published"
-    assert lines[0] == "figure10 is made after: tissue study figure10 --out results/figure10"
+    studies, chapter = lines[:12], lines[12:]
+    assert studies[0] == "results/figure12/figures/positions.png and .svg: positions of EMT cells against time"
+    assert studies[3] == f"examples cannot be drawn: results/figure12 {NO_STATES}"
+    assert chapter[0] == "results/figures/figure12.png and .svg: from results/figure12, results/figure12_published"
+    assert chapter[1] == "figure13 is made after: tissue study figure10 --out results/figure10"
     commands = [f"tissue study {name} --out results/{name}" for name in ("table5_63", "table5_35")]
-    assert lines[10] == f"figure20 is made after: {', '.join(commands)}"
+    assert f"figure20 is made after: {', '.join(commands)}" in chapter
+    assert not [line for line in chapter if "figure10 " in line[:9] or "figure22" in line]  # of other studies
     files = {path.name: path.read_bytes() for path in Path("results/figures").iterdir()}
-    assert set(files) == {f"figure12{kind}.{ending}" for kind in ("", "_published") for ending in ("png", "svg")}
-    texts = [files[f"figure12{kind}.svg"].decode() for kind in ("", "_published")]
-    assert ["<!-- In the published model. Isolated EMT cell" in text for text in texts] == [False, True]
+    assert set(files) == {"figure12.png", "figure12.svg"}
+    assert ", published -->" in files["figure12.svg"].decode()
     assert all(data.startswith({"p": b"\x89PNG", "s": b"<?xml"}[name[-3]]) for name, data in files.items())
+
+
+def test_a_figure_of_the_published_model_alone_says_so(quick):
+    made(["figure12_published"], "results", trajectories=())
+    assert [figure.name for figure in draw_all("results") if figure.files][-1] == "figure12"
+    assert caption(quick["figure12.svg"]).startswith("In the published model. Isolated EMT cell")
 
 
 def test_the_folder_of_one_study_whatever_its_name(quick):
@@ -47,9 +63,7 @@ def test_the_folder_of_one_study_whatever_its_name(quick):
     assert [path.as_posix() for path in one["figure10"].files] == [
         f"results/mine/figures/figure10.{ending}" for ending in ("png", "svg")
     ]
-    assert (
-        one["figure11"].told == "cannot be drawn: results/mine: has no trajectories: the study file must ask for some"
-    )
+    assert one["figure11"].told == f"cannot be drawn: results/mine {NO_STATES}"
     assert one["figure13"].told == "is made after: tissue study figure12 --out results/figure12"
 
 
@@ -60,9 +74,13 @@ def test_a_study_that_is_not_complete_is_drawn_as_far_as_it_can(quick):
     told = []
     for path in parts[::-1]:
         path.unlink()
-        told.append({figure.name: figure.told for figure in draw_all("results")}["figure12"])
-    assert told[0] == "results/figure12, not complete yet"
-    assert told[1].startswith("cannot be drawn: results/figure12: nothing of the scenario '[S] no INM'")
+        told.append({figure.name: figure for figure in draw_all("results")})
+    assert [figures["ratios"].told for figures in told] == ["ratios of extrusion against time, not complete yet"] * 2
+    assert told[0]["figure12"].told == "from results/figure12"
+    assert told[1]["figure12"].told.startswith(
+        "cannot be drawn: results/figure12: nothing of the scenario '[S] no INM'"
+    )
+    assert "Not shown: '[S] no INM' is not stored yet." in caption(quick["at_end.svg"])
 
 
 def test_folders_that_can_not_be_used_are_refused(quick):

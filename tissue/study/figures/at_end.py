@@ -1,41 +1,27 @@
-"""Figures 13 and 15 of chapter 4: ratios at the end of the runs, scenario by scenario."""
+"""Ratios at the end of the runs, scenario by scenario: of any study, and Figures 13 and 15 of chapter 4."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+import textwrap
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
-import numpy as np
 import pandas as pd
 
 from tissue.pictures.sheet import Axes, Figure, Line2D, Patch
-from tissue.study.categories import NO_INM, What, kept_times, outcome
+from tissue.study.categories import NO_INM, What
 from tissue.study.figures.in_time import ALONE, ALONE_NO_INM
-from tissue.study.figures.needs import Studies, cells_of, needs, ratio_of
-from tissue.study.figures.style import (
-    CAP,
-    ENVIRONMENTS,
-    INTERVALS,
-    OUTCOMES,
-    bars,
-    caption,
-    counted,
-    errors,
-    legend,
-    no_inm,
-    page,
-    percent_axis,
-)
-from tissue.study.ratios import Ratio
-
-if TYPE_CHECKING:
-    from tissue.study.read import Results
+from tissue.study.figures.needs import FigureSource, Sources, needs
+from tissue.study.figures.panels import APART, NAME_LETTERS, Dots, checked_entry, draw_dots, grid, name_axes
+from tissue.study.figures.style import ENVIRONMENTS, INTERVALS, OUTCOMES, caption, counted, legend
 
 MAKES_NO_NUMBERS = True
 
 EVENTS = ("[A]", "[B]", "[S]", "[BP]", "no EMT")
 PROGRAMS = ("[ABP]", "[BAP]", "[BPx]", "[BxP]", "[AxB]", "[BxA]", "[Ax]", "[xA]", "[Bx]", "[xB]", "no EMT")
-GROUP = ", 10 cells"
+NAMES = [name for *_, name in OUTCOMES.values()]
+WITH_AND_WITHOUT = {"With INM": "", "Without INM": NO_INM}
+ENDS = {"individual": ("", "o"), "homogeneous": (", 10 cells", "s")}
 # Sections 4.1 and 4.2 of chapter 4, as parts of all cells.
 PRINTED = {
     ("[A]", "apical"): 0.3,
@@ -45,78 +31,118 @@ PRINTED = {
     ("[B]", "basal"): 0.0,
     ("[B] no INM", "basal"): 0.7,
 }
-MARK: Any = {"marker": "D", "markersize": 5.5, "color": "white", "markeredgecolor": "black", "linestyle": "none"}
-WIDE = 0.38  # of a bar, where two scenarios are 1 apart
-APART = 0.17  # of the marks of one program
-ENDS = {"individual": ("", "o"), "homogeneous": (GROUP, "s")}
+MARK: Any = {"marker": "D", "markersize": 5.0, "color": "#ffe08a", "markeredgecolor": "black", "linestyle": "none"}
+ALONE_LOOKS: dict[str, Any] = {
+    "with INM": {"marker": "o"},
+    "without INM": {"marker": "s", "markerfacecolor": "white"},
+}
+SHIFT = APART / 2  # of marks for cells with INM upwards, for those without it downwards
+LINE, ROOM = 0.23, 0.5  # inches: a line of ratios; title and axis of a panel
+AT_END = "ratio at the end [%]"
 
 
-@needs("figure10", "figure12")
-def figure_13(results: Studies) -> Figure:
+class _AtEnd(NamedTuple):
+    """Ratios of all scenarios of some studies, and of fewer runs, if any."""
+
+    ratios: pd.DataFrame
+    checked: pd.DataFrame | None
+
+
+def at_end(sources: Sources, study: str, scenarios: Sequence[str]) -> Figure:
+    """The three outcomes at the end for each scenario of a study."""
+    figure, panels = grid(
+        [name for *_, name in OUTCOMES.values()], list(sources), _tall(scenarios), sharex=True, sharey=True
+    )
+    tables = {preset: _rows(source, study) for preset, source in sources.items()}
+    for preset, rows in tables.items():
+        for what, (colour, _, name) in OUTCOMES.items():
+            look = {"color": colour, "marker": "o"}
+            draw_dots(panels[name, preset], scenarios, [_dots(rows, {one: one for one in scenarios}, what, "", look)])
+    name_axes(panels, AT_END, "")
+    caption(figure, f"EMT cells; {_told(tables)}.")
+    return figure
+
+
+@needs(figure10="ratios", figure12="ratios")
+def figure_13(sources: Sources) -> Figure:
     """r(t_end) of (4.7) of isolated cells, with INM and without, beside the printed ratios."""
-    figure = page(3.6)
-    panels = figure.subplots(1, len(OUTCOMES), sharey=True)
-    stored = dict.fromkeys(ALONE, results["figure10"]) | dict.fromkeys(ALONE_NO_INM, results["figure12"])
-    found = {name: cells_of(study, name, last_only=True) for name, study in stored.items()}
-    for panel, what in zip(panels, OUTCOMES, strict=True):
-        _alone(panel, found, what)
-        panel.set(title=OUTCOMES[what][2], xticks=range(len(EVENTS)), xticklabels=EVENTS)
-        panel.grid(visible=False, axis="x")
-        percent_axis(panel, "ratio of EMT cells at the end [%]")
-        panel.label_outer()
-    with_and_without = {"with INM": Patch(color="#555555"), "without INM": Patch(**no_inm("#555555"))}
-    legend(figure, with_and_without | {"printed in the thesis": Line2D([], [], **MARK)})
-    runs = counted((cells["replicate"].nunique() for cells in found.values()), "runs of each scenario")
+    figure, panels = grid(
+        [name for *_, name in OUTCOMES.values()], list(sources), _tall(EVENTS) + 0.2, sharex=True, sharey=True
+    )
+    tables = {preset: _rows(source, "figure10", "figure12") for preset, source in sources.items()}
+    for preset, rows in tables.items():
+        for what, (colour, _, name) in OUTCOMES.items():
+            series = []
+            for (label, look), stored in zip(ALONE_LOOKS.items(), (ALONE, ALONE_NO_INM), strict=True):
+                lines = {one.removesuffix(NO_INM): one for one in stored}
+                series.append(_dots(rows, lines, what, label, look | {"color": colour}))
+            draw_dots(panels[name, preset], EVENTS, series)
+            _draw_printed(panels[name, preset], what)
+    name_axes(panels, AT_END, "")
+    entries: dict[str, Line2D | Patch] = {
+        name: Line2D([], [], color="black", linestyle="none", **look) for name, look in ALONE_LOOKS.items()
+    }
+    legend(figure, entries | {"printed in the thesis": Line2D([], [], **MARK)} | _checked(tables))
     absent = "[BP] without INM, and no EMT with INM, are not among them"
-    caption(figure, f"Isolated EMT cells, {runs}; {absent}; whiskers: {INTERVALS}.")
+    caption(figure, f"Isolated EMT cells; {absent}; {_told(tables)}.")
     return figure
 
 
-def _alone(panel: Axes, found: Mapping[str, pd.DataFrame], what: What) -> None:
-    """A bar for each scenario, and marks for the printed ratios."""
-    colour = OUTCOMES[what][0]
-    for names, shift, look in ((ALONE, -WIDE / 2, {"color": colour}), (ALONE_NO_INM, WIDE / 2, no_inm(colour))):
-        ends = [_at_end(found[name], what, name) for name in names]
-        places = [EVENTS.index(name.removesuffix(NO_INM)) + shift for name in names]
-        bars(panel, places, ends, width=WIDE, **look)
-        for x, name in zip(places, names, strict=True):
-            if (name, what) in PRINTED:
-                panel.plot(x, 100 * PRINTED[name, what], **MARK, zorder=5)
-
-
-def _at_end(cells: pd.DataFrame, what: What, who: str) -> Ratio:
-    return ratio_of(outcome(cells, what, kept_times(cells)[-1]), cells, who)
-
-
-@needs("figure15")
-def figure_15(results: Studies) -> Figure:
+@needs(figure15="ratios")
+def figure_15(sources: Sources) -> Figure:
     """Basal extrusion at the end: eleven programs of events, alone and in a group, with INM and without."""
-    figure = page(4.8)
-    panels, runs = figure.subplots(1, 2, sharex=True, sharey=True), []
-    for panel, suffix, title in zip(panels, ("", NO_INM), ("With INM", "Without INM"), strict=True):
-        for (kind, (ending, marker)), shift in zip(ENDS.items(), (-APART, APART), strict=True):
-            colour, name = ENVIRONMENTS[kind]
-            found, counts = _programs(results["figure15"], suffix + ending)
-            runs += counts
-            places = np.arange(len(PROGRAMS)) + shift
-            _dots(panel, found, places, color=colour, marker=marker, label=name)
-        panel.set(title=title, xlabel="ratio of basal extrusion at the end [%]", xlim=(-2, 102))
-    panels[0].set(yticks=range(len(PROGRAMS)), yticklabels=PROGRAMS)
-    panels[0].invert_yaxis()
-    legend(figure, dict(zip(*panels[0].get_legend_handles_labels()[::-1], strict=True)))
-    numbers = counted(runs, "runs of each scenario")
+    figure, panels = grid(list(WITH_AND_WITHOUT), list(sources), _tall(PROGRAMS), sharex=True, sharey=True)
+    tables = {preset: _rows(source, "figure15") for preset, source in sources.items()}
+    entries: dict[str, Line2D | Patch] = {}
+    for (title, preset), panel in panels.items():
+        series = []
+        for kind, (ending, marker) in ENDS.items():
+            colour, label = ENVIRONMENTS[kind]
+            lines = {name: f"{name}{WITH_AND_WITHOUT[title]}{ending}" for name in PROGRAMS}
+            series.append(_dots(tables[preset], lines, "basal", label, {"color": colour, "marker": marker}))
+            entries[label] = Line2D([], [], color=colour, marker=marker, linestyle="none")
+        draw_dots(panel, PROGRAMS, series)
+    name_axes(panels, "ratio of basal extrusion at the end [%]", "")
+    legend(figure, entries | _checked(tables))
     text = "One EMT cell, or a group of ten with the same events; x: a delay of 12 h"
-    caption(figure, f"{text}; {numbers}; whiskers: {INTERVALS}.")
+    caption(figure, f"{text}; {_told(tables)}.")
     return figure
 
 
-def _programs(study: Results, suffix: str) -> tuple[list[Ratio], list[int]]:
-    """Basal extrusion at the end of each program, and how many runs there are."""
-    tables = [cells_of(study, f"{name}{suffix}", last_only=True) for name in PROGRAMS]
-    found = [_at_end(cells, "basal", name) for cells, name in zip(tables, PROGRAMS, strict=True)]
-    return found, [cells["replicate"].nunique() for cells in tables]
+def _rows(source: FigureSource, *studies: str) -> _AtEnd:
+    fewer = [table for study in studies if (table := source.check("ratios", study)) is not None]
+    return _AtEnd(pd.concat([source.rows("ratios", study) for study in studies]), pd.concat(fewer) if fewer else None)
 
 
-def _dots(panel: Axes, found: list[Ratio], places: np.ndarray, **look: Any) -> None:
-    values = [100 * one.value for one in found]
-    panel.errorbar(values, places, xerr=errors(found), linestyle="none", markersize=4.5, **CAP, **look)
+def _dots(rows: _AtEnd, lines: Mapping[str, str], what: What, label: str, look: dict[str, Any]) -> Dots:
+    """The ratios of one outcome by the names of their lines; ``lines``: the scenario of each."""
+    names = {scenario: name for name, scenario in lines.items()}
+
+    def picked(table: pd.DataFrame) -> pd.DataFrame:
+        mine = table[(table["outcome"] == what) & table["scenario"].isin(names)]
+        return mine.set_index(mine["scenario"].map(names))
+
+    return Dots(label, picked(rows.ratios), None if rows.checked is None else picked(rows.checked), look)
+
+
+def _draw_printed(panel: Axes, what: What) -> None:
+    """Marks at the printed ratios, on the lines of the measured ones."""
+    for (name, which), value in PRINTED.items():
+        if which == what:
+            event = name.removesuffix(NO_INM)
+            at = EVENTS.index(event) + (-SHIFT if event == name else SHIFT)
+            panel.plot(100 * value, at, zorder=1.8, **MARK)
+
+
+def _checked(tables: Mapping[str, _AtEnd]) -> dict[str, Line2D | Patch]:
+    return checked_entry() if any(rows.checked is not None for rows in tables.values()) else {}
+
+
+def _told(tables: Mapping[str, _AtEnd]) -> str:
+    runs = [int(n) for rows in tables.values() for n in rows.ratios["runs"]]
+    return f"{counted(runs, 'runs of each scenario')}; whiskers: {INTERVALS}"
+
+
+def _tall(names: Sequence[str]) -> float:
+    """Inches of a panel with a line for each of these."""
+    return ROOM + LINE * sum(len(textwrap.wrap(name, NAME_LETTERS)) for name in names)

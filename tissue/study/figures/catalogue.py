@@ -2,20 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import read
-from tissue.pictures.sheet import write
+from tissue.pictures.sheet import Figure, write
+from tissue.study.figures.any_study import drawables
 from tissue.study.figures.at_end import figure_13, figure_15
-from tissue.study.figures.conditional import figure_20, figure_21, figure_22
+from tissue.study.figures.conditional import figure_20, figure_21
 from tissue.study.figures.environments import figure_17, figure_18, figure_19
 from tissue.study.figures.examples import figure_11, figure_16
 from tissue.study.figures.in_time import figure_10, figure_12, figure_14
-from tissue.study.figures.needs import Draw, needed
+from tissue.study.figures.needs import PRESETS, Draw, Sources, by_preset, needed
+from tissue.study.figures.scatter import figure_22
 from tissue.study.figures.style import caption
 from tissue.study.plan import FOLDER, shipped
 from tissue.study.read import Results
@@ -41,7 +44,6 @@ FIGURES: dict[int, Draw] = {
 }
 SUBFOLDER = "figures"
 ENDINGS = (".png", ".svg")
-PUBLISHED = "_published"  # ending of studies in the published model, and of the figures from them
 
 
 class Drawn(NamedTuple):
@@ -49,7 +51,7 @@ class Drawn(NamedTuple):
 
     name: str
     files: tuple[Path, ...]  # none if it was not drawn
-    told: str  # the studies from which it was drawn; or what is missing
+    told: str  # what it shows, and from which studies; or what is missing
 
 
 def found(folder: str | PathLike[str]) -> dict[str, Results]:
@@ -75,7 +77,9 @@ def found(folder: str | PathLike[str]) -> dict[str, Results]:
 
 
 def draw_all(folder: str | PathLike[str]) -> Iterator[Drawn]:
-    """Draw what can be drawn, into the folder ``figures``, one after the other; and say what cannot, and why.
+    """Draw what can be drawn, one after the other; and say what cannot, and why.
+
+    Those of a study go into the folder ``figures`` in that of the study, those of chapter 4 into the one in ``folder``.
 
     Parameters
     ----------
@@ -85,39 +89,54 @@ def draw_all(folder: str | PathLike[str]) -> Iterator[Drawn]:
     Returns
     -------
     Iterator[Drawn]
-        All figures of chapter 4, by number; then those of the published model for which the studies are there.
+        The figures of each study; then those of chapter 4, by number, that are drawn from one of the studies.
     """
     studies, top = found(folder), Path(folder)
-    home = top.parent if _is_study(top) else top
-    thesis = {name: results for name, results in studies.items() if not name.endswith(PUBLISHED)}
-    for number, draw in FIGURES.items():
-        if absent := [name for name in needed(draw) if name not in thesis]:
-            commands = ", ".join(f"tissue study {name} --out {home / name}" for name in absent)
-            yield Drawn(f"figure{number}", (), f"is made after: {commands}")
-        else:
-            yield _drawn(f"figure{number}", draw, thesis, top)
-    published = {name.removesuffix(PUBLISHED): studies[name] for name in studies if name.endswith(PUBLISHED)}
-    for number, draw in FIGURES.items():
-        if published.keys() >= set(needed(draw)):
-            yield _drawn(f"figure{number}{PUBLISHED}", draw, published, top)
+    for results in studies.values():
+        state = "" if results.complete else ", not complete yet"
+        for one in drawables(results):
+            yield _drawn(results.folder, one.name, one.draw, one.told + state)
+    yield from _of_thesis(studies, top)
 
 
-def _drawn(name: str, draw: Draw, results: dict[str, Results], top: Path) -> Drawn:
+def _of_thesis(studies: dict[str, Results], top: Path) -> Iterator[Drawn]:
+    """The figures of chapter 4 that one of the studies is for, both presets beside each other where both are there."""
+    home, sources = top.parent if _is_study(top) else top, by_preset(studies)
+    for number, draw in FIGURES.items():
+        name = f"figure{number}"
+        whole = {preset: source for preset, source in sources.items() if not source.lacks(draw)}
+        used = {preset: [one for one in needed(draw) if one in source.studies] for preset, source in sources.items()}
+        if whole:
+            folders = [str(source.studies[one].folder) for preset, source in whole.items() for one in used[preset]]
+            yield _drawn(top, name, partial(of_presets, draw, whole), f"from {', '.join(folders)}")
+        elif any(used.values()):
+            preset = max(used, key=lambda one: len(used[one]))
+            absent = [study + PRESETS[preset] for study in sources[preset].lacks(draw)]
+            commands = ", ".join(f"tissue study {study} --out {home / study}" for study in absent)
+            yield Drawn(name, (), f"is made after: {commands}")
+
+
+def of_presets(draw: Draw, sources: Sources) -> Figure:
+    """A figure of chapter 4; below it stands which model it is of, where that is not the one of the thesis."""
+    figure = draw(sources)
+    if list(sources) == ["published"]:
+        caption(figure, f"In the published model. {figure.get_supxlabel()}")
+    return figure
+
+
+def _drawn(home: Path, name: str, draw: Callable[[], Figure], told: str) -> Drawn:
     try:
-        figure = draw(results)
+        figure = draw()
     except InvalidProblem as error:
         return Drawn(name, (), f"cannot be drawn: {error}")
-    if name.endswith(PUBLISHED):
-        caption(figure, f"In the published model. {figure.get_supxlabel()}")
-    files = tuple(top / SUBFOLDER / f"{name}{ending}" for ending in ENDINGS)
+    files = tuple(home / SUBFOLDER / f"{name}{ending}" for ending in ENDINGS)
     try:
         files[0].parent.mkdir(exist_ok=True)
         for file in files:
             write(figure, file)
     except OSError as error:
-        raise InvalidProblem(f"{top / SUBFOLDER}: must be a folder that can be written to: {error}") from error
-    used = [results[study] for study in needed(draw)]
-    return Drawn(name, files, ", ".join(f"{one.folder}{'' if one.complete else ', not complete yet'}" for one in used))
+        raise InvalidProblem(f"{home / SUBFOLDER}: must be a folder that can be written to: {error}") from error
+    return Drawn(name, files, told)
 
 
 def _is_study(folder: Path) -> bool:

@@ -6,65 +6,79 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from tissue.pictures.sheet import Axes, Figure, Patch
-from tissue.study.categories import NO_INM, by_order, kept_times, outcome
-from tissue.study.figures.needs import POPULATIONS, Studies, cells_of, needs, population, ratio_of
-from tissue.study.figures.style import ENVIRONMENTS, INTERVALS, bars, caption, counted, legend, page, percent_axis
+from dincl.errors import InvalidProblem
+from tissue.pictures.sheet import Figure
+from tissue.study.categories import NO_INM
+from tissue.study.figures.cells import POPULATIONS
+from tissue.study.figures.needs import FigureSource, Sources, needs
+from tissue.study.figures.panels import Dots, checked_entry, draw_dots, grid, name_axes
+from tissue.study.figures.style import ENVIRONMENTS, INTERVALS, caption, counted, legend
 
 MAKES_NO_NUMBERS = True
 
-STUDIES = ("figure15", *POPULATIONS)
-WIDE = 0.75
+HEIGHT = 1.55  # inches of a panel
+NAMES = [name for _, name in ENVIRONMENTS.values()]
+# The scenario of a cell alone with the events of a category.
+ALONE = {"[AB]": "[AxB]", "[A]": "[Ax]", "[B]": "[Bx]"}
+STUDIES = {"figure15": "ratios", **dict.fromkeys(POPULATIONS, "categories")}
 
 
-@needs(*STUDIES)
-def figure_17(results: Studies) -> Figure:
+@needs(**STUDIES)
+def figure_17(sources: Sources) -> Figure:
     """Cells with [A], then [B], at 6 h and 18 h; in heterogeneous groups at any time from 6 h to 24 h."""
-    return _compared(results, "[AxB]", "[AB]", "[A] at 6 h and [B] at 18 h", "[A], then [B]")
+    return _compared(sources, "[AB]", "[A] at 6 h and [B] at 18 h", "[A], then [B]")
 
 
-@needs(*STUDIES)
-def figure_18(results: Studies) -> Figure:
+@needs(**STUDIES)
+def figure_18(sources: Sources) -> Figure:
     """Cells with [A] alone, at 6 h; in heterogeneous groups at any time."""
-    return _compared(results, "[Ax]", "[A]", "[A] at 6 h", "[A] alone")
+    return _compared(sources, "[A]", "[A] at 6 h", "[A] alone")
 
 
-@needs(*STUDIES)
-def figure_19(results: Studies) -> Figure:
+@needs(**STUDIES)
+def figure_19(sources: Sources) -> Figure:
     """Cells with [B] alone, at 6 h; in heterogeneous groups at any time."""
-    return _compared(results, "[Bx]", "[B]", "[B] at 6 h", "[B] alone")
+    return _compared(sources, "[B]", "[B] at 6 h", "[B] alone")
 
 
-def _compared(results: Studies, scenario: str, order: str, fixed: str, drawn: str) -> Figure:
-    figure = page(3.3)
-    panels, counts = figure.subplots(1, 2, sharey=True), []
-    for panel, suffix, title in zip(panels, ("", NO_INM), ("With INM", "Without INM"), strict=True):
-        counts += _panel(panel, results, f"{scenario}{suffix}", f"{order}{suffix}")
-        panel.set(title=f"{order}{title.replace('W', ' w')}")
-        panel.label_outer()
-    legend(figure, {name: Patch(color=colour) for colour, name in ENVIRONMENTS.values()})
+def _compared(sources: Sources, order: str, fixed: str, drawn: str) -> Figure:
+    scenario = ALONE[order]
+    endings = {f"{order} with INM": "", f"{order} without INM": NO_INM}
+    figure, panels = grid(list(endings), list(sources), HEIGHT, sharex=True, sharey=True)
+    counts: list[int] = []
+    checked = False
+    for (title, preset), panel in panels.items():
+        ending = endings[title]
+        rows, fewer = (dict(_found(sources[preset], scenario + ending, order + ending, check=k)) for k in (False, True))
+        for kind, (_, name) in ENVIRONMENTS.items():
+            if kind not in rows:
+                raise InvalidProblem(f"there is no cell with {order}{ending}, {name}: more runs have some")
+        counts += [int(row["of"].iloc[0]) for row in rows.values()]
+        checked = checked or bool(fewer)
+        series = [
+            Dots("", rows[kind], fewer.get(kind), {"color": colour, "marker": "o"})
+            for kind, (colour, _) in ENVIRONMENTS.items()
+        ]
+        for one in series:
+            draw_dots(panel, NAMES, [one])
+    name_axes(panels, "ratio of basal extrusion at the end [%]", "")
+    if checked:
+        legend(figure, checked_entry())
     text = f"Alone and in the homogeneous group: {fixed}; in heterogeneous groups: cells with {drawn} at any time"
-    caption(figure, f"{text}. {counted(counts, 'cells in a bar')}; whiskers: {INTERVALS}.")
+    caption(figure, f"{text}. {counted(counts, 'cells in a ratio')}; whiskers: {INTERVALS}.")
     return figure
 
 
-def _panel(panel: Axes, results: Studies, scenario: str, order: str) -> list[int]:
-    """One bar for each environment; how many cells there are."""
-    found = []
-    for k, (name, cells) in enumerate(_cells(results, scenario, order)):
-        hits = outcome(cells, "basal", kept_times(cells)[-1])
-        found.append(ratio_of(hits, cells, f"{order} in {ENVIRONMENTS[name][1]}"))
-        bars(panel, [k], found[-1:], width=WIDE, color=ENVIRONMENTS[name][0])
-    panel.set(xticks=[])
-    panel.grid(visible=False, axis="x")
-    percent_axis(panel, "ratio of basal extrusion at the end [%]")
-    return [one.of for one in found]
-
-
-def _cells(results: Studies, scenario: str, order: str) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The cells in each environment."""
-    yield "individual", cells_of(results["figure15"], scenario, last_only=True)
-    yield "homogeneous", cells_of(results["figure15"], f"{scenario}, 10 cells", last_only=True)
-    for name in POPULATIONS:
-        cells = population(results, name)
-        yield name, cells[by_order(cells, kept_times(cells)[-1], inm=True) == order]
+def _found(source: FigureSource, scenario: str, category: str, *, check: bool) -> Iterator[tuple[str, pd.DataFrame]]:
+    """The ratio of basal extrusion in each environment in which there are such cells, by the name of its line."""
+    rows_of = source.check if check else source.rows
+    for kind, (_, name) in ENVIRONMENTS.items():
+        if kind in POPULATIONS:
+            table = rows_of("categories", kind)
+            mine = table if table is None else table[table["category"] == category]
+        else:
+            table = rows_of("ratios", "figure15")
+            whole = scenario if kind == "individual" else f"{scenario}, 10 cells"
+            mine = table if table is None else table[(table["scenario"] == whole) & (table["outcome"] == "basal")]
+        if mine is not None and len(mine):
+            yield kind, mine.set_axis([name])

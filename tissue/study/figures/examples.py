@@ -1,4 +1,4 @@
-"""Figures 11 and 16 of chapter 4: pictures of single runs, from the stored trajectories."""
+"""Pictures of single runs, from the stored trajectories: of any study, and Figures 11 and 16 of chapter 4."""
 
 from __future__ import annotations
 
@@ -9,13 +9,12 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
-from tissue.files.cell_types import UNNAMED
 from tissue.pictures.picture import Box, drawing
 from tissue.pictures.sheet import Figure
 from tissue.state.cells import CellLayers, Cells, empty
 from tissue.state.frame import Frame
-from tissue.study.figures.needs import Studies, needs
-from tissue.study.figures.style import POSITION, caption
+from tissue.study.figures.needs import Sources, needs
+from tissue.study.figures.style import POSITION, caption, verbatim
 from tissue.tables import EVENTS, LENGTHS
 
 if TYPE_CHECKING:
@@ -24,9 +23,9 @@ if TYPE_CHECKING:
 
 MAKES_NO_NUMBERS = True
 
-ASIDE, ROOM = 55.0, 8.0  # um: shown on either side of the EMT cells; around points above and below
+ASIDE, ROOM = 55.0, 8.0  # um: shown on either side of the EMT cells at least; around points
 STILLS = 3  # of each run
-FOOT = 0.5  # inches below the legend, for the caption
+FOOT, LINE = 0.3, 0.13  # inches below the legend, for the caption and for each of its runs
 
 
 class Example(NamedTuple):
@@ -34,40 +33,43 @@ class Example(NamedTuple):
 
     replicate: int
     table: pd.DataFrame  # ``Run.table``
-    onset: float  # [h]: the first kept time with an event
-    onset_ab: float  # mean y_AB of the EMT cells then
+    parameters: Parameters
+    onset: float  # [h]: the first kept time with an event; that of the start, if there is none
+    onset_ab: float  # mean y_AB of the EMT cells then; NaN without EMT cells
     last_ab: float  # and at the end
     basal: int  # EMT cells that are extruded basally at the end
     apical: int  # and apically
     cells: int  # all EMT cells
 
 
-@needs("figure10")
-def figure_11(results: Studies) -> Figure:
-    """Two runs with [A] at the onset, halfway to the end and at the end: the lowest and the highest at the onset."""
-    study = results["figure10"]
-    found = sorted(_stored(study, "[A]"), key=lambda one: one.onset_ab)
-    chosen = [("Top", found[0]), ("Bottom", found[-1])] if len(found) > 1 else [("The only run stored", found[0])]
-    text = ". ".join(f"{row}: {_told(one)}" for row, one in chosen)
-    sides = [one.onset_ab < 0.5 for _, one in chosen]
-    missing = "" if len(set(sides)) == 2 else " No run that is stored starts in the other half of the tissue."
-    return _sheet([one for _, one in chosen], study.parameters("[A]"), f"[A], isolated cell. {text}.{missing}")
+def examples(results: Results, scenario: str) -> Figure:
+    """Stored runs of a scenario from the first event to the end: the lowest at the onset, and the highest."""
+    found = _ends(stored(results, scenario))
+    return _sheet([("", one) for one in found], f"{verbatim(scenario)}. Rows from above")
 
 
-@needs("figure15")
-def figure_16(results: Studies) -> Figure:
+@needs(figure10="runs")
+def figure_11(sources: Sources) -> Figure:
+    """Runs with [A] at the onset, halfway to the end and at the end: the lowest and the highest at the onset."""
+    rows = [
+        (preset, one) for preset, source in sources.items() for one in _ends(stored(source.studies["figure10"], "[A]"))
+    ]
+    return _sheet(_named(rows, sources), "[A], isolated cell. Rows from above")
+
+
+@needs(figure15="runs")
+def figure_16(sources: Sources) -> Figure:
     """[B] without INM, which is extruded more often, of a cell alone and of a group: onset, halfway, end."""
-    study, name = results["figure15"], "[Bx] no INM"
-    alone, group = (max(_stored(study, found), key=lambda one: one.basal) for found in (name, f"{name}, 10 cells"))
-    text = f"[B] without INM. Top: alone, {_told(alone)}. Bottom: a group of ten, {_told(group)}."
-    missing = "" if alone.basal else " No run of a cell alone that is stored ends with basal extrusion."
-    return _sheet([alone, group], study.parameters(name), text + missing)
+    rows, name = [], "[Bx] no INM"
+    for preset, source in sources.items():
+        for scenario in (name, f"{name}, 10 cells"):
+            best = max(stored(source.studies["figure15"], scenario), key=lambda one: one.basal)
+            rows.append((preset, best))
+    return _sheet(_named(rows, sources), "[B] without INM, alone and in a group of ten. Rows from above")
 
 
-def frames(
-    table: pd.DataFrame, times: Sequence[float], soft_radius: float, types: Sequence[str] = UNNAMED
-) -> list[Frame]:
-    """States of a run from its table, as far as pictures need them.
+def frames(table: pd.DataFrame, times: Sequence[float], parameters: Parameters) -> list[Frame]:
+    """States of a run from its table, as far as pictures need them; which apical points are joined is not in it.
 
     Parameters
     ----------
@@ -75,43 +77,70 @@ def frames(
         As ``Run.table`` has it.
     times
         Kept times [h].
-    soft_radius
-        R_soft [um].
-    types
-        The types of cells, as ``Parameters.type_names`` has them.
+    parameters
+        Of the run.
     """
-    return [_frame(table[table["time_h"] == t], t, soft_radius, types) for t in times]
+    return [_frame(table[table["time_h"] == t], t, parameters) for t in times]
 
 
-def _frame(rows: pd.DataFrame, t: float, soft_radius: float, types: Sequence[str]) -> Frame:
-    lengths = {name: rows[column].to_numpy() / soft_radius for column, name in LENGTHS.items()}
+def _frame(rows: pd.DataFrame, t: float, parameters: Parameters) -> Frame:
+    um, types = parameters.cell.soft_radius.value, list(parameters.type_names)
+    lengths = {name: rows[column].to_numpy() / um for column, name in LENGTHS.items()}
     others = {"birth": t - rows["age_h"], "cycle": rows["cycle_h"], "id": rows["id"], "emt": rows["emt"]}
-    codes = {"events": rows["events"].map(EVENTS.index), "kind": rows["type"].map(list(types).index)}
+    codes = {"events": rows["events"].map(EVENTS.index), "kind": rows["type"].map(types.index)}
     plain = {name: column.to_numpy() for name, column in (others | codes).items()}
     cells: Cells = empty(len(rows))._replace(**lengths, **plain)
-    return Frame(t, cells, CellLayers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in CellLayers._fields)))
+    layers = CellLayers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in CellLayers._fields))
+    return Frame(t, cells, layers, parameters.curve())
 
 
-def _stored(study: Results, scenario: str) -> list[Example]:
-    """The runs of a scenario whose states are all stored."""
-    if not study.study.trajectories:
-        raise InvalidProblem(f"{study.folder}: has no trajectories: the study file must ask for some")
-    return [_example(number, study.trajectory(scenario, number)) for number in study.study.trajectories]
+def stored(results: Results, scenario: str) -> list[Example]:
+    """The runs of a scenario whose states are all stored.
+
+    Raises
+    ------
+    InvalidProblem
+        If the study keeps none, or none is there yet.
+    """
+    wanted = results.study.trajectories
+    if not wanted:
+        raise InvalidProblem(
+            f"{results.folder} keeps no states of its runs; trajectories = [0] in the study file keeps those of the "
+            "first run of each scenario"
+        )
+    parameters = results.parameters(scenario)
+    there = set(results.runs(scenario, ["replicate"])["replicate"])
+    found = [_example(number, results.trajectory(scenario, number), parameters) for number in wanted if number in there]
+    if not found:
+        raise InvalidProblem(f"{results.folder}: of {scenario!r} no run of trajectories = {list(wanted)} is stored yet")
+    return found
 
 
-def _example(replicate: int, table: pd.DataFrame) -> Example:
-    emt = table[table["emt"] >= 0]
-    begun = emt[emt["events"] != ""]
-    if begun.empty:
-        raise InvalidProblem(f"replicate {replicate}: must have an event before its end, to be an example")
-    onset, last = float(begun["time_h"].min()), float(emt["time_h"].max())
-    means, ends = emt.groupby("time_h")["y_ab"].mean(), emt.loc[emt["time_h"] == last, "y_ab"]
-    sides = (int((ends < 0).sum()), int((ends > 1).sum()), len(ends))
-    return Example(replicate, table, onset, float(means[onset]), float(means[last]), *sides)
+def _example(replicate: int, table: pd.DataFrame, parameters: Parameters) -> Example:
+    emt, times = table[table["emt"] >= 0], table["time_h"]
+    begun = emt.loc[emt["events"] != "", "time_h"]
+    onset, last = float(begun.min() if len(begun) else times.min()), float(times.max())
+    first, final = (float(emt.loc[emt["time_h"] == t, "y_ab"].mean()) for t in (onset, last))
+    sides = emt.loc[emt["time_h"] == last, "y_ab"]
+    counts = (int((sides < 0).sum()), int((sides > 1).sum()), len(sides))
+    return Example(replicate, table, parameters, onset, first, final, *counts)
+
+
+def _ends(found: Sequence[Example]) -> list[Example]:
+    """The lowest and the highest at the onset."""
+    ordered = sorted(found, key=lambda one: one.onset_ab)
+    return [ordered[0], ordered[-1]] if len(ordered) > 1 else ordered
+
+
+def _named(rows: Sequence[tuple[str, Example]], sources: Sources) -> list[tuple[str, Example]]:
+    """Each run with its preset, if there are two."""
+    return [(f"{preset} preset, " if len(sources) > 1 else "", one) for preset, one in rows]
 
 
 def _told(one: Example) -> str:
     """What there is to say of a run: positions, and what became of the cells."""
+    if not one.cells:
+        return f"replicate {one.replicate}"
     places = f"{POSITION} = {one.onset_ab:.2f} at the onset and {one.last_ab:.2f} at the end"
     fate = f"{one.basal} of {one.cells} extruded basally, {one.apical} apically"
     if one.cells == 1:
@@ -119,16 +148,27 @@ def _told(one: Example) -> str:
     return f"replicate {one.replicate}, {'mean ' * (one.cells > 1)}{places}, {fate}"
 
 
-def _sheet(examples: Sequence[Example], parameters: Parameters, text: str) -> Figure:
+def _sheet(rows: Sequence[tuple[str, Example]], text: str) -> Figure:
     """A row for each run, around its EMT cells."""
-    um, states = parameters.cell.soft_radius.value, []
-    for one in examples:
+    states, of = [], []
+    for _, one in rows:
         kept = one.table["time_h"].unique()
         wanted = np.linspace(one.onset, kept[-1], STILLS)
-        at = [float(kept[np.argmin(np.abs(kept - t))]) for t in wanted]
-        states += frames(one.table, at, um, parameters.type_names)
-    heights = np.concatenate([np.concatenate((state.cells.y, state.cells.ay, state.cells.by)) for state in states])
-    box = Box(-ASIDE, ASIDE, um * float(heights.min()) - ROOM, um * float(heights.max()) + ROOM)
-    figure = drawing(states, parameters, box, FOOT)
-    caption(figure, text)
+        at = dict.fromkeys(float(kept[np.argmin(np.abs(kept - t))]) for t in wanted)
+        states += frames(one.table, list(at), one.parameters)
+        of += [one.parameters] * len(at)
+    figure = drawing(states, of, _box(states, of[0]), FOOT + LINE * len(rows))
+    caption(figure, f"{text}: {'; '.join(name + _told(one) for name, one in rows)}.")
     return figure
+
+
+def _box(states: Sequence[Frame], parameters: Parameters) -> Box | None:
+    """Around the EMT cells of tissue on a line; None, for all of it, without EMT cells and on other layers."""
+    um = parameters.cell.soft_radius.value
+    places = um * np.concatenate([state.cells.x[state.cells.emt >= 0] for state in states])
+    if not len(places) or parameters.curve().pieces:
+        return None
+    heights = um * np.concatenate([np.concatenate((state.cells.y, state.cells.ay, state.cells.by)) for state in states])
+    middle, reach = (places.max() + places.min()) / 2, (places.max() - places.min()) / 2
+    aside = max(ASIDE, reach + 2 * ROOM)
+    return Box(middle - aside, middle + aside, heights.min() - ROOM, heights.max() + ROOM)

@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from typing import Any, Literal
 
-import numpy as np
 import pandas as pd
 
 from tissue.pictures.emt import EMT_COLOURS
 from tissue.pictures.sheet import Axes, Figure, Line2D, Patch
-from tissue.state.cells import Floats
 from tissue.study.categories import What
-from tissue.study.ratios import LEVEL, Ratio
+from tissue.study.ratios import LEVEL
 
 MAKES_NO_NUMBERS = True
 
@@ -27,8 +25,6 @@ LOOK: Any = {
     "grid.color": "#e6e6e6",
     "grid.linewidth": 0.6,
     "lines.linewidth": 1.4,
-    "hatch.color": "white",
-    "hatch.linewidth": 1.2,
 }
 LineStyle = Literal["-", "--", "-."]
 # What becomes of a cell: colour, line, name. Told apart by lightness and line, too.
@@ -46,17 +42,24 @@ ENVIRONMENTS = {
     "table5_7": ("#7fcabf", "heterogeneous, 7 % [P]"),
 }
 EVENT_COLOURS = EMT_COLOURS
-NO_INM_HATCH = "////"
 POSITION = "$y_{AB}$"
 PERCENT = f"{100 * LEVEL:g} %"
 INTERVALS = f"{PERCENT} Wilson intervals on the effective number of cells"
 CAPTION_SIZE, CAPTION_LETTERS = 8.0, 155  # points; in a line
 CAP: dict[str, Any] = {"capsize": 2.5, "elinewidth": 1.0, "capthick": 1.0}
+# Fewer runs laid over complete studies.
+CHECKED = "the runs of this page"
+CHECK: dict[str, Any] = {"marker": "o", "markersize": 7.5, "markerfacecolor": "none", "color": "#9a9a9a", "zorder": 1.5}
 
 
 def page(height: float) -> Figure:
     """An empty figure, ``height`` in inches."""
     return Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
+
+
+def verbatim(name: str) -> str:
+    """A name from a file for a text of matplotlib, in which $ begins a formula."""
+    return name.replace("$", r"\$")
 
 
 def caption(figure: Figure, text: str) -> None:
@@ -83,20 +86,6 @@ def band(panel: Axes, x: pd.Series, table: pd.DataFrame, **look: Any) -> None:
     panel.plot(x, value, **look)
 
 
-def bars(panel: Axes, places: Sequence[float], found: Sequence[Ratio], **look: Any) -> None:
-    """Bars of ratios [%] with their intervals."""
-    values = 100 * np.array([one.value for one in found])
-    panel.bar(places, values, **look)
-    panel.errorbar(places, values, yerr=errors(found), fmt="none", ecolor="#222222", **CAP)
-
-
-def errors(found: Sequence[Ratio]) -> Floats:
-    """How far intervals [%] reach below and above their values, (2, n)."""
-    ends = 100 * np.array([(one.value, *one.interval()) for one in found]).T
-    reach: Floats = np.abs(ends[1:] - ends[0])
-    return reach
-
-
 def percent_axis(panel: Axes, text: str) -> None:
     """The whole range of ratios."""
     panel.set(ylim=(-2, 102), ylabel=text)
@@ -107,8 +96,3 @@ def counted(numbers: Iterable[int], what: str) -> str:
     found = sorted(set(numbers))
     span = f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
     return f"n = {span} {what}"
-
-
-def no_inm(colour: str) -> dict[str, Any]:
-    """The look of bars of cells without INM."""
-    return {"color": colour, "alpha": 0.65, "hatch": NO_INM_HATCH}

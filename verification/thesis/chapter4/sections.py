@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -10,16 +9,15 @@ import pandas as pd
 
 from tissue.study.comparisons import PRINTED_LEVEL, Difference, corrected
 from tissue.study.ratios import as_ratio
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.parts import Grid, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Context
-from verification.thesis.chapter3.maps import LABELS
-from verification.thesis.chapter4 import figures, headings, sensitivity, studies
+from verification.thesis.chapter4 import follows, headings, kept, sensitivity
+from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
+from verification.thesis.chapter4.figures import Pictures
 
 POSITIONS = "Position at the onset, timing, and what matters most"
 PROSE = Path(__file__).parent / "prose"
-# Figures of single runs, which want every state of some.
-EXAMPLES = (11, 16)
 MARKED = {"INM": "with INM", "no INM": "without INM"}
 
 
@@ -29,43 +27,29 @@ def folder(context: Context) -> Path:
 
 
 def sections(context: Context) -> list[Section]:
-    """All sections, in their order."""
+    """All sections, in their order; each ends with what follows from it."""
+    pictures = Pictures(context, folder(context))
     return [
-        _isolated(context),
-        _groups(context),
-        _heterogeneous(context),
-        _positions(context),
+        _isolated(context, pictures),
+        _groups(context, pictures),
+        _heterogeneous(context, pictures),
+        _positions(context, pictures),
         _questions(context),
         _sensitivity(context),
         _controls(context),
-        *([] if context.full else [_short(context)]),
+        *([] if context.full else [_short(context, pictures)]),
     ]
 
 
 def _complete(context: Context, name: str) -> pd.DataFrame:
-    return context.tables[f"emt_complete_{name}"]
+    return context.tables[f"{kept.COMPLETE_PREFIX}{name}"]
 
 
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
-    table = table[list(headings)]
-    if "preset" in table:
-        table = table.assign(preset=table["preset"].map(LABELS))
-    return table.rename(columns=headings)
+    return table[list(headings)].rename(columns=headings)
 
 
-def _pictures(context: Context, *numbers: int) -> Iterator[Picture]:
-    """Figures of the thesis, of the runs of this page, for each preset whose studies are among them."""
-    made = studies.chosen(context.form(studies.SHORT, studies.FULL))
-    for one in numbers:
-        for preset, suffix in studies.PRESETS.items():
-            wanted = {study: study + suffix for study in figures.needs(one)}
-            if all(name in made and (one not in EXAMPLES or made[name].trajectories) for name in wanted.values()):
-                where = {study: studies.place(name, made[name], folder(context)) for study, name in wanted.items()}
-                path = context.draw(f"emt_figure{one}{suffix}", figures.drawn, one, where)
-                yield Picture(path, f"Counterpart of Figure {one}, {preset} preset, from the runs of this page.")
-
-
-def _isolated(context: Context) -> Section:
+def _isolated(context: Context, pictures: Pictures) -> Section:
     table = _complete(context, "printed")
     agreeing = table.groupby(["preset", "time_h"], sort=False)["agrees"].agg(["sum", "size"])
     said = fill(
@@ -73,67 +57,70 @@ def _isolated(context: Context) -> Section:
         level=PRINTED_LEVEL,
         agreeing=[(preset, t, row["sum"], row["size"]) for (preset, t), row in agreeing.iterrows()],
         gaps=list(table[~table["agrees"]].itertuples()),
+        basal=follows.isolated(_complete(context, "ratios")),
     )
     return Section(
         "Isolated cells",
         [
             Text(said["agreeing"]),
-            Grid(_named(table, headings.PRINTED), said["table"], "emt_complete_printed"),
-            *_pictures(context, 10, 11, 12, 13, 14),
+            Grid(beside(printed(table), *headings.PRINTED), said["table"], "emt_complete_printed"),
+            *pictures.of(10, 11, 12, 13, 14),
+            Text(said["follows"]),
         ],
     )
 
 
-def _groups(context: Context) -> Section:
+def _groups(context: Context, pictures: Pictures) -> Section:
     table = _complete(context, "ratios")
     shown = table[table["study"].str.startswith("figure15") & (table["what"] == "basal")]
-    said = fill(PROSE / "groups.html")
+    said = _said_of_groups(context)
     return Section(
         "Groups of cells with the same events",
         [
             Text(said["effective"]),
-            *_pictures(context, 15, 16),
-            Grid(
-                _named(shown, headings.RATIOS),
-                said["table"],
-                "emt_complete_ratios",
-                folded=True,
-            ),
+            *pictures.of(15, 16),
+            Grid(beside(with_ratios(shown), *headings.PROGRAMS), said["table"], "emt_complete_ratios", folded=True),
+            Text(said["groups_follow"]),
         ],
     )
 
 
-def _heterogeneous(context: Context) -> Section:
-    table = _complete(context, "categories")
+def _heterogeneous(context: Context, pictures: Pictures) -> Section:
+    rows = beside(with_ratios(_complete(context, "categories")), *headings.CATEGORIES)
+    said = _said_of_groups(context)
     return Section(
         "Heterogeneous groups",
         [
-            *_pictures(context, 17, 18, 19),
-            Grid(
-                _named(table, headings.CATEGORIES),
-                fill(PROSE / "groups.html")["categories"],
-                "emt_complete_categories",
-                folded=True,
-            ),
+            *pictures.of(17, 18, 19),
+            Grid(rows, said["categories"], "emt_complete_categories", folded=True),
+            Text(said["heterogeneous_follow"]),
         ],
     )
 
 
-def _positions(context: Context) -> Section:
+def _said_of_groups(context: Context) -> dict[str, str]:
+    ratios = _complete(context, "ratios")
+    mixed = follows.heterogeneous(ratios, _complete(context, "categories"))
+    return fill(PROSE / "groups.html", groups=follows.groups(ratios), mixed=mixed)
+
+
+def _positions(context: Context, pictures: Pictures) -> Section:
     ranking, outside = _complete(context, "ranking"), _complete(context, "outside")[["outside", "of"]].sum()
     said = fill(
         PROSE / "positions.html",
         fifth=_first_fifth(_complete(context, "conditional")),
         cells=outside["of"],
         outside=outside["outside"],
+        found=follows.positions(_complete(context, "conditional"), ranking),
     )
     return Section(
         POSITIONS,
         [
             Text(said["first_fifth"]),
             Text(said["outside"]),
-            *_pictures(context, 20, 21, 22),
-            Grid(_named(ranking, headings.RANKING), said["table"], "emt_complete_ranking"),
+            *pictures.of(20, 21, 22),
+            Grid(beside(ranked(ranking), *headings.RANKING), said["table"], "emt_complete_ranking"),
+            Text(said["follows"]),
         ],
     )
 
@@ -149,19 +136,15 @@ def _first_fifth(conditional: pd.DataFrame) -> list[dict[str, Any]]:
 
 def _questions(context: Context) -> Section:
     table = _complete(context, "answers")
-    said = fill(PROSE / "questions.html", labels=LABELS, answers=list(table.itertuples()))
-    sentences = table.assign(measured=table["measured"].str.split("\n")).explode("measured")
+    said = fill(PROSE / "questions.html", found=follows.questions(table))
+    compared = beside(comparisons(table), *headings.COMPARISONS)
     return Section(
         "The eight questions",
         [
             Text(said["verdicts"]),
-            Grid(_named(table, headings.ANSWERS), said["answers"], "emt_complete_answers"),
-            Grid(
-                _named(sentences[sentences["measured"] != ""], headings.COMPARISONS),
-                said["comparisons"],
-                "emt_complete_answers",
-                folded=True,
-            ),
+            Grid(beside(table, *headings.ANSWERS), said["answers"], "emt_complete_answers"),
+            Grid(compared, said["comparisons"], "emt_complete_answers", folded=True),
+            Text(said["follows"]),
         ],
     )
 
@@ -174,23 +157,28 @@ def _sensitivity(context: Context) -> Section:
         deviation=table["deviation"].iloc[0],
         points=sensitivity.BASE_POINTS,
         replicates=sensitivity.HEAD["replicates"],
+        names=list(table.loc[table["ST_low"] > 0, "parameter"]),
+        all=len(table),
     )
     return Section(
         "Sensitivity to the mechanics",
         [
             Text(said["ratio"]),
             Grid(_named(table, headings.SENSITIVITY), said["table"], "emt_complete_sensitivity"),
+            Text(said["follows"]),
         ],
     )
 
 
 def _controls(context: Context) -> Section:
-    said = fill(PROSE / "controls.html")
-    grid = Grid(_named(_complete(context, "controls"), headings.CONTROLS), said["table"], "emt_complete_controls")
-    return Section("Control cells", [Text(said["rim"]), grid])
+    table = _complete(context, "controls")
+    said = fill(PROSE / "controls.html", found=follows.controls(table, _complete(context, "ratios")))
+    parts = table.rename(columns={"apical": "value", "apical_low": "low", "apical_high": "high"})
+    grid = Grid(beside(with_ratios(parts, 3), *headings.CONTROLS), said["table"], "emt_complete_controls")
+    return Section("Control cells", [Text(said["rim"]), grid, Text(said["follows"])])
 
 
-def _short(context: Context) -> Section:
+def _short(context: Context, pictures: Pictures) -> Section:
     """Whether the runs of this page agree with the complete studies."""
     both = context.tables["emt_ratios"].merge(
         _complete(context, "ratios"), on=["study", "scenario", "what"], suffixes=("", "_complete")
@@ -200,17 +188,15 @@ def _short(context: Context) -> Section:
     apart = both[(p < 1 - PRINTED_LEVEL).to_numpy()]
     said = fill(
         PROSE / "short.html",
-        runs=sum(study.runs for study in studies.chosen(context.form(studies.SHORT)).values()),
+        runs=sum(study.runs for study in pictures.made.values()),
         comparisons=len(both),
         level=PRINTED_LEVEL,
         apart=list(apart.itertuples()),
     )
+    rows = beside(with_ratios(context.tables["emt_ratios"]), *headings.RATIOS)
     return Section(
         "The runs of this page beside the complete studies",
-        [
-            Text(said["runs"]),
-            Grid(_named(context.tables["emt_ratios"], headings.RATIOS), said["table"], "emt_ratios", folded=True),
-        ],
+        [Text(said["runs"]), Grid(rows, said["table"], "emt_ratios", folded=True), Text(said["follows"])],
     )
 
 
