@@ -3,6 +3,7 @@
 #   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
 #   make test             run the tests                                    (ARGS="--slow -k order": more for pytest)
 #   make lint             check style, format and types
+#   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make bench            measure the time per disc and step, and of the tissue
 #   make lock             fix the newest versions of all dependencies in requirements.lock
 #   make clean            remove the environment and the caches; report/ and results/ stay
@@ -22,7 +23,7 @@ COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade $(EXTRAS)
 # shortest last, since it is those with few tests that take longest.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 
-.PHONY: report test lint bench lock clean
+.PHONY: report test lint docs bench lock clean
 .DELETE_ON_ERROR:
 
 report: .venv/installed
@@ -35,6 +36,10 @@ lint: .venv/installed
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
+
+docs: .venv/installed
+	rm -rf site docs/made build/doctrees
+	$(ONE_THREAD) $(BIN)/python -m sphinx -q -W -c docs -d build/doctrees . site
 
 bench: .venv/installed
 	$(BIN)/verification bench
@@ -64,5 +69,5 @@ lock:
 	rm -rf .venv-lock
 
 clean:
-	rm -rf .venv .venv-lock build *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
+	rm -rf .venv .venv-lock build site docs/made *.egg-info .hypothesis .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +

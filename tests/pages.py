@@ -1,7 +1,11 @@
-"""Pages in Markdown as tests read them: their blocks, links and what they name in code."""
+"""Pages in Markdown as tests read them: their blocks, links and what they name in code; tutorials as notebooks."""
 
 import re
+from contextlib import chdir
 from pathlib import Path
+
+from docs.building.notebooks import notebook, printed
+from docs.building.notebooks import run as run_cells
 
 ROOT = Path(__file__).parents[1]
 
@@ -17,6 +21,13 @@ def run(page: Path) -> dict:
     for block in blocks(page.read_text("utf-8"), "python"):
         exec(compile(block, str(page), "exec"), scope)
     return scope
+
+
+def play(page: Path, folder: Path) -> dict:
+    """Run the notebook of a page in a folder; what it leaves, and what it prints by the name "printed"."""
+    made = notebook(page)
+    with chdir(folder):
+        return run_cells(made) | {"printed": printed(made)}
 
 
 def links(page: Path) -> list[Path]:

@@ -17,6 +17,7 @@ COMMANDS = {
     "report": ".venv/bin/verification report",
     "test": ".venv/bin/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q",
     "lint": ".venv/bin/mypy",
+    "docs": ".venv/bin/python -m sphinx -q -W -c docs -d build/doctrees . site",
     "bench": ".venv/bin/verification bench",
 }
 FAILS = "#!/bin/sh\nexit 1\n"

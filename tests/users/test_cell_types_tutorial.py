@@ -1,21 +1,19 @@
-"""The tutorial about types of cells: its files and its Python run, and what its text says is so."""
+"""The tutorial about types of cells: its notebook runs, and what its text says is so."""
+
+from contextlib import chdir
 
 import pytest
 
-from tests.pages import ROOT, blocks, run
+from tests.pages import ROOT, play
 
 PAGE = ROOT / "docs" / "tutorials" / "cell_types.md"
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    """What the page leaves, in a folder with its files."""
     folder = tmp_path_factory.mktemp("cell_types")
-    for name, text in zip(("three_types.toml", "study.toml"), blocks(PAGE.read_text("utf-8"), "toml"), strict=True):
-        (folder / name).write_text(text, "utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        yield run(PAGE)
+    with chdir(folder):
+        yield play(PAGE, folder)
 
 
 def test_the_run_has_three_types(found):

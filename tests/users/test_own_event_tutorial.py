@@ -1,34 +1,29 @@
-"""The tutorial about an event of one's own: its files and its Python run, and what its text says is so."""
+"""The tutorial about an event of one's own: its notebook runs, and what its text says is so."""
 
-import sys
+from contextlib import chdir
 
 import pytest
 
 import tissue
-from tests.pages import ROOT, blocks, run
+from tests.pages import ROOT, blocks, play
 from tissue.registry import shelf
 
 PAGE = ROOT / "docs" / "tutorials" / "own_event.md"
-TEXT = PAGE.read_text("utf-8")
 
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    """What the page leaves, in a folder with its files."""
+    """What the page leaves; at the end nothing is registered."""
     folder = tmp_path_factory.mktemp("own_event")
-    (module,), (parameters, study) = blocks(TEXT, "py"), blocks(TEXT, "toml")
-    for name, text in (("squeezing.py", module), ("squeezing.toml", parameters), ("study.toml", study)):
-        (folder / name).write_text(text, "utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        yield run(PAGE) | {"module": module}
-    del sys.modules["squeezing"]
+    with chdir(folder):
+        yield play(PAGE, folder)
     shelf(tissue.EmtEvent).clear()
     shelf(tissue.Observable).clear()
 
 
-def test_the_module_is_short(found):
-    lines = [line for line in found["module"].splitlines() if line.strip()]
+def test_the_module_is_short():
+    (module,) = blocks(PAGE.read_text("utf-8"), "py")
+    lines = [line for line in module.splitlines() if line.strip()]
     assert 10 <= len(lines) <= 30
 
 

@@ -1,13 +1,12 @@
-"""The tutorial about a force of one's own: its files and its Python run, and what its text says is so."""
+"""The tutorial about a force of one's own: its notebook runs, and what its text says is so."""
 
 import re
-import sys
 
 import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tests.pages import ROOT, blocks, run
+from tests.pages import ROOT, blocks, play
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.registry import shelf
 
@@ -17,20 +16,14 @@ TEXT = PAGE.read_text("utf-8")
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory):
-    """What the page leaves, in a folder with its files."""
-    folder = tmp_path_factory.mktemp("own_force")
-    (module,), (parameters,) = blocks(TEXT, "py"), blocks(TEXT, "toml")
-    for name, text in (("shell.py", module), ("shell.toml", parameters)):
-        (folder / name).write_text(text, "utf-8")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        yield run(PAGE) | {"module": module}
-    del sys.modules["shell"]
+    """What the page leaves; at the end nothing is registered."""
+    yield play(PAGE, tmp_path_factory.mktemp("own_force"))
     shelf(tissue.Force).clear()
 
 
-def test_the_module_is_short(found):
-    lines = [line for line in found["module"].splitlines() if line.strip()]
+def test_the_module_is_short():
+    (module,) = blocks(TEXT, "py")
+    lines = [line for line in module.splitlines() if line.strip()]
     assert 10 <= len(lines) <= 30
 
 

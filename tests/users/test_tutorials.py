@@ -1,105 +1,76 @@
-"""The Python of each tutorial runs from top to bottom, as a reader would type it, and shows what the text says."""
+"""The other tutorials: their notebooks run, files, Python and commands, and what their text says is so."""
 
 import re
-from pathlib import Path
 
-import matplotlib as mpl
-import numpy as np
+import nbclient
 import pytest
 
-import dincl
+from docs.building import notebooks
+from tests.pages import ROOT, links, play
+from verification.evidence import Kind
 
-mpl.use("Agg")
-DOCS = Path(__file__).parents[2] / "docs"
-
-
-def run_blocks(name):
-    """Run the Python of a page, in a module of its own; what it defined."""
-    text = (DOCS / name).read_text("utf-8")
-    scope = {"__name__": "tutorial"}
-    for block in re.findall(r"^```python\n(.*?)^```", text, flags=re.MULTILINE | re.DOTALL):
-        exec(block, scope)
-    return scope
+PAGES = ROOT / "docs" / "tutorials"
+# Those that have a file of tests.
+APART = {f"{name}.md" for name in ("own_problem", "own_scheme", "cell_types", "own_event", "own_force")}
+HERE = {f"{name}.md" for name in ("first_steps", "solve", "claims", "meanfield", "tissue", "emt_study")}
 
 
-@pytest.fixture(scope="module")
-def own():
-    from matplotlib import pyplot as plt
-
-    yield run_blocks("write_your_own_scheme.md")
-    plt.close("all")
+def test_every_tutorial_is_run():
+    assert {path.name for path in PAGES.iterdir()} == HERE | APART
 
 
-def test_scheme_has_the_orders_that_the_text_names(own):
-    free = own["orders"](own["free"], np.exp(-1.0) * own["free"].x0, 1.0, own["heun"])
-    contact = own["orders"](own["slide"], own["slide"].exact(2.0), 2.0, own["heun"])
-    assert abs(free[-1] - 2) < 0.05
-    assert abs(contact[-1] - 1) < 0.1
+def test_a_kernel_of_jupyter_runs_a_notebook(tmp_path, monkeypatch):
+    """Of all the one with libraries that no other has; the others are run by IPython in this process."""
+    for variable in ("JUPYTER_RUNTIME_DIR", "IPYTHONDIR"):
+        monkeypatch.setenv(variable, str(tmp_path))
+    made = notebooks.notebook(PAGES / "meanfield.md")
+    nbclient.NotebookClient(made, resources={"metadata": {"path": str(tmp_path)}}).execute()
+    words = notebooks.printed(made)
+    assert [word for word in ("g is affine in X", "Work(") if word not in words] == []
 
 
-def test_own_back_end_finds_the_same_points(own):
-    assert own["ours"].stats.back_ends == ("slsqp",)
-    np.testing.assert_allclose(own["ours"].x, own["theirs"].x, atol=1e-5)
+def test_five_minutes(tmp_path):
+    found = play(PAGES / "first_steps.md", tmp_path)
+    costs = found["chart"].costs([1e-2, 1e-4])
+    assert costs.loc["PBD"].notna().tolist() == [True, False]
+    assert costs.loc[["midpoint catch-up", "event-driven"], 1e-4].max() < 0.05
+    assert (tmp_path / "results" / "first" / "picture.png").exists()
+    assert found["run"].summary()["time_h"].iloc[-1] == 54
+    assert found["path"].error.max() < 1e-8
 
 
-def test_own_constraint_goes_with_every_scheme(own):
-    exact = dincl.solve(own["problem"], dincl.EventDriven(1e-8), t=[1.0])
-    for scheme in own["schemes"]:
-        path = dincl.solve(own["problem"], scheme, t=[1.0])
-        np.testing.assert_allclose(path.x, exact.x, atol=0.1 if isinstance(scheme, dincl.Penalty) else 0.02)
+def test_tissue(tmp_path):
+    found = play(PAGES / "tissue.md", tmp_path)
+    assert [word for word in ("SUCCESS", "height_um", "damping") if word not in found["printed"]] == []
+    assert (tmp_path / "results" / "tissue.gif").exists()
 
 
-def test_own_constraint_is_refused_in_words(own):
-    ellipse = own["InsideEllipse"](2.0, 1.0)
-    with pytest.raises(dincl.InvalidProblem, match="a = -1: must be a finite number > 0"):
-        own["InsideEllipse"](-1, 1.0)
-    with pytest.raises(dincl.InvalidProblem, match="in the plane"):
-        dincl.Problem([[0.0]], lambda t, x: x, [ellipse])
-    flat = dincl.Problem([[0.0, 0.0]], lambda t, x: x, [ellipse])
-    with pytest.raises(dincl.InvalidProblem, match="no formula for InsideEllipse"):
-        dincl.solve(flat, dincl.CatchUp(0.1, dincl.ClosedForm()), t=[1.0])
+def test_the_study_has_the_answer_of_the_text(tmp_path):
+    """To what another processor may change: a few of 32 cells."""
+    page = PAGES / "emt_study.md"
+    found = play(page, tmp_path)
+    measured = found["differences"].query("outcome == 'basal'").set_index(["second", "first"])
+    rows = re.findall(r"^\| (\w+) against (\w+) \| \+([\d.]+) \|", page.read_text("utf-8"), re.MULTILINE)
+    assert len(rows) == 2
+    for one, other, points in rows:
+        assert -100 * measured.loc[(one, other), "difference"] == pytest.approx(float(points), abs=12)
+    assert measured.loc[("BP", "B"), "differ"]
+    assert "Scenarios against each other" in found["printed"]
+    assert (tmp_path / "results" / "leave" / "figures" / "ratios.svg").exists()
 
 
-def test_own_constraint_is_drawn(own):
-    levels = [item for item in own["ax"].collections if hasattr(item, "levels")]
-    assert len(levels) == 2
-    top = max(path.vertices[:, 1].max() for path in levels[1].get_paths())
-    assert top <= 1.0 + 1e-2
+def test_claims_of_ones_own(tmp_path):
+    found = play(PAGES / "claims.md", tmp_path)
+    assert "2 passed" in found["printed"]
+    assert found["found"].kind is Kind.FAILS
 
 
-def test_what_is_no_scheme_is_named():
-    class Forgetful(dincl.FixedStep):
-        def stepper(self, problem):
-            return Returns(problem)
-
-    class Returns(dincl.Stepper):
-        def step(self, t, h, state):
-            return state.x
-
-    problem = dincl.Problem([[1.0]], lambda t, x: -x)
-    with pytest.raises(
-        dincl.InvalidProblem, match=r"Returns.step returned array\(\[\[1.\]\]\): must be a dincl.StepState"
-    ):
-        dincl.solve(problem, Forgetful(0.1), t=[1.0])
-
-    class Endless(dincl.Scheme):
-        def run(self, problem, times):
-            return times
-
-    with pytest.raises(dincl.InvalidProblem, match=r"Endless.run returned array\(\[1.\]\): must be a RunOutcome"):
-        dincl.solve(problem, Endless(), t=[1.0])
+def test_solve(tmp_path):
+    words = play(PAGES / "solve.md", tmp_path)["printed"]
+    wanted = ("SUCCESS", "LinearisedCatchUp", "contact, particle", "smaller dt")
+    assert [word for word in wanted if word not in words] == []
 
 
-def test_what_is_no_constraint_is_named():
-    class Rowless(dincl.Constraint):
-        def check(self, count, d):
-            pass
-
-        def select(self, x, reach):
-            return [1.0]
-
-        def sweeper(self, x):
-            raise NotImplementedError
-
-    with pytest.raises(dincl.InvalidProblem, match=r"Rowless.select returned \[1.0\]: must be AffineRows"):
-        dincl.Problem([[1.0]], lambda t, x: -x, [Rowless()])
+@pytest.mark.parametrize("page", sorted((ROOT / "docs").rglob("*.md")), ids=lambda path: path.name)
+def test_links_are_there(page):
+    assert [path for path in links(page) if not path.exists()] == []

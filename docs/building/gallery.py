@@ -1,0 +1,132 @@
+"""The gallery: a picture of every ready-made scene and of every preset of the tissue, with the line that makes it."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import matplotlib as mpl
+import numpy as np
+
+import dincl
+import tissue
+from tissue.files.parameters import PRESETS
+
+mpl.use("Agg")
+# What a scene is given where it asks for something: a number of particles.
+COUNT = 30
+PAGE = """# Gallery
+
+Every scene of `dincl.scenes`, from its start to its last time, and every preset of the tissue, at its end.
+The build of these pages makes the pictures.
+
+## Scenes
+
+Particles are drawn at their start, on their way and at the end, by PBD with a step of 0.01. `scene.times` are the times
+worth looking at; those marked *exact* have their solution in `scene.exact`.
+
+::::{{container}} gallery
+{scenes}
+::::
+
+## Tissues
+
+::::{{container}} gallery
+{tissues}
+::::
+"""
+CARD = """:::{{container}} card
+**{title}**
+
+[![{title}]({picture})]({picture})
+
+{words}
+
+```python
+{code}
+```
+:::
+"""
+
+
+class Card(NamedTuple):
+    """One entry: its name, title, first sentence, the code that makes it, and what draws it (path) -> None."""
+
+    name: str
+    title: str
+    words: str
+    code: str
+    made: Any
+
+
+def scene_cards() -> list[Card]:
+    """One for each function of ``dincl.scenes`` that makes a scene."""
+    makers = [getattr(dincl.scenes, name) for name in dincl.scenes.__all__]
+    return [_scene_card(maker) for maker in makers if inspect.isfunction(maker)]
+
+
+def tissue_cards() -> list[Card]:
+    """One for each preset."""
+    return [_tissue_card(name) for name in PRESETS]
+
+
+def write(folder: Path) -> Path:
+    """Write the page and its pictures into a folder; the page."""
+    folder.mkdir(parents=True, exist_ok=True)
+    scenes, tissues = scene_cards(), tissue_cards()
+    for card in scenes:
+        _save(_drawn_scene(card.made), folder / f"{card.name}.png")
+    for card in tissues:
+        _save(tissue.simulate(card.made, seed=1).plot(), folder / f"{card.name}.png")
+    page = folder / "gallery.md"
+    page.write_text(PAGE.format(scenes=_written(scenes), tissues=_written(tissues)), "utf-8")
+    return page
+
+
+def _scene_card(maker: Any) -> Card:
+    asked = [one for one in inspect.signature(maker).parameters.values() if one.default is one.empty]
+    given = ", ".join(str(COUNT) for _ in asked)
+    scene = maker(*(COUNT for _ in asked))
+    exact = " *Exact.*" if scene.exact else ""
+    code = f"scene = dincl.scenes.{maker.__name__}({given})"
+    return Card(maker.__name__, scene.title, escaped(_sentence(inspect.getdoc(maker))) + exact, code, scene)
+
+
+def _tissue_card(name: str) -> Card:
+    file = Path(inspect.getfile(tissue)).parent / "files" / "presets" / f"{name}.toml"
+    first = file.read_text("utf-8").partition("\n#\n")[0].partition("\nbase")[0]
+    words = " ".join(line.lstrip("# ") for line in first.splitlines()).partition(":")[0]
+    made = tissue.preset(name)
+    shown = f"{escaped(_sentence(words)).rstrip('.')}. After {made.t_end:g} h."
+    return Card(name, name, shown, f'parameters = tissue.preset("{name}")', made)
+
+
+def _sentence(text: str | None) -> str:
+    """The first one, on one line."""
+    return re.split(r"(?<=\.)\s+(?=[A-Z])", " ".join((text or "").split()))[0]
+
+
+def escaped(text: str) -> str:
+    """Plain text as Markdown shows it."""
+    return re.sub(r"([\\`*_|<>\[\]$])", r"\\\1", text)
+
+
+def _drawn_scene(scene: Any) -> Any:
+    times = np.linspace(0.0, scene.times[-1], 121)
+    return dincl.solve(scene, dincl.PBD(0.01), t=times).plot()
+
+
+def _save(ax: Any, path: Path) -> None:
+    from matplotlib import pyplot as plt
+
+    figure = ax.figure
+    figure.savefig(path, dpi=110, bbox_inches="tight")
+    plt.close(figure)
+
+
+def _written(cards: list[Card]) -> str:
+    return "\n".join(
+        CARD.format(title=card.title, picture=f"{card.name}.png", words=card.words, code=card.code) for card in cards
+    )
