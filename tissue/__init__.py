@@ -60,7 +60,10 @@ def __getattr__(name: str) -> Any:
     """Import a public name, and with it numba and pydantic, when it is first asked for."""
     if name not in _HOMES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
-    return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
+    from dincl.extras import needs
+
+    with needs(f"tissue.{name}", "tissue"):
+        return getattr(import_module(f"{__name__}.{_HOMES[name]}"), name)
 
 
 def __dir__() -> list[str]:

@@ -88,7 +88,10 @@ __all__ = [
 def __getattr__(name: str) -> Any:
     if name not in _MODULE_OF:
         raise AttributeError(f"module 'verification' has no attribute {name!r}")
-    found = getattr(import_module(f"verification.{_MODULE_OF[name]}"), name)
+    from dincl.extras import needs
+
+    with needs(f"verification.{name}", "report"):
+        found = getattr(import_module(f"verification.{_MODULE_OF[name]}"), name)
     globals()[name] = found
     return found
 

@@ -41,6 +41,8 @@ asked = {
     "model": lambda: meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5),
     "w1": lambda: meanfield.w1(np.eye(2), np.ones((2, 2))),
     "study": lambda: __import__("dincl.study"),
+    "preset": lambda: tissue.preset("thesis"),
+    "order_study": lambda: verification.order_study,
 }
 for name, ask in asked.items():
     try:
@@ -63,6 +65,8 @@ MESSAGES = {
     "to_frame": "to_frame needs pandas, not installed here: pip install 'dincl-testbed[report]'",
     "model": "A model of meanfield needs casadi, not installed here: pip install 'dincl-testbed[meanfield]'",
     "w1": "w1 of points in d >= 2 needs scipy, not installed here: pip install 'dincl-testbed[meanfield]'",
+    "preset": "tissue.preset needs pydantic, not installed here: pip install 'dincl-testbed[tissue]'",
+    "order_study": "verification.order_study needs pandas, not installed here: pip install 'dincl-testbed[report]'",
     "study": "dincl.study needs rich, not installed here: pip install 'dincl-testbed[report]'",
 }
 COMMANDS = {
