@@ -19,22 +19,29 @@ from verification.evidence import Kind
 app = typer.Typer(
     help="Measure the methods, check the statements of the thesis, write the report.", no_args_is_help=True
 )
-Full = Annotated[bool, typer.Option("--full", help="The complete studies instead of the short ones.")]
+Full = Annotated[
+    bool, typer.Option("--full", help="Make the complete studies anew, and say what differs from those that ship.")
+]
 Out = Annotated[Path, typer.Option(help="Folder of the page, its tables and figures.")]
 COLOURS = {Kind.HOLDS: "green", Kind.CORRECTED: "yellow", Kind.FAILS: "red", Kind.OPEN: "dim"}
 
 
 @app.command()
 def report(full: Full = False, out: Out = Path("report")) -> None:
-    """Run the studies that are missing and write <out>/index.html; an interrupted call is taken up again."""
+    """Write <out>/index.html from complete studies, and make parts of them again to see whether they agree.
+
+    An interrupted call is taken up again.
+    """
     need_all("verification report")
     from dincl.study import workers
-    from verification.page.report import Context, write_report
+    from verification.page.context import Context
+    from verification.page.report import write_report
     from verification.thesis.chapters import CHAPTERS
+    from verification.thesis.kept import STUDIES
 
     start = time.monotonic()
     with workers() as executor:
-        path = write_report(CHAPTERS, Context(out, full, executor))
+        path = write_report(CHAPTERS, Context(out, full, executor, complete=STUDIES))
     print(f"{path}, {time.monotonic() - start:.0f} s")
 
 
@@ -53,7 +60,7 @@ def claims(
     need_all("verification claims")
     from dincl.study import workers
     from verification.decide import decide_all, differing
-    from verification.page.report import Context
+    from verification.page.context import Context
     from verification.thesis import kept, selection
     from verification.thesis.errata import errata
     from verification.thesis.register import register
@@ -63,7 +70,7 @@ def claims(
     except ValueError as error:
         raise typer.BadParameter(str(error)) from None
     with workers() as executor:
-        context = Context(out, full, executor)
+        context = Context(out, full, executor, complete=kept.STUDIES)
         tables = selection.tables_for(chosen, context)
         table = decide_all(chosen, tables, context.folder, executor, kept.files())
     _list_claims(table)
@@ -95,11 +102,12 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
     """Map where each method fails, print the failures that theory predicts, write tables and figures to <out>."""
     need_all("verification stability")
     from dincl.study import workers
-    from verification.page.report import Context
+    from verification.page.context import Context
     from verification.thesis.chapter2.stability.page import CHAPTER
+    from verification.thesis.kept import STUDIES
 
     with workers() as executor:
-        context = Context(out, full, executor)
+        context = Context(out, full, executor, complete=STUDIES)
         CHAPTER.run(context)
         CHAPTER.sections(context)
         context.finish_drawings()

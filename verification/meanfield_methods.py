@@ -76,12 +76,12 @@ SOLVERS: dict[str, Solve] = {
 # Label, family, what the setting is for given particles, colour, marker.
 STYLES = {
     "dae": ("DAE (IDAS)", "constrained", "tol", "#b8443c", "s"),
-    "rattle2": ("RATTLE, order 2", "RATTLE", "dt", "#e59a54", "v"),
-    "rattle4": ("RATTLE, order 4", "RATTLE", "dt", "#c9a227", "^"),
-    "rattle6": ("RATTLE, order 6", "RATTLE", "dt", "#8a7a1f", "<"),
-    "rattle8": ("RATTLE, order 8", "RATTLE", "dt", "#5f5310", ">"),
+    "rattle2": ("RATTLE of order 2", "RATTLE", "dt", "#e59a54", "v"),
+    "rattle4": ("RATTLE of order 4", "RATTLE", "dt", "#c9a227", "^"),
+    "rattle6": ("RATTLE of order 6", "RATTLE", "dt", "#8a7a1f", "<"),
+    "rattle8": ("RATTLE of order 8", "RATTLE", "dt", "#5f5310", ">"),
     "ode": ("ODE (DOP853)", "reduced ODE", "tol", "#2f6db0", "o"),
-    "reduced": ("ODE, reduced", "reduced ODE", "tol", "#86a7cf", "D"),
+    "reduced": ("reduced ODE", "reduced ODE", "tol", "#86a7cf", "D"),
     "characteristics": ("Characteristics", "mean field", "tol", "#4f9a5f", "P"),
     "moments": ("Moments", "mean field", "tol", "#7b52a1", "X"),
     "pde": ("PDE", "mean field", "1/cells", "#5b5b66", "h"),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,6 +53,14 @@ class Study:
     def provenance(self) -> dict[str, str]:
         """What the rows are made by."""
         return provenance(self.run, *self.calls, **self.settings)
+
+    def only(self, wanted: Callable[[Key], bool]) -> Study:
+        """The same study with those of its runs whose keys are wanted."""
+        return replace(self, runs=tuple(key for key in self.runs if wanted(key)))
+
+    def some(self, most: int) -> Study:
+        """The same study with so many of its runs at most, spread evenly over them."""
+        return replace(self, runs=self.runs[:: max(1, -(-len(self.runs) // most))])
 
     def complete(self, folder: Path, executor: Executor) -> pd.DataFrame:
         """Make the runs that the table in ``folder`` lacks; return the rows of this study's runs, sorted by key.

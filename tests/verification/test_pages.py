@@ -7,11 +7,12 @@ import pandas as pd
 import pytest
 
 from dincl.study import write
-from tests.verification.thesis.shortened import Here, Nowhere
+from tests.executors import Here, Nowhere
 from verification.evidence import Kind
 from verification.page import parts
+from verification.page.context import Context
 from verification.page.parts import Grid, Section, Text, cell, number
-from verification.page.report import Chapter, Context, Finding, write_report
+from verification.page.report import Chapter, Finding, write_report
 from verification.thesis.chapter2 import page as experiments
 from verification.thesis.chapter3.growth import GrowthForm
 from verification.thesis.chapter5.drift import DriftForm
@@ -70,13 +71,10 @@ def test_what_is_empty_is_not_printed() -> None:
     assert [[text for text, _ in row] for row in grid.cells] == [["1", "x"]]
 
 
-def test_form_is_the_one_given_for_its_class_or_else_the_short_or_full_one(tmp_path: Path) -> None:
-    short, full, other = GrowthForm(2, 0.1), GrowthForm(3, 0.1), GrowthForm(4, 0.1)
-    for complete in (False, True):
-        plain = Context(tmp_path, complete, Nowhere(), [DriftForm(1.0)])
-        assert plain.form(short, full) is (full if complete else short)
-        assert plain.form(short) is short  # one form only
-        assert Context(tmp_path, complete, Nowhere(), [DriftForm(1.0), other]).form(short, full) is other
+def test_form_is_the_one_given_for_its_class_or_else_the_usual_one(tmp_path: Path) -> None:
+    usual, other = GrowthForm(3, 0.1), GrowthForm(4, 0.1)
+    assert Context(tmp_path, False, Nowhere(), [DriftForm(1.0)]).form(usual) is usual
+    assert Context(tmp_path, False, Nowhere(), [DriftForm(1.0), other]).form(usual) is other
 
 
 def test_kept_table_is_written(tmp_path: Path) -> None:

@@ -49,7 +49,8 @@ def tables(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def run(pytester: pytest.Pytester, *options: str) -> pytest.RunResult:
-    return pytester.runpytest_subprocess("-W", "error", "-rs", *options)
+    """In this process: a new one would import everything, a dozen times."""
+    return pytester.runpytest_inprocess("-W", "error", "-rs", "-p", "no:xdist", *options)
 
 
 @pytest.mark.parametrize("name", ["test_mine", "claims", "claims_of_mine", "my_claims"])
@@ -111,7 +112,7 @@ def test_projects_without_claims_are_left_alone(pytester: pytest.Pytester) -> No
         claims="raise ImportError('a project of insurances: this file asks for its settings')",
         test_sum="import sys\nLIMITS = (1, 2)\ndef test_sum(): assert 'verification.claims' not in sys.modules",
     )
-    run(pytester).assert_outcomes(passed=1)
+    pytester.runpytest_subprocess("-W", "error").assert_outcomes(passed=1)
 
 
 def test_the_plugin_loads_nothing_else() -> None:

@@ -2,26 +2,34 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
-import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
 from dincl import study
+from dincl.study import Study
+from tests.executors import Here, Nowhere
 from tests.verification.in_browser import PagesInABrowser
 from tests.verification.page import Page
-from tests.verification.thesis.shortened import FORMS, Here, Nowhere, few_claims, shorten
+from tests.verification.thesis.shortened import few_claims, shorten
+from tests.verification.thesis.shortened_emt import FEWEST, emt_form
 from tests.verification.thesis.shortened_emt import SECTIONS as EMT_SECTIONS
 from tests.verification.thesis.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
 from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
-from tests.verification.thesis.shortened_meanfield import TABLES as MEANFIELD_TABLES
 from verification import cli
 from verification.claims import Effect
 from verification.decide import differing
-from verification.page.report import Context, write_report
+from verification.page import context
+from verification.page.agreement import Agreement
+from verification.page.context import Context
+from verification.page.made_again import TITLE as AGAIN
+from verification.page.report import write_report
 from verification.thesis import chapters
-from verification.thesis.chapter4 import kept
+from verification.thesis.chapter2.stability.catalogue import PLANES
+from verification.thesis.chapter2.work_references import SCENES
 from verification.thesis.chapters import CHAPTERS
+from verification.thesis.kept import STUDIES
 from verification.thesis.page import TITLES, corrections
 
 SECTIONS = [
@@ -31,18 +39,19 @@ SECTIONS = [
     "Convergence: ten discs falling into a corner",
     "Infeasibility: PBD against the penalty method with its best strength",
     "Large steps",
+    AGAIN,
     "Who is cheapest",
     "How far the event-driven scheme pays",
-    "Speed against accuracy: a disc slides over a fixed disc",
-    "Speed against accuracy: a row of intervals pressed against a wall",
+    *(f"Speed against accuracy: {make().title.lower()}" for make in SCENES.values()),
+    AGAIN,
     "Failures that theory predicts",
-    "Map: the stiffness of the drift",
-    "Map: the strength of a penalty",
-    "Map: the prox-regularity radius",
+    *(f"Map: {plane.title}" for plane in PLANES),
     "Six decades of dt",
     "The Pacman set",
+    AGAIN,
     "How far from convex: the constant of prox-regularity",
     "Consistency of PBD",
+    AGAIN,
     "Substeps: how exact, how fast",
     "PBD against catch-up on a frozen tissue",
     "How long nuclei can be foretold",
@@ -51,105 +60,46 @@ SECTIONS = [
     "DAHA against PBD",
     "How far from a minimum a step ends",
     "The kernel",
+    AGAIN,
     *EMT_SECTIONS,
     "Does curvature matter?",
     "Does it matter that a tube is closed?",
     "A large circle becomes the line",
     *MEANFIELD_SECTIONS,
+    AGAIN,
     "How the statements came out",
     "Corrections that change results",
     "Errata of notation",
     "All statements, to be searched",
     *TITLES.values(),
 ]
-TABLES = {
-    "references",
-    "catch_up",
-    "exactness",
-    "convergence",
-    "orders",
-    "penalty_scan",
-    "penalty_best",
-    "infeasibility",
-    "large_steps",
-    "work_references",
-    "work_precision",
-    "work_times",
-    "work_reach",
-    "work_winners",
-    "stability_penalty",
-    "stability_radius",
-    "stability_drift",
-    "stability_decades",
-    "stability_cases",
-    "stability_verdicts",
-    "stability_outcomes",
-    "stability_pacman",
-    "prox_constants",
-    "prox_arrangements",
-    "consistency_steps",
-    "consistency_settling",
-    "consistency",
-    "claims",
-    "claims_decided",
-    "claims_errata",
-    "tissue_catch_up",
-    "tissue_catch_up_errors",
-    "tissue_catch_up_orders",
-    "tissue_daha",
-    "tissue_daha_descent",
-    "tissue_daha_distances",
-    "tissue_daha_failures",
-    "tissue_daha_fits",
-    "tissue_daha_held",
-    "tissue_daha_iterations",
-    "tissue_daha_multipliers",
-    "tissue_daha_speed",
-    "tissue_distances",
-    "tissue_disturbed",
-    "tissue_doubling",
-    "tissue_enough",
-    "tissue_errors",
-    "tissue_foretold",
-    "tissue_growth",
-    "tissue_heights",
-    "tissue_jitter",
-    "tissue_judged",
-    "tissue_judged_steps",
-    "tissue_kernel",
-    "tissue_kernel_growth",
-    "tissue_limits",
-    "tissue_limits_found",
-    "tissue_map_bending",
-    "tissue_map_damping",
-    "tissue_map_springs",
-    "tissue_map_steps",
-    "tissue_orders",
-    "tissue_rates",
-    "tissue_ratios",
-    "tissue_substeps",
-    "tissue_swing",
-    "tissue_thrown",
-    "curved_limit",
-    "curved_lumen",
-    "curved_tubes",
-    "curved_ways_out",
-    *(f"emt_{name}" for name in kept.TABLES),
-    *(f"emt_complete_{name}" for name in kept.COMPLETE),
-    *MEANFIELD_TABLES,
-}
-IMAGES = 42 + MEANFIELD_PICTURES
+IMAGES = 52 + MEANFIELD_PICTURES
 LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
+    """From the complete studies that ship, of which nothing is made again; with few runs of EMT, and few claims."""
     out = tmp_path_factory.mktemp("report")
-    context = Context(out, False, Here(), FORMS)
+    shipped = Context(out, False, Here(), (emt_form(FEWEST),), STUDIES)
     with pytest.MonkeyPatch.context() as patch:
         shorten(patch)
-        path = write_report(CHAPTERS, context)
-    return path, context
+        patch.setattr(Study, "_make", _only_claims)
+        patch.setattr(Context, "_repeat", _said_to_agree)
+        path = write_report(CHAPTERS, shipped)
+    return path, shipped
+
+
+MAKE = Study._make
+
+
+def _only_claims(study: Study, *given: Any) -> None:
+    assert study.name.startswith("claims"), f"{study.name} was run, which ships"
+    MAKE(study, *given)
+
+
+def _said_to_agree(made: Context, study: Study, *_: object) -> None:
+    made.agreements[study.name] = Agreement(study.title, 1, len(study.runs), 1, 0)
 
 
 class TestPagesInABrowser(PagesInABrowser):
@@ -203,8 +153,9 @@ def test_pages_open_offline_and_link_what_is_there(made: tuple[Path, Context]) -
 
 def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> None:
     folder = made[0].parent
-    assert {path.stem for path in (folder / "tables").glob("*.parquet")} == TABLES | {"reference"}
-    assert {path.stem for path in (folder / "tables").glob("*.csv")} == TABLES | {"reference"}
+    kept, plain = ({path.stem for path in (folder / "tables").glob(f"*.{kind}")} for kind in ("parquet", "csv"))
+    assert kept == plain >= made[1].studies.keys()
+    assert {path.stem for path in STUDIES.glob("*.parquet")} == made[1].studies.keys()
     assert len(list((folder / "figures").glob("*.png"))) == IMAGES
     assert list(folder.rglob(".*.new")) == []
     assert all(page.stat().st_size < LARGEST for page in folder.glob("*.html"))
@@ -212,7 +163,7 @@ def test_tables_and_figures_lie_beside_the_page(made: tuple[Path, Context]) -> N
 
 def test_page_states_machine_versions_orders_and_verdicts(made: tuple[Path, Context]) -> None:
     tables = made[1].tables
-    for word in ("cores", "numpy", "casadi", "short: fewer and coarser steps"):
+    for word in ("cores", "numpy", "casadi", "those that ship", f"Of {len(made[1].agreements)} complete studies"):
         assert word in made[0].read_text("utf-8")
     text = (made[0].parent / "experiments.html").read_text("utf-8")
     for order in tables["orders"]["order"]:
@@ -236,17 +187,10 @@ def test_page_has_every_claim_and_the_most_serious_corrections_first(made: tuple
         assert word in text
 
 
-def test_second_report_runs_nothing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
-    shorten(monkeypatch)
-    before = made[1].tables
-    again = Context(made[1].out, False, Nowhere(), FORMS)
-    for chapter in CHAPTERS:
-        known = set(again.tables)
-        chapter.run(again)
-        assert all(name.startswith(chapter.tables or "claims") for name in again.tables.keys() - known), chapter.title
-    for name, table in again.tables.items():
-        kept_columns = [column for column in table if (name, column) != ("claims", "seconds")]  # some are decided anew
-        pd.testing.assert_frame_equal(table[kept_columns], before[name][kept_columns])
+def test_each_chapter_fills_tables_of_its_own_names(made: tuple[Path, Context]) -> None:
+    beginnings = [chapter.tables or ("claims",) for chapter in CHAPTERS]
+    for name in made[1].tables.keys() - {f"made_again_{chapter.name}" for chapter in CHAPTERS}:
+        assert sum(name.startswith(own) for own in beginnings) == 1, name
 
 
 def test_independent_references_agree(made: tuple[Path, Context]) -> None:
@@ -264,6 +208,7 @@ def test_independent_references_agree(made: tuple[Path, Context]) -> None:
 
 def test_command_claims_runs_only_what_is_missing(made: tuple[Path, Context], monkeypatch: pytest.MonkeyPatch) -> None:
     shorten(monkeypatch)
+    monkeypatch.setattr(context, "Context", Context)  # with what ships
     monkeypatch.setattr(study, "workers", Nowhere)
     said = CliRunner().invoke(cli.app, ["claims", "--out", str(made[1].out)], env={"COLUMNS": "160"})
     other = differing(made[1].tables["claims"])
@@ -278,5 +223,5 @@ def test_command_report(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None
     monkeypatch.setattr(chapters, "CHAPTERS", CHAPTERS[-1:])
     said = CliRunner().invoke(cli.app, ["report", "--full", "--out", str(tmp_path)])
     assert said.exit_code == 0, said.output
-    assert "complete" in (tmp_path / "index.html").read_text("utf-8")
+    assert "made here" in (tmp_path / "index.html").read_text("utf-8")
     assert "is not there" in (tmp_path / "statements.html").read_text("utf-8")  # no study was run

@@ -67,7 +67,8 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     if failed := _failures(table, error, cost):
         points.append(panel.scatter("x", "y", source=ColumnDataSource(failed), marker="x", size=9))
         items[FAILED] = points[-1:]
-    panel.add_tools(HoverTool(renderers=points, tooltips=HOVER, formatters=PRINTF))
+    told = [line for line in HOVER if line[0] != "overlap" or table["overlap"].notna().any()]
+    panel.add_tools(HoverTool(renderers=points, tooltips=told, formatters=PRINTF))
     panel.toolbar.logo = None
     entries = [LegendItem(label=name, renderers=shapes) for name, shapes in items.items()]
     panel.add_layout(Legend(items=entries, click_policy="hide", **LEGEND), "below")

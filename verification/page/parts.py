@@ -27,6 +27,14 @@ class Text:
 
 
 @dataclass(frozen=True)
+class Follows:
+    """What follows from a section, its last paragraph; HTML."""
+
+    html: str
+    kind: str = field(default="follows", init=False)
+
+
+@dataclass(frozen=True)
 class Picture:
     """A figure file with its caption; the page links it."""
 
@@ -98,7 +106,7 @@ class Section:
     """A heading with its parts."""
 
     title: str
-    parts: Sequence[Text | Picture | Chart | Grid | SearchField | Statements]
+    parts: Sequence[Text | Follows | Picture | Chart | Grid | SearchField | Statements]
 
 
 def cell(value: object) -> tuple[str, str]:
@@ -116,6 +124,8 @@ def number(value: float) -> str:
     """Three digits, with an exponent where it is small or large."""
     if np.isnan(value):
         return "—"
+    if np.isinf(value):
+        return "∞" if value > 0 else "-∞"
     if value == 0:
         return "0"
     if PLAIN <= abs(value) < 1e4:

@@ -3,62 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future
-from dataclasses import dataclass, field
+from concurrent.futures import Future
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
 
-import pandas as pd
-
-from dincl.study import write
+from verification.page.context import Context
 from verification.page.facts import machine
+from verification.page.made_again import made_again
 from verification.page.parts import Chart, Section
 from verification.page.render import render_page
-
-Form = TypeVar("Form")
-
-
-@dataclass
-class Context:
-    """What the chapters share: where to write, which form to run and on what, and the tables so far, by name.
-
-    ``forms`` are run instead of the short or full ones of their classes.
-    """
-
-    out: Path
-    full: bool
-    executor: Executor
-    forms: Sequence[object] = ()
-    tables: dict[str, pd.DataFrame] = field(default_factory=dict)
-    drawings: list[Future[Path]] = field(default_factory=list)
-
-    def form(self, short: Form, full: Form | None = None) -> Form:
-        """The form of a study: the one given for its class, or else the short or full one; some have one only."""
-        given = [form for form in self.forms if type(form) is type(short)]
-        if given:
-            return given[0]
-        return full if self.full and full is not None else short
-
-    @property
-    def folder(self) -> Path:
-        """Where the tables are."""
-        return self.out / "tables"
-
-    def keep(self, name: str, table: pd.DataFrame) -> None:
-        """Share a table that was derived from others, and write it beside them."""
-        self.tables[name] = table
-        write(table, self.folder / f"{name}.parquet")
-
-    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any) -> Path:
-        """Let a worker draw ``figure(*arguments, path)``; the path, where it is once the drawings are done."""
-        path = self.out / "figures" / f"{name}.png"
-        self.drawings.append(self.executor.submit(figure, *arguments, path))
-        return path
-
-    def finish_drawings(self) -> None:
-        """Wait until all figures are there; raises what went wrong with one."""
-        for drawing in self.drawings:
-            drawing.result()
 
 
 @dataclass(frozen=True)
@@ -96,16 +49,28 @@ class Chapter:
 
 
 def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
-    """Run all chapters, and write ``index.html`` and a page for each as soon as it is ready; the path of the first."""
+    """Write ``index.html`` and a page for each chapter as soon as it is ready; the path of the first.
+
+    The pages are written from the complete studies that ship; then parts of these are made again, chapter by chapter,
+    and the pages say whether they agree.
+    """
     for chapter in chapters:
         if chapter.prepare is not None:
             context.executor.submit(chapter.prepare)
     pages = _Pages(chapters, context)
     pages.write_index([])
+    waiting = {}
     for chapter in chapters:
         chapter.run(context)
         # At once, so that the figures of a chapter are drawn while the next one runs.
         pages.take(chapter)
+        waiting[chapter], context.waiting = context.waiting, []
+    for chapter, parts in waiting.items():
+        for repeat in parts:
+            repeat()
+        if parts:
+            chapter.run(context)
+            pages.take(chapter)
     return pages.finish()
 
 
@@ -132,12 +97,13 @@ class _Pages:
 
     def __init__(self, chapters: Sequence[Chapter], context: Context) -> None:
         self._chapters, self._context = chapters, context
-        self._ready: list[_Written] = []
+        self._ready: dict[str, _Written] = {}
         self._waiting: list[_Written] = []
 
     def take(self, chapter: Chapter) -> None:
         """Add a chapter that was run, and write the pages whose figures are drawn."""
         sections, findings = list(chapter.sections(self._context)), list(chapter.findings(self._context))
+        sections += made_again(chapter.name, self._context, chapter.tables)
         drawings, self._context.drawings = self._context.drawings, []
         self._waiting.append(_Written(chapter, sections, findings, drawings))
         while self._waiting and all(drawing.done() for drawing in self._waiting[0].drawings):
@@ -152,10 +118,11 @@ class _Pages:
 
     def write_index(self, facts: Sequence[tuple[str, str]]) -> Path:
         """The first page, as far as it is known; it loads itself again until ``facts`` end it."""
-        findings = [found for written in self._ready for found in written.linked]
-        ready = {written.chapter.name for written in self._ready}
-        values = {"chapters": self._chapters, "findings": findings, "ready": ready, "facts": facts, "here": ""}
-        return render_page("index.html", self._context.out / "index.html", **values)
+        ready = [self._ready[chapter.name] for chapter in self._chapters if chapter.name in self._ready]
+        findings = [found for written in ready for found in written.linked]
+        known = {"ready": set(self._ready), "agreements": list(self._context.agreements.values()), "facts": facts}
+        values = {"chapters": self._chapters, "findings": findings, "here": ""}
+        return render_page("index.html", self._context.out / "index.html", **values, **known)
 
     def _write(self, written: _Written) -> None:
         for drawing in written.drawings:
@@ -164,7 +131,7 @@ class _Pages:
         values = {"chapters": self._chapters, "here": written.chapter.name, "written": written}
         values["library"] = _library() if charts else ""
         render_page("chapter.html", self._context.out / written.chapter.file, **values)
-        self._ready.append(written)
+        self._ready[written.chapter.name] = written
 
 
 def _library() -> str:
@@ -175,9 +142,7 @@ def _library() -> str:
 
 def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str, str]]:
     """What a number depends on besides the code."""
-    yield (
-        "Form",
-        "complete" if context.full else "short: fewer and coarser steps (make report FULL=1 runs the complete one)",
-    )
+    made = "made here" if context.full else "those that ship; a part of each was made again here"
+    yield "Complete studies", f"{made} (make report FULL=1 makes them anew)"
     yield from machine(*(chapter.run for chapter in chapters))
     yield "Times", "seconds of CPU time with two runs at once, after a warm-up; building of solvers included"

@@ -13,6 +13,8 @@ from dincl.provenance import differences, provenance
 
 MAKES_NO_NUMBERS = True
 DATA = Path(__file__).parent / "data"
+# Complete studies, a table each, as ``Study.complete`` writes it.
+STUDIES = DATA / "studies"
 # In the attributes of a table, which Parquet keeps: the module whose ``main`` makes it, and what that was then.
 MAKER, PROVENANCE = "made_by", "provenance"
 

@@ -11,9 +11,10 @@ import pandas as pd
 from verification.claims import Effect
 from verification.decide import decide_all, differing
 from verification.evidence import Kind
+from verification.page.context import Context
 from verification.page.parts import Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.thesis import kept
 from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register

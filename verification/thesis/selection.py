@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 
 from dincl.errors import InvalidProblem
 from verification.claims import Claim, Cost, Tables
-from verification.page.report import Context
+from verification.page.context import Context
 from verification.selection import select
 from verification.thesis.chapter4 import kept
 from verification.thesis.register import chapter_of

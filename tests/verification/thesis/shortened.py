@@ -1,9 +1,6 @@
 """The studies with few, coarse steps, in this process: the whole way to a page in seconds."""
 
-from collections.abc import Callable
-from concurrent.futures import Executor, Future
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,8 +12,9 @@ from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tis
 from tissue.study.figures import style
 from verification.budget import CpuSeconds
 from verification.claims import Claim
-from verification.page import report, sheet
-from verification.page.report import Context
+from verification.page import context as page_context
+from verification.page import sheet
+from verification.page.context import Context
 from verification.thesis import page, register
 from verification.thesis.chapter1.prox_regularity import ProxForm
 from verification.thesis.chapter2 import work_precision
@@ -47,7 +45,7 @@ def few_planes() -> tuple[catalogue.Plane, ...]:
     """Three maps with four cells a method."""
     planes = []
     for plane in (plane for plane in catalogue.PLANES if plane.name in FEW_PLANES):
-        x, y = (replace(axis, short=(axis.short[-4], axis.short[-1])) for axis in (plane.x, plane.y))
+        x, y = (replace(axis, values=(axis.values[-5], axis.values[-1])) for axis in (plane.x, plane.y))
         kept = {name: label for name, label in plane.methods.items() if "ipopt" not in name and "clarabel" not in name}
         planes.append(replace(plane, x=x, y=y, methods=kept))
     return tuple(planes)
@@ -55,9 +53,7 @@ def few_planes() -> tuple[catalogue.Plane, ...]:
 
 # Three maps, three cases.
 STABILITY = (
-    catalogue.StabilityForm(
-        full=False, planes=few_planes(), cases=tuple(case for case in catalogue.CASES if case.id in FEW_CASES)
-    ),
+    catalogue.StabilityForm(planes=few_planes(), cases=tuple(case for case in catalogue.CASES if case.id in FEW_CASES)),
     DecadesForm((0.1, 1.0)),
 )
 # The two scenes with exact solutions, four methods, two settings.
@@ -82,31 +78,20 @@ FORMS = (
 )
 
 
-class Here(Executor):
-    """Makes each run at once, in this process."""
-
-    def submit(self, run: Callable[..., Any], /, *arguments: Any, **options: Any) -> Future[Any]:
-        future: Future[Any] = Future()
-        future.set_result(run(*arguments, **options))
-        return future
-
-
-class Nowhere(Executor):
-    """Refuses to run anything."""
-
-    def submit(self, run: Callable[..., Any], /, *arguments: Any, **options: Any) -> Future[Any]:
-        raise AssertionError(arguments)
-
-
 def shorten(patch: pytest.MonkeyPatch) -> None:
     """Few, coarse steps; small figures; FORMS for the commands."""
-    patch.setattr(report, "Context", partial(Context, forms=FORMS))
+    patch.setattr(page_context, "Context", short_context)
     patch.setattr(sheet, "DPI", 50)
     shorten_tissue(patch)
     shorten_command(patch)
     patch.setattr(style, "DPI", 50)
     for module in (register, page):
         patch.setattr(module, "register", few_claims)
+
+
+def short_context(*arguments: Any, complete: object = None, **options: Any) -> Context:
+    """One with FORMS, whatever ships."""
+    return Context(*arguments, forms=FORMS, **options)
 
 
 def few_claims() -> tuple[Claim, ...]:

@@ -24,38 +24,6 @@ SECTIONS = [
     "Speed against accuracy: particles, characteristics, PDE, moments",
     "Where the mean-field solvers fail",
 ]
-TABLES = {
-    "meanfield_agreement",
-    "meanfield_best",
-    "meanfield_cost",
-    "meanfield_cost_times",
-    "meanfield_drift",
-    "meanfield_drift_growth",
-    "meanfield_energy_limit",
-    "meanfield_energy_long",
-    "meanfield_energy_slopes",
-    "meanfield_energy_trends",
-    "meanfield_failed",
-    "meanfield_failures",
-    "meanfield_flow",
-    "meanfield_flow_exponents",
-    "meanfield_flow_means",
-    "meanfield_grid",
-    "meanfield_grid_orders",
-    "meanfield_maps",
-    "meanfield_motion",
-    "meanfield_orders",
-    "meanfield_pushed",
-    "meanfield_side",
-    "meanfield_stability",
-    "meanfield_stability_envelopes",
-    "meanfield_stability_laws",
-    "meanfield_stability_summary",
-    "meanfield_stiff",
-    "meanfield_start_exponents",
-    "meanfield_start_laws",
-    "meanfield_start_means",
-}
 PICTURES = 10
 FEW_FAILURES = ("U-ode", "zero-moments", "kernel-1/r²")
 
@@ -63,7 +31,11 @@ FEW_FAILURES = ("U-ode", "zero-moments", "kernel-1/r²")
 def few_values() -> tuple[maps.Plane, ...]:
     """Two values along each side."""
     return tuple(
-        replace(plane, x=replace(plane.x, short=plane.x.short[2:5:2]), y=replace(plane.y, short=plane.y.short[1:3]))
+        replace(
+            plane,
+            x=replace(plane.x, values=plane.x.values[10:25:14]),
+            y=replace(plane.y, values=plane.y.values[7:15:7]),
+        )
         for plane in maps.PLANES
     )
 
@@ -73,14 +45,14 @@ MEANFIELD = (
     agreement.AgreementForm(
         dict.fromkeys(("ode", "reduced", "dae"), (3, 5, 7, 8, 10)), {2: (2, 3, 4, 6, 8)}, models=("wavy",)
     ),
-    replace(energy.SHORT, models=()),
+    energy.LimitForm((3, 5, 7, 9, 11), (), models=()),
     energy.LongForm(2, (("rattle2", 0.5), ("ode", 1e-4))),
     grid_order.GridForm((30, 36, 43, 52, 62), (), line=("uniform",), plane=()),
     stability_constant.PairsForm(1, ("straight",)),
     motion.MotionForm(("straight",)),
-    replace(cost.SHORT, models=("straight",), settings={name: given[:1] for name, given in cost.SETTINGS.items()}),
+    cost.CostForm(0.2, 2, {name: given[:1] for name, given in cost.SETTINGS.items()}, models=("straight",)),
     cost.SideForm(("straight",), 10_000),
     failures.FailuresForm(FEW_FAILURES),
-    maps.MeanFieldMapsForm(full=False, planes=few_values()),
+    maps.MeanFieldMapsForm(few_values()),
     drift.DriftForm(20.0, ("naive_rk4", "rattle2")),
 )

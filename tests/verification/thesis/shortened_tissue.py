@@ -33,7 +33,9 @@ def simulated(name, seed, end, **changes):
 def few_values() -> tuple[maps.Plane, ...]:
     """Two values along each side."""
     return tuple(
-        replace(plane, x=replace(plane.x, short=plane.x.short[2:6:3]), y=replace(plane.y, short=plane.y.short[1:4:2]))
+        replace(
+            plane, x=replace(plane.x, values=plane.x.values[3:7:3]), y=replace(plane.y, values=plane.y.values[2:5:2])
+        )
         for plane in maps.PLANES
     )
 
@@ -41,7 +43,7 @@ def few_values() -> tuple[maps.Plane, ...]:
 def few_factors() -> tuple[daha_limits.Plane, ...]:
     """Two values along each side."""
     return tuple(
-        replace(plane, x=replace(plane.x, short=(1.0, 1e3)), y=replace(plane.y, short=(1.0, 1e3)))
+        replace(plane, x=replace(plane.x, values=(1.0, 1e3)), y=replace(plane.y, values=(1.0, 1e3)))
         for plane in daha_limits.PLANES
     )
 
@@ -59,7 +61,7 @@ TISSUE = (
     growth.GrowthForm(2, 1 / 30, dampings=(0.2, 0.05), end=12.0),
     beyond.BeyondForm({"thesis": (10, 20), "published": (20, 40)}, 2, (1.0, 5.0)),
     limits.LimitsForm(tuple(case for case in limits.CASES if case.id in FEW_LIMITS)),
-    maps.MapsForm(full=False, planes=few_values()),
+    maps.MapsForm(few_values()),
     bench.KernelForm((60, 120), cell_substeps=10_000),
 )
 # Runs of one hour, few seeds.
@@ -76,7 +78,7 @@ DAHA = (
     ),
     judged.JudgedForm(2, (1.0,)),
     catch_up.CatchUpForm(1, (20, 40, 160), (40, 80), 160),
-    daha_limits.DahaLimitsForm(full=False, planes=few_factors()),
+    daha_limits.DahaLimitsForm(few_factors()),
 )
 
 

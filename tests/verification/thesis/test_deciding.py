@@ -9,11 +9,11 @@ import pytest
 from typer.testing import CliRunner
 
 from dincl import study
-from tests.verification.thesis.shortened import Here, Nowhere
+from tests.executors import Here, Nowhere
 from verification import cli, decide
 from verification.claims import Claim, Correction, Cost, Effect, Tables
 from verification.evidence import Evidence, Kind, equal
-from verification.page.report import Context
+from verification.page.context import Context
 from verification.thesis import register, selection
 from verification.thesis.chapters import CHAPTERS
 

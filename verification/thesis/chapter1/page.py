@@ -6,9 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.thesis.chapter1 import figures as figures_geometry
 from verification.thesis.chapter1 import prox_regularity
 from verification.thesis.chapter2 import consistency
@@ -16,6 +17,8 @@ from verification.thesis.chapter2 import consistency
 CONVEXITY = "How far from convex: the constant of prox-regularity"
 PROSE = Path(__file__).parent / "prose"
 SHOWN = "two contacts, oblique"
+# Rows of at most so many discs are searched again, and so many arrangements.
+FEW = 4
 CONSTANTS = {
     "count": "N",
     "printed_plane": "Printed, d = 2",
@@ -52,10 +55,10 @@ CONSISTENCY = {
 
 def run(context: Context) -> None:
     """Complete the searches; the limits of PBD take a second and are made anew."""
-    where = context.folder, context.executor
-    form = context.form(prox_regularity.SHORT, prox_regularity.FULL)
-    context.tables["prox_constants"] = prox_regularity.constants(form).complete(*where)
-    context.tables["prox_arrangements"] = prox_regularity.configurations(form).complete(*where)
+    form = context.form(prox_regularity.FULL)
+    constants, around = prox_regularity.constants(form), prox_regularity.configurations(form)
+    context.tables["prox_constants"] = context.rows_of(constants, constants.only(lambda key: key["count"] <= FEW))
+    context.tables["prox_arrangements"] = context.rows_of(around, around.some(FEW))
     steps, settled = consistency.single_steps(), consistency.settling()
     context.keep("consistency_steps", steps)
     context.keep("consistency_settling", settled)
@@ -85,6 +88,7 @@ def _constants(context: Context) -> Section:
             Picture(picture, said["picture"]),
             Grid(table[list(CONSTANTS)].rename(columns=CONSTANTS), said["table"], "prox_constants"),
             Grid(around[list(ARRANGEMENTS)].rename(columns=ARRANGEMENTS), said["arrangements"], "prox_arrangements"),
+            Follows(said["follows"]),
         ],
     )
 
@@ -99,10 +103,8 @@ def _consistency(context: Context) -> Section:
     )
     picture = context.draw("consistency", figures_geometry.consistency, steps, settled, SHOWN)
     orders = context.tables["consistency"][list(CONSISTENCY)].rename(columns=CONSISTENCY)
-    return Section(
-        "Consistency of PBD",
-        [Text(said["limits"]), Picture(picture, said["picture"]), Grid(orders, said["table"], "consistency")],
-    )
+    parts = Text(said["limits"]), Picture(picture, said["picture"]), Grid(orders, said["table"], "consistency")
+    return Section("Consistency of PBD", [*parts, Follows(said["follows"])])
 
 
 def findings(context: Context) -> Sequence[Finding]:

@@ -39,7 +39,7 @@ class ProxForm:
     arrangements: int | None = None
 
 
-SHORT, FULL = ProxForm(12), ProxForm(200)
+FULL = ProxForm(200)
 
 
 def constants(form: ProxForm) -> Study:
@@ -57,7 +57,7 @@ def _study(
     name: str, title: str, key: str, values: Sequence[object], run: Callable[..., list[Row]], form: ProxForm
 ) -> Study:
     return Study(
-        name=f"{name}{'_full' if form == FULL else ''}",
+        name=name,
         title=title,
         key=(key,),
         runs=tuple({key: value} for value in reversed(values)),

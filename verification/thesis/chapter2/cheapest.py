@@ -9,8 +9,9 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from verification.cheapest import AT_THE_LIMIT, NOT_REACHED, NOT_RESOLVED, NOT_TRIED, TIE, UNDECIDED, accuracy
+from verification.cheapest import NOT_TRIED, UNDECIDED, accuracy
 from verification.order import MIN_STEPS, estimate, order_text
+from verification.page.parts import number
 from verification.page.prose import fill
 from verification.speed_accuracy import TARGETS, WorkPrecision
 from verification.thesis.chapter2.methods import CHARTED, PBD
@@ -73,21 +74,11 @@ def _of_scene(scene: str, one: WorkPrecision, targets: Sequence[float]) -> pd.Da
     ]
 
 
-def sentence(rows: pd.DataFrame) -> str:
-    """The winners of one scene in words, from the table of ``winners``."""
-    ordered = rows.sort_values("target", ascending=False)
-    nobody = {word: ordered["cheapest"] == word for word in (AT_THE_LIMIT, NOT_REACHED, NOT_RESOLVED)}
-    found = ordered[~np.any(list(nobody.values()), axis=0)]
-    found = found.assign(
-        tied_labels=[row.tied.split("; ") if row.cheapest == TIE else [] for row in found.itertuples()],
-        pbd_gets_there=np.isfinite(found["pbd_ratio"]),
-    )
-    return fill(
-        PROSE / "cheapest.html",
-        found=list(found.itertuples()),
-        pbd=PBD.label,
-        **{word.replace(" ", "_"): list(ordered.loc[here, "target"]) for word, here in nobody.items()},
-    )["sentence"]
+def wide(rows: pd.DataFrame) -> pd.DataFrame:
+    """The cheapest method for each scene and error, from the table of ``winners``: a row for each scene."""
+    titles = rows.assign(Scene=[SCENES[name]().title for name in rows["scene"]])
+    table = titles.pivot(index="Scene", columns="target", values="cheapest").rename_axis(columns=None)
+    return table[sorted(table, reverse=True)].rename(columns=number).reset_index()
 
 
 def against_pbd(rows: pd.DataFrame) -> pd.DataFrame:

@@ -32,7 +32,7 @@ class ConvergenceForm:
     methods: tuple[NamedMethod, ...] = COMPARED
 
 
-SHORT, FULL = ConvergenceForm(8, 6), ConvergenceForm(10, 10)
+FULL = ConvergenceForm(10, 10)
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ def study(references: Mapping[str, EventReference], form: ConvergenceForm) -> St
         if k < form.costly_steps or not method.costly
     ]
     return Study(
-        name=f"convergence{'_full' if form == FULL else ''}",
+        name="convergence",
         title="Convergence",
         key=("scene", "method", "dt"),
         runs=tuple(runs),

@@ -37,7 +37,7 @@ class ExtrapolationForm:
     exponents: tuple[int, int, int]
 
 
-SHORT, FULL = ExtrapolationForm((4, 5, 6)), ExtrapolationForm((8, 9, 10))
+FULL = ExtrapolationForm((8, 9, 10))
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def study(scenes: Sequence[str], form: ExtrapolationForm) -> Study:
         if method is not CATCH_UP_DAQP or dt == steps[0]
     ]
     return Study(
-        name=f"catch_up{'_full' if form == FULL else ''}",
+        name="catch_up",
         title="Catch-up, to be extrapolated",
         key=("scene", "method", "dt"),
         runs=tuple(runs),

@@ -101,7 +101,7 @@ def _contestant(exponent: int, strength: float) -> tuple[str, dict[str, Any]]:
     if exponent == 2:
         return f"penalty, springs, strength {strength:.3g}", {"color": PENALTIES[1].colour, "linestyle": "--"}
     look = {"color": PENALTY_PRINTED.colour, "linestyle": (0, (2, 1)), "linewidth": 0.7}
-    return f"penalty as printed, strength {strength:.3g}", look
+    return f"penalty as printed of strength {strength:.3g}", look
 
 
 def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Path:

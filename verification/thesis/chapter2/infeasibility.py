@@ -48,7 +48,7 @@ class InfeasibilityForm:
         return {0: (0.0,), 1: self.pushes, 2: tuple(value / dt for value in self.springs)}[exponent]
 
 
-SHORT, FULL = InfeasibilityForm((0.02, 0.01)), InfeasibilityForm((0.02, 0.01, 0.005, 0.0025, 0.00125))
+FULL = InfeasibilityForm((0.02, 0.01, 0.005, 0.0025, 0.00125))
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def scan(references: Mapping[str, EventReference], form: InfeasibilityForm) -> S
         for strength in form.strengths(dt, exponent)
     ]
     return Study(
-        name=f"penalty_scan{'_full' if form == FULL else ''}",
+        name="penalty_scan",
         title="Penalty strengths",
         key=("scene", "dt", "exponent", "strength"),
         runs=tuple(runs),
@@ -112,7 +112,7 @@ def curves(scanned: pd.DataFrame, form: InfeasibilityForm) -> Study:
     wanted += [(row.scene, row.dt, 0, 0.0) for row in scanned[scanned["exponent"] == 0].itertuples()]
     names = ("scene", "dt", "exponent", "strength")
     return Study(
-        name=f"infeasibility{'_full' if form == FULL else ''}",
+        name="infeasibility",
         title="Infeasibility over time",
         key=names,
         runs=tuple(dict(zip(names, values, strict=True)) for values in wanted),

@@ -87,7 +87,7 @@ def _named(
 def _penalty(strength: float, colour: str, marker: str) -> NamedMethod:
     return _named(
         f"penalty_{strength:g}",
-        f"penalty, strength {strength:g}",
+        f"penalty of strength {strength:g}",
         "penalty",
         (colour, marker, "-"),
         lambda dt: dincl.Penalty(dt=dt, strength=strength),
@@ -97,7 +97,7 @@ def _penalty(strength: float, colour: str, marker: str) -> NamedMethod:
 PBD = _named("pbd", "PBD", "PBD", ("#d55e00", "o", "-"), lambda dt: dincl.PBD(dt=dt))
 CATCH_UP = _named(
     "catch_up_ipopt",
-    "catch-up, Ipopt",
+    "catch-up with Ipopt",
     "catch-up",
     ("#0072b2", "s", "-"),
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Ipopt(tol=REFERENCE_TOL)),
@@ -105,14 +105,14 @@ CATCH_UP = _named(
 )
 CATCH_UP_DAQP = _named(
     "catch_up_daqp",
-    "catch-up, Daqp",
+    "catch-up with Daqp",
     "catch-up",
     ("#003f66", "D", ":"),
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
 )
 CATCH_UP_ACTIVE = _named(
     "catch_up_active",
-    "catch-up, ActiveSet",
+    "catch-up with ActiveSet",
     "catch-up",
     ("#2a9df4", (4, 0, 45), "-"),
     lambda dt: dincl.CatchUp(dt=dt, projection=dincl.ActiveSet(tol=CHECK_TOL)),
@@ -120,7 +120,7 @@ CATCH_UP_ACTIVE = _named(
 )
 LINEARISED_ACTIVE = _named(
     "linearised_active",
-    "linearised catch-up, ActiveSet",
+    "linearised catch-up with ActiveSet",
     "linearised catch-up",
     ("#00c896", (3, 0, 0), "-"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.ActiveSet(tol=CHECK_TOL)),
@@ -128,14 +128,14 @@ LINEARISED_ACTIVE = _named(
 )
 LINEARISED_DAQP = _named(
     "linearised_daqp",
-    "linearised catch-up, Daqp",
+    "linearised catch-up with Daqp",
     "linearised catch-up",
     ("#5f9e4a", "P", ":"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
 )
 LINEARISED_CLARABEL = _named(
     "linearised_clarabel",
-    "linearised catch-up, Clarabel",
+    "linearised catch-up with Clarabel",
     "linearised catch-up",
     ("#009e73", "^", "--"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Clarabel(tol=QP_TOL)),
@@ -143,7 +143,7 @@ LINEARISED_CLARABEL = _named(
 )
 LINEARISED_CVXPY = _named(
     "linearised_cvxpy",
-    "linearised catch-up, cvxpy",
+    "linearised catch-up with cvxpy",
     "linearised catch-up",
     ("#56b4e9", "v", ":"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.CvxpyQP(tol=QP_TOL)),
@@ -152,44 +152,44 @@ LINEARISED_CVXPY = _named(
 PENALTIES = (_penalty(10, "#e3b7d2", "<"), _penalty(100, "#cc79a7", "d"), _penalty(1000, "#8e4572", ">"))
 PENALTY_TIED = _named(
     "penalty_tied",
-    f"penalty, strength {TIED_STRENGTH:g}/dt",
+    f"penalty of strength {TIED_STRENGTH:g}/dt",
     "penalty",
     ("#6f6f6f", "X", "-"),
     lambda dt: dincl.Penalty(dt=dt, strength=TIED_STRENGTH / dt),
 )
 PENALTY_PRINTED = _named(
     "penalty_printed",
-    "penalty as printed, strength 10",
+    "penalty as printed of strength 10",
     "penalty",
     ("#b8a33b", "*", "-"),
     lambda dt: dincl.Penalty(dt=dt, strength=10.0, exponent=1),
 )
 
-PBD_16 = _named("pbd_16", "PBD, 16 sweeps", "PBD", ("#f2a07b", "8", "-"), lambda dt: dincl.PBD(dt=dt, sweeps=16))
+PBD_16 = _named("pbd_16", "PBD with 16 sweeps", "PBD", ("#f2a07b", "8", "-"), lambda dt: dincl.PBD(dt=dt, sweeps=16))
 LINEARISED_PIQP = _named(
     "linearised_piqp",
-    "linearised catch-up, Piqp",
+    "linearised catch-up with Piqp",
     "linearised catch-up",
     ("#44bbaa", (3, 0, 180), "-"),
     lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=dincl.Piqp(tol=QP_TOL)),
 )
 MIDPOINT = _named(
     "midpoint_cg",
-    "midpoint catch-up, projected CG",
+    "midpoint catch-up with projected CG",
     "midpoint catch-up",
     ("#c2003d", "p", "-"),
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedCG(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
 )
 MIDPOINT_NEWTON = _named(
     "midpoint_newton",
-    "midpoint catch-up, projected Newton",
+    "midpoint catch-up with projected Newton",
     "midpoint catch-up",
     ("#7a0026", (6, 0, 0), "--"),
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ProjectedNewton(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
 )
 MIDPOINT_ACTIVE = _named(
     "midpoint_active",
-    "midpoint catch-up, ActiveSet",
+    "midpoint catch-up with ActiveSet",
     "midpoint catch-up",
     ("#ff6f8f", (5, 0, 0), "-"),
     lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.ActiveSet(tol=max(CHECK_TOL, MIDPOINT_TOL * dt**3))),
@@ -197,8 +197,8 @@ MIDPOINT_ACTIVE = _named(
 )
 MOREAU_JEAN = _named(
     "moreau_jean_daqp",
-    "catch-up, theta = 1/2, Daqp",
-    "catch-up, theta = 1/2",
+    "catch-up at theta = 1/2 with Daqp",
+    "catch-up at theta = 1/2",
     ("#4f7cac", (5, 1, 0), ":"),
     lambda dt: MoreauJean(dt=dt, projection=dincl.Daqp(tol=CHECK_TOL)),
 )
@@ -212,7 +212,7 @@ EVENT_DRIVEN = _named(
 )
 # The yardsticks: programs of others.
 LSODA = _named(
-    "lsoda", "penalty, LSODA", "penalty, LSODA", ("#8b5a2b", "h", "--"), lambda tol: Lsoda(tol=tol), setting="tol"
+    "lsoda", "penalty by LSODA", "penalty by LSODA", ("#8b5a2b", "h", "--"), lambda tol: Lsoda(tol=tol), setting="tol"
 )
 CHIPMUNK = _named(
     "chipmunk", "Chipmunk", "Chipmunk", ("#e6a800", (4, 1, 0), "--"), lambda dt: Chipmunk(dt=dt, iterations=10)

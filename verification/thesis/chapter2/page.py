@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.thesis.chapter2 import convergence, exactness, extrapolation, infeasibility, large_steps, reference
 from verification.thesis.chapter2 import figures as plots
-from verification.thesis.chapter2.methods import CATCH_UP, METHODS, PBD
+from verification.thesis.chapter2.methods import CATCH_UP, LINEARISED_DAQP, METHODS, PBD
 from verification.thesis.chapter2.runs import scene
 
 SCENES = tuple(scene(name) for name in convergence.SCENES)
 # Of each scene [time]; all of them are among the kept times of the reference.
 SHOWN = {"four_disks": (0.0, 0.5, 1.0, 1.5, 2.0), "ten_disks_corner": (0.0, 1.0, 1.5, 2.0, 3.0)}
 CROWD = "ten_disks_corner"
+# With the two finest steps costly methods would take hours.
+COMPARED = replace(convergence.FULL, costly_steps=8)
+# Made again: runs on this scene, with no finer steps [time], and so many of a study.
+QUICK, COARSE, MOST = "four_disks", 0.1 / 2**4, 20
 PROSE = Path(__file__).parent / "prose"
 # Columns of the tables on the page, with their headings.
 REFERENCE = {
@@ -69,21 +75,25 @@ BEST = {
 
 def run(context: Context) -> None:
     """Complete all studies of this chapter."""
-    tables, where = context.tables, (context.folder, context.executor)
-    tables["positions"] = reference.study(convergence.SCENES).complete(*where)
-    tables["exactness"] = exactness.study().complete(*where)
-    form = context.form(extrapolation.SHORT, extrapolation.FULL)
-    tables["catch_up"] = extrapolation.study(convergence.SCENES, form).complete(*where)
+    tables = context.tables
+    for name, study in {"positions": reference.study(convergence.SCENES), "exactness": exactness.study()}.items():
+        tables[name] = context.rows_of(study, study.only(lambda key: key["scene"] == QUICK))
+    linearised = {"method": LINEARISED_DAQP.name, "scene": QUICK}
+    catch_up = extrapolation.study(convergence.SCENES, context.form(extrapolation.FULL))
+    tables["catch_up"] = context.rows_of(catch_up, catch_up.only(lambda key: linearised.items() <= key.items()))
     references = {name: reference.reference(tables["positions"], name) for name in convergence.SCENES}
     context.keep("references", extrapolation.summary(references, tables["catch_up"], convergence.TIMES))
-    compared = context.form(convergence.SHORT, convergence.FULL)
-    tables["convergence"] = convergence.study(references, compared).complete(*where)
+    compared = convergence.study(references, context.form(COMPARED))
+    tables["convergence"] = context.rows_of(compared, compared.only(lambda key: key["dt"] >= COARSE))
     context.keep("orders", convergence.orders(tables["convergence"]))
-    scanned = context.form(infeasibility.SHORT, infeasibility.FULL)
-    tables["penalty_scan"] = infeasibility.scan(references, scanned).complete(*where)
+    form = context.form(infeasibility.FULL)
+    scan = infeasibility.scan(references, form)
+    tables["penalty_scan"] = context.rows_of(scan, scan.only(lambda key: key["dt"] == max(form.steps)))
     context.keep("penalty_best", infeasibility.best_strengths(tables["penalty_scan"]))
-    tables["infeasibility"] = infeasibility.curves(tables["penalty_scan"], scanned).complete(*where)
-    tables["large_steps"] = large_steps.study(context.form(large_steps.FORM)).complete(*where)
+    curves = infeasibility.curves(tables["penalty_scan"], form)
+    tables["infeasibility"] = context.rows_of(curves, curves.only(lambda key: key["dt"] == max(form.steps)))
+    large = large_steps.study(context.form(large_steps.FORM))
+    tables["large_steps"] = context.rows_of(large, large.some(MOST))
 
 
 def sections(context: Context) -> Sequence[Section]:
@@ -110,15 +120,22 @@ def _scenes(context: Context) -> Section:
         own = reference.reference(context.tables["positions"], one.name)
         path = context.draw(f"motion_{one.name}", plots.motion, one, SHOWN[one.name], own.at(SHOWN[one.name])[0])
         pictures.append(Picture(path, said[one.name]))
-    return Section("Two scenes in time", [Text(said["intro"]), *pictures])
+    return Section("Two scenes in time", [Text(said["intro"]), *pictures, Follows(said["follows"])])
 
 
 def _reference(context: Context) -> Section:
     table, runs = context.tables["references"], context.tables["catch_up"]
     steps = sorted(runs[runs["method"] == CATCH_UP.name]["dt"].unique(), reverse=True)
-    said = fill(PROSE / "reference.html", tol=reference.TOL, steps=[f"{dt:.3g}" for dt in steps])
+    said = fill(
+        PROSE / "reference.html",
+        tol=reference.TOL,
+        steps=[f"{dt:.3g}" for dt in steps],
+        within=int((table["catch_up"] <= table["error"] + table["catch_up_error"]).sum()),
+        count=len(table),
+        worst=table["error"].max(),
+    )
     grid = Grid(_named(table, REFERENCE), said["table"], "references")
-    return Section("The reference", [Text(said["events"]), Text(said["checks"]), grid])
+    return Section("The reference", [Text(said["events"]), Text(said["checks"]), grid, Follows(said["follows"])])
 
 
 def _title(name: str) -> str:
@@ -128,7 +145,9 @@ def _title(name: str) -> str:
 def _convergence(context: Context, name: str) -> Section:
     table, orders = context.tables["convergence"], context.tables["orders"]
     mine = orders[orders["scene"] == name]
-    said = fill(PROSE / "convergence.html", pbd=list(mine[mine["method"] == PBD.name].itertuples()))
+    pbd = mine[mine["method"] == PBD.name]
+    slopes = pbd["slope"].min(), pbd["slope"].max()
+    said = fill(PROSE / "convergence.html", pbd=list(pbd.itertuples()), slopes=slopes)
     words = {"t": "t", "method": "Method", "verdict": "In words"}
     return Section(
         _title(name),
@@ -140,18 +159,22 @@ def _convergence(context: Context, name: str) -> Section:
             ),
             Grid(_named(mine, ORDERS), said["table"], "orders"),
             Grid(_named(mine, words), said["words"], "orders", folded=True),
+            Follows(said["follows"]),
         ],
     )
 
 
 def _penalty(context: Context) -> Section:
-    best, form = context.tables["penalty_best"], context.form(infeasibility.SHORT, infeasibility.FULL)
+    best, form = context.tables["penalty_best"], context.form(infeasibility.FULL)
     kinds = best.assign(kind=best["exponent"].map({1: "as printed", 2: "springs"}))
+    springs = best[best["exponent"] == 2]
+    times = springs["largest"] / springs["pbd_largest"]
     said = fill(
         PROSE / "penalty.html",
         count=len(form.springs),
         comparable=infeasibility.COMPARABLE,
         width=infeasibility.WIDTH,
+        times=(times.min(), times.max()),
     )
     curves = context.tables["infeasibility"]
     drawn = curves[curves["dt"].isin(form.steps[: infeasibility.DRAWN])]
@@ -164,6 +187,7 @@ def _penalty(context: Context) -> Section:
             Picture(in_time, said["in_time"]),
             Picture(scan, said["scan"]),
             Grid(_named(kinds, BEST), said["table"], "penalty_best"),
+            Follows(said["follows"]),
         ],
     )
 
@@ -171,7 +195,8 @@ def _penalty(context: Context) -> Section:
 def _large(context: Context) -> Section:
     figure = context.draw("large_steps", plots.large_steps, context.tables["large_steps"], large_steps.FAR, SCENES)
     said = fill(PROSE / "large_steps.html", end=large_steps.END)
-    return Section("Large steps", [Text(said["runs"]), Picture(figure, said["picture"])])
+    parts = Text(said["runs"]), Picture(figure, said["picture"]), Follows(said["follows"])
+    return Section("Large steps", parts)
 
 
 def findings(context: Context) -> Sequence[Finding]:

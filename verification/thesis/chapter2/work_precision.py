@@ -40,7 +40,6 @@ class Form:
     methods: tuple[NamedMethod, ...] = CHARTED
 
 
-SHORT = Form({"dt": [0.1 / 4**k for k in range(9)], "tol": [1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12]}, CpuSeconds(0.5))
 FULL = Form({"dt": [0.1 / 2**k for k in range(21)], "tol": [10.0**-k for k in range(1, 13)]}, CpuSeconds(5.0))
 
 
@@ -73,7 +72,7 @@ def study(references: Mapping[str, Known], form: Form) -> Study:
         {"scene": name, "method": method.name} for name in reversed(form.scenes) for method in reversed(form.methods)
     ]
     return Study(
-        name=f"work_precision{'_full' if form == FULL else ''}",
+        name="work_precision",
         title="Speed against accuracy",
         key=("scene", "method"),
         runs=tuple(runs),

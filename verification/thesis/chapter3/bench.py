@@ -42,7 +42,7 @@ class KernelForm:
     cell_substeps: int = CELL_SUBSTEPS
 
 
-SHORT, FULL = KernelForm(SIZES[:3]), KernelForm(SIZES)
+FULL = KernelForm(SIZES)
 
 
 def wide(name: str, cells: int) -> Parameters:
@@ -77,7 +77,7 @@ def per_substep(key: Key, cell_substeps: int) -> list[Row]:
 def kernel(form: KernelForm) -> Study:
     """Microseconds per substep as a study, for the report; two of its runs are made at once."""
     return Study(
-        name=f"tissue_kernel{'_full' if form == FULL else ''}",
+        name="tissue_kernel",
         title="Tissue: kernel",
         key=("preset", "cells"),
         runs=tuple({"preset": name, "cells": cells} for cells in sorted(form.sizes, reverse=True) for name in PRESETS),

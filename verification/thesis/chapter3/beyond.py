@@ -35,7 +35,6 @@ class BeyondForm:
 
 
 COARSE = (1, 2, 5, 10, 20, 40)
-SHORT = BeyondForm({"thesis": (*COARSE[2:], 80, 160), "published": COARSE}, 5, (1.0, 5.0, 10.0))
 FULL = BeyondForm(
     {"thesis": (*COARSE, 80, 160, 320, 640), "published": (*COARSE, 80)},
     20,
@@ -52,7 +51,7 @@ def study(form: BeyondForm) -> Study:
         for seed in range(form.seeds)
     ]
     return Study(
-        name=f"tissue_jitter{'_full' if form == FULL else ''}",
+        name="tissue_jitter",
         title="Tissue: jitter",
         key=("preset", "substeps", "seed"),
         runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),

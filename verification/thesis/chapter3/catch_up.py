@@ -45,14 +45,13 @@ class CatchUpForm:
 
 
 SUBSTEPS = (1, 2, 5, 10, 20, 40, 80, 160, 320, 640)
-SHORT = CatchUpForm(2, SUBSTEPS, (20, 40, 80, 160), 320)
 FULL = CatchUpForm(5, (*SUBSTEPS, 1280, 2560), (20, 40, 80, 160, 320, 640), 2560)
 
 
 def study(form: CatchUpForm) -> Study:
     """One run for each seed."""
     return Study(
-        name=f"tissue_catch_up{'_full' if form == FULL else ''}",
+        name="tissue_catch_up",
         title="Tissue: catch-up",
         key=("seed",),
         runs=tuple({"seed": seed} for seed in range(form.seeds)),

@@ -57,17 +57,6 @@ class DahaForm:
     end: float = END
 
 
-SHORT = DahaForm(
-    {
-        (TERMINATING, 1e-6): 5,
-        (DOUBLED_CASE, 1e-6): 4,
-        (PRINTED, 1e-6): 4,
-        (PRINTED, 1e-5): 2,
-        (PRINTED, 1e-7): 1,
-        (TERMINATING, 1e-5): 2,
-    },
-    (COMPARED, 0.2667),
-)
 # With 1e-7 a run takes ten times as long as with 1e-6, and shows nothing but its iterations.
 FULL = DahaForm({(case, eps): 20 if eps >= OWN else 3 for case in CASES for eps in TOLERANCES}, DAMPINGS)
 
@@ -78,7 +67,7 @@ def study(form: DahaForm) -> Study:
         {"case": case, "eps": eps, "seed": seed} for (case, eps), seeds in form.seeds.items() for seed in range(seeds)
     ]
     return Study(
-        name=f"tissue_daha{'_full' if form == FULL else ''}",
+        name="tissue_daha",
         title="Tissue: DAHA",
         key=("case", "eps", "seed"),
         runs=tuple(runs),

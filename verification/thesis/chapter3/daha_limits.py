@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -21,7 +21,7 @@ from verification.thesis.chapter3.judged import begun, floored
 MOST, SEEN = 25_000, 0.01
 AGE = 5.0
 OUTCOMES = ("terminated", "violated", "not terminated", "not finite")
-FACTORS, MANY_FACTORS = tuple(10.0**k for k in range(-2, 4)), tuple(10.0 ** (k / 4) for k in range(-8, 13))
+FACTORS = tuple(10.0 ** (k / 4) for k in range(-8, 13))
 # Tissues that the maps are of, by the name of the column "method".
 SEEDS = {"0": "Seed 0", "1": "Seed 1"}
 
@@ -77,7 +77,7 @@ def damping(method: str, x: float, y: float) -> dict[str, Any]:
 
 
 def _axis(name: str) -> Axis:
-    return Axis(f"{name} / Table 4", FACTORS, MANY_FACTORS)
+    return Axis(f"{name} / Table 4", FACTORS)
 
 
 PLANES = (
@@ -88,19 +88,18 @@ PLANES = (
 
 @dataclass(frozen=True)
 class DahaLimitsForm:
-    """Which planes are mapped, at the full or the short values of their axes."""
+    """Which planes are mapped."""
 
-    full: bool
     planes: tuple[Plane, ...] = PLANES
 
 
-SHORT, FULL = DahaLimitsForm(full=False), DahaLimitsForm(full=True)
+# There is one form only.
+FORM = DahaLimitsForm()
 
 
-def study(plane: Plane, full: bool) -> Study:
-    """All cells of a map; the short form has the first seed only."""
-    shown = plane if full else replace(plane, methods=dict(list(plane.methods.items())[:1]))
-    return maps.named(shown, full, "tissue_daha", "Tissue, DAHA")
+def study(plane: Plane) -> Study:
+    """All cells of a map."""
+    return maps.named(plane, "tissue_daha", "Tissue, DAHA")
 
 
 def held(tables: dict[str, pd.DataFrame]) -> pd.DataFrame:

@@ -33,7 +33,6 @@ class DisturbedForm:
 
 TIMES = (0.1, 0.5, 1.0, 2.0, 3.0, 5.0, 7.0, 10.0, 15.0, 20.0)
 FEW = (("thesis", 20), ("thesis", 160), ("published", 40))
-SHORT = DisturbedForm(FEW, 4, TIMES)
 FULL = DisturbedForm((*FEW, ("thesis", 640), ("published", 640)), 20, (*TIMES, 30.0, 40.0, 48.0))
 
 
@@ -41,7 +40,7 @@ def study(form: DisturbedForm) -> Study:
     """One run for each preset, number of substeps and seed."""
     runs = sorted(form.runs, key=lambda pair: -pair[1])
     return Study(
-        name=f"tissue_disturbed{'_full' if form == FULL else ''}",
+        name="tissue_disturbed",
         title="Tissue: small disturbances",
         key=("preset", "substeps", "seed"),
         runs=tuple(

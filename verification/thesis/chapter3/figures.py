@@ -170,7 +170,7 @@ def maps(tables: dict[str, pd.DataFrame], path: Path) -> Path:
             panel.set(title=f"{LABELS[name]}, {state}", xlabel=plane.x.label, ylabel=plane.y.label)
             panel.minorticks_off()
             if plane in GROWING:
-                _plain(panel, plane.x.short[::2])
+                _plain(panel, plane.x.values[::2])
                 panel.set_yticks(FEW, [str(value) for value in FEW])
         figure.colorbar(shown, ax=panels, label="mean amplitude of the jitter [R_soft]", shrink=0.7, aspect=35)
         line, square = panels[0, 0].lines[0], panels[0, 0].plot([], [], "s", color=LOST, markersize=7)[0]

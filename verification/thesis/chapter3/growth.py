@@ -30,7 +30,6 @@ class GrowthForm:
     end: float = 48.0
 
 
-SHORT = GrowthForm(5, 1 / 60)
 FULL = GrowthForm(24, 1 / 240)
 
 
@@ -43,7 +42,7 @@ def study(form: GrowthForm) -> Study:
         for substeps in substeps_of(name, mu, form.fine)
     ]
     return Study(
-        name=f"tissue_growth{'_full' if form == FULL else ''}",
+        name="tissue_growth",
         title="Tissue: growth",
         key=("preset", "mu", "substeps"),
         runs=tuple(sorted(runs, key=lambda run: -run["substeps"])),

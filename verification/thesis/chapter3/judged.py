@@ -49,14 +49,13 @@ class JudgedForm:
     whole: int = 0
 
 
-SHORT = JudgedForm(2, (1.0, 5.0))
 FULL = JudgedForm(20, (0.1, 1.0, 2.0, 5.0, 10.0), whole=5)
 
 
 def study(form: JudgedForm) -> Study:
     """One run for each seed and time."""
     return Study(
-        name=f"tissue_judged{'_full' if form == FULL else ''}",
+        name="tissue_judged",
         title="Tissue: steps, judged",
         key=("seed", "t"),
         runs=tuple({"seed": seed, "t": t} for t in form.times for seed in range(form.seeds)),

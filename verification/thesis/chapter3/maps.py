@@ -91,12 +91,12 @@ def _settled(method: str, names: tuple[str, ...], alpha: float) -> tuple[Frozen,
     return state, frozen.limit(state)
 
 
-STEP = Axis("dt [h]", tuple(0.025 * 2.0**k for k in range(6)), tuple(0.0125 * 2.0**k for k in range(8)))
-SUBSTEPS_AXIS = Axis("substeps in dt", (1, 2, 5, 10, 20, 40, 80), (1, 2, 3, 5, 7, 10, 14, 20, 28, 40, 57, 80, 160))
-DAMPING = Axis("μ [h]", geometric(0.0125, 0.4, 6), geometric(0.0125, 0.4, 16))
-SCALE = Axis("h/μ", geometric(5e-4, 0.5, 10), geometric(2.5e-4, 0.5, 34))
-BENDING = Axis("α of straightness", geometric(1.5, 150.0, 5), geometric(1.5, 150.0, 13))
-SPRINGS = Axis("α of both springs", geometric(0.5, 32.0, 4), geometric(0.5, 32.0, 13))
+STEP = Axis("dt [h]", tuple(0.0125 * 2.0**k for k in range(8)))
+SUBSTEPS_AXIS = Axis("substeps in dt", (1, 2, 3, 5, 7, 10, 14, 20, 28, 40, 57, 80, 160))
+DAMPING = Axis("μ [h]", geometric(0.0125, 0.4, 16))
+SCALE = Axis("h/μ", geometric(2.5e-4, 0.5, 34))
+BENDING = Axis("α of straightness", geometric(1.5, 150.0, 13))
+SPRINGS = Axis("α of both springs", geometric(0.5, 32.0, 13))
 
 
 PLANES = (
@@ -110,24 +110,23 @@ GROWING, RESTING = PLANES[:2], PLANES[2:]
 
 @dataclass(frozen=True)
 class MapsForm:
-    """Which planes are mapped, at the full or the short values of their axes."""
+    """Which planes are mapped."""
 
-    full: bool
     planes: tuple[Plane, ...] = PLANES
 
 
-SHORT, FULL = MapsForm(full=False), MapsForm(full=True)
+# There is one form only.
+FORM = MapsForm()
 
 
-def study(plane: Plane, full: bool) -> Study:
+def study(plane: Plane) -> Study:
     """All cells of a map."""
-    return named(plane, full, "tissue_map", "Tissue map")
+    return named(plane, "tissue_map", "Tissue map")
 
 
-def named(plane: Plane, full: bool, name: str, title: str) -> Study:
+def named(plane: Plane, name: str, title: str) -> Study:
     """The study of a map under a name of the tissue."""
-    whole = f"{name}_{plane.name}{'_full' if full else ''}"
-    return replace(plane.study(full), name=whole, title=f"{title}: {plane.title}")
+    return replace(plane.study(), name=f"{name}_{plane.name}", title=f"{title}: {plane.title}")
 
 
 def thrown(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:

@@ -8,9 +8,10 @@ from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.study.outcomes import outcomes
+from verification.page.context import Context
 from verification.page.parts import Section
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.thesis.chapter3.growing import until
 from verification.thesis.chapter3.sections import catch_up, daha, foretold, growth, judged, kernel, stability, substeps
 from verification.thesis.chapter3.sections.part import PROSE

@@ -48,14 +48,13 @@ class SubstepsForm:
 
 FEW, MANY = (1, 2, 5, 10, 20, 40, 80), (160, 320, 640)
 # The step dt of the published preset is half as long.
-SHORT = SubstepsForm({"thesis": (*FEW, 160), "published": FEW}, {"thesis": 640, "published": 320}, 4)
 FULL = SubstepsForm(dict.fromkeys(PRESETS, (*FEW, *MANY)), dict.fromkeys(PRESETS, 2560), 20)
 
 
 def study(form: SubstepsForm) -> Study:
     """One run for each preset and seed: all numbers of substeps, and the reference with its half."""
     return Study(
-        name=f"tissue_substeps{'_full' if form == FULL else ''}",
+        name="tissue_substeps",
         title="Tissue: substeps",
         key=("preset", "seed"),
         runs=tuple({"preset": name, "seed": seed} for seed in range(form.seeds) for name in PRESETS),

@@ -15,8 +15,8 @@ from tissue.study.figures.needs import RUNS, by_preset, needed
 from tissue.study.figures.tables import TABLES
 from tissue.study.plan import TissueStudy
 from tissue.study.read import Results
+from verification.page.context import Context
 from verification.page.parts import Picture
-from verification.page.report import Context
 from verification.thesis.chapter4 import headings, kept, studies
 
 MAKES_NO_NUMBERS = True
@@ -36,7 +36,7 @@ class Pictures:
     @cached_property
     def made(self) -> Mapping[str, TissueStudy]:
         """The studies of which there are runs."""
-        return studies.chosen(self.context.form(studies.SHORT, studies.FULL))
+        return studies.chosen(self.context.form(studies.FULL if self.context.full else studies.SHORT))
 
     @cached_property
     def complete(self) -> Mapping[str, pd.DataFrame]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
+from verification.page.context import Context
 from verification.page.parts import Section
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.thesis.chapter4 import kept, studies
 from verification.thesis.chapter4 import sections as page
 
@@ -25,9 +26,8 @@ FACTORS = {
 
 def run(context: Context) -> None:
     """Complete the studies of the form, and sum them up; beside a short form stand the kept tables."""
-    results = studies.watched(
-        studies.chosen(context.form(studies.SHORT, studies.FULL)), page.folder(context), context.executor
-    )
+    form = context.form(studies.FULL if context.full else studies.SHORT)
+    results = studies.watched(studies.chosen(form), page.folder(context), context.executor)
     for name, table in (kept.COMPLETE if context.full else kept.TABLES).items():
         context.keep(f"emt_{name}", table(results))
     complete = kept.tables()

@@ -8,9 +8,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.thesis.chapter4 import curved, figures_curved
 
 ARC = 400  # um, of the arcs that the study of ways out has
@@ -77,12 +78,17 @@ def sections(context: Context) -> Sequence[Section]:
                 Picture(chart, said["chart"]),
                 Picture(tissues, said["tissues"]),
                 Grid(_named(ways_out, WAYS_OUT), said["table"], "curved_ways_out", folded=True),
+                Follows(said["follows"]),
             ],
         ),
         _closed(context),
         Section(
             "A large circle becomes the line",
-            [Text(said["limit"]), Grid(_named(limit, LIMIT), said["heights"], "curved_limit")],
+            [
+                Text(said["limit"]),
+                Grid(_named(limit, LIMIT), said["heights"], "curved_limit"),
+                Follows(said["line_follows"]),
+            ],
         ),
     ]
 
@@ -100,6 +106,7 @@ def _closed(context: Context) -> Section:
             Text(said["lumen"]),
             Grid(_named(lumen, LUMEN), said["times"], "curved_lumen"),
             Grid(_named(tubes, TUBES), said["table"], "curved_tubes", folded=True),
+            Follows(said["follows"]),
         ],
     )
 

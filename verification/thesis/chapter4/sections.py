@@ -9,9 +9,9 @@ import pandas as pd
 
 from tissue.study.comparisons import PRINTED_LEVEL, Difference, corrected
 from tissue.study.ratios import as_ratio
-from verification.page.parts import Grid, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter4 import follows, headings, kept, sensitivity
 from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
 from verification.thesis.chapter4.figures import Pictures
@@ -65,7 +65,7 @@ def _isolated(context: Context, pictures: Pictures) -> Section:
             Text(said["agreeing"]),
             Grid(beside(printed(table), *headings.PRINTED), said["table"], "emt_complete_printed"),
             *pictures.of(10, 11, 12, 13, 14),
-            Text(said["follows"]),
+            Follows(said["follows"]),
         ],
     )
 
@@ -80,7 +80,7 @@ def _groups(context: Context, pictures: Pictures) -> Section:
             Text(said["effective"]),
             *pictures.of(15, 16),
             Grid(beside(with_ratios(shown), *headings.PROGRAMS), said["table"], "emt_complete_ratios", folded=True),
-            Text(said["groups_follow"]),
+            Follows(said["groups_follow"]),
         ],
     )
 
@@ -93,7 +93,7 @@ def _heterogeneous(context: Context, pictures: Pictures) -> Section:
         [
             *pictures.of(17, 18, 19),
             Grid(rows, said["categories"], "emt_complete_categories", folded=True),
-            Text(said["heterogeneous_follow"]),
+            Follows(said["heterogeneous_follow"]),
         ],
     )
 
@@ -120,7 +120,7 @@ def _positions(context: Context, pictures: Pictures) -> Section:
             Text(said["outside"]),
             *pictures.of(20, 21, 22),
             Grid(beside(ranked(ranking), *headings.RANKING), said["table"], "emt_complete_ranking"),
-            Text(said["follows"]),
+            Follows(said["follows"]),
         ],
     )
 
@@ -144,7 +144,7 @@ def _questions(context: Context) -> Section:
             Text(said["verdicts"]),
             Grid(beside(table, *headings.ANSWERS), said["answers"], "emt_complete_answers"),
             Grid(compared, said["comparisons"], "emt_complete_answers", folded=True),
-            Text(said["follows"]),
+            Follows(said["follows"]),
         ],
     )
 
@@ -165,7 +165,7 @@ def _sensitivity(context: Context) -> Section:
         [
             Text(said["ratio"]),
             Grid(_named(table, headings.SENSITIVITY), said["table"], "emt_complete_sensitivity"),
-            Text(said["follows"]),
+            Follows(said["follows"]),
         ],
     )
 
@@ -175,7 +175,7 @@ def _controls(context: Context) -> Section:
     said = fill(PROSE / "controls.html", found=follows.controls(table, _complete(context, "ratios")))
     parts = table.rename(columns={"apical": "value", "apical_low": "low", "apical_high": "high"})
     grid = Grid(beside(with_ratios(parts, 3), *headings.CONTROLS), said["table"], "emt_complete_controls")
-    return Section("Control cells", [Text(said["rim"]), grid, Text(said["follows"])])
+    return Section("Control cells", [Text(said["rim"]), grid, Follows(said["follows"])])
 
 
 def _short(context: Context, pictures: Pictures) -> Section:
@@ -196,7 +196,7 @@ def _short(context: Context, pictures: Pictures) -> Section:
     rows = beside(with_ratios(context.tables["emt_ratios"]), *headings.RATIOS)
     return Section(
         "The runs of this page beside the complete studies",
-        [Text(said["runs"]), Grid(rows, said["table"], "emt_ratios", folded=True), Text(said["follows"])],
+        [Text(said["runs"]), Grid(rows, said["table"], "emt_ratios", folded=True), Follows(said["follows"])],
     )
 
 

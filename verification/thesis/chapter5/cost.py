@@ -72,7 +72,7 @@ class SideForm:
     particles: int = MANY
 
 
-SHORT, FULL = CostForm(0.2, 2, SETTINGS), CostForm(3.0, 1, SETTINGS)
+FULL = CostForm(3.0, 1, SETTINGS)
 # There is one form only.
 SIDE = SideForm()
 
@@ -86,7 +86,7 @@ def study(form: CostForm) -> Study:
         if not (name == "wavy" and method in CLOSED)
     ]
     return Study(
-        name=f"meanfield_cost{'_full' if form == FULL else ''}",
+        name="meanfield_cost",
         title="Mean field: speed against accuracy",
         key=("model", "method"),
         runs=tuple(runs),

@@ -24,7 +24,7 @@ STEP, TOL = 0.1, 1e-5
 SAMPLES = 31
 # The growth is fitted where it has outlasted the swings of a period.
 FITTED = 10.0
-NAIVE = {"naive_rk4": f"naive, RK4, dt = {STEP:g}", "naive": f"naive, DOP853, tol = {TOL:g}"}
+NAIVE = {"naive_rk4": f"naive RK4 with dt = {STEP:g}", "naive": f"naive DOP853 with tol = {TOL:g}"}
 METHODS: dict[str, Callable[..., Motion]] = {
     "naive_rk4": partial(solve_naive_rk4, dt=STEP),
     "naive": partial(solve_naive, tol=TOL),
@@ -43,13 +43,13 @@ class DriftForm:
     methods: tuple[str, ...] = tuple(METHODS)
 
 
-SHORT, FULL = DriftForm(100.0), DriftForm(1000.0)
+FULL = DriftForm(1000.0)
 
 
 def study(form: DriftForm) -> Study:
     """The drift of g and of g' at times that grow geometrically."""
     return Study(
-        name=f"meanfield_drift{'_full' if form == FULL else ''}",
+        name="meanfield_drift",
         title="Mean field: drift",
         key=("method",),
         runs=tuple({"method": method} for method in form.methods),

@@ -47,16 +47,15 @@ class LongForm:
     )
 
 
-SHORT = LimitForm((3, 5, 7, 9, 11), (28, 35, 44, 55, 69))
 FULL = LimitForm(tuple(range(3, 12)), (32, 48, 72, 108, 162, 243, 365))
-SHORT_LONG, FULL_LONG = LongForm(12), LongForm(1000)
+FULL_LONG = LongForm(1000)
 
 
 def limit_study(form: LimitForm) -> Study:
     """The energy (5.50) of characteristics, moments (where they close) and the PDE."""
     runs = [{"model": name, "method": method} for method in ("pde", "characteristics") for name in form.models]
     return Study(
-        name=f"meanfield_energy_limit{'_full' if form == FULL else ''}",
+        name="meanfield_energy_limit",
         title="Mean field: energy of the limit",
         key=("model", "method"),
         runs=(*runs, {"model": "straight", "method": "moments"}),
@@ -87,7 +86,7 @@ def long_study(form: LongForm) -> Study:
     """The energy (5.37) over many periods."""
     runs = tuple({"method": method, "setting": setting} for method, setting in form.methods)
     return Study(
-        name=f"meanfield_energy_long{'_full' if form == FULL_LONG else ''}",
+        name="meanfield_energy_long",
         title="Mean field: energy over long times",
         key=("method", "setting"),
         runs=runs,

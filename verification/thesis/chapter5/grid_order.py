@@ -67,7 +67,6 @@ class GridForm:
     plane: tuple[str, ...] = PLANE
 
 
-SHORT = GridForm((50, 80, 128, 205, 328), (20, 26, 34, 44, 57))
 FULL = GridForm((50, 80, 128, 205, 328, 525, 840, 1344), (24, 36, 54, 80, 120, 180, 270))
 
 
@@ -80,7 +79,7 @@ def study(form: GridForm) -> Study:
         for n in reversed(counts)
     ]
     return Study(
-        name=f"meanfield_grid{'_full' if form == FULL else ''}",
+        name="meanfield_grid",
         title="Mean field: order in the grid",
         key=("model", "cells"),
         runs=tuple(runs),

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from verification.page.context import Context
 from verification.page.parts import Section
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.rates import IID, PAIR
 from verification.thesis.chapter5.sections import agreement, cost, energy, failures, grid, rates, stability
 from verification.thesis.chapter5.sections.words import PROSE

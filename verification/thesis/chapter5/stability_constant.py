@@ -54,14 +54,14 @@ class PairsForm:
     models: tuple[str, ...] = MODELS
 
 
-SHORT, FULL = PairsForm(10), PairsForm(100)
+FULL = PairsForm(100)
 
 
 def study(form: PairsForm) -> Study:
     """A row for each pair and time."""
     runs = tuple({"model": name, "kind": kind} for name in form.models for kind in KINDS)
     return Study(
-        name=f"meanfield_stability{'_full' if form == FULL else ''}",
+        name="meanfield_stability",
         title="Mean field: constant of stability",
         key=("model", "kind"),
         runs=runs,

@@ -6,16 +6,24 @@ import pytest
 
 from dincl.geometry import normal_cone
 from verification.thesis.chapter1 import prox_regularity
-
-
-def table_of(study):
-    with np.errstate(all="raise", under="ignore"):
-        return pd.DataFrame([row for key in study.runs for row in study.run(key)])
+from verification.thesis.kept import STUDIES
 
 
 @pytest.fixture(scope="module")
 def constants():
-    return table_of(prox_regularity.constants(prox_regularity.SHORT)).set_index("count").sort_index()
+    return shipped("prox_constants", "count").sort_index()
+
+
+def shipped(name, key):
+    """The complete study."""
+    return pd.read_parquet(STUDIES / f"{name}.parquet").set_index(key)
+
+
+def test_what_ships_is_what_the_search_finds(constants):
+    with np.errstate(all="raise", under="ignore"):
+        (row,) = prox_regularity.constants(prox_regularity.FULL).run({"count": 2})
+    for name, found in row.items():
+        assert name == "count" or constants.loc[2, name] == pytest.approx(found, rel=1e-6), name
 
 
 def test_measured_constants_lie_between_proof_and_row(constants):
@@ -45,9 +53,9 @@ def test_inverse_triangle_proves_less_than_the_test_fields(constants):
 
 
 def test_no_arrangement_is_worse_than_a_row():
-    table = table_of(prox_regularity.configurations(prox_regularity.SHORT))
+    table = shipped("prox_arrangements", "arrangement")
     assert (table["measured"] >= table["row"] * (1 - 1e-6)).all()
-    in_space = table.set_index("arrangement").loc["cross in space"]
+    in_space = table.loc["cross in space"]
     # Q of the cross with equal weights has the eigenvalue 5, and |n| = 2.
     assert in_space["measured"] == pytest.approx(2 * 2 * 0.5 / 5, rel=1e-4)
 

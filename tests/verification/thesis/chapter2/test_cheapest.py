@@ -57,15 +57,11 @@ def test_the_finest_error_beside_that_of_pbd():
     assert found.to_dict("records") == [{"scene": "a", "fine": 4.0, "coarse": 10.0}]
 
 
-def test_sentences(three):
+def test_one_table_and_one_sentence_for_all_scenes(three):
     found = cheapest.winners(three, FORM, (1e-6, 1e-2, 1e-8))
-    text = cheapest.sentence(found)
-    assert text == (
-        "To an error of 0.01 PBD is the cheapest, with 2 s (PBD, 16 sweeps takes 2 times as long). "
-        "To an error of 1.0·10⁻⁶ penalty, LSODA is the cheapest, with 7 s (no other method gets there). "
-        "No method reaches 1.0·10⁻⁸ in the time given."
-    )
-    assert cheapest.sentence(found.tail(1)) == "No method reaches 1.0·10⁻⁸ in the time given."
+    wide = cheapest.wide(found)
+    assert list(wide) == ["Scene", "0.01", "1.0·10⁻⁶", "1.0·10⁻⁸"]
+    assert wide.iloc[0].tolist()[1:] == ["PBD", LSODA.label, "not reached"]
     whole = cheapest.summary(found)
     assert "Of 3 pairs of scene and error, 2 have one cheapest method" in whole
     assert "PBD is the cheapest at an error of 0.01 only" in whole
@@ -75,17 +71,16 @@ def test_sentences(three):
 def test_what_the_reference_does_not_tell_is_said(three):
     found = cheapest.winners(three.assign(reference_error=1e-7), FORM, (1e-6, 1e-8))
     assert found["cheapest"].tolist() == [LSODA.label, "not resolved"]
-    assert cheapest.sentence(found).endswith("The reference does not tell errors of 1.0·10⁻⁸.")
     assert "0 are not reached, and 1 are finer than the reference" in cheapest.summary(found)
 
 
 def test_a_tie_and_the_limit_are_said(three):
     like = measured([1e-1, 1e-3], [1.1, 4.4], method=PBD_16)
     tied = cheapest.winners(pd.concat([measured([1e-1, 1e-3], [1.0, 4.0]), like]), FORM, (1e-2,))
-    assert "To an error of 0.01 PBD and PBD, 16 sweeps cost the same, 2 s" in cheapest.sentence(tied)
+    assert cheapest.wide(tied)["0.01"].tolist() == ["tie"]
     assert "1 are ties" in cheapest.summary(tied)
     short = cheapest.winners(three, Form({}, CpuSeconds(5.0)), (1e-2,))
-    assert cheapest.sentence(short).startswith("Whoever reaches 0.01 does so at the limit")
+    assert "1 lie at the limit of the time given" in cheapest.summary(short)
 
 
 def test_table_of_times(three):

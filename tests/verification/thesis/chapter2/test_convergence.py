@@ -6,7 +6,7 @@ import pytest
 
 import dincl
 from verification.measure import distance, reached
-from verification.thesis.chapter2 import convergence, infeasibility, large_steps
+from verification.thesis.chapter2 import convergence, infeasibility, large_steps, page
 from verification.thesis.chapter2 import reference as event_driven
 from verification.thesis.chapter2.extrapolation import extrapolate
 from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
@@ -113,15 +113,15 @@ def test_states_that_were_not_reached_are_nan() -> None:
 
 def test_studies_name_each_run_once(references: dict[str, EventReference]) -> None:
     for study in (
-        *(convergence.study(references, form) for form in (convergence.SHORT, convergence.FULL)),
-        *(infeasibility.scan(references, form) for form in (infeasibility.SHORT, infeasibility.FULL)),
+        convergence.study(references, page.COMPARED),
+        infeasibility.scan(references, infeasibility.FULL),
     ):
         names = [tuple(run[name] for name in study.key) for run in study.runs]
         assert len(set(names)) == len(names)
-    short = convergence.study(references, convergence.SHORT).runs
+    runs = convergence.study(references, page.COMPARED).runs
     for name in convergence.SCENES:
         for method in COMPARED:
-            assert sum(run["scene"] == name and run["method"] == method.name for run in short) >= 6
+            assert sum(run["scene"] == name and run["method"] == method.name for run in runs) >= 8
 
 
 def test_methods_have_looks_of_their_own() -> None:
@@ -156,7 +156,7 @@ def test_no_fair_strength_leaves_pbd_alone() -> None:
     best = infeasibility.best_strengths(thrown).iloc[0]
     assert np.isnan([best["strength"], best["largest"], best["width"]]).all()
     assert best["pbd_largest"] == 0.1
-    assert [run["exponent"] for run in infeasibility.curves(thrown, infeasibility.SHORT).runs] == [0]
+    assert [run["exponent"] for run in infeasibility.curves(thrown, infeasibility.FULL).runs] == [0]
 
 
 def test_scan_and_curve_see_the_same_overlap(references: dict[str, EventReference]) -> None:

@@ -55,12 +55,11 @@ def test_boundary_is_found_from_either_kind_of_end():
 
 @pytest.mark.parametrize("plane", PLANES, ids=lambda plane: plane.name)
 def test_planes_can_be_sent_to_other_processes(plane):
-    study = pickle.loads(pickle.dumps(plane.study(full=True)))
-    assert len(study.runs) == len(plane.methods) * len(plane.y.full)
+    study = pickle.loads(pickle.dumps(plane.study()))
+    assert len(study.runs) == len(plane.methods) * len(plane.y.values)
     for axis in (plane.x, plane.y):
-        for values in (axis.short, axis.full):
-            assert (np.diff(values) > 0).all()
-            assert not axis.logarithmic or values[0] > 0
+        assert (np.diff(axis.values) > 0).all()
+        assert not axis.logarithmic or axis.values[0] > 0
     assert {name for line in plane.lines for name in line.methods} <= set(plane.methods)
 
 

@@ -1,6 +1,5 @@
 """The stability chapter from its studies to the page, with few cells, and its command."""
 
-from functools import partial
 from pathlib import Path
 
 import pandas as pd
@@ -8,17 +7,19 @@ import pytest
 from typer.testing import CliRunner
 
 from dincl import study
-from tests.verification.thesis.shortened import FEW_CASES, STABILITY, Here
+from tests.executors import Here
+from tests.verification.thesis.shortened import FEW_CASES, STABILITY
 from verification import cli
-from verification.page import report, sheet
-from verification.page.report import Context, write_report
+from verification.page import context, sheet
+from verification.page.context import Context
+from verification.page.report import write_report
 from verification.thesis.chapter2.stability import page as stability
 from verification.thesis.chapter2.stability.outcome import WORDS
 
 
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(report, "Context", partial(Context, forms=STABILITY))
+    monkeypatch.setattr(context, "Context", lambda *given, complete: Context(*given, forms=STABILITY))
     monkeypatch.setattr(sheet, "DPI", 50)
 
 

@@ -8,14 +8,15 @@ import pandas as pd
 import pytest
 
 import dincl
-from tests.verification.thesis.shortened import WORK_PRECISION, Here
+from tests.executors import Here, Nowhere
+from tests.verification.thesis.shortened import WORK_PRECISION
 from verification.budget import CpuSeconds
 from verification.measure import REPEATS
 from verification.page import sheet
-from verification.page.report import Context
+from verification.page.context import Context
 from verification.references import Known
-from verification.thesis.chapter2 import cheapest, work_precision, work_references
 from verification.thesis.chapter2 import page_work_precision as chapter
+from verification.thesis.chapter2 import work_precision, work_references
 from verification.thesis.chapter2.methods import (
     CATCH_UP_ACTIVE,
     CATCH_UP_DAQP,
@@ -174,17 +175,22 @@ def test_who_cannot_run_says_why(monkeypatch):
 
 def test_study_names_each_run_once():
     none = {name: Known(np.ones(1), np.zeros((1, 1, 2)), np.zeros(1)) for name in work_references.SCENES}
-    studies = [work_precision.study(none, form) for form in (work_precision.SHORT, work_precision.FULL)]
-    for study in studies:
+    complete, again = (work_precision.study(none, form) for form in (work_precision.FULL, chapter.AGAIN))
+    for study, scenes in ((complete, work_references.SCENES), (again, chapter.AGAIN.scenes)):
         assert len({(run["scene"], run["method"]) for run in study.runs}) == len(study.runs)
-        assert len(study.runs) == len(CHARTED) * len(work_references.SCENES)
-    assert studies[0].provenance() != studies[1].provenance()
+        assert len(study.runs) == len(CHARTED) * len(scenes)
+    assert complete.provenance() != again.provenance()
 
 
 def test_references_are_tighter_than_every_method_on_the_chart():
-    for form in (work_precision.SHORT, work_precision.FULL):
-        assert min(form.settings["tol"]) == pytest.approx(1e-12)
-        assert min(form.settings["tol"]) > work_references.TOL
+    assert min(work_precision.FULL.settings["tol"]) == pytest.approx(1e-12)
+    assert min(work_precision.FULL.settings["tol"]) > work_references.TOL
+
+
+def test_what_is_made_again_is_of_the_complete_chart():
+    for setting, values in chapter.AGAIN.settings.items():
+        assert set(values) <= set(work_precision.FULL.settings[setting])
+    assert set(chapter.AGAIN.scenes) <= set(work_precision.FULL.scenes)
 
 
 # The chapter
@@ -205,11 +211,11 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     files = {part.file for part in parts if part.kind == "grid"}
     assert files == {"work_precision", "work_reach", "work_times", "work_winners"}
     assert all((context.folder / f"{name}.csv").is_file() for name in files)
-    text = " ".join(part.html for part in parts if part.kind == "text")
-    for _, winners in context.tables["work_winners"].groupby("scene"):
-        assert cheapest.sentence(winners) in text
+    grids = [part for part in parts if part.kind == "grid" and part.file == "work_winners"]
+    winners = [grid.rows["Cheapest"].tolist() for grid in grids if "Cheapest" in grid.rows]
+    assert [row for one in winners for row in one] == context.tables["work_winners"]["cheapest"].tolist()
     before = context.tables
-    again = Context(tmp_path, False, None, [WORK_PRECISION])  # nothing to run on, as nothing is missing
+    again = Context(tmp_path, False, Nowhere(), [WORK_PRECISION])  # nothing to run on, as nothing is missing
     chapter.CHAPTER.run(again)
     for name, table in again.tables.items():
         pd.testing.assert_frame_equal(table, before[name])
@@ -217,7 +223,7 @@ def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
 
 def test_the_run_of_the_chart_travels_to_other_processes(references):
     """With its form, whose methods hold functions without a name."""
-    for form in (work_precision.SHORT, work_precision.FULL):
+    for form in (chapter.AGAIN, work_precision.FULL):
         run = pickle.loads(pickle.dumps(work_precision.ChartRun(references, form)))
         assert run.form == form
         assert all(method is METHODS[method.name] for method in run.form.methods)

@@ -6,11 +6,12 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
-from tests.verification.thesis.shortened import Here
+from tests.executors import Here
 from tests.verification.thesis.shortened_tissue import TISSUE, shorten_tissue
 from verification.page import sheet
+from verification.page.context import Context
 from verification.page.parts import number
-from verification.page.report import Context, write_report
+from verification.page.report import write_report
 from verification.thesis.chapter3 import page as chapter
 from verification.thesis.chapter3.growing import SUCCESS
 from verification.thesis.chapter3.sections import foretold, growth, kernel, stability, substeps

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 from scipy.stats import binomtest
 
+from tests.executors import Here
 from tests.tissue.states import cells, layers, numbers
-from tests.verification.thesis.shortened import Here
 from tests.verification.thesis.shortened_tissue import DAHA
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
@@ -14,8 +14,8 @@ from tissue.model.energy import energy
 from tissue.quasi_steady.judge import local_minimum
 from tissue.quasi_steady.run import simulate_quasi_steady
 from verification.page import sheet
+from verification.page.context import Context
 from verification.page.parts import Grid, Picture, Text
-from verification.page.report import Context
 from verification.thesis.chapter3 import catch_up, daha, daha_fit, daha_limits, judged
 from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.chapter3.sections import catch_up as catch_up_section

@@ -67,7 +67,7 @@ def test_extent_and_distance():
 
 
 def test_rows_of_the_tissue_depend_on_its_code_and_presets_and_others_do_not():
-    made, other = substeps.study(substeps.SHORT).provenance(), large_steps.study().provenance()
+    made, other = substeps.study(substeps.FULL).provenance(), large_steps.study().provenance()
     assert {"tissue.step.advance", "tissue.state.numbers", "dincl.compile"} <= json.loads(made["code"]).keys()
     presets = {f"tissue.files/presets/{name}.toml" for name in ("thesis", "published")}
     assert presets <= json.loads(made["data"]).keys()
@@ -204,7 +204,7 @@ def test_the_damping_that_doubles(monkeypatch):
             for count in (20, 80):
                 ratio = 2 - np.log(mu / (0.04 + 0.001 * seed)) / 3
                 lost = count == 20 and mu < 0.04
-                about = {"preset": "thesis", "seed": seed, "mu": mu, "substeps": count, "t": growth.SHORT.end}
+                about = {"preset": "thesis", "seed": seed, "mu": mu, "substeps": count, "t": growth.FULL.end}
                 rows.append(about | {"ratio": np.nan if lost else ratio, "status": THROWN if lost else SUCCESS})
     made = pd.DataFrame(rows)
     found = growth.doubling(made).set_index("kind")
@@ -225,7 +225,7 @@ def test_what_the_text_says_of_growth():
         ratio[name, mu] = height(run.final) / 8
     assert ratio["thesis", 0.2] > 1.1 > ratio["published", 0.2]
     assert ratio["published", 0.05] > 1.1 * ratio["published", 0.2]
-    rows = growth.grown({"preset": "thesis", "mu": 0.025, "substeps": 20}, 1, growth.SHORT.end)
+    rows = growth.grown({"preset": "thesis", "mu": 0.025, "substeps": 20}, 1, growth.FULL.end)
     assert rows[-1]["status"] != SUCCESS
     assert np.isnan(rows[-1]["ratio"])
 

@@ -7,10 +7,11 @@ import pandas as pd
 import pytest
 
 from dincl.errors import InvalidProblem
-from tests.verification.thesis.shortened import Here, Nowhere
+from tests.executors import Here, Nowhere
 from tests.verification.thesis.shortened_emt import FEW, SECTIONS, emt_form
 from tissue.study.figures import style
-from verification.page.report import Context, write_report
+from verification.page.context import Context
+from verification.page.report import write_report
 from verification.thesis.chapter4 import bench, kept, printed, sensitivity, studies, summaries
 from verification.thesis.chapter4 import page as chapter
 from verification.thesis.chapter4.claims import s3_1_counts

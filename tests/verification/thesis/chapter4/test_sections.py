@@ -5,10 +5,10 @@ import re
 import pandas as pd
 import pytest
 
-from tests.verification.thesis.shortened import Nowhere
+from tests.executors import Nowhere
 from tissue.study.comparisons import Difference, corrected
 from tissue.study.ratios import as_ratio
-from verification.page.report import Context
+from verification.page.context import Context
 from verification.thesis.chapter4 import follows, headings, kept, studies
 from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
 from verification.thesis.chapter4.figures import Pictures

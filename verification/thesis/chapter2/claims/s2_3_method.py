@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import Cost, Tables, claim
+from verification.claims import Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, overlap, parted, row
@@ -104,7 +104,6 @@ def _smaller() -> Evidence:
     quote="Crucially, the use of large time steps does not make the simulations unstable.",
     needs=("large_steps",),
     chosen="steps at which explicit Euler without constraints is stable; the starts",
-    cost=Cost.MINUTES,
 )
 def _large(tables: Tables) -> Evidence:
     """Runs that threw a disc out; those that stopped, for centres came to coincide, are told."""

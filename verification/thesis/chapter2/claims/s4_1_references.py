@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Cost, Effect, Tables, claim
+from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS
@@ -93,7 +93,6 @@ def _tolerance() -> Evidence:
     ),
     needs=("references", "convergence"),
     chosen="the starts; the limits of small steps are compared",
-    cost=Cost.MINUTES,
 )
 def _coincides(tables: Tables) -> Evidence:
     rows, runs = tables["references"], tables["convergence"]

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from verification.claims import Cost, Tables, claim
+from verification.claims import Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS
@@ -111,7 +111,6 @@ def _order(scene: str, tables: Tables) -> Evidence:
     quote="The PBD method converges to the reference solution with order 1.",
     needs=("orders",),
     chosen="the start",
-    cost=Cost.MINUTES,
 )
 def _four(tables: Tables) -> Evidence:
     return _order("four_disks", tables)
@@ -129,7 +128,6 @@ def _pbd_errors(tables: Tables, scene: str) -> pd.DataFrame:
     quote="The global error decreases at the end of the simulation, e.g. at t = 2, compared to … t = 1.",
     needs=("convergence",),
     chosen="the start",
-    cost=Cost.MINUTES,
 )
 def _decreases(tables: Tables) -> Evidence:
     errors = _pbd_errors(tables, "four_disks")
@@ -148,7 +146,6 @@ def _decreases(tables: Tables) -> Evidence:
     quote="Also here, the PBD converges to the reference solution with order 1.",
     needs=("orders",),
     chosen="the start and the corner",
-    cost=Cost.MINUTES,
 )
 def _ten(tables: Tables) -> Evidence:
     return _order("ten_disks_corner", tables)
@@ -161,7 +158,6 @@ def _ten(tables: Tables) -> Evidence:
     quote="At time t = 1 most disks are falling … at t = 3 most disks will be in a stationary position.",
     needs=("positions",),
     chosen="the start and the corner",
-    cost=Cost.MINUTES,
 )
 def _at_rest(tables: Tables) -> Evidence:
     rows = tables["positions"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from verification.claims import Cost, Tables, claim
+from verification.claims import Tables, claim
 from verification.evidence import Evidence, at_least, at_most
 
 # "A small margin" is read as less than half a decade.
@@ -24,7 +24,6 @@ TOO_STRONGLY = 10.0
     quote="Both the penalty method and the PBD method are prone to produce overlap between objects",
     needs=("penalty_best",),
     chosen="the starts and steps",
-    cost=Cost.MINUTES,
 )
 def _both(tables: Tables) -> Evidence:
     rows = tables["penalty_best"].dropna(subset="strength")
@@ -46,7 +45,6 @@ def _both(tables: Tables) -> Evidence:
     ),
     needs=("penalty_scan",),
     chosen="the starts, the steps, and the force that grows with the overlap",
-    cost=Cost.MINUTES,
 )
 def _strength(tables: Tables) -> Evidence:
     rows = tables["penalty_scan"]
@@ -72,7 +70,6 @@ def _strength(tables: Tables) -> Evidence:
     quote="In general, it is difficult to find the optimal penalty parameter a priori, i.e. before the simulation.",
     needs=("penalty_best",),
     chosen="the starts and steps, and the force that grows with the overlap",
-    cost=Cost.MINUTES,
 )
 def _a_priori(tables: Tables) -> Evidence:
     """How far the best strength of springs differs between scenes and steps."""
@@ -95,7 +92,6 @@ def _a_priori(tables: Tables) -> Evidence:
     ),
     needs=("penalty_best",),
     chosen="the starts and steps; best is the strength with the least largest overlap; small is a factor up to 3.2",
-    cost=Cost.MINUTES,
 )
 def _margin(tables: Tables) -> Evidence:
     rows = tables["penalty_best"].dropna(subset="strength")

@@ -24,11 +24,11 @@ CASES: tuple[Case, ...] = tuple(case for family in FAMILIES for case in getattr(
 
 @dataclass(frozen=True)
 class StabilityForm:
-    """Which planes are mapped, at the full or the short values of their axes, and the cases."""
+    """Which planes are mapped, and the cases."""
 
-    full: bool
     planes: tuple[Plane, ...] = PLANES
     cases: tuple[Case, ...] = CASES
 
 
-SHORT, FULL = StabilityForm(full=False), StabilityForm(full=True)
+# There is one form only.
+FORM = StabilityForm()

@@ -32,19 +32,19 @@ def _as(method: NamedMethod, label: str, scheme: Callable[[float], FixedStep]) -
 
 
 def _catch_up(method: NamedMethod, projection: dincl.Projection) -> Contestant:
-    label = f"catch-up, {type(projection).__name__}"
+    label = f"catch-up with {type(projection).__name__}"
     return _as(method, label, lambda dt: dincl.CatchUp(dt=dt, projection=projection))
 
 
 def _linearised(projection: dincl.Projection, colour: str, marker: str | tuple[int, int, int]) -> Contestant:
-    label = f"linearised, {type(projection).__name__}"
+    label = f"linearised with {type(projection).__name__}"
     return Contestant(label, lambda dt: dincl.LinearisedCatchUp(dt=dt, projection=projection), colour, marker)
 
 
 CONTESTANTS = {
     "pbd": _as(methods.PBD, "PBD", lambda dt: dincl.PBD(dt=dt)),
-    "pbd_4": Contestant("PBD, 4 sweeps", lambda dt: dincl.PBD(dt=dt, sweeps=4), "#e8834a", "H"),
-    "pbd_16": _as(methods.PBD_16, "PBD, 16 sweeps", lambda dt: dincl.PBD(dt=dt, sweeps=16)),
+    "pbd_4": Contestant("PBD with 4 sweeps", lambda dt: dincl.PBD(dt=dt, sweeps=4), "#e8834a", "H"),
+    "pbd_16": _as(methods.PBD_16, "PBD with 16 sweeps", lambda dt: dincl.PBD(dt=dt, sweeps=16)),
     "second_order": Contestant("second-order PBD", lambda dt: dincl.SecondOrderPBD(dt=dt), "#5d3a9b", "*"),
     "catch_up_ipopt": _catch_up(methods.CATCH_UP, dincl.Ipopt(tol=TOL)),
     "catch_up_daqp": _catch_up(methods.CATCH_UP_DAQP, dincl.Daqp(tol=TOL)),
@@ -55,16 +55,16 @@ CONTESTANTS = {
     ),
     "midpoint_daqp": _as(
         methods.MIDPOINT,
-        "midpoint, Daqp",
+        "midpoint with Daqp",
         lambda dt: dincl.MidpointCatchUp(dt=dt, projection=dincl.Daqp(tol=TOL)),
     ),
     "penalty_tied": _as(
-        methods.PENALTY_TIED, f"springs, {TIED:g}/dt", lambda dt: dincl.Penalty(dt=dt, strength=TIED / dt)
+        methods.PENALTY_TIED, f"springs of {TIED:g}/dt", lambda dt: dincl.Penalty(dt=dt, strength=TIED / dt)
     ),
-    "penalty_100": _as(methods.PENALTIES[1], "springs, 100", lambda dt: dincl.Penalty(dt=dt, strength=100.0)),
+    "penalty_100": _as(methods.PENALTIES[1], "springs of 100", lambda dt: dincl.Penalty(dt=dt, strength=100.0)),
     "penalty_printed": _as(
         methods.PENALTY_PRINTED,
-        f"force as printed, {PUSH:g}",
+        f"force as printed of {PUSH:g}",
         lambda dt: dincl.Penalty(dt=dt, strength=PUSH, exponent=1),
     ),
 }

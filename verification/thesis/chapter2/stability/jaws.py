@@ -140,8 +140,8 @@ def _empty_line(speed: Floats) -> Floats:
 PLANE = Plane(
     name="jaws",
     title="the speed of moving sets",
-    x=Axis("step dt", geometric(8e-3, 0.4, 9), geometric(4e-3, 0.4, 16)),
-    y=Axis("speed of a jaw", geometric(0.25, 8.0, 6), geometric(0.2, 10.0, 11)),
+    x=Axis("step dt", geometric(4e-3, 0.4, 16)),
+    y=Axis("speed of a jaw", geometric(0.2, 10.0, 11)),
     methods=named(
         "pbd",
         "catch_up_ipopt",

@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Chapter, Context, Finding
+from verification.page.report import Chapter, Finding
 from verification.thesis.chapter2.stability import case, catalogue, decades, jaws, pacman
 from verification.thesis.chapter2.stability import figures as figures_stability
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
@@ -27,16 +28,18 @@ PREDICTED = "Failures that theory predicts"
 PROSE = Path(__file__).parent / "prose"
 # Steps of the picture of the Pacman set [time].
 SHOWN = (0.1, 0.02)
+# So many lines of a map are made again, and so many runs of another study.
+LINES, MOST = 3, 12
 
 
 def run(context: Context) -> None:
     """Complete all cases, all maps and the decades."""
-    form, tables, where = _form(context), context.tables, (context.folder, context.executor)
+    form, tables = _form(context), context.tables
     for plane in form.planes:
-        tables[_name(plane)] = plane.study(form.full).complete(*where)
-    steps = context.form(decades.SHORT, decades.FULL)
-    tables["stability_decades"] = decades.study(steps).complete(*where)
-    found = case.study(form.cases).complete(*where).set_index("case")
+        tables[_name(plane)] = context.rows_of(plane.study(), plane.study().some(LINES))
+    steps, cases = decades.study(context.form(decades.FULL)), case.study(form.cases)
+    tables["stability_decades"] = context.rows_of(steps, steps.some(MOST))
+    found = context.rows_of(cases, cases.some(MOST)).set_index("case")
     words = [{"case": one.id, "title": one.title, "theory": one.theory} for one in form.cases]
     context.keep("stability_verdicts", pd.DataFrame(words).join(found, on="case"))
     context.keep("stability_outcomes", pd.concat([_counted(context, plane) for plane in form.planes]))
@@ -50,7 +53,7 @@ def sections(context: Context) -> Sequence[Section]:
 
 
 def _form(context: Context) -> catalogue.StabilityForm:
-    return context.form(catalogue.SHORT, catalogue.FULL)
+    return context.form(catalogue.FORM)
 
 
 def _name(plane: Plane) -> str:
@@ -76,6 +79,7 @@ def _cases(context: Context) -> Section:
             Text(said["found"]),
             Grid(table[list(HEADINGS)].rename(columns=HEADINGS), said["table"], "stability_verdicts"),
             Grid(words, said["particulars"], "stability_verdicts", folded=True),
+            Follows(said["follows"]),
         ],
     )
 
@@ -85,13 +89,17 @@ def _map(context: Context, plane: Plane) -> Section:
     picture = context.draw(_name(plane), figures_stability.plane, table, plane)
     counts = context.tables["stability_outcomes"]
     mine = counts[counts["map"] == plane.name].drop(columns="map").rename(columns={"method": "Method"})
-    said = fill(PROSE / "map.html", far=FAR, overlap=OVERLAP, error=ERROR)
+    ranked = list(mine.rename(columns={"Method": "method"}).sort_values("converged").itertuples())
+    cells = len(table) // len(plane.methods)
+    rule = {"far": FAR, "overlap": OVERLAP, "error": ERROR}
+    said = fill(PROSE / "map.html", **rule, best=ranked[-1], worst=ranked[0], cells=cells)
     return Section(
         f"Map: {plane.title}",
         [
             Text(fill(PROSE / "planes.html", longest=jaws.longest_step())[plane.name]),
             Picture(picture, said["rule"]),
             Grid(mine, said["cells"], "stability_outcomes", folded=True),
+            Follows(said["follows"]),
         ],
     )
 
@@ -101,15 +109,17 @@ def _decades(context: Context) -> Section:
     picture = context.draw("stability_decades", figures_stability.decades, table)
     held = table.groupby("method")["bounded"].all()
     steady = [CONTESTANTS[name].label for name in decades.METHODS if held[name]]
-    said = fill(PROSE / "decades.html", end=decades.END, steps=decades.STEPS, steady=steady)
-    return Section("Six decades of dt", [Text(said["discs"]), Picture(picture, said["picture"])])
+    runs = {"end": decades.END, "steps": decades.STEPS, "methods": len(held)}
+    said = fill(PROSE / "decades.html", steady=steady, **runs)
+    parts = Text(said["discs"]), Picture(picture, said["picture"]), Follows(said["follows"])
+    return Section("Six decades of dt", parts)
 
 
 def _pacman(context: Context) -> Section:
     table = context.tables["stability_pacman"]
     picture = context.draw("stability_pacman", figures_stability.pacman, table, pacman.NARROW)
     said = fill(PROSE / "pacman.html")
-    return Section("The Pacman set", [Text(said["set"]), Picture(picture, said["runs"])])
+    return Section("The Pacman set", [Text(said["set"]), Picture(picture, said["runs"]), Follows(said["follows"])])
 
 
 def findings(context: Context) -> Sequence[Finding]:

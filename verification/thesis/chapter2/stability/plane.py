@@ -14,16 +14,11 @@ from dincl.study import Key, Row, Study
 
 @dataclass(frozen=True)
 class Axis:
-    """Values along one side of a plane, increasing, for the short and the complete form."""
+    """Values along one side of a plane, increasing."""
 
     label: str
-    short: tuple[float, ...]
-    full: tuple[float, ...]
+    values: tuple[float, ...]
     logarithmic: bool = True
-
-    def values(self, full: bool) -> tuple[float, ...]:
-        """Those of the form asked for."""
-        return self.full if full else self.short
 
 
 @dataclass(frozen=True)
@@ -58,15 +53,15 @@ class Plane:
     cell: Callable[[str, float, float], dict[str, Any]]
     lines: tuple[Line, ...] = ()
 
-    def study(self, full: bool) -> Study:
+    def study(self) -> Study:
         """One run for each method and y, with a row for each x."""
-        heights = sorted(self.y.values(full), reverse=True)
+        heights = sorted(self.y.values, reverse=True)
         return Study(
-            name=f"stability_{self.name}{'_full' if full else ''}",
+            name=f"stability_{self.name}",
             title=f"Map: {self.title}",
             key=("method", "y"),
             runs=tuple({"method": method, "y": y} for y in heights for method in self.methods),
-            run=_Rows(self.cell, self.x.values(full)),
+            run=_Rows(self.cell, self.x.values),
         )
 
 

@@ -136,8 +136,8 @@ def _two(c: Floats) -> Floats:
 PLANE = Plane(
     name="radius",
     title="the prox-regularity radius",
-    x=Axis("step / η", geometric(0.02, 4.0, 16), geometric(0.02, 4.0, 28)),
-    y=Axis("half distance c", even(0.1, 0.98, 9), even(0.1, 0.98, 17), logarithmic=False),
+    x=Axis("step / η", geometric(0.02, 4.0, 28)),
+    y=Axis("half distance c", even(0.1, 0.98, 17), logarithmic=False),
     methods=named(
         "pbd",
         "pbd_16",

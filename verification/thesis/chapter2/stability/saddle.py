@@ -107,8 +107,8 @@ def _damped_step(beta: Floats) -> Floats:
 PLANE = Plane(
     name="saddle",
     title="the two steps of saddle-point methods",
-    x=Axis("α", geometric(0.03, 10.0, 9), geometric(0.03, 10.0, 16)),
-    y=Axis("β", geometric(0.03, 30.0, 11), geometric(0.03, 30.0, 17)),
+    x=Axis("α", geometric(0.03, 10.0, 16)),
+    y=Axis("β", geometric(0.03, 30.0, 17)),
     methods=METHODS,
     cell=cell,
     lines=(

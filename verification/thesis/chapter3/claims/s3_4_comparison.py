@@ -8,7 +8,7 @@ import math
 import pandas as pd
 from scipy.special import stdtrit
 
-from verification.claims import Cost, MissingRow, Tables, claim
+from verification.claims import MissingRow, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.daha import (
     COMPARED,
@@ -41,7 +41,6 @@ NOTCH = 1.57
     ),
     needs=("tissue_judged_steps",),
     chosen="stops on its way: at least a tenth of the way is left",
-    cost=Cost.MINUTES,
 )
 def _part_way(tables: Tables) -> Evidence:
     row = row_of(tables["tissue_judged_steps"], where="DAHA")
@@ -70,7 +69,6 @@ def runs_for(share: float, error: float) -> int:
     needs=("tissue_daha_failures",),
     recorded=Kind.OPEN,
     chosen="runs of 10 h, at most 100,000 iterations in a step; whether desired rest lengths may be negative",
-    cost=Cost.MINUTES,
 )
 def _failures(tables: Tables) -> Evidence:
     """The share is that of one of the two readings of the model: it is not known more closely than they differ."""
@@ -108,7 +106,6 @@ def needed(runs: float, half: float, gap: float) -> int:
     quote="For the default parameter ε = 10⁻⁶, the number of iterations in most cases close to n* ≈ 7500.",
     needs=("tissue_daha_iterations",),
     chosen="close: within a quarter",
-    cost=Cost.MINUTES,
 )
 def _iterations(tables: Tables) -> Evidence:
     row = row_of(tables["tissue_daha_iterations"], case=PRINTED, eps=OWN)
@@ -139,7 +136,6 @@ def _iterations(tables: Tables) -> Evidence:
         "the step of DAHA is that of (3.26), from which 0.1333 is derived (c3.update); almost: within a factor "
         "1.5; desired rest lengths ≥ 0, with which DAHA terminates"
     ),
-    cost=Cost.MINUTES,
 )
 def _optimal(tables: Tables) -> Evidence:
     fits = tables["tissue_daha_fits"]
@@ -160,7 +156,6 @@ def _optimal(tables: Tables) -> Evidence:
     source="section 3.4",
     quote="The faster simulation is simply a result of less evaluations of the energy gradient.",
     needs=("tissue_daha",),
-    cost=Cost.MINUTES,
 )
 def _work(tables: Tables) -> Evidence:
     table = tables["tissue_daha"]
@@ -194,7 +189,6 @@ def _beyond(row: pd.Series, value: float) -> float:
     quote="‖X^DAHA(10 h) - X^PBD(10 h)‖/‖X^DAHA(10 h)‖ ≈ 0.06 for μ = 0.14",
     needs=("tissue_daha_distances",),
     chosen="the step of DAHA is that of (3.26); one run is compared with the spread of single runs",
-    cost=Cost.MINUTES,
 )
 def _distance(tables: Tables) -> Evidence:
     table = tables["tissue_daha_distances"]

@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from verification.claims import Correction, Cost, Effect, Tables, claim
+from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 
 # Tables 1, 4 and 5, in units of R_soft and hours.
@@ -110,7 +110,6 @@ def growth_steps(table: pd.DataFrame) -> pd.DataFrame:
         Effect.CONCLUSION,
         "the finding of section 4 and the choice of μ; Figures 15 and 16 say the same as the correction",
     ),
-    cost=Cost.MINUTES,
 )
 def _damping(tables: Tables) -> Evidence:
     steps = growth_steps(tables["tissue_ratios"])

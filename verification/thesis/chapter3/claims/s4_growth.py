@@ -10,7 +10,7 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
-from verification.claims import Cost, Tables, claim
+from verification.claims import Tables, claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.claims.s3_4_comparison import SHARE, SUBSTEPS, needed, row_of
@@ -37,7 +37,6 @@ HALF, MATCHING, DOUBLING, NEAR_DOUBLING = 1.5, 0.2, 0.025, 0.005
     ),
     needs=("tissue_ratios",),
     chosen="short enough: the finest substeps of the study of growth",
-    cost=Cost.MINUTES,
 )
 def _condition(tables: Tables) -> Evidence:
     table = tables["tissue_ratios"]
@@ -60,7 +59,6 @@ def _condition(tables: Tables) -> Evidence:
     quote="More importantly, the macroscopic quantities such as tissue height, shape and growth, remain intact",
     needs=("tissue_daha_distances",),
     chosen="the step of DAHA is that of (3.26); height and apical width at 10 h within 10 %",
-    cost=Cost.MINUTES,
 )
 def _macroscopic(tables: Tables) -> Evidence:
     table = tables["tissue_daha_distances"]
@@ -128,7 +126,6 @@ def _accumulation() -> Evidence:
         "the rules of the published runs, whose springs and repulsion have the squared denominators of "
         "c3.dimensions; PBD with μ = 0.2 h, which is said to be similar, stands for DAHA"
     ),
-    cost=Cost.MINUTES,
 )
 def _less_than_half(tables: Tables) -> Evidence:
     table = tables["tissue_ratios"]
@@ -150,7 +147,6 @@ def _less_than_half(tables: Tables) -> Evidence:
     quote="Values around μ = 0.2 give similar results as the QSS-PSE model.",
     needs=("tissue_daha_distances",),
     chosen="similar: heights at 10 h within 10 %",
-    cost=Cost.MINUTES,
 )
 def _similar(tables: Tables) -> Evidence:
     table = tables["tissue_daha_distances"]
@@ -180,7 +176,6 @@ def _similar(tables: Tables) -> Evidence:
     chosen=(
         "the rules of the published runs, whose springs and repulsion have the squared denominators of c3.dimensions"
     ),
-    cost=Cost.MINUTES,
 )
 def _doubling(tables: Tables) -> Evidence:
     table = tables["tissue_doubling"]

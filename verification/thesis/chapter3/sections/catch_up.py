@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import catch_up, figures_daha
 from verification.thesis.chapter3.judged import floored
 from verification.thesis.chapter3.sections.part import PROSE, Part, named
@@ -24,9 +25,13 @@ ERRORS = {
 }
 ORDERS = {"method": "Method", "order": "Order in h [95 %]", "verdict": "In words"}
 
+# Made again beside the complete study.
+AGAIN = replace(catch_up.FULL, seeds=1)
+
 
 def _run(context: Context) -> None:
-    table = catch_up.study(context.form(catch_up.SHORT, catch_up.FULL)).complete(context.folder, context.executor)
+    study = catch_up.study(context.form(catch_up.FULL))
+    table = context.rows_of(study, catch_up.study(AGAIN), ("method", "steps"))
     errors = catch_up.errors(table)
     context.keep("tissue_catch_up_errors", errors)
     context.keep("tissue_catch_up_orders", catch_up.orders(errors, floored().numbers().dt))
@@ -43,6 +48,7 @@ def _catch_up(context: Context) -> Section:
             Picture(picture, said["picture"]),
             Grid(named(orders, ORDERS), said["orders"], "tissue_catch_up_orders", folded=True),
             Grid(named(errors, ERRORS), said["errors"], "tissue_catch_up_errors", folded=True),
+            Follows(said["follows"]),
         ],
     )
 

@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import daha, daha_fit, daha_limits, figures_daha
 from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
@@ -85,21 +85,24 @@ HELD = {
 # What the thesis states: median iterations, share of runs that fail, distance at mu = 0.14, time ratio.
 PRINTED = {"median": 7500, "share": 0.25, "distance": 0.06, "ratio": 300}
 
+# Made again beside the complete study: two runs, and a line of each map.
+AGAIN = daha.DahaForm({(daha.TERMINATING, daha.OWN): 1, (daha.PRINTED, daha.OWN): 1}, (daha.COMPARED,))
+LINE = {"method": "0", "y": 1.0}
+
 
 def _run(context: Context) -> None:
-    form = context.form(daha.SHORT, daha.FULL)
-    table = daha.study(form).complete(context.folder, context.executor)
+    form = context.form(daha.FULL)
+    table = context.rows_of(daha.study(form), daha.study(AGAIN), ("kind", "t", "mu", "substeps"))
     context.tables["tissue_daha"] = table
     context.keep("tissue_daha_iterations", daha.iterations(table))
     context.keep("tissue_daha_failures", daha.failures(table))
     context.keep("tissue_daha_distances", daha.distances(table))
     context.keep("tissue_daha_speed", daha.speed(table, form.end))
     context.keep("tissue_daha_fits", daha_fit.fitted(table))
-    mapped = context.form(daha_limits.SHORT, daha_limits.FULL)
-    maps = {
-        plane.name: daha_limits.study(plane, mapped.full).complete(context.folder, context.executor)
-        for plane in mapped.planes
-    }
+    maps = {}
+    for plane in context.form(daha_limits.FORM).planes:
+        study = daha_limits.study(plane)
+        maps[plane.name] = context.rows_of(study, study.only(lambda key: key == LINE))
     for name, rows in maps.items():
         context.tables[f"tissue_daha_{name}"] = rows
     context.keep("tissue_daha_held", daha_limits.held(maps))
@@ -142,6 +145,7 @@ def _daha(context: Context) -> Section:
             Picture(limits, said["maps"]),
             Grid(named(held, HELD), said["held"], "tissue_daha_held"),
             Grid(named(apart, DISTANCES), said["distances"], "tissue_daha_distances", folded=True),
+            Follows(said["follows"]),
         ],
     )
 

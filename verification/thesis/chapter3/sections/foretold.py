@@ -7,9 +7,9 @@ from typing import Any
 import pandas as pd
 
 from tissue.files.parameters import preset
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import disturbed
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3.growing import PRESETS
@@ -31,9 +31,13 @@ FORETOLD = {
     "looked_at": "Looked at until [h]",
 }
 
+# Made again beside the complete study: one seed to 10 h.
+AGAIN = disturbed.DisturbedForm(disturbed.FEW, 1, disturbed.TIMES[:8])
+
 
 def _run(context: Context) -> None:
-    apart = disturbed.study(context.form(disturbed.SHORT, disturbed.FULL)).complete(context.folder, context.executor)
+    study = disturbed.study(context.form(disturbed.FULL))
+    apart = context.rows_of(study, disturbed.study(AGAIN), ("size", "t"))
     context.keep("tissue_distances", disturbed.medians(apart))
     context.keep("tissue_rates", disturbed.rates(apart))
     context.keep(
@@ -53,6 +57,7 @@ def _foretold(context: Context) -> Section:
             Text(said["until"]),
             Grid(named(rates, RATES), said["rates"], "tissue_rates"),
             Grid(named(foretold, FORETOLD), said["table"], "tissue_foretold", folded=True),
+            Follows(said["follows"]),
         ],
     )
 

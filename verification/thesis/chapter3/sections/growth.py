@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import growth
 from verification.thesis.chapter3.growing import PRESETS
@@ -28,9 +28,13 @@ RATIOS = {
 }
 DOUBLING = {"preset": "Preset", "kind": "Substeps", "mu": "μ that doubles the height [h]", "low": "from", "high": "to"}
 
+# Made again beside the complete study: two seeds with the substeps of the presets.
+AGAIN = growth.GrowthForm(2, 1.0)
+
 
 def _run_growth(context: Context) -> None:
-    table = growth.study(context.form(growth.SHORT, growth.FULL)).complete(context.folder, context.executor)
+    study = growth.study(context.form(growth.FULL))
+    table = context.rows_of(study, growth.study(AGAIN), ("seed", "t"))
     context.tables["tissue_growth"] = table
     context.keep("tissue_ratios", growth.ratios(table))
     context.keep("tissue_doubling", growth.doubling(table))
@@ -47,6 +51,7 @@ def _growth(context: Context) -> Section:
             Picture(picture, said["picture"]),
             Grid(named(doubling, DOUBLING), said["doubling"], "tissue_doubling"),
             Grid(named(ratios, RATIOS), said["ratios"], "tissue_ratios"),
+            Follows(said["follows"]),
         ],
     )
 

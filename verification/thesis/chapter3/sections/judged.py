@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import judged
 from verification.thesis.chapter3.sections.part import PROSE, Part, named
 
@@ -31,24 +31,27 @@ STEPS = {
 }
 RUNS = {"seed": "Seed", "start": "Height at the start", "judge": "Through minima", "DAHA": "DAHA", "PBD": "PBD"}
 
+# Made again beside the complete study.
+STEP = {"seed": 0, "t": 5.0}
+
 
 def _run(context: Context) -> None:
-    where = context.folder, context.executor
-    form = context.form(judged.SHORT, judged.FULL)
-    context.keep("tissue_judged_steps", judged.summary(judged.study(form).complete(*where)))
-    context.tables["tissue_judged_runs"] = judged.whole(form).complete(*where)
+    form = context.form(judged.FULL)
+    steps, whole = judged.study(form), judged.whole(form)
+    context.keep("tissue_judged_steps", judged.summary(context.rows_of(steps, steps.only(lambda key: key == STEP))))
+    context.tables["tissue_judged_runs"] = context.rows_of(whole, whole.only(lambda _: False))
 
 
 def _judged(context: Context) -> Section:
     steps, runs = context.tables["tissue_judged_steps"], context.tables["tissue_judged_runs"]
     said = fill(PROSE / "judged.html", **_steps(steps), **_whole(runs))
-    parts: list[Text | Grid] = [
+    parts: list[Text | Follows | Grid] = [
         Text(said["steps"]),
         Grid(named(steps, STEPS), said["table"], "tissue_judged_steps"),
     ]
     if len(runs):
         parts += [Text(said["whole"]), Grid(named(runs, RUNS), said["heights"], "tissue_judged_runs")]
-    return Section("How far from a minimum a step ends", parts)
+    return Section("How far from a minimum a step ends", [*parts, Follows(said["follows"])])
 
 
 def _steps(steps: pd.DataFrame) -> dict[str, Any]:

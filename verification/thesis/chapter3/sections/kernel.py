@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from verification.page.parts import Grid, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter3.growing import PRESETS
 from verification.thesis.chapter3.sections.part import PROSE, Part, named
@@ -21,7 +21,8 @@ KERNEL = {
 
 
 def _run_kernel(context: Context) -> None:
-    table = bench.kernel(context.form(bench.SHORT, bench.FULL)).complete(context.folder, context.executor)
+    study = bench.kernel(context.form(bench.FULL))
+    table = context.rows_of(study, study.only(lambda key: key["cells"] == bench.SIZES[0]))
     context.tables["tissue_kernel"] = table
     context.keep("tissue_kernel_growth", bench.growth(table))
 
@@ -39,8 +40,8 @@ def _kernel(context: Context) -> Section:
         for name in PRESETS
     ]
     said = fill(PROSE / "kernel.html", repeats=bench.REPEATS, presets=presets)
-    file = f"tissue_kernel{'_full' if context.full else ''}"
-    return Section("The kernel", [Text(said["times"]), Grid(named(table, KERNEL), said["table"], file)])
+    grid = Grid(named(table, KERNEL), said["table"], "tissue_kernel")
+    return Section("The kernel", [Text(said["times"]), grid, Follows(said["follows"])])
 
 
 PART = Part(_run_kernel, _kernel)

@@ -8,8 +8,8 @@ from typing import NamedTuple
 
 import pandas as pd
 
+from verification.page.context import Context
 from verification.page.parts import Section
-from verification.page.report import Context
 from verification.thesis.chapter3.maps import LABELS
 
 PROSE = Path(__file__).parent.parent / "prose"

@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import beyond, limits, maps
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3.sections.part import PROSE, Part, named
@@ -31,16 +31,21 @@ JITTER = {
     "reach": "√(α h/μ)",
 }
 
+# Made again beside the complete studies: two seeds with the substeps of the presets, lines of maps, cases.
+AGAIN = beyond.BeyondForm({"thesis": (20,), "published": (40,)}, 2, (1.0, 5.0))
+LINES, FEW = 3, 3
+
 
 def _run_stability(context: Context) -> None:
-    where = context.folder, context.executor
-    form, cases = context.form(maps.SHORT, maps.FULL), context.form(limits.FORM)
-    tables = {plane.name: maps.study(plane, form.full).complete(*where) for plane in form.planes}
+    form, cases = context.form(maps.FORM), context.form(limits.FORM)
+    studies = {plane.name: maps.study(plane) for plane in form.planes}
+    tables = {name: context.rows_of(study, study.some(LINES)) for name, study in studies.items()}
     for name, table in tables.items():
         context.tables[f"tissue_map_{name}"] = table
     context.keep("tissue_thrown", maps.thrown(tables))
-    context.keep("tissue_swing", beyond.summary(beyond.study(context.form(beyond.SHORT, beyond.FULL)).complete(*where)))
-    found = limits.study(cases).complete(*where).set_index("case")
+    jitter = beyond.study(context.form(beyond.FULL))
+    context.keep("tissue_swing", beyond.summary(context.rows_of(jitter, beyond.study(AGAIN), ("t",))))
+    found = context.rows_of(limits.study(cases), limits.study(cases).some(FEW)).set_index("case")
     words = [{"case": case.id, "title": case.title, "theory": case.theory} for case in cases.cases]
     context.keep("tissue_limits_found", pd.DataFrame(words).join(found, on="case"))
 
@@ -63,6 +68,7 @@ def _stability(context: Context) -> Section:
             Text(said["thrown"]),
             Picture(shown, said["maps"]),
             Grid(named(swings, JITTER), said["table"], "tissue_swing"),
+            Follows(said["follows"]),
         ],
     )
 

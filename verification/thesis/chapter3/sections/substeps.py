@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3 import figures as figures_tissue
 from verification.thesis.chapter3 import substeps
 from verification.thesis.chapter3.growing import PRESETS
@@ -49,10 +50,13 @@ HEIGHTS = {
     "lost": "Lost",
 }
 
+# Made again beside the complete study: one seed to 5 h.
+AGAIN = replace(substeps.FULL, seeds=1, times=substeps.TIMES[:4])
+
 
 def _run_substeps(context: Context) -> None:
-    form = context.form(substeps.SHORT, substeps.FULL)
-    table = substeps.study(form).complete(context.folder, context.executor)
+    form = context.form(substeps.FULL)
+    table = context.rows_of(substeps.study(form), substeps.study(AGAIN), ("substeps", "t"))
     errors, heights = substeps.errors(table), substeps.heights(table, form.heights)
     context.keep("tissue_errors", errors)
     context.keep("tissue_orders", substeps.orders(errors))
@@ -78,6 +82,7 @@ def _substeps(context: Context) -> Section:
             Grid(named(context.tables["tissue_orders"], ORDERS), said["orders"], "tissue_orders", folded=True),
             Grid(named(errors, ERRORS), said["errors"], "tissue_errors", folded=True),
             Grid(named(heights, HEIGHTS), said["all_heights"], "tissue_heights", folded=True),
+            Follows(said["follows"]),
         ],
     )
 

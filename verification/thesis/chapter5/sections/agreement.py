@@ -7,14 +7,14 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import agreement, figures, motion
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.methods import LABELS
-from verification.thesis.chapter5.sections.words import PROSE, form, named
+from verification.thesis.chapter5.sections.words import PROSE, named
 
 BEST = {
     "model": "Model",
@@ -34,7 +34,8 @@ ORDERS = {"model": "Model", "method": "Method", "order_y": "Order of y [95 %]", 
 
 def _run(context: Context) -> None:
     context.keep("meanfield_motion", motion.table(context.form(motion.FORM)))
-    table = agreement.study(context.form(agreement.SHORT, agreement.FULL)).complete(context.folder, context.executor)
+    study = agreement.study(context.form(agreement.FULL))
+    table = context.rows_of(study, study.only(lambda key: key["model"] == "straight"))
     context.tables["meanfield_agreement"] = table
     context.keep("meanfield_best", agreement.best(table))
     context.keep("meanfield_orders", agreement.orders(table))
@@ -44,7 +45,6 @@ def _section(context: Context) -> Section:
     table, best, orders = (context.tables[f"meanfield_{name}"] for name in ("agreement", "best", "orders"))
     moved = context.draw("meanfield_motion", figures.motion, context.tables["meanfield_motion"])
     errors = context.draw("meanfield_agreement", figures.agreement, table, "wavy")
-    file = form("meanfield_agreement", context.full)
     said = fill(PROSE / "agreement.html", **_values(best, orders))
     return Section(
         "Constrained particles: DAE, ODE, RATTLE",
@@ -52,8 +52,9 @@ def _section(context: Context) -> Section:
             Text(said["same"]),
             Picture(moved, said["motion"]),
             Picture(errors, said["errors"]),
-            Grid(named(best, BEST), said["best"], file),
+            Grid(named(best, BEST), said["best"], "meanfield_best"),
             Grid(named(orders, ORDERS), said["orders"], "meanfield_orders"),
+            Follows(said["follows"]),
         ],
     )
 

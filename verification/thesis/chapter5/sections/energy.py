@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import energy, figures
 from verification.thesis.chapter5.methods import METHODS
@@ -29,9 +29,10 @@ TRENDS = {
 
 
 def _run(context: Context) -> None:
-    where = context.folder, context.executor
-    limit = energy.limit_study(context.form(energy.SHORT, energy.FULL)).complete(*where)
-    long = energy.long_study(context.form(energy.SHORT_LONG, energy.FULL_LONG)).complete(*where)
+    limits = energy.limit_study(context.form(energy.FULL))
+    limit = context.rows_of(limits, limits.only(lambda key: key["method"] != "pde"))
+    runs = energy.long_study(context.form(energy.FULL_LONG))
+    long = context.rows_of(runs, runs.only(lambda key: key["method"] == "rattle2"))
     context.tables["meanfield_energy_limit"], context.tables["meanfield_energy_long"] = limit, long
     context.keep("meanfield_energy_slopes", energy.slopes(context.tables["meanfield_agreement"], limit))
     context.keep("meanfield_energy_trends", energy.trends(long))
@@ -53,6 +54,7 @@ def _section(context: Context) -> Section:
                 "meanfield_energy_slopes",
                 folded=True,
             ),
+            Follows(said["follows"]),
         ],
     )
 

@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter2.stability.figures import plane
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import drift, failures, figures, maps
@@ -31,16 +31,19 @@ GROWTH = {
     "end_rate": "at the end ",
 }
 
+# So many runs, and lines of each map, are made again.
+MOST, LINES = 9, 3
+
 
 def _run(context: Context) -> None:
-    where = context.folder, context.executor
-    context.keep("meanfield_failed", failures.named(failures.study(context.form(failures.FORM)).complete(*where)))
-    form, found = context.form(maps.SHORT, maps.FULL), []
-    for one in form.planes:
-        context.tables[one.name] = maps.study(one, form.full).complete(*where)
+    study, found = failures.study(context.form(failures.FORM)), []
+    context.keep("meanfield_failed", failures.named(context.rows_of(study, study.some(MOST))))
+    for one in context.form(maps.FORM).planes:
+        context.tables[one.name] = context.rows_of(maps.study(one), maps.study(one).some(LINES))
         found.append(maps.agreement(context.tables[one.name], one))
     context.keep("meanfield_maps", pd.concat(found, ignore_index=True))
-    table = drift.study(context.form(drift.SHORT, drift.FULL)).complete(*where)
+    drifts = drift.study(context.form(drift.FULL))
+    table = context.rows_of(drifts, drifts.only(lambda key: key["method"] == "rattle2"))
     context.tables["meanfield_drift"] = table
     context.keep("meanfield_drift_growth", drift.growth(table))
 
@@ -48,7 +51,7 @@ def _run(context: Context) -> None:
 def _section(context: Context) -> Section:
     found, growth = context.tables["meanfield_failed"], context.tables["meanfield_drift_growth"]
     picture = context.draw("meanfield_drift", figures.drift, context.tables["meanfield_drift"])
-    planes = context.form(maps.SHORT, maps.FULL).planes
+    planes = context.form(maps.FORM).planes
     drawn = [context.draw(one.name, plane, context.tables[one.name], one) for one in planes]
     said = fill(PROSE / "failures.html", **_values(context))
     return Section(
@@ -64,6 +67,7 @@ def _section(context: Context) -> Section:
             Text(said["drift"]),
             Picture(picture, said["picture"]),
             Grid(growth[list(GROWTH)].rename(columns=GROWTH), said["table"], "meanfield_drift_growth"),
+            Follows(said["follows"]),
         ],
     )
 

@@ -6,13 +6,13 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, grid_order
 from verification.thesis.chapter5.cases import TITLES
-from verification.thesis.chapter5.sections.words import PROSE, form, named
+from verification.thesis.chapter5.sections.words import PROSE, named
 
 ORDERS = {
     "model": "Model",
@@ -35,9 +35,13 @@ RUNS = {
     "mass": "Mass",
 }
 
+# Of grids with no more cells along a side.
+COARSE = 80
+
 
 def _run(context: Context) -> None:
-    table = grid_order.study(context.form(grid_order.SHORT, grid_order.FULL)).complete(context.folder, context.executor)
+    study = grid_order.study(context.form(grid_order.FULL))
+    table = context.rows_of(study, study.only(lambda key: key["cells"] <= COARSE))
     context.tables["meanfield_grid"] = table
     context.keep("meanfield_grid_orders", grid_order.orders(table))
 
@@ -52,7 +56,8 @@ def _section(context: Context) -> Section:
             Text(said["orders"]),
             Picture(picture, said["picture"]),
             Grid(named(orders, ORDERS), said["table"], "meanfield_grid_orders"),
-            Grid(named(table, RUNS), said["runs"], form("meanfield_grid", context.full), folded=True),
+            Grid(named(table, RUNS), said["runs"], "meanfield_grid", folded=True),
+            Follows(said["follows"]),
         ],
     )
 

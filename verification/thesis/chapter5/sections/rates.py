@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.rates import QUANTILES
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, flow_rates, sampling
@@ -94,6 +94,7 @@ def _section(context: Context) -> Section:
                 "meanfield_start_laws",
                 folded=True,
             ),
+            Follows(said["follows"]),
         ],
     )
 

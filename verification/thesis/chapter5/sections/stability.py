@@ -6,9 +6,9 @@ from typing import Any
 
 import pandas as pd
 
-from verification.page.parts import Grid, Picture, Section, Text
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.page.report import Context
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, stability_constant
 from verification.thesis.chapter5.cases import TITLES
@@ -28,10 +28,13 @@ SUMMARY = {
     "held": "Bound holds",
 }
 
+# Made again beside the complete study.
+AGAIN = stability_constant.PairsForm(2)
+
 
 def _run(context: Context) -> None:
-    form = context.form(stability_constant.SHORT, stability_constant.FULL)
-    table = stability_constant.study(form).complete(context.folder, context.executor)
+    study = stability_constant.study(context.form(stability_constant.FULL))
+    table = context.rows_of(study, stability_constant.study(AGAIN), ("pair", "t"))
     context.tables["meanfield_stability"] = table
     context.keep("meanfield_stability_summary", stability_constant.summary(table))
     context.keep("meanfield_stability_envelopes", stability_constant.envelopes(table))
@@ -52,6 +55,7 @@ def _section(context: Context) -> Section:
             Text(said["printed"]),
             Picture(picture, said["picture"]),
             Grid(named(shown, SUMMARY), said["table"], "meanfield_stability_summary"),
+            Follows(said["follows"]),
         ],
     )
 

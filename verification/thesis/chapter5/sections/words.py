@@ -16,8 +16,3 @@ def named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
     """The columns of a table that a reader wants, with words for names of models and methods."""
     words = {"model": TITLES, "method": LABELS}
     return table[list(headings)].replace(words).rename(columns=headings)
-
-
-def form(name: str, full: bool) -> str:
-    """Name of the table of a study in one of its forms."""
-    return f"{name}{'_full' if full else ''}"

@@ -1,0 +1,115 @@
+"""What ships is shown; parts of it are made again, laid over it, and what differs is said."""
+
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dincl.study import Key, Row, Study, write
+from tests.executors import Here, Nowhere
+from verification.page.agreement import Agreement, compare_studies
+from verification.page.context import Context
+from verification.page.made_again import made_again
+
+
+def rows_of(key: Key) -> list[Row]:
+    """Two rows."""
+    return [dict(key) | {"t": t, "error": key["n"] * t, "seconds": 0.5, "status": "SUCCESS"} for t in (1.0, 2.0)]
+
+
+STUDY = Study("few", "Few", ("n",), tuple({"n": n} for n in (3, 2, 1)), rows_of)
+
+
+def shipped(folder: Path) -> pd.DataFrame:
+    """The complete study as it ships."""
+    table = STUDY.complete(folder, Here())
+    (folder / "few.csv").unlink()
+    return table
+
+
+def compared(change: dict[str, object], by: tuple[str, ...] = ()) -> Agreement:
+    """The complete rows beside those of n = 2 with one value changed."""
+    complete = pd.DataFrame([row for key in STUDY.runs for row in rows_of(key)])
+    here = complete[complete["n"] == 2].reset_index(drop=True)
+    for name, value in change.items():
+        here.loc[1, name] = value
+    return compare_studies(here, complete, STUDY, by)
+
+
+def test_what_ships_is_shown_and_nothing_is_run(tmp_path: Path) -> None:
+    table = shipped(tmp_path / "ships")
+    context = Context(tmp_path / "report", False, Nowhere(), complete=tmp_path / "ships")
+    pd.testing.assert_frame_equal(context.rows_of(STUDY, STUDY), table)
+    assert (tmp_path / "report" / "tables" / "few.csv").exists()
+    assert len(context.waiting) == 1
+    assert context.pace("few") == 1.0
+
+
+def test_a_part_is_made_again_once_and_laid_over_it(tmp_path: Path) -> None:
+    table = shipped(tmp_path / "ships").assign(seconds=0.25)
+    write(table, tmp_path / "ships" / "few.parquet")
+    context = Context(tmp_path / "report", False, Here(), complete=tmp_path / "ships")
+    context.rows_of(STUDY, STUDY.only(lambda key: key["n"] == 2))
+    for repeat in context.waiting:
+        repeat()
+    assert context.agreements["few"] == Agreement("Few", 1, 3, 2, 0, "", 2.0, changed=0)
+    assert context.paced("few", table)["seconds"].tolist() == [0.5] * 6
+    context.waiting.clear()
+    context.rows_of(STUDY, STUDY)
+    assert context.waiting == []
+    (section,) = made_again("c", context, ("few",))
+    assert section.parts[1].rows["Do not agree"].tolist() == [0]  # type: ignore[union-attr]
+    assert made_again("c", context, ("other",)) == []
+
+
+def test_anew_the_complete_study_is_made_and_what_ships_is_laid_beside_it(tmp_path: Path) -> None:
+    old = shipped(tmp_path / "ships").assign(error=7.0)
+    write(old, tmp_path / "ships" / "few.parquet")
+    context = Context(tmp_path / "report", True, Here(), complete=tmp_path / "ships")
+    assert context.rows_of(STUDY, STUDY.some(1))["error"].tolist() == [1.0, 2.0, 2.0, 4.0, 3.0, 6.0]
+    context.waiting[0]()
+    found = context.agreements["few"]
+    assert (found.runs, found.of, found.rows, found.apart) == (3, 3, 6, 6)
+    assert context.paced("few", old)["seconds"].tolist() == old["seconds"].tolist()
+
+
+@pytest.mark.parametrize(
+    ("change", "apart"),
+    [
+        ({}, 0),
+        ({"seconds": 9.0}, 0),  # of the machine
+        ({"error": 4.003}, 0),
+        ({"error": 4.005}, 1),
+        ({"error": np.nan}, 1),
+        ({"error": np.inf}, 1),
+        ({"status": "FAR"}, 1),
+        ({"status": "OUT_OF_BUDGET", "error": 9.0}, 0),  # a smaller budget says nothing
+    ],
+)
+def test_numbers_agree_to_three_digits_and_words_to_the_letter(change: dict[str, object], apart: int) -> None:
+    found = compared(change)
+    assert found.apart == apart
+    assert bool(found.worst) == bool(apart)
+
+
+def test_the_farthest_number_is_named_with_its_place() -> None:
+    assert compared({"error": 5.0}, ("t",)).worst == "error (5 here, 4 there) at n = 2, t = 2"
+
+
+def test_what_both_lack_or_is_below_all_tolerances_agrees() -> None:
+    table = pd.DataFrame({"n": [1, 1], "error": [np.nan, 1e-12]})
+    assert compare_studies(table, table.assign(error=[np.nan, 3e-12]), STUDY).apart == 0
+    assert compare_studies(table, table.assign(error=[0.0, 1e-12]), STUDY).apart == 1
+
+
+def test_rows_that_the_complete_study_lacks_are_not_counted() -> None:
+    table = pd.DataFrame({"n": [1, 8], "error": [1.0, 1.0]})
+    assert compare_studies(table, table.iloc[:1], STUDY).rows == 1
+
+
+def test_some_runs_are_spread_over_all() -> None:
+    many = Study("many", "Many", ("n",), tuple({"n": n} for n in range(10)), rows_of)
+    assert [key["n"] for key in many.some(3).runs] == [0, 4, 8]
+    assert len(many.some(100).runs) == 10
+    assert many.only(lambda _: False).some(3).runs == ()

@@ -1,0 +1,72 @@
+"""The complete studies that ship: which they are, that they are whole, and that they come out again."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+
+from dincl.study import workers
+from tests.executors import Here, Nowhere
+from tests.verification.thesis.shortened import FORMS
+from verification.page.context import Context
+from verification.thesis import studies
+from verification.thesis.chapters import CHAPTERS
+from verification.thesis.kept import STUDIES
+
+SHIPPED = sorted(STUDIES.glob("*.parquet"))
+# Tissues are chaotic: on another kind of processor rounding ends in other places of nuclei.
+REPEATABLE = ("experiments", "failures", "geometry", "meanfield")
+
+
+def test_all_of_them_take_less_room_than_a_photograph() -> None:
+    assert sum(file.stat().st_size for file in SHIPPED) < 8e6
+    assert len(SHIPPED) > 40
+
+
+@pytest.mark.parametrize("file", SHIPPED, ids=lambda file: file.stem)
+def test_each_knows_what_it_was_made_by(file: Path) -> None:
+    table = pd.read_parquet(file)
+    assert len(table)
+    assert {"code", "data", "libraries"} <= table.attrs["provenance"].keys()
+
+
+def test_an_unknown_chapter_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="chapter 'emt': must be one of experiments, speed"):
+        studies.main(tmp_path, ["emt"])
+
+
+@pytest.mark.parametrize("name", ["experiments", "geometry", "meanfield"])
+def test_a_chapter_makes_its_studies_once(name: str, tmp_path: Path) -> None:
+    """With few, coarse steps; the other chapters have files of their own for it."""
+    (chapter,) = (chapter for chapter in CHAPTERS if chapter.name == name)
+    first, again = Context(tmp_path, False, Here(), FORMS), Context(tmp_path, False, Nowhere(), FORMS)
+    chapter.run(first)
+    chapter.run(again)
+    assert first.tables.keys() == again.tables.keys() != set()
+    for table, rows in first.tables.items():
+        pd.testing.assert_frame_equal(rows, again.tables[table])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", REPEATABLE)
+def test_parts_come_out_again(name: str, tmp_path: Path) -> None:
+    (chapter,) = (chapter for chapter in CHAPTERS if chapter.name == name)
+    with workers() as executor:
+        context = Context(tmp_path, False, executor, complete=STUDIES)
+        chapter.run(context)
+        for repeat in context.waiting:
+            repeat()
+    assert context.agreements
+    assert {one.title: one.worst for one in context.agreements.values() if one.apart} == {}
+
+
+def test_a_chapter_is_had_from_what_ships(tmp_path: Path) -> None:
+    """Nothing is run, and all runs of each study are there."""
+    for chapter in CHAPTERS:
+        if chapter.name in studies.NAMES:
+            context = Context(tmp_path / chapter.name, False, Nowhere(), complete=STUDIES)
+            chapter.run(context)
+            for name, study in context.studies.items():
+                keys = pd.read_parquet(STUDIES / f"{name}.parquet")[list(study.key)]
+                made = set(keys.itertuples(index=False, name=None))
+                assert made == {tuple(run[key] for key in study.key) for run in study.runs}, name

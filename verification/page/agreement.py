@@ -1,0 +1,134 @@
+"""Whether runs that are made again agree with the complete study that ships: row by row, to the digits of the pages."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from dincl.provenance import differences
+from dincl.study import Study
+from dincl.study.table import ATTRIBUTE
+from verification.page.parts import cell
+
+MAKES_NO_NUMBERS = True
+# Columns that depend on the machine or its load.
+TIMES = ("seconds", "cpu_seconds", "us_best", "us_median")
+OF_THE_MACHINE = {*TIMES, "repeats", "spread", "disturbed", "reading", "twin", "pairs", "daha", "pbd"}
+# Words that are compared as they are; others, such as details of a failure, hold numbers.
+WORDS = ("status", "outcome")
+CUT_OFF = ("OUT_OF_BUDGET", "LEFT_OUT")
+# Numbers agree that have three digits in common, and those below what the projections of references resolve [length].
+RELATIVE, SMALL = 1e-3, 1e-9
+# Shorter times say more about the clock than about the machine [s].
+LEAST_SECONDS = 1e-3
+
+
+@dataclass(frozen=True)
+class Agreement:
+    """What came of making a part of a study again.
+
+    Attributes
+    ----------
+    title
+        Of the study.
+    runs, of
+        Made again, and those of the complete study.
+    rows, apart
+        Compared, and how many of them do not agree.
+    worst
+        The farthest number in words; empty if all agree.
+    pace
+        Median of the times here over those of the complete study; None where too few were measured.
+    changed
+        How many modules, data files, libraries and settings have changed since the complete study was made.
+    """
+
+    title: str
+    runs: int
+    of: int
+    rows: int
+    apart: int
+    worst: str = ""
+    pace: float | None = None
+    changed: int = 0
+
+
+def compare_studies(here: pd.DataFrame, complete: pd.DataFrame, study: Study, by: Sequence[str] = ()) -> Agreement:
+    """Lay the rows made here over those of the complete study.
+
+    Parameters
+    ----------
+    here, complete
+        Rows of the same kind.
+    study
+        The complete one.
+    by
+        Columns that name a row of a run; none: rows of one run stand in the same order.
+    """
+    names = [*study.key, *by]
+    mine, other = (_indexed(_ended(table), names) for table in (here, complete))
+    both = mine.index.intersection(other.index)
+    mine, other = mine.loc[both], other.loc[both]
+    off = _apart(mine, other)
+    runs = len(here[list(study.key)].drop_duplicates())
+    worst = _worst(mine, other, off) if off.any(axis=None) else ""
+    rows, apart = len(both), int(off.any(axis=1).sum())
+    changed = len(differences(complete.attrs.get(ATTRIBUTE, {}), study.provenance()))
+    return Agreement(study.title, runs, len(study.runs), rows, apart, worst, _pace(mine, other), changed)
+
+
+def _ended(table: pd.DataFrame) -> pd.DataFrame:
+    """Without runs that a budget cut off."""
+    return table[~table["status"].isin(CUT_OFF)] if "status" in table else table
+
+
+def _indexed(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
+    """By the names and the place among rows of the same names."""
+    place = table.groupby(names, sort=False, dropna=False).cumcount()
+    return table.assign(place=place).set_index([*names, "place"])
+
+
+def _apart(mine: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
+    """True where a number or word differs; one column for each that is compared."""
+    found = {}
+    for column in mine.columns.intersection(other.columns).difference(sorted(OF_THE_MACHINE)):
+        one, two = mine[column], other[column]
+        if column in WORDS or one.dtype == bool:
+            found[column] = one != two
+        elif pd.api.types.is_numeric_dtype(one) and pd.api.types.is_numeric_dtype(two):
+            found[column] = _relative(one, two) > RELATIVE
+    return pd.DataFrame(found, index=mine.index)
+
+
+def _relative(one: pd.Series, two: pd.Series) -> pd.Series:
+    """|a - b| over the larger of both; 0 for what is small, equal or missing in both, infinite if missing in one."""
+    a, b = one.to_numpy(dtype=np.float64), two.to_numpy(dtype=np.float64)
+    size = np.maximum(np.abs(a), np.abs(b))
+    same = (a == b) | (np.isnan(a) & np.isnan(b)) | (size <= SMALL)
+    with np.errstate(invalid="ignore"):
+        apart = np.where(same, 0.0, np.abs(a - b) / np.where(same, 1.0, size))
+    return pd.Series(np.nan_to_num(apart, nan=np.inf), index=one.index)
+
+
+def _worst(mine: pd.DataFrame, other: pd.DataFrame, off: pd.DataFrame) -> str:
+    """The column and row that are farthest apart, with both values."""
+    numeric = [column for column in off if off[column].any() and mine[column].dtype != bool and column not in WORDS]
+    sizes = {column: _relative(mine[column], other[column]) for column in numeric}
+    column = max(sizes, key=lambda name: sizes[name].max()) if sizes else next(name for name in off if off[name].any())
+    row = sizes[column].argmax() if sizes else int(off[column].to_numpy().argmax())
+    where = zip(mine.index.names[:-1], mine.index[row][:-1], strict=True)
+    place = ", ".join(f"{name} = {cell(value)[0]}" for name, value in where)
+    return f"{column} ({cell(mine[column].iloc[row])[0]} here, {cell(other[column].iloc[row])[0]} there) at {place}"
+
+
+def _pace(mine: pd.DataFrame, other: pd.DataFrame) -> float | None:
+    """The median ratio of the times, to the two digits that it has."""
+    column = next((name for name in TIMES if name in mine and name in other), None)
+    if column is None:
+        return None
+    long = (mine[column] > LEAST_SECONDS) & (other[column] > LEAST_SECONDS)
+    ratios = (mine[column] / other[column])[long]
+    return float(f"{ratios.median():.2g}") if len(ratios) else None

@@ -1,0 +1,128 @@
+"""What the chapters of a report share: where to write, the tables so far, and the complete studies that ship."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor, Future
+from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+import pandas as pd
+
+from dincl.study import Study, digest, write
+from verification.page.agreement import TIMES, Agreement, compare_studies
+
+MAKES_NO_NUMBERS = True
+Form = TypeVar("Form")
+
+
+@dataclass
+class Context:
+    """What the chapters share: where to write, which form to run and on what, and the tables so far, by name.
+
+    Attributes
+    ----------
+    out
+        The folder of the report.
+    full
+        Whether complete studies are made anew.
+    executor
+        Makes the runs and draws.
+    forms
+        Run instead of the complete ones of their classes.
+    complete
+        The folder of complete studies that ship; None: there are none.
+    agreements
+        What came of making parts of complete studies again, by the name of the study.
+    studies
+        The complete studies that were asked for, by name.
+    waiting
+        Make the parts again.
+    """
+
+    out: Path
+    full: bool
+    executor: Executor
+    forms: Sequence[object] = ()
+    complete: Path | None = None
+    tables: dict[str, pd.DataFrame] = field(default_factory=dict)
+    drawings: list[Future[Path]] = field(default_factory=list)
+    agreements: dict[str, Agreement] = field(default_factory=dict)
+    studies: dict[str, Study] = field(default_factory=dict)
+    waiting: list[Callable[[], None]] = field(default_factory=list)
+    _drawn: dict[str, str] = field(default_factory=dict)
+
+    def form(self, usual: Form) -> Form:
+        """The form of a study: the one given for its class, or else the usual one."""
+        return next((form for form in self.forms if type(form) is type(usual)), usual)
+
+    @property
+    def folder(self) -> Path:
+        """Where the tables are."""
+        return self.out / "tables"
+
+    @property
+    def made(self) -> Path:
+        """Where the complete studies are that were made here."""
+        return self.folder / "made"
+
+    def rows_of(self, study: Study, again: Study, by: Sequence[str] = ()) -> pd.DataFrame:
+        """The rows of a complete study: those that ship, or made here, if none do or complete studies are made anew.
+
+        Parameters
+        ----------
+        study
+            The complete one.
+        again
+            The part of it that is made again beside the rows that ship, once ``waiting`` is called.
+        by
+            Columns that name a row of a run, see ``compare_studies``.
+        """
+        file = None if self.complete is None else self.complete / f"{study.name}.parquet"
+        shipped = pd.read_parquet(file) if file is not None and file.exists() else None
+        rows = study.complete(self.made, self.executor) if shipped is None or self.full else shipped
+        if shipped is not None and study.name not in self.agreements:
+            # Parts lie apart: they may be of a form of their own.
+            part = partial(study.complete, self.made) if self.full else partial(again.complete, self.folder / "again")
+            self.waiting.append(partial(self._repeat, study, part, by, shipped))
+        self.studies[study.name] = study
+        write(rows, self.folder / f"{study.name}.parquet")
+        return rows
+
+    def _repeat(
+        self, study: Study, part: Callable[[Executor], pd.DataFrame], by: Sequence[str], shipped: pd.DataFrame
+    ) -> None:
+        self.agreements[study.name] = compare_studies(part(self.executor), shipped, study, by)
+
+    def pace(self, name: str) -> float:
+        """The time that this machine takes over that of the complete study, once some of its runs were made again."""
+        known = self.agreements.get(name)
+        return 1.0 if self.full or known is None or known.pace is None else known.pace
+
+    def paced(self, name: str, table: pd.DataFrame) -> pd.DataFrame:
+        """A table of a study with its times as they are on this machine."""
+        return table.assign(**{column: self.pace(name) * table[column] for column in TIMES if column in table})
+
+    def keep(self, name: str, table: pd.DataFrame) -> None:
+        """Share a table that was derived from others, and write it beside them."""
+        self.tables[name] = table
+        write(table, self.folder / f"{name}.parquet")
+
+    def draw(self, name: str, figure: Callable[..., Path], *arguments: Any) -> Path:
+        """Let a worker draw ``figure(*arguments, path)``; the path, where it is once the drawings are done.
+
+        What was drawn of the same arguments before is left.
+        """
+        path, wanted = self.out / "figures" / f"{name}.png", digest(pickle.dumps((figure, arguments)))
+        if self._drawn.get(name) != wanted:
+            self.drawings.append(self.executor.submit(figure, *arguments, path))
+            self._drawn[name] = wanted
+        return path
+
+    def finish_drawings(self) -> None:
+        """Wait until all figures are there; raises what went wrong with one."""
+        for drawing in self.drawings:
+            drawing.result()

@@ -1,0 +1,41 @@
+"""The section that says what was made again on this machine, and whether it agrees."""
+
+from __future__ import annotations
+
+import pandas as pd
+
+from verification.page.context import Context
+from verification.page.parts import Grid, Section, Text
+
+MAKES_NO_NUMBERS = True
+TITLE = "Made again on this machine"
+SAID = (
+    "The figures and tables above are of complete studies that ship with the program. A part of each was made again "
+    "here and laid over it, row by row: rows agree whose numbers have three digits in common; times are left out. "
+    "The pace is the median of the times here over those of the complete study: seconds above are those of the "
+    "complete study times the pace, so they are those of this machine. What has changed since are modules, data, "
+    "libraries and settings that the study depends on."
+)
+CAPTION = "Agreement to three digits of runs made here with those of the complete studies."
+
+
+def made_again(chapter: str, context: Context, beginnings: tuple[str, ...]) -> list[Section]:
+    """One section for the studies whose names begin so, or none if nothing was made again."""
+    found = [one for name, one in context.agreements.items() if name.startswith(beginnings)]
+    if not found:
+        return []
+    rows = pd.DataFrame(
+        {
+            "Study": one.title,
+            "Runs made again": one.runs,
+            "of": one.of,
+            "Rows compared": one.rows,
+            "Do not agree": one.apart,
+            "Farthest": one.worst,
+            "Pace": one.pace,
+            "Changed since": one.changed or None,
+        }
+        for one in found
+    )
+    context.keep(f"made_again_{chapter}", rows)
+    return [Section(TITLE, [Text(SAID), Grid(rows, CAPTION, f"made_again_{chapter}")])]
