@@ -80,7 +80,7 @@ class Study:
         rows = table.read()
         wanted = {self._name(key) for key in self.runs}
         mine = [name in wanted for name in rows[list(self.key)].itertuples(index=False, name=None)]
-        return rows[mine].reset_index(drop=True)
+        return rows.loc[mine].reset_index(drop=True)  # of no rows, too, all columns
 
     def _make(self, missing: list[Key], table: Table, executor: Executor) -> None:
         stored = 0

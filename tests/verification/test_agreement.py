@@ -101,6 +101,9 @@ def test_what_both_lack_or_is_below_all_tolerances_agrees() -> None:
     table = pd.DataFrame({"n": [1, 1], "error": [np.nan, 1e-12]})
     assert compare_studies(table, table.assign(error=[np.nan, 3e-12]), STUDY).apart == 0
     assert compare_studies(table, table.assign(error=[0.0, 1e-12]), STUDY).apart == 1
+    words = table.assign(status=[np.nan, "SUCCESS"])
+    assert compare_studies(words, words, STUDY).apart == 0
+    assert compare_studies(words, words.assign(status="SUCCESS"), STUDY).apart == 1
 
 
 def test_rows_that_the_complete_study_lacks_are_not_counted() -> None:
@@ -113,3 +116,9 @@ def test_some_runs_are_spread_over_all() -> None:
     assert [key["n"] for key in many.some(3).runs] == [0, 4, 8]
     assert len(many.some(100).runs) == 10
     assert many.only(lambda _: False).some(3).runs == ()
+
+
+def test_of_no_runs_nothing_is_compared(tmp_path: Path) -> None:
+    nothing = STUDY.only(lambda _: False).complete(tmp_path, Here())
+    found = compare_studies(nothing, pd.DataFrame(rows_of(STUDY.runs[0])), STUDY)
+    assert (found.runs, found.rows, found.apart) == (0, 0, 0)

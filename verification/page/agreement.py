@@ -97,7 +97,7 @@ def _apart(mine: pd.DataFrame, other: pd.DataFrame) -> pd.DataFrame:
     for column in mine.columns.intersection(other.columns).difference(sorted(OF_THE_MACHINE)):
         one, two = mine[column], other[column]
         if column in WORDS or one.dtype == bool:
-            found[column] = one != two
+            found[column] = (one != two) & ~(one.isna() & two.isna())
         elif pd.api.types.is_numeric_dtype(one) and pd.api.types.is_numeric_dtype(two):
             found[column] = _relative(one, two) > RELATIVE
     return pd.DataFrame(found, index=mine.index)
