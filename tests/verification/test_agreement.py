@@ -58,9 +58,9 @@ def test_a_part_is_made_again_once_and_laid_over_it(tmp_path: Path) -> None:
     context.waiting.clear()
     context.rows_of(STUDY, STUDY)
     assert context.waiting == []
-    (section,) = made_again("c", context, ("few",))
+    (section,) = made_again("c", context, context.agreements_of(("few",)))
     assert section.parts[1].rows["Do not agree"].tolist() == [0]  # type: ignore[union-attr]
-    assert made_again("c", context, ("other",)) == []
+    assert made_again("c", context, context.agreements_of(("other",))) == []
 
 
 def test_anew_the_complete_study_is_made_and_what_ships_is_laid_beside_it(tmp_path: Path) -> None:

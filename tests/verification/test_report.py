@@ -4,6 +4,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
@@ -191,6 +192,13 @@ def test_each_chapter_fills_tables_of_its_own_names(made: tuple[Path, Context]) 
     beginnings = [chapter.tables or ("claims",) for chapter in CHAPTERS]
     for name in made[1].tables.keys() - {f"made_again_{chapter.name}" for chapter in CHAPTERS}:
         assert sum(name.startswith(own) for own in beginnings) == 1, name
+
+
+def test_all_runs_of_the_complete_studies_ship(made: tuple[Path, Context]) -> None:
+    for name, complete in made[1].studies.items():
+        keys = pd.read_parquet(STUDIES / f"{name}.parquet")[list(complete.key)]
+        runs = {tuple(run[key] for key in complete.key) for run in complete.runs}
+        assert set(keys.itertuples(index=False, name=None)) == runs, name
 
 
 def test_independent_references_agree(made: tuple[Path, Context]) -> None:

@@ -97,6 +97,10 @@ class Context:
     ) -> None:
         self.agreements[study.name] = compare_studies(part(self.executor), shipped, study, by)
 
+    def agreements_of(self, beginnings: tuple[str, ...]) -> dict[str, Agreement]:
+        """Those of the studies whose names begin so."""
+        return {name: found for name, found in self.agreements.items() if name.startswith(beginnings)}
+
     def pace(self, name: str) -> float:
         """The time that this machine takes over that of the complete study, once some of its runs were made again."""
         known = self.agreements.get(name)

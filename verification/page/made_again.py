@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import pandas as pd
 
+from verification.page.agreement import Agreement
 from verification.page.context import Context
 from verification.page.parts import Grid, Section, Text
 
@@ -19,9 +22,8 @@ SAID = (
 CAPTION = "Agreement to three digits of runs made here with those of the complete studies."
 
 
-def made_again(chapter: str, context: Context, beginnings: tuple[str, ...]) -> list[Section]:
-    """One section for the studies whose names begin so, or none if nothing was made again."""
-    found = [one for name, one in context.agreements.items() if name.startswith(beginnings)]
+def made_again(chapter: str, context: Context, found: Mapping[str, Agreement]) -> list[Section]:
+    """One section for the studies of a chapter, or none if nothing was made again."""
     if not found:
         return []
     rows = pd.DataFrame(
@@ -35,7 +37,7 @@ def made_again(chapter: str, context: Context, beginnings: tuple[str, ...]) -> l
             "Pace": one.pace,
             "Changed since": one.changed or None,
         }
-        for one in found
+        for one in found.values()
     )
     context.keep(f"made_again_{chapter}", rows)
     return [Section(TITLE, [Text(SAID), Grid(rows, CAPTION, f"made_again_{chapter}")])]

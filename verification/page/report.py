@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from verification.page.context import Context
@@ -69,12 +69,11 @@ def write_report(chapters: Sequence[Chapter], context: Context) -> Path:
         for repeat in parts:
             repeat()
         if parts:
-            chapter.run(context)
-            pages.take(chapter)
+            pages.add(chapter)
     return pages.finish()
 
 
-@dataclass
+@dataclass(frozen=True)
 class _Written:
     """A chapter whose studies are complete."""
 
@@ -97,15 +96,30 @@ class _Pages:
 
     def __init__(self, chapters: Sequence[Chapter], context: Context) -> None:
         self._chapters, self._context = chapters, context
+        self._taken: dict[str, _Written] = {}
         self._ready: dict[str, _Written] = {}
         self._waiting: list[_Written] = []
 
     def take(self, chapter: Chapter) -> None:
         """Add a chapter that was run, and write the pages whose figures are drawn."""
         sections, findings = list(chapter.sections(self._context)), list(chapter.findings(self._context))
-        sections += made_again(chapter.name, self._context, chapter.tables)
         drawings, self._context.drawings = self._context.drawings, []
-        self._waiting.append(_Written(chapter, sections, findings, drawings))
+        self._taken[chapter.name] = _Written(chapter, sections, findings, drawings)
+        self._waiting.append(self._taken[chapter.name])
+        self._write_ready()
+
+    def add(self, chapter: Chapter) -> None:
+        """Say what was made again of a chapter; it is written anew if its seconds are others on this machine."""
+        if any(self._context.pace(name) != 1.0 for name in self._context.agreements_of(chapter.tables)):
+            chapter.run(self._context)
+            self.take(chapter)
+        again = made_again(chapter.name, self._context, self._context.agreements_of(chapter.tables))
+        written = self._taken[chapter.name]
+        self._waiting = [one for one in self._waiting if one.chapter is not chapter]
+        self._waiting.append(replace(written, sections=[*written.sections, *again]))
+        self._write_ready()
+
+    def _write_ready(self) -> None:
         while self._waiting and all(drawing.done() for drawing in self._waiting[0].drawings):
             self._write(self._waiting.pop(0))
         self.write_index([])

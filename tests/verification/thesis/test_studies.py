@@ -58,15 +58,3 @@ def test_parts_come_out_again(name: str, tmp_path: Path) -> None:
             repeat()
     assert context.agreements
     assert {one.title: one.worst for one in context.agreements.values() if one.apart} == {}
-
-
-def test_a_chapter_is_had_from_what_ships(tmp_path: Path) -> None:
-    """Nothing is run, and all runs of each study are there."""
-    for chapter in CHAPTERS:
-        if chapter.name in studies.NAMES:
-            context = Context(tmp_path / chapter.name, False, Nowhere(), complete=STUDIES)
-            chapter.run(context)
-            for name, study in context.studies.items():
-                keys = pd.read_parquet(STUDIES / f"{name}.parquet")[list(study.key)]
-                made = set(keys.itertuples(index=False, name=None))
-                assert made == {tuple(run[key] for key in study.key) for run in study.runs}, name

@@ -67,10 +67,14 @@ CASES = {
         (1.0, 1.1, 0.1),
         (0.3, -0.2, 0.1),
     ),
-    "interacting": MotionCase("WavyFibre, interacting", _interacting, _line),
-    "uniform": MotionCase("StraightFibre, uniform", lambda: StraightFibre(**FIBRE), lambda: Density.uniform(0.4, 1.6)),
+    "interacting": MotionCase("interacting WavyFibre", _interacting, _line),
+    "uniform": MotionCase("uniform StraightFibre", lambda: StraightFibre(**FIBRE), lambda: Density.uniform(0.4, 1.6)),
     "cube": MotionCase(
-        "Block, g = diag(y)⁻¹X", _cube, lambda: Density.bump([0.6, 0.5, 0.4], 0.4), (1.0, 1.0, 1.0), (0.3, -0.2, 0.1)
+        "Block with g = diag(y)⁻¹X",
+        _cube,
+        lambda: Density.bump([0.6, 0.5, 0.4], 0.4),
+        (1.0, 1.0, 1.0),
+        (0.3, -0.2, 0.1),
     ),
 }
 TITLES = {name: case.title for name, case in CASES.items()}

@@ -22,7 +22,11 @@ LIMIT = 1000
 # A case asks for a residual of SETTLED, a tenth of that of the start, in MOST steps: a factor of 1 - 1/800 a step.
 SETTLED, MOST = 0.05, 2000
 PRECISION, ALLOWED = 1e-3, 1e-2
-METHODS = {"arrow_hurwicz": "Arrow-Hurwicz", "damped": "damped Arrow-Hurwicz, c dτ = 2", "uzawa": "Uzawa, step β"}
+METHODS = {
+    "arrow_hurwicz": "Arrow-Hurwicz",
+    "damped": "damped Arrow-Hurwicz with c dτ = 2",
+    "uzawa": "Uzawa with step β",
+}
 
 
 def spring() -> dincl.Problem:
