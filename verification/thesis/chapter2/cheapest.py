@@ -48,8 +48,10 @@ def _of_one(rows: pd.DataFrame) -> dict[str, object]:
     """The columns of ``times`` that no target belongs to."""
     done = rows[rows["status"] == "SUCCESS"]
     best = done.loc[done["largest"].idxmin()] if len(done) else None
-    stepping = len(done) >= MIN_STEPS and SETTINGS[rows["method"].iloc[0]] == "dt"
-    order = estimate(done["setting"], done["largest"], done["reference_error"].max()) if stepping else None
+    # Beyond the best setting the tolerances of the solver add up, once in each step: that is no order.
+    falling = done if best is None else done[done["setting"] >= best["setting"]]
+    stepping = len(falling) >= MIN_STEPS and SETTINGS[rows["method"].iloc[0]] == "dt"
+    order = estimate(falling["setting"], falling["largest"], done["reference_error"].max()) if stepping else None
     return {
         "best": math.nan if best is None else accuracy(done, "largest").min(),
         "at_end": math.nan if best is None or best["largest"] == 0 else best["final"] / best["largest"],

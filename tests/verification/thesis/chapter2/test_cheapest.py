@@ -99,3 +99,11 @@ def test_table_of_times(three):
     assert stopped["failed"] == 1
     assert stopped[["0.01", "best", "at_end"]].isna().all()
     assert found.loc[(SLIDE, LSODA.label), "order"] == ""
+
+
+def test_an_order_is_that_of_falling_errors():
+    """Finer steps than the best one only add up the tolerances of the solver."""
+    h = 0.1 / 2.0 ** np.arange(10)
+    errors = np.maximum(h**2, 1e-7 * 4.0 ** np.arange(-6, 4))
+    found = cheapest.times(measured(errors, 1 / h), FORM)
+    assert found["order"].iloc[0].startswith("2.00 [")
