@@ -6,6 +6,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterable
+from functools import cache
 from importlib.metadata import requires
 from pathlib import Path
 
@@ -46,6 +47,7 @@ SERVED = {
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
 
 
+@cache
 def imported(source: str) -> set[str]:
     """Name the top-level packages that import statements and ``import_module("...")`` calls in a source refer to."""
     names: set[str] = set()
