@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from concurrent.futures import Executor
 from dataclasses import dataclass
-from pathlib import Path
 
 import pandas as pd
 
@@ -13,7 +11,6 @@ from dincl.study import Key, Row, Study
 from verification.budget import Budget, CpuSeconds
 from verification.references import Known
 from verification.speed_accuracy import WorkPrecision, rows_of, settings_of
-from verification.thesis.chapter2 import work_references
 from verification.thesis.chapter2.methods import CHARTED, METHODS, NamedMethod
 from verification.thesis.chapter2.work_references import SCENES
 
@@ -79,10 +76,3 @@ def study(references: Mapping[str, Known], form: Form) -> Study:
         run=ChartRun(references, form),
         settings={"references": references, "settings": form.settings, "budget": form.budget},
     )
-
-
-def complete(form: Form, folder: Path, executor: Executor) -> tuple[pd.DataFrame, pd.DataFrame]:
-    """The tables of the references and of the runs, with what was missing in ``folder``."""
-    known = work_references.study(form.scenes).complete(folder, executor)
-    references = {name: work_references.reference(known, name) for name in form.scenes}
-    return known, study(references, form).complete(folder, executor)

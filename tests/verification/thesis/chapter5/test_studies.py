@@ -23,8 +23,7 @@ from verification.thesis.chapter5 import (
 )
 from verification.thesis.chapter5.sections import words
 
-# Of RATTLE, by order.
-STEPS = {2: (5, 10, 20, 40, 80)}
+STEPS_OF_RATTLE = {2: (5, 10, 20, 40, 80)}
 
 T = np.array([0.0, 1.0, 2.5])
 
@@ -71,7 +70,7 @@ def test_all_ways_find_the_reference_and_who_does_not_is_told():
             row
             for method in ("ode", "dae", "rattle2")
             for row in agreement._rows(
-                {"model": "straight", "method": method}, dict.fromkeys(("ode", "dae"), range(3, 11)), STEPS
+                {"model": "straight", "method": method}, dict.fromkeys(("ode", "dae"), range(3, 11)), STEPS_OF_RATTLE
             )
         ]
     )
@@ -93,10 +92,8 @@ def test_the_reference_knows_its_error():
 
 
 def test_reduced_runs_only_where_a_reduction_holds():
-    form = agreement.AgreementForm(agreement.FULL.digits, STEPS, rattled=("straight",))
-    runs, complete = (
-        {(run["model"], run["method"]) for run in agreement.study(one).runs} for one in (form, agreement.FULL)
-    )
+    few = agreement.AgreementForm(agreement.FULL.digits, STEPS_OF_RATTLE, rattled=("straight",))
+    runs, complete = ({tuple(run.values()) for run in agreement.study(one).runs} for one in (few, agreement.FULL))
     assert ("element", "reduced") in runs
     assert ("wavy", "reduced") not in runs
     assert ("interacting", "rattle2") not in runs
