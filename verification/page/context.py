@@ -85,17 +85,16 @@ class Context:
         shipped = pd.read_parquet(file) if file is not None and file.exists() else None
         rows = study.complete(self.made, self.executor) if shipped is None or self.full else shipped
         if shipped is not None and study.name not in self.agreements:
-            # Parts lie apart: they may be of a form of their own.
-            part = partial(study.complete, self.made) if self.full else partial(again.complete, self.folder / "again")
-            self.waiting.append(partial(self._repeat, study, part, by, shipped))
+            self.waiting.append(partial(self._repeat, study, rows if self.full else again, by, shipped))
         self.studies[study.name] = study
         write(rows, self.folder / f"{study.name}.parquet")
         return rows
 
-    def _repeat(
-        self, study: Study, part: Callable[[Executor], pd.DataFrame], by: Sequence[str], shipped: pd.DataFrame
-    ) -> None:
-        self.agreements[study.name] = compare_studies(part(self.executor), shipped, study, by)
+    def _repeat(self, study: Study, again: Study | pd.DataFrame, by: Sequence[str], shipped: pd.DataFrame) -> None:
+        """Make a part again, unless its rows are there, and lay it over what ships."""
+        # Parts lie apart: they may be of a form of their own.
+        made = again.complete(self.folder / "again", self.executor) if isinstance(again, Study) else again
+        self.agreements[study.name] = compare_studies(made, shipped, study, by)
 
     def agreements_of(self, beginnings: tuple[str, ...]) -> dict[str, Agreement]:
         """Those of the studies whose names begin so."""

@@ -15,9 +15,9 @@ TITLE = "Made again on this machine"
 SAID = (
     "The figures and tables above are of complete studies that ship with the program. A part of each was made again "
     "here and laid over it, row by row: rows agree whose numbers have three digits in common; times are left out. "
-    "The pace is the median of the times here over those of the complete study: seconds above are those of the "
-    "complete study times the pace, so they are those of this machine. What has changed since are modules, data, "
-    "libraries and settings that the study depends on."
+    "The pace is the median of the times here over those of the complete study. Seconds in speed against accuracy are "
+    "those of the complete study times the pace, so they are those of this machine; other seconds are those of the "
+    "complete study. What has changed since are modules, data, libraries and settings that the study depends on."
 )
 CAPTION = "Agreement to three digits of runs made here with those of the complete studies."
 
