@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Callable, Iterable, Iterator
+from importlib.machinery import EXTENSION_SUFFIXES
 from importlib.util import find_spec, resolve_name
 from pathlib import Path
 from types import ModuleType
@@ -18,6 +19,7 @@ MAKES_NO_NUMBERS = True
 HOUSE = ("dincl", "meanfield", "tissue", "verification")
 INSTALLED = {"site-packages", "dist-packages"}
 STANDARD = Path(os.__file__).parent
+ENDINGS = (".py", *EXTENSION_SUFFIXES)
 MAIN = "__main__"
 Start = Callable[..., Any] | ModuleType
 
@@ -84,15 +86,17 @@ class _Walk:
 
     def follow(self, name: str, path: Path) -> None:
         """Take a module, and what it imports."""
-        todo = [(name, path)]
+        start, todo = name, [(name, path)]
         while todo:
             name, path = todo.pop()
             if name in self._followed:
                 continue
             self._followed.add(name)
+            found = read_source(path)
+            if not (found.makes_numbers or name == start):
+                continue
             self.modules[name] = path
             self._pass(name)
-            found = read_source(path)
             home = name if path.stem == "__init__" else name.rpartition(".")[0]
             meant = self._imported((name, path, found.digest), found.imports, home)
             todo += meant.modules
@@ -133,10 +137,10 @@ class _Walk:
         """The modules of this program that an import names."""
         inner = self._find(f"{module}.{item.name}") if item.name not in ("", "*") else None
         if inner is not None:
-            yield from _wanted(f"{module}.{item.name}", inner)
+            yield f"{module}.{item.name}", inner
         outer = self._find(module)
         if outer is not None and (inner is None or item.name in read_source(outer).binds):
-            yield from _wanted(module, outer)
+            yield module, outer
             if item.name == "*" and outer.stem == "__init__":
                 yield from self._beneath(module, outer.parent)
 
@@ -145,7 +149,7 @@ class _Walk:
         for path in folder.rglob("*.py") if package else ():
             parts = path.relative_to(folder).with_suffix("").parts
             inner = parts[:-1] if parts[-1] == "__init__" else parts
-            yield from _wanted(".".join((package, *inner)), path)
+            yield ".".join((package, *inner)), path
 
     def _find(self, name: str) -> Path | None:
         """The file of a module, without importing anything; it is looked for once."""
@@ -159,11 +163,7 @@ class _Walk:
             return file
         for folder in folders:
             place = folder.joinpath(*rest)
-            for path in (
-                place / "__init__.py",
-                place.with_name(f"{place.name}.py"),
-                *place.parent.glob(f"{place.name}.*.so"),
-            ):
+            for path in (place / "__init__.py", *(place.with_name(place.name + ending) for ending in ENDINGS)):
                 if path.is_file():
                     return path
         return None
@@ -173,11 +173,6 @@ class _Walk:
         if top not in self._tops:
             self._tops[top] = _located(top)
         return self._tops[top]
-
-
-def _wanted(name: str, path: Path) -> Iterator[tuple[str, Path]]:
-    if read_source(path).makes_numbers:
-        yield name, path
 
 
 def _located(top: str) -> tuple[Path | None, list[Path]]:

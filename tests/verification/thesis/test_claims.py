@@ -8,6 +8,7 @@ import pytest
 
 import verification.thesis
 from dincl import InvalidProblem
+from dincl.provenance import closure
 from tests.verification.thesis.chapter1 import test_claims as test_claims_chapter1
 from tests.verification.thesis.chapter2 import test_claims as test_claims_chapter2
 from tests.verification.thesis.chapter3 import test_claims_methods as test_claims_chapter3_methods
@@ -74,3 +75,10 @@ def test_claim_waits_for_its_tables_which_one_chapter_makes(claim: Claim) -> Non
     for name in claim.needs:
         assert name in evidence.measured
         assert len([chapter for chapter in CHAPTERS if name.startswith(chapter.tables)]) == 1
+
+
+def test_a_claim_is_decided_anew_for_code_that_it_reaches_alone() -> None:
+    made = {name: closure(one.check).modules for name, one in CLAIMS.items() if name.startswith("c5.") and not one.needs}
+    assert len(made) > 20
+    assert all("verification.evidence" in modules for modules in made.values())
+    assert not [name for name, modules in made.items() if any(module.startswith("tissue") for module in modules)]
