@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from verification.outcome import COLOURS, Outcome
-from verification.page.sheet import Axes, patch
+from verification.page.sheet import Axes, hatch_cells, patch
 
 HATCHES: Mapping[str, str] = {
     Outcome.CONVERGED.value: "",
@@ -31,8 +31,7 @@ def draw_outcomes(panel: Axes, x: NDArray[np.float64], y: NDArray[np.float64], w
     for word, hatch in HATCHES.items():
         here = words == word
         if hatch and here.any():
-            cells = np.ma.masked_array(np.ones(here.shape), ~here)
-            panel.pcolor(x, y, cells, hatch=hatch, facecolor="none", **HATCHING)
+            hatch_cells(panel, x, y, here, hatch=hatch, facecolor="none", **HATCHING)
     panel.grid(visible=False)
 
 
