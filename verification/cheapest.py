@@ -23,6 +23,14 @@ NOT_RESOLVED = "not resolved"
 UNDECIDED = (TIE, AT_THE_LIMIT, NOT_REACHED, NOT_RESOLVED)
 
 
+class Runs(NamedTuple):
+    """The runs of one method on one problem that came to their end, from coarse to fine."""
+
+    accuracies: NDArray[np.float64]
+    costs: NDArray[np.float64]
+    spreads: NDArray[np.float64]
+
+
 class Price(NamedTuple):
     """What an accuracy costs; infinite: it is not reached.
 
@@ -39,18 +47,22 @@ def accuracy(rows: pd.DataFrame, error: str) -> pd.Series:
     return rows[error].clip(lower=RESOLVED * rows["reference_error"])
 
 
-def cost_of(rows: pd.DataFrame, target: float, error: str, cost: str) -> Price:
-    """What one method needs to reach ``target``, from its runs on one problem.
+def runs_of(rows: pd.DataFrame, error: str, cost: str) -> Runs:
+    """The runs of one method on one problem."""
+    done = rows[(rows["status"] == "SUCCESS") & rows[cost].notna()].sort_values("setting", ascending=False)
+    return Runs(accuracy(done, error).to_numpy(float), done[cost].to_numpy(float), _spreads(done, cost))
 
-    Runs go from coarse to fine. After the last one that misses the target the next one has it, and so have all finer
+
+def cost_of(runs: Runs, target: float) -> Price:
+    """What one method needs to reach ``target``.
+
+    After the last one that misses the target the next one has it, and so have all finer
     ones; the cost lies on the straight line between these two in (log error, log cost). Nothing is extrapolated: where
     no run misses the target, the smallest cost of all is taken; where the finest misses it, it is not reached.
     """
-    done = rows[(rows["status"] == "SUCCESS") & rows[cost].notna()].sort_values("setting", ascending=False)
-    reached, costs = accuracy(done, error).to_numpy(float), done[cost].to_numpy(float)
-    spreads = _spreads(done, cost)
+    reached, costs, spreads = runs
     missing = np.flatnonzero(~(reached <= target))
-    if len(done) == 0 or (len(missing) and missing[-1] == len(done) - 1):
+    if len(reached) == 0 or (len(missing) and missing[-1] == len(reached) - 1):
         return Price(math.inf, 1.0, math.inf)
     if len(missing) == 0:
         least = int(np.argmin(costs))
@@ -78,10 +90,10 @@ def costs(table: pd.DataFrame, targets: Sequence[float], error: str, cost: str) 
     ``resolved`` tells whether the reference is good enough to say so.
     """
     finest = RESOLVED * table["reference_error"].max()
+    methods = {method: runs_of(mine, error, cost) for method, mine in table.groupby("method", sort=False)}
     rows = [
-        {"method": method, "target": target, "resolved": not target < finest}
-        | cost_of(mine, target, error, cost)._asdict()
-        for method, mine in table.groupby("method", sort=False)
+        {"method": method, "target": target, "resolved": not target < finest} | cost_of(runs, target)._asdict()
+        for method, runs in methods.items()
         for target in targets
     ]
     return pd.DataFrame(rows)

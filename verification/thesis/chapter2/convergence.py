@@ -16,7 +16,6 @@ from verification.thesis.chapter2.reference import EventReference
 from verification.thesis.chapter2.runs import scene, solved
 
 SCENES = ("four_disks", "ten_disks_corner")
-TIMES = {name: scene(name).times for name in SCENES}
 # Steps are STEP / 2^k [time].
 STEP = 0.1
 # Errors and infeasibilities below this come from the tolerances of the projections, not from the method [length].
@@ -42,10 +41,11 @@ class ConvergenceRun:
     references: Mapping[str, EventReference]
 
     def __call__(self, key: Key) -> list[Row]:
-        times = np.array(TIMES[key["scene"]])
+        kept = scene(key["scene"]).times
+        times = np.array(kept)
         path, run = solved(key["scene"], key["method"], key["dt"], times)
         states = reached(path, times)
-        x, resolution = self.references[key["scene"]].at(TIMES[key["scene"]])
+        x, resolution = self.references[key["scene"]].at(kept)
         error = distance(states, x)
         infeasible = [
             path.problem.violation(t, state) if np.isfinite(state).all() else np.nan

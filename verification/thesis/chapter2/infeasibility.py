@@ -12,7 +12,7 @@ import pandas as pd
 import dincl
 from dincl.study import Key, Row, Study
 from verification.measure import distance, reached
-from verification.thesis.chapter2.convergence import SCENES, TIMES
+from verification.thesis.chapter2.convergence import SCENES
 from verification.thesis.chapter2.reference import EventReference
 from verification.thesis.chapter2.runs import about, scene, timed
 
@@ -59,8 +59,8 @@ class Scan:
 
     def __call__(self, key: Key) -> list[Row]:
         path, run = _run(key)
-        kept = np.array(TIMES[key["scene"]])
-        error = distance(reached(path, kept), self.references[key["scene"]].at(TIMES[key["scene"]])[0])
+        kept = scene(key["scene"]).times
+        error = distance(reached(path, np.array(kept)), self.references[key["scene"]].at(kept)[0])
         infeasible = path.violation()
         row = {"largest": infeasible.max(), "mean": infeasible.mean(), "error": error.max()}
         return [dict(key) | row | run]

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import cache
 from pathlib import Path
 
 import pandas as pd
 
+from dincl.scenes import Scene
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -17,7 +19,6 @@ from verification.thesis.chapter2 import figures as plots
 from verification.thesis.chapter2.methods import CATCH_UP, LINEARISED_DAQP, METHODS, PBD
 from verification.thesis.chapter2.runs import scene
 
-SCENES = tuple(scene(name) for name in convergence.SCENES)
 # Of each scene [time]; all of them are among the kept times of the reference.
 SHOWN = {"four_disks": (0.0, 0.5, 1.0, 1.5, 2.0), "ten_disks_corner": (0.0, 1.0, 1.5, 2.0, 3.0)}
 CROWD = "ten_disks_corner"
@@ -83,7 +84,8 @@ def run(context: Context) -> None:
     catch_up = extrapolation.study(convergence.SCENES, context.form(extrapolation.FULL))
     tables["catch_up"] = context.rows_of(catch_up, catch_up.only(lambda key: linearised.items() <= key.items()))
     references = {name: reference.reference(tables["positions"], name) for name in convergence.SCENES}
-    context.keep("references", extrapolation.summary(references, tables["catch_up"], convergence.TIMES))
+    times = {one.name: one.times for one in _both()}
+    context.keep("references", extrapolation.summary(references, tables["catch_up"], times))
     compared = convergence.study(references, context.form(COMPARED))
     tables["convergence"] = context.rows_of(compared, compared.only(lambda key: key["dt"] >= COARSE))
     context.keep("orders", convergence.orders(tables["convergence"]))
@@ -108,16 +110,22 @@ def sections(context: Context) -> Sequence[Section]:
     ]
 
 
+@cache
+def _both() -> tuple[Scene, ...]:
+    """The scenes; making them compiles the search for neighbours, for which no import should wait."""
+    return tuple(scene(name) for name in convergence.SCENES)
+
+
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
     """The columns of a table that a reader wants, with words for names."""
-    words = {method.name: method.label for method in METHODS.values()} | {one.name: one.title for one in SCENES}
+    words = {method.name: method.label for method in METHODS.values()} | {one.name: one.title for one in _both()}
     return table[list(headings)].replace(words).rename(columns=headings)
 
 
 def _scenes(context: Context) -> Section:
     said = fill(PROSE / "scenes.html")
     pictures = []
-    for one in SCENES:
+    for one in _both():
         own = reference.reference(context.tables["positions"], one.name)
         path = context.draw(f"motion_{one.name}", plots.motion, one, SHOWN[one.name], own.at(SHOWN[one.name])[0])
         pictures.append(Picture(path, said[one.name]))
@@ -179,8 +187,8 @@ def _penalty(context: Context) -> Section:
     )
     curves = context.tables["infeasibility"]
     drawn = curves[curves["dt"].isin(form.steps[: infeasibility.DRAWN])]
-    in_time = context.draw("infeasibility_in_time", plots.infeasibility_in_time, drawn, SCENES)
-    scan = context.draw("penalty_strengths", plots.strengths, context.tables["penalty_scan"], SCENES)
+    in_time = context.draw("infeasibility_in_time", plots.infeasibility_in_time, drawn, _both())
+    scan = context.draw("penalty_strengths", plots.strengths, context.tables["penalty_scan"], _both())
     return Section(
         "Infeasibility: PBD against the penalty method with its best strength",
         [
@@ -194,7 +202,7 @@ def _penalty(context: Context) -> Section:
 
 
 def _large(context: Context) -> Section:
-    figure = context.draw("large_steps", plots.large_steps, context.tables["large_steps"], large_steps.FAR, SCENES)
+    figure = context.draw("large_steps", plots.large_steps, context.tables["large_steps"], large_steps.FAR, _both())
     said = fill(PROSE / "large_steps.html", end=large_steps.END)
     parts = Text(said["runs"]), Picture(figure, said["picture"]), Follows(said["follows"])
     return Section("Large steps", parts)
