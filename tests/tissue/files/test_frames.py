@@ -53,9 +53,9 @@ def test_the_same_bytes_for_the_same_state(frame, file, tmp_path):
 
 
 def test_no_damage_goes_unseen(frame, file, tmp_path):
-    """A bit is turned in every third byte, and the file cut off: refused, or it was in no number."""
+    """A bit is turned in every ninth byte, and the file cut off: refused, or it was in no number."""
     raw, bad = file.read_bytes(), tmp_path / "bad"
-    damaged = [raw[:k] + bytes([raw[k] ^ 1 << k % 8]) + raw[k + 1 :] for k in range(0, len(raw), 3)]
+    damaged = [raw[:k] + bytes([raw[k] ^ 1 << k % 8]) + raw[k + 1 :] for k in range(0, len(raw), 9)]
     refused = 0
     for content in (*damaged, *(raw[:k] for k in range(0, len(raw), 211))):
         bad.write_bytes(content)

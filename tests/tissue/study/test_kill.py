@@ -23,7 +23,7 @@ tissue.preset("thesis")
 PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["tests.tissue.study.test_kill"])
 KILLS = 20
-LONGEST = 0.3  # seconds until a process is killed
+LONGEST = 0.15  # seconds until a process is killed
 EARLY = 4  # each fourth counted from its start, the others from the first piece they begin
 REPLICATES = 21 * 128  # in two scenarios
 
