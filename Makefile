@@ -22,6 +22,8 @@ COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade $(EXTRAS)
 # one file stay together, for they share what takes long to make; the files are begun in the order of their names, not the
 # shortest last, since it is those with few tests that take longest.
 ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+# Tests and reports start dozens of processes, each of which would compile all modules that it imports.
+unexport PYTHONDONTWRITEBYTECODE
 
 .PHONY: report test lint docs bench lock clean
 .DELETE_ON_ERROR:

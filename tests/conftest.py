@@ -1,5 +1,6 @@
 """The test room: floating-point faults raise, randomness is seeded, slow tests wait for a flag."""
 
+import gc
 import os
 import subprocess
 import sys
@@ -26,6 +27,9 @@ SEED = 20260101
 # Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
 COMPILED = "TISSUE_KERNELS_COMPILED"
 COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
+
+# What is read before the first test stays to the end: looking for garbage among it takes half of the time to read it.
+gc.disable()
 
 # Hypothesis would read all sources for numbers to try, which takes minutes in a fresh clone and makes the examples
 # change with any of them. There is no setting against it.
@@ -70,6 +74,12 @@ def files(config: pytest.Config) -> list[Path]:
 def has_to_do_with_tissue(file: Path) -> bool:
     """Whether a file of tests may come to the kernels of the tissue; contracts only read the sources."""
     return file.parent.name != "contracts" and "tissue" in file.read_text("utf-8")
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage from now on, among what tests make."""
+    gc.freeze()
+    gc.enable()
 
 
 def pytest_unconfigure(config: pytest.Config) -> None:
