@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import struct
 from pathlib import Path
+from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
 
 import pytest
@@ -13,6 +14,9 @@ from tests.browser import HEIGHT, WIDTHS, draw_all, fits, visit
 from tests.verification.page import Page
 from verification.page.parts import VERDICTS
 from verification.thesis.chapters import CHAPTERS
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Page as BrowserPage
 
 PAGES = ("index.html", *(chapter.file for chapter in CHAPTERS))
 DESK, TELEPHONE = WIDTHS
@@ -43,6 +47,20 @@ def leads_somewhere(link: str) -> None:
 def places(file: Path) -> set[str]:
     """The places of a page that a link can name."""
     return set(Page(file.read_text("utf-8")).ids)
+
+
+def tells(page: BrowserPage, width: int) -> None:
+    """What is under the pointer on the first run of the first chart is told, inside of the window."""
+    page.mouse.move(0, 0)
+    page.locator(".bk-tooltip-row-value").first.wait_for(state="detached")
+    x, y, method = page.evaluate(FIRST_RUN)
+    page.mouse.move(x, y)
+    told = page.locator(".bk-tooltip-row-value").get_by_text(method, exact=True).first
+    told.wait_for()
+    box = told.bounding_box()
+    assert 0 <= box["x"] < box["x"] + box["width"] <= width
+    labels = page.locator(".bk-tooltip-row-label").all_inner_texts()
+    assert {"setting:", "error:", "status:"} <= set(labels)
 
 
 class PagesInABrowser:
@@ -155,20 +173,14 @@ class PagesInABrowser:
             assert (width,) == struct.unpack(">I", drawn[16:20])
             assert width > shown
 
-    @pytest.mark.parametrize("width", WIDTHS)
-    def test_chart_tells_what_is_under_the_pointer_and_hides_a_family(self, made, browser, width):
-        with visit(browser, made[0].parent / "speed.html", width) as page:
+    def test_chart_tells_what_is_under_the_pointer_and_hides_a_family(self, made, browser):
+        with visit(browser, made[0].parent / "speed.html") as page:
             draw_all(page)
             chart = page.locator("figure > div").first
-            chart.scroll_into_view_if_needed()
-            x, y, method = page.evaluate(FIRST_RUN)
-            page.mouse.move(x, y)
-            told = page.locator(".bk-tooltip-row-value").get_by_text(method, exact=True).first
-            told.wait_for()
-            box = told.bounding_box()
-            assert 0 <= box["x"] < box["x"] + box["width"] <= width
-            labels = page.locator(".bk-tooltip-row-label").all_inner_texts()
-            assert {"setting:", "error:", "status:"} <= set(labels)
+            for width in WIDTHS:
+                page.set_viewport_size({"width": width, "height": HEIGHT})
+                chart.scroll_into_view_if_needed()
+                tells(page, width)
             (name, visible), *others = page.evaluate(FAMILIES)[1:]
             assert visible
             chart.locator(".bk-Legend").get_by_text(name, exact=True).first.click()

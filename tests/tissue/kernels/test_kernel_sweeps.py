@@ -29,6 +29,7 @@ def assert_swept(states, given_numbers):
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
 
 
+@settings(max_examples=50)
 @given(seeds, st.integers(1, 30), st.floats(0.3, 8.0), st.sampled_from(KINDS))
 def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, kind):
     """Three sweeps, one after the other."""

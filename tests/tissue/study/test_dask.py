@@ -69,7 +69,11 @@ def prepare(dask, count):
         client.run(use_stand_in)
 
 
-def test_a_worker_that_dies_loses_nothing(dask, tmp_path, whole, monkeypatch):
+def test_a_cluster_without_workers_is_refused_and_a_worker_that_dies_loses_nothing(dask, tmp_path, whole, monkeypatch):
+    # In a process of its own: what is left of the client that found nobody may hold up the next one for long.
+    code = f"from tissue.study.cluster import cluster\nwith cluster({dask.address!r}): pass"
+    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
+    assert f"InvalidProblem: scheduler {dask.address}: has no workers" in run.stderr
     dask.add(2)
     prepare(dask, 2)
     with monkeypatch.context() as patch:
@@ -116,10 +120,6 @@ def test_a_scheduler_that_goes_away_stops_the_study_which_goes_on_here(dask, tmp
     assert stored(tmp_path / "out") == whole
 
 
-def test_a_cluster_that_cannot_be_used_is_refused(dask):
+def test_what_is_no_address_is_refused():
     with pytest.raises(InvalidProblem, match="must be the address of a Dask scheduler"), cluster("nowhere"):
         pass
-    # In a process of its own: what is left of the client that found nobody may hold up the next one for long.
-    code = f"from tissue.study.cluster import cluster\nwith cluster({dask.address!r}): pass"
-    run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
-    assert f"InvalidProblem: scheduler {dask.address}: has no workers" in run.stderr

@@ -23,9 +23,7 @@ from verification.thesis.chapter2.extrapolation import ExtrapolationForm
 from verification.thesis.chapter2.infeasibility import InfeasibilityForm
 from verification.thesis.chapter2.large_steps import LargeStepsForm
 from verification.thesis.chapter2.methods import (
-    CATCH_UP,
     CHIPMUNK,
-    LINEARISED_CLARABEL,
     LINEARISED_DAQP,
     LSODA,
     PBD,
@@ -65,7 +63,7 @@ WORK_PRECISION = work_precision.Form(
 )
 FORMS = (
     ExtrapolationForm((2, 3, 4)),
-    ConvergenceForm(5, 5, methods=(PBD, CATCH_UP, LINEARISED_CLARABEL, PENALTIES[0])),
+    ConvergenceForm(5, 5, methods=(PBD, LINEARISED_DAQP, PENALTIES[0])),
     InfeasibilityForm((0.05,), tuple(np.geomspace(0.05, 5.0, 5)), tuple(np.geomspace(0.5, 20.0, 5))),
     LargeStepsForm((0.1, 1.0)),
     ProxForm(12, counts=(2, 3, 4), arrangements=3),
