@@ -89,11 +89,11 @@ def test_substeps_on_a_circle(closed, seed):
     assert distance(contents(group.stores[0])[0], expected) < 1e-10
 
 
-@pytest.mark.parametrize("changes", [{}, {"layer.side": "outside"}, {"layer.closed": False}])
+@pytest.mark.parametrize("changes", [{}, {"layer.side": "outside"}, {"layer.closed": False, "tissue.cells": 100}])
 def test_alone_and_in_company_same_bits(changes):
     """With divisions, and two EMT cells that lose both adhesions and run."""
     emt = {"emt.cells": 2, "emt.a": "2 h", "emt.b": "2 h to 4 h", "emt.p": "3 h"}
-    parameters = published(**RING | changes | emt | {"layer.perimeter": "100 R_soft", "tissue.cells": 300})
+    parameters = published(**RING | emt | {"layer.perimeter": "100 R_soft", "tissue.cells": 300} | changes)
     company = simulate_many(parameters, range(3))
     for seed in range(3):
         alone = simulate(parameters, seed)

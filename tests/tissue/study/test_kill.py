@@ -22,7 +22,7 @@ tissue.preset("thesis")
 # Processes that need not import anything again, nor read the preset: each is a copy of one that has.
 PROCESSES = multiprocessing.get_context("forkserver")
 PROCESSES.set_forkserver_preload(["tests.tissue.study.test_kill"])
-KILLS = 20
+KILLS = 14
 LONGEST = 0.15  # seconds until a process is killed
 EARLY = 4  # each fourth counted from its start, the others from the first piece they begin
 REPLICATES = 21 * 128  # in two scenarios
