@@ -26,6 +26,8 @@ pytest.register_assert_rewrite("tests.verification.in_browser")
 SEED = 20260101
 # Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
 COMPILED = "TISSUE_KERNELS_COMPILED"
+# Begun near the end, one of these would leave the other process with nothing to do.
+LONGEST = ("test_report.py", "test_studies.py", "test_chapter.py")
 COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
 
 # What is read before the first test stays to the end: looking for garbage among it takes half of the time to read it.
@@ -98,8 +100,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Begin with what takes longest, and skip the tests marked slow, unless the flag is given."""
-    # Begun near the end, the report would leave the other process with nothing to do for half of its time.
-    items.sort(key=lambda item: item.path.name != "test_report.py")
+    items.sort(key=lambda item: item.path.name not in LONGEST)
     if config.getoption("--slow"):
         return
     for item in items:

@@ -269,7 +269,7 @@ SCHEMES = st.one_of(
 )
 
 
-@settings(max_examples=1500)
+@settings(max_examples=1000)
 @given(POSITIONS, st.lists(SETS, max_size=3), DRIFTS, SCHEMES, st.lists(NUMBERS, min_size=1, max_size=3))
 def test_any_input_gives_a_clear_error_or_finite_numbers(x0, sets, drift, scheme, times):
     try:
