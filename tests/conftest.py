@@ -26,8 +26,9 @@ pytest.register_assert_rewrite("tests.verification.in_browser")
 SEED = 20260101
 # Names the file that says that the kernels of the tissue are compiled, to the processes that run tests.
 COMPILED = "TISSUE_KERNELS_COMPILED"
-# Begun near the end, one of these would leave the other process with nothing to do.
-LONGEST = ("test_report.py", "test_studies.py", "test_chapter.py")
+# These files come first: begun near the end, a long one would leave the other process with nothing to do.
+# Contracts need no kernels of the tissue, which are being compiled then.
+FIRST = ("test_report.py", "contracts", "test_studies.py", "test_chapter.py")
 COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
 
 # What is read before the first test stays to the end: looking for garbage among it takes half of the time to read it.
@@ -100,7 +101,7 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Begin with what takes longest, and skip the tests marked slow, unless the flag is given."""
-    items.sort(key=lambda item: item.path.name not in LONGEST)
+    items.sort(key=lambda item: next((k for k, part in enumerate(FIRST) if part in item.path.parts), len(FIRST)))
     if config.getoption("--slow"):
         return
     for item in items:

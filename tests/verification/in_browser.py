@@ -76,7 +76,7 @@ class PagesInABrowser:
                 fits(page)
                 page.screenshot(path=SCREENSHOTS / f"{Path(name).stem}-{width}.jpg", full_page=True, quality=80)
             page.evaluate("for (const folded of document.querySelectorAll('details')) folded.open = true")
-            for width in WIDTHS:
+            for width in reversed(WIDTHS):
                 page.set_viewport_size({"width": width, "height": HEIGHT})
                 fits(page)
             assert page.evaluate("document.getAnimations().length") == 0
