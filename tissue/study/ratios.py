@@ -125,10 +125,10 @@ def ratio(hits: pd.Series, replicate: pd.Series) -> Ratio:
     InvalidProblem
         If there are no cells, or the columns differ in length.
     """
-    table = ratios(hits, replicate, pd.Series(np.zeros(len(hits), dtype=np.int8)))
-    if table.empty:
+    _refuse_other_lengths(hits, replicate, hits)
+    if not len(hits):
         raise InvalidProblem("ratio of no cells: must have at least one cell")
-    return as_ratio(table.iloc[0])
+    return _ratio(np.asarray(hits, dtype=np.int64), np.asarray(replicate))[0]
 
 
 def as_ratio(row: pd.Series) -> Ratio:
@@ -154,18 +154,13 @@ def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: fl
         By category: ``count``, ``of`` [cells], ``runs`` [replicates with such a cell], ``value``, ``low``, ``high``,
         ``effective`` [cells]. A category without cells has no row.
     """
-    if not len(hits) == len(replicate) == len(category):
-        raise InvalidProblem(
-            f"{len(hits)} hits, {len(replicate)} replicates, {len(category)} categories: must be one of each per cell"
-        )
+    _refuse_other_lengths(hits, replicate, category)
     names, codes = _coded(category)
-    groups = pd.DataFrame(
-        {"category": codes, "replicate": np.asarray(replicate), "hits": np.asarray(hits, dtype=np.int64)}
-    )
-    by_run = groups[codes >= 0].groupby(["category", "replicate"])["hits"].agg(["sum", "size"]).reset_index("category")
-    rows = [(int(code), *_row(part, level)) for code, part in by_run.groupby("category")]
-    index = pd.Index([names[code] for code, *_ in rows], name=category.name, dtype=object)
-    return pd.DataFrame([row for _, *row in rows], index=index, columns=list(COLUMNS))
+    cells, replicates = np.asarray(hits, dtype=np.int64), np.asarray(replicate)
+    there = np.unique(codes[codes >= 0])
+    rows = [_row(*_ratio(cells[codes == code], replicates[codes == code]), level) for code in there]
+    index = pd.Index([names[code] for code in there], name=category.name, dtype=object)
+    return pd.DataFrame(rows, index=index, columns=list(COLUMNS))
 
 
 def effective_size(hits: Any, cells: Any) -> float:
@@ -205,7 +200,19 @@ def _coded(category: pd.Series) -> tuple[list[Hashable], NDArray[np.intp]]:
     return list(names), codes
 
 
-def _row(part: pd.DataFrame, level: float) -> tuple[int, int, int, float, float, float, float]:
-    count, of = int(part["sum"].sum()), int(part["size"].sum())
-    found = Ratio(count, of, effective_size(part["sum"], part["size"]))
-    return count, of, len(part), found.value, *found.interval(level), found.size
+def _refuse_other_lengths(hits: pd.Series, replicate: pd.Series, category: pd.Series) -> None:
+    if not len(hits) == len(replicate) == len(category):
+        raise InvalidProblem(
+            f"{len(hits)} hits, {len(replicate)} replicates, {len(category)} categories: must be one of each per cell"
+        )
+
+
+def _ratio(hits: NDArray[np.int64], replicate: NDArray[Any]) -> tuple[Ratio, int]:
+    """The ratio of hits, and how many replicates there are."""
+    _, run = np.unique(replicate, return_inverse=True)
+    cells, found = np.bincount(run), np.bincount(run, weights=hits)
+    return Ratio(int(hits.sum()), len(hits), effective_size(found, cells)), len(cells)
+
+
+def _row(found: Ratio, runs: int, level: float) -> tuple[int, int, int, float, float, float, float]:
+    return found.count, found.of, runs, found.value, *found.interval(level), found.size
