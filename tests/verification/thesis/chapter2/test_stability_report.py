@@ -9,8 +9,9 @@ from typer.testing import CliRunner
 from dincl import study
 from tests.executors import Here
 from tests.verification.thesis.shortened import FEW_CASES, STABILITY
+from tests.verification.undrawn import draw_nothing
 from verification import cli
-from verification.page import context, sheet
+from verification.page import context
 from verification.page.context import Context
 from verification.page.report import write_report
 from verification.thesis.chapter2.stability import page as stability
@@ -20,7 +21,7 @@ from verification.thesis.chapter2.stability.outcome import WORDS
 @pytest.fixture
 def short(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(context, "Context", lambda *given, complete: Context(*given, forms=STABILITY))
-    monkeypatch.setattr(sheet, "DPI", 50)
+    draw_nothing(monkeypatch)
 
 
 @pytest.mark.usefixtures("short")

@@ -8,7 +8,7 @@ import pytest
 
 from tests.executors import Here
 from tests.verification.thesis.shortened_tissue import TISSUE, shorten_tissue
-from verification.page import sheet
+from tests.verification.undrawn import draw_nothing
 from verification.page.context import Context
 from verification.page.parts import number
 from verification.page.report import write_report
@@ -32,7 +32,7 @@ def made(tmp_path_factory):
     context = Context(out, False, Here(), TISSUE)
     with pytest.MonkeyPatch.context() as patch:
         shorten_tissue(patch)
-        patch.setattr(sheet, "DPI", 50)
+        draw_nothing(patch)
         patch.setattr(chapter, "PARTS", PARTS)
         write_report([chapter.CHAPTER], context)
     return (out / "tissue.html").read_text("utf-8"), context

@@ -8,12 +8,12 @@ from scipy.stats import binomtest
 from tests.executors import Here
 from tests.tissue.states import cells, layers, numbers
 from tests.verification.thesis.shortened_tissue import DAHA
+from tests.verification.undrawn import draw_nothing
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.energy import energy
 from tissue.quasi_steady.judge import local_minimum
 from tissue.quasi_steady.run import simulate_quasi_steady
-from verification.page import sheet
 from verification.page.context import Context
 from verification.page.parts import Grid, Picture, Text
 from verification.thesis.chapter3 import catch_up, daha, daha_fit, daha_limits, judged
@@ -176,12 +176,8 @@ def test_errors_are_medians_and_lost_runs_are_counted():
     assert found["lost"].tolist() == [1, 0]
 
 
-@pytest.fixture
-def few(monkeypatch):
-    monkeypatch.setattr(sheet, "DPI", 50)
-
-
-def test_sections_say_what_the_tables_say(few, tmp_path):
+def test_sections_say_what_the_tables_say(monkeypatch, tmp_path):
+    draw_nothing(monkeypatch)
     context = Context(tmp_path, False, Here(), DAHA)
     shown = {}
     for section in (daha_section, judged_section, catch_up_section):
