@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 import pytest
+from matplotlib.figure import Figure
 from typer.testing import CliRunner
 
 from dincl import study
@@ -87,11 +88,22 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Context]:
         shorten(patch)
         patch.setattr(Study, "_make", _only_claims)
         patch.setattr(Context, "_repeat", _said_to_agree)
+        patch.setattr(Figure, "savefig", _saved_with_legends_inside)
         path = write_report(CHAPTERS, shipped)
     return path, shipped
 
 
 MAKE = Study._make
+
+
+SAVE = Figure.savefig
+
+
+def _saved_with_legends_inside(figure: Figure, path: Path, **options: Any) -> None:
+    SAVE(figure, path, **options)
+    for legend in figure.legends:
+        box = legend.get_window_extent()
+        assert 0 <= box.x0 < box.x1 <= figure.bbox.x1, f"the legend of {path} is wider than the figure"
 
 
 def _only_claims(study: Study, *given: Any) -> None:

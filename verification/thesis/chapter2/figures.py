@@ -38,7 +38,7 @@ def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> 
             panel.set(title=f"t = {t:g}", xlabel="step dt")
         panels[0].set(ylabel=LABELS[quantity], ylim=(LOWEST[quantity] / 3, 3))
         handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=4)
+        figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return path
 
 
@@ -148,7 +148,7 @@ def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: 
         panels[0].set_ylabel("largest coordinate / that of the start")
         panels[0].set_ylim(0.7, 2e3)
         handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=len(labels))
+        figure.legend(handles, labels, loc="outside lower center", ncols=3)
     return path
 
 
