@@ -25,7 +25,7 @@ WIDTH = 9.2  # inches; the page shows figures at this width, with twice the dots
 DPI = 200
 GREY = "#8a8a8a"
 # Axes over more than this have ticks at powers of ten alone.
-DECADES = 100.0
+LONG = 100.0
 STYLE: Any = {  # the names are those of matplotlib
     "font.family": "DejaVu Sans",
     "font.size": 8.5,
@@ -60,7 +60,7 @@ def sheet(path: Path, height: float, **style: Any) -> Iterator[Figure]:
 def _keep_powers(panel: Axes) -> None:
     """Take the ticks between the powers of ten from long axes: they crowd it, and take a third of the time to draw."""
     for axis, (low, high) in ((panel.xaxis, panel.get_xlim()), (panel.yaxis, panel.get_ylim())):
-        if axis.get_scale() == "log" and max(low, high) > DECADES * min(low, high):
+        if axis.get_scale() == "log" and max(low, high) > LONG * min(low, high):
             axis.set_minor_locator(NullLocator())
 
 
