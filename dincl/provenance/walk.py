@@ -91,10 +91,10 @@ class _Walk:
             name, path = todo.pop()
             if name in self._followed:
                 continue
-            self._followed.add(name)
             found = read_source(path)
             if not (found.makes_numbers or name == start):
                 continue
+            self._followed.add(name)
             self.modules[name] = path
             self._pass(name)
             home = name if path.stem == "__init__" else name.rpartition(".")[0]

@@ -83,6 +83,12 @@ def test_closure_follows_every_form_of_import(folder: Path) -> None:
     assert found.libraries == {"numpy"}
 
 
+def test_what_makes_no_numbers_belongs_to_a_closure_that_begins_there(folder: Path) -> None:
+    starts = module_of("chain.aside"), module_of("chain.talks")
+    for some in (starts, starts[::-1]):
+        assert set(closure(*some).modules) == {"chain", "chain.aside", "chain.talks", "chain.behind"}
+
+
 @pytest.mark.parametrize("module", sorted(REACHED))
 def test_change_of_each_file_of_the_closure_is_seen_and_named(module: str, folder: Path) -> None:
     function = module_of("chain.start").f
