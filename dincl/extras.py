@@ -25,6 +25,7 @@ PACKAGES = {
     "filelock": "filelock",
     "jinja2": "jinja2",
     "matplotlib": "matplotlib",
+    "nicegui": "nicegui",
     "ot": "POT",
     "pandas": "pandas",
     "pint": "pint",
