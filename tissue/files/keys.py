@@ -30,7 +30,10 @@ def key(meaning: str, symbol: str = "", source: str = "", default: Any = NOTHING
 
 @dataclass(frozen=True)
 class KeyFacts:
-    """All that is known of a key; ``name`` is such as "tissue.cells", ``default`` as in a file, NOTHING for none."""
+    """All that is known of a key; ``name`` is such as "tissue.cells", ``default`` as in a file, NOTHING for none.
+
+    ``options`` are all values that are allowed, where these are a few.
+    """
 
     name: str
     meaning: str
@@ -39,6 +42,7 @@ class KeyFacts:
     unit: str
     allowed: str
     default: Any
+    options: tuple[Any, ...] = ()
 
     @property
     def section(self) -> str:
@@ -58,7 +62,7 @@ class KeyFacts:
     @property
     def is_choice(self) -> bool:
         """Whether a few values are all that is allowed; they stand for their unit, too."""
-        return self.unit == self.allowed
+        return bool(self.options)
 
 
 # What stands for the name of a type of cells in the names of its keys.
@@ -103,5 +107,11 @@ def facts_of(name: str, field: Any) -> KeyFacts:
     check = field.metadata[0].func
     default = NOTHING if field.is_required() else field.default
     return KeyFacts(
-        name, field.description, **field.json_schema_extra, unit=check.unit, allowed=check.allowed, default=default
+        name,
+        field.description,
+        **field.json_schema_extra,
+        unit=check.unit,
+        allowed=check.allowed,
+        default=default,
+        options=getattr(check, "options", ()),
     )

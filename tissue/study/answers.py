@@ -7,12 +7,13 @@ from typing import Any, get_args
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 from scipy.special import stdtrit
 
 from tissue.files.parameter_files import flat
 from tissue.study.categories import What, outcome
 from tissue.study.comparisons import Difference, corrected, runs_needed
-from tissue.study.ratios import LEVEL, as_ratio, ratio
+from tissue.study.ratios import LEVEL, Ratio, as_ratio, ratio
 from tissue.study.read import Results
 
 # Scenarios beyond which each is compared with the first one alone.
@@ -31,13 +32,18 @@ def scenario_ratios(results: Results) -> pd.DataFrame:
     for scenario in _stored(results):
         end = results.parameters(scenario).t_end
         cells = results.cells(scenario, ["replicate", f"ab_{end:g}h", f"below_{end:g}h"])
-        for what in get_args(What) if len(cells) else ():
-            one = ratio(outcome(cells, what, end), cells["replicate"])
+        for what, one in end_ratios(cells, end).items():
             counts = one.count, one.of, one.size, cells["replicate"].nunique()
             rows.append((scenario, what, *counts, one.value, *one.interval()))
     return pd.DataFrame(
         rows, columns=["scenario", "outcome", "count", "of", "effective", "runs", "value", "low", "high"]
     )
+
+
+def end_ratios(cells: pd.DataFrame, end: float) -> dict[What, Ratio]:
+    """The ratios of the EMT cells of one scenario that are extruded, or below all control cells, at the end [h]."""
+    whats: tuple[What, ...] = get_args(What) if len(cells) else ()
+    return {what: ratio(outcome(cells, what, end), cells["replicate"]) for what in whats}
 
 
 def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
@@ -74,14 +80,25 @@ def control_shares(results: Results) -> pd.DataFrame:
     for scenario in _stored(results):
         end = results.parameters(scenario).t_end
         runs = results.runs(scenario)
-        sound = runs[(runs["status"] == "SUCCESS") & (runs[f"controls_{end:g}h"] > 0)]
         for side in ("apical", "basal"):
-            shares = (sound[f"controls_{side}_{end:g}h"] / sound[f"controls_{end:g}h"]).to_numpy(np.float64)
+            shares = shares_of(runs, side, end)
             if len(shares) > 1:
-                half = stdtrit(len(shares) - 1, 0.5 + LEVEL / 2) * shares.std(ddof=1) / np.sqrt(len(shares))
-                mean = shares.mean()
+                mean, half = mean_and_half(shares)
                 rows.append((scenario, side, len(shares), mean, max(0.0, mean - half), mean + half))
     return pd.DataFrame(rows, columns=["scenario", "side", "runs", "mean", "low", "high"])
+
+
+def shares_of(runs: pd.DataFrame, side: str, end: float) -> NDArray[np.float64]:
+    """Of each run that did not fail: the part of its control cells that is on the "apical" or "basal" side outside."""
+    sound = runs[(runs["status"] == "SUCCESS") & (runs[f"controls_{end:g}h"] > 0)]
+    shares: NDArray[np.float64] = (sound[f"controls_{side}_{end:g}h"] / sound[f"controls_{end:g}h"]).to_numpy(float)
+    return shares
+
+
+def mean_and_half(values: NDArray[np.float64]) -> tuple[Any, Any]:
+    """The mean over the first axis, of length n > 1, and half of Student's 95 % interval."""
+    n = len(values)
+    return values.mean(axis=0), stdtrit(n - 1, 0.5 + LEVEL / 2) * values.std(axis=0, ddof=1) / np.sqrt(n)
 
 
 def scenario_changes(results: Results) -> pd.DataFrame:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Callable, Collection, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -51,7 +51,11 @@ class _Course(NamedTuple):
 
 
 def outcomes(
-    parameters: Parameters, replicates: Sequence[int], seeds: Sequence[int], whole: Collection[int] = ()
+    parameters: Parameters,
+    replicates: Sequence[int],
+    seeds: Sequence[int],
+    whole: Collection[int] = (),
+    watch: Callable[[float], None] | None = None,
 ) -> Outcomes:
     """Simulate, and measure the EMT cells.
 
@@ -63,6 +67,8 @@ def outcomes(
         The number of each replicate, and its seed; a multiple of eight is simulated at the least cost for each.
     whole
         The replicates whose cells are all wanted, at all kept times.
+    watch
+        Called with each kept time [h] of each eight replicates; what it raises ends the work.
 
     Returns
     -------
@@ -76,18 +82,26 @@ def outcomes(
         If more cells are to start than fit.
     """
     parts = [
-        _lot(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], whole)
+        _lot(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], whole, watch)
         for begin in range(0, len(seeds), WIDTH)
     ]
     tables = {name: table for part in parts for name, table in part.tables.items()}
     return Outcomes(pa.concat_tables(p.cells for p in parts), pa.concat_tables(p.runs for p in parts), tables)
 
 
-def _lot(parameters: Parameters, replicates: Sequence[int], seeds: Sequence[int], whole: Collection[int]) -> Outcomes:
+def _lot(
+    parameters: Parameters,
+    replicates: Sequence[int],
+    seeds: Sequence[int],
+    whole: Collection[int],
+    watch: Callable[[float], None] | None,
+) -> Outcomes:
     lot = Lot(parameters, seeds)
     wanted: dict[int, list[Frame]] = {k: [] for k, name in enumerate(replicates) if name in whole}
     times, measured = [], []
     for t in lot.times():
+        if watch is not None:
+            watch(t)
         times.append(t)
         measured.append((*_measured(lot), _own(lot, t)))
         for k, frames in wanted.items():
