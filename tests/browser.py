@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -21,6 +22,7 @@ ARGUMENTS += ["--disable-sync", "--no-first-run", "--disable-dev-shm-usage"]
 # With this in the environment a browser that is missing is an error: .ci/run says so.
 NEEDED = "BROWSER_NEEDED"
 MISSING = "no Chromium on this machine; on Debian and Ubuntu: apt install chromium"
+ORIGIN, ABORTED = r"\w+://[^/]*", "net::ERR_ABORTED"
 # Elements that reach over the right edge of the page, outside of boxes that scroll.
 STICKING_OUT = """() => [...document.querySelectorAll("body *")]
     .filter(e => e.getBoundingClientRect().right > innerWidth + 1 && !e.parentElement.closest(".wide"))
@@ -49,13 +51,17 @@ def launched() -> Iterator[Browser]:
 
 @contextmanager
 def visit(browser: Browser, address: Path | str, width: int = WIDTHS[0], **options: object) -> Iterator[Page]:
-    """A page, closed at the end; it must have said nothing on the console, and loaded nothing from elsewhere."""
+    """A page, closed at the end; it must have said nothing on the console, and loaded nothing from elsewhere.
+
+    A page of a server may ask this server, and take back what it asked.
+    """
+    near = ("file:", "data:", *([] if isinstance(address, Path) else [re.match(ORIGIN, address)[0]]))
     page = browser.new_page(viewport={"width": width, "height": HEIGHT}, **options)
     faults: list[str] = []
     page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: faults.append(str(error)))
-    page.on("request", lambda asked: None if asked.url.startswith(("file:", "data:")) else faults.append(asked.url))
-    page.on("requestfailed", lambda asked: faults.append(asked.url))
+    page.on("request", lambda asked: None if asked.url.startswith(near) else faults.append(asked.url))
+    page.on("requestfailed", lambda asked: None if asked.failure == ABORTED else faults.append(asked.url))
     try:
         page.goto(address.as_uri() if isinstance(address, Path) else address)
         yield page
