@@ -51,13 +51,17 @@ def look_of(frames: Sequence[Frame]) -> EmtLook:
     """The sets of events that are there, each with a colour of its own as long as there are enough."""
     begun = {int(k) for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
     free = np.any([[points.any() for points in free_points(frame)] for frame in frames], axis=0)
-    return EmtLook(_colours(begun), bool(free[0]), bool(free[1]), any(any(True for _ in chains(one)) for one in frames))
+    return EmtLook(
+        colours_of(begun), bool(free[0]), bool(free[1]), any(any(True for _ in chains(one)) for one in frames)
+    )
 
 
 def free_points(frame: Frame) -> tuple[Flags, Flags]:
     """Whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
-    each, is_emt = np.arange(len(frame.cells.x)), frame.cells.emt >= 0
-    apical, basal = (is_emt & ~np.isin(each, layer) for layer in frame.layers)
+    is_emt = frame.cells.emt >= 0
+    apical, basal = is_emt.copy(), is_emt.copy()
+    apical[frame.layers.apical] = False
+    basal[frame.layers.basal] = False
     return apical, basal
 
 
@@ -69,8 +73,8 @@ def chains(frame: Frame) -> Iterable[Integers]:
             yield members
 
 
-def _colours(begun: set[int]) -> dict[str, str]:
-    """Those of other sets depend on the events themselves, so that pictures of one run agree if they can."""
+def colours_of(begun: set[int]) -> dict[str, str]:
+    """Of sets of events, by their names; those without a colour of their own depend on the events alone."""
     names = {EVENTS[k]: k for k in sorted(begun)}
     found = {name: colour for name, colour in EMT_COLOURS.items() if name in names}
     for name in (name for name in names if name not in EMT_COLOURS):

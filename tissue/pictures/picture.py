@@ -112,7 +112,7 @@ def drawing(
         Inches that stay free below the legend.
     """
     of = parameters if isinstance(parameters, Sequence) else [parameters] * max(1, len(frames))
-    box, look = box or _box(frames, of[0]), look_of(frames)
+    box, look = box or box_of(frames, of[0]), look_of(frames)
     with style():
         figure, panels = _sheet(len(frames), box, of[0], DPI, _second(frames, of[0], look), room)
         for panel, frame, own in zip(panels, frames, of, strict=False):
@@ -123,7 +123,7 @@ def drawing(
 def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
     """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
     with style():
-        _axes(panel, _box([frame], parameters), parameters, lowest=True, leftmost=True)
+        _axes(panel, box_of([frame], parameters), parameters, lowest=True, leftmost=True)
         _draw(panel, frame, parameters, _decimals([frame]), look_of([frame]))
 
 
@@ -132,7 +132,7 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
 
     Arguments and errors are those of ``picture``.
     """
-    box, look = _box(frames, parameters), look_of(frames)
+    box, look = box_of(frames, parameters), look_of(frames)
     with style():
         figure, (panel,) = _sheet(1, box, parameters, MOVIE_DPI, _second(frames, parameters, look))
         canvas: Any = FigureCanvasAgg(figure)
@@ -147,7 +147,7 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
 
 
-def _box(frames: Sequence[Frame], parameters: Parameters) -> Box:
+def box_of(frames: Sequence[Frame], parameters: Parameters) -> Box:
     """Around the soft discs and all points of all frames."""
     if not frames:
         raise InvalidProblem("frames is empty: must have one, to be drawn")
