@@ -168,6 +168,13 @@ def outcome(cells: pd.DataFrame, what: What, t: float, rule: Rule = "thesis") ->
     return position < 0 if rule == "thesis" else (position < 0) & _stays(cells, [u for u in times if u >= t])
 
 
+def in_time(cells: pd.DataFrame) -> dict[What, np.ndarray]:
+    """``outcome`` of all cells by the rule "thesis" at all kept times at once; each of shape (times, cells)."""
+    times = kept_times(cells)
+    position, below = (cells[[f"{name}_{t:g}h" for t in times]].to_numpy().T for name in ("ab", "below"))
+    return {"basal": position < 0, "apical": position > 1, "below": below.astype(bool)}
+
+
 def _stays(cells: pd.DataFrame, times: list[float]) -> pd.Series:
     """Whether the mean position is below 0 over the next hour, and over the rest of the run."""
     soon = [f"ab_{u:g}h" for u in times if u <= times[0] + WINDOW]

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from tissue.pictures.sheet import GREY, Axes, Line2D, Patch, style
-from tissue.study.categories import What, kept_times, outcome, time_column, timed
+from tissue.study.categories import in_time, kept_times, time_column, timed
 from tissue.study.figures.style import CAP, LOOK, OUTCOMES, band, legend, outcome_lines, page, percent_axis
 from tissue.study.ratios import COLUMNS, ratios
 
@@ -31,9 +31,9 @@ def ratios_in_time(cells: pd.DataFrame) -> pd.DataFrame:
     times, parts = kept_times(cells), []
     replicate = pd.Series(np.tile(cells["replicate"], len(times)))
     category = pd.Series(np.repeat(times, len(cells)))
-    for what in get_args(What):
-        hits = pd.Series(np.concatenate([outcome(cells, what, t) for t in times]))
-        parts.append(ratios(hits, replicate, category).rename_axis("time_h").reset_index().assign(what=what))
+    for what, hits in in_time(cells).items():
+        found = ratios(pd.Series(hits.ravel()), replicate, category)
+        parts.append(found.rename_axis("time_h").reset_index().assign(what=what))
     return pd.concat(parts, ignore_index=True)[["what", "time_h", *COLUMNS]]
 
 

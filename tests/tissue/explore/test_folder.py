@@ -1,0 +1,91 @@
+"""The folder of the page: no name leads out of it, nothing is overwritten, no code comes from elsewhere."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+import tissue
+from dincl.errors import InvalidProblem
+from tissue.explore.folder import Folder
+from tissue.study.store import NOTED
+
+
+@pytest.fixture
+def outside(tmp_path):
+    """A file of parameters and one of Python outside of the folder."""
+    (tmp_path / "other.toml").write_text('base = "thesis"\n')
+    (tmp_path / "code.py").write_text("raise SystemExit('this must never run')\n")
+    return tmp_path
+
+
+@pytest.fixture
+def folder(outside):
+    (outside / "mine").mkdir()
+    return Folder(outside / "mine")
+
+
+@pytest.mark.parametrize(
+    "name", ["../other.toml", "/etc/passwd", "", ".", "..", ".hidden", "a/b", "a\\b", "a\0b", None, 3]
+)
+def test_only_plain_names_are_taken(folder, name):
+    with pytest.raises(InvalidProblem, match="without a folder"):
+        folder.path(name)
+
+
+def test_a_link_out_of_the_folder_is_no_file_of_it(folder, outside):
+    (folder.root / "link.toml").symlink_to(outside / "other.toml")
+    with pytest.raises(InvalidProblem):
+        folder.parameters("link.toml")
+    assert folder.parameter_files() == []
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        'base = "../other.toml"',
+        'base = "thesis"\n[own]\nmodules = ["../code.py"]',
+        'base = "near.toml"',
+    ],
+)
+def test_a_file_that_names_others_outside_is_refused(folder, outside, text):
+    (folder.root / "near.toml").write_text(f'base = "thesis"\n[own]\nmodules = ["{outside / "code.py"}"]')
+    (folder.root / "mine.toml").write_text(text)
+    with pytest.raises(InvalidProblem, match="without a folder"):
+        folder.parameters("mine.toml")
+
+
+def test_files_of_the_folder_may_name_each_other(folder):
+    (folder.root / "near.toml").write_text('base = "thesis"\n[tissue]\ncells = 30')
+    (folder.root / "mine.toml").write_text('base = "near.toml"\n[own]\nmodules = ["nothing_at_all.py"]')
+    with pytest.raises(InvalidProblem, match="must be a file of Python"):
+        folder.parameters("mine.toml")
+    assert folder.parameters("near.toml").tissue.cells == 30
+    assert folder.parameters("chick") == tissue.preset("chick")
+
+
+def test_nothing_is_overwritten(folder):
+    path = folder.save("new", "first = 1")
+    assert path == folder.root / "new.toml"
+    with pytest.raises(InvalidProblem, match="new name"):
+        folder.save("new.toml", "second = 2")
+    assert path.read_text() == "first = 1"
+    with pytest.raises(InvalidProblem, match="without a folder"):
+        folder.save("../new", "")
+
+
+def test_a_study_may_not_bring_code_from_elsewhere(folder, outside):
+    kept = folder.root / "results" / "study"
+    kept.mkdir(parents=True)
+    noted = {key: {} for key in NOTED} | {"scenarios": {"A": {"own": {"modules": [str(outside / "code.py")]}}}}
+    (kept / "study.json").write_text(json.dumps(noted))
+    assert folder.studies() == ["results/study"]
+    with pytest.raises(InvalidProblem, match="without a folder"):
+        folder.results("results/study")
+    with pytest.raises(InvalidProblem, match="must be a study in"):
+        folder.results("../mine/results/study")
+
+
+def test_a_folder_that_is_none_is_refused(tmp_path):
+    with pytest.raises(InvalidProblem, match="must be a folder"):
+        Folder(Path(tmp_path / "nothing"))

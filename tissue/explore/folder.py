@@ -1,0 +1,122 @@
+"""The one folder that the page reads and writes: names in it, never paths."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from tissue.files.parameter_files import read
+from tissue.files.parameters import PRESETS, Parameters, load, preset
+from tissue.study.layout import ABOUT
+from tissue.study.read import Results
+from tissue.study.store import about
+
+MAKES_NO_NUMBERS = True
+
+TOML, PYTHON = ".toml", ".py"
+RESULTS = "results"  # where commands write to by default
+
+
+class Folder:
+    """A folder whose files visitors may open, and into which they may save.
+
+    Nothing in it is ever overwritten. Code is imported from it, never from elsewhere: a parameter file may name files
+    of Python, and so may the notes of a study.
+    """
+
+    def __init__(self, root: Path) -> None:
+        self.root = root.resolve()
+        if not self.root.is_dir():
+            raise InvalidProblem(f"{root}: must be a folder")
+
+    def python_files(self) -> list[str]:
+        """The names of the files of Python."""
+        return self._names(PYTHON)
+
+    def parameter_files(self) -> list[str]:
+        """The names of the TOML files that hold no study; those that cannot be read say why when they are opened."""
+        return [name for name in self._names(TOML) if not self._is_study(name)]
+
+    def path(self, name: Any) -> Path:
+        """Where a file of this name is, or would be.
+
+        Raises
+        ------
+        InvalidProblem
+            If it is no plain name, or leads out of the folder.
+        """
+        plain = isinstance(name, str) and name not in ("", ".", "..") and not set(name) & set("/\\\0")
+        found = (self.root / name).resolve() if plain else self.root
+        if not plain or name.startswith(".") or found.parent != self.root:
+            raise InvalidProblem(f"{describe(name)}: must be the name of a file in {self.root.name}, without a folder")
+        return found
+
+    def parameters(self, name: str) -> Parameters:
+        """The preset of this name, or what the file of this name holds.
+
+        Raises
+        ------
+        InvalidProblem
+            As ``load``, or if the file names another one, of parameters or of Python, that is not in this folder.
+        """
+        if name in PRESETS:
+            return preset(name)
+        self._check(read(self.path(name)))
+        return load(self.path(name))
+
+    def save(self, name: str, text: str) -> Path:
+        """Write a new file."""
+        path = self.path(name if name.endswith(TOML) else f"{name}{TOML}")
+        try:
+            with path.open("x", encoding="utf-8") as file:
+                file.write(text)
+        except FileExistsError:
+            raise InvalidProblem(f"{path.name}: must be a new name; there is a file of this name") from None
+        except OSError as error:
+            raise InvalidProblem(f"{path.name}: cannot be written: {error.strerror}") from error
+        return path
+
+    def studies(self) -> list[str]:
+        """The folders of studies, by their names relative to this one."""
+        found = (*self.root.glob(f"*/{ABOUT}"), *self.root.glob(f"{RESULTS}/*/{ABOUT}"))
+        return sorted(path.parent.relative_to(self.root).as_posix() for path in found if self._is_within(path))
+
+    def results(self, name: str) -> Results:
+        """The study of one of the names that ``studies`` gives.
+
+        Raises
+        ------
+        InvalidProblem
+            For any other name, or if its notes are damaged or name files of Python from elsewhere.
+        """
+        if name not in self.studies():
+            raise InvalidProblem(f"{describe(name)}: must be a study in {self.root.name}")
+        noted = about(self.root / name)
+        for tables in (noted or {}).get("scenarios", {}).values():
+            self._check(tables, anywhere=True)
+        return Results(self.root / name)
+
+    def _check(self, tables: Mapping[str, Any], *, anywhere: bool = False) -> None:
+        """Refuse tables that name files outside; ``anywhere``: paths may be given, and must lead into this folder."""
+        base, own = tables.get("base"), tables.get("own")
+        if isinstance(base, str) and base not in PRESETS:
+            self._check(read(self.path(base)))
+        modules = own.get("modules") if isinstance(own, Mapping) else None
+        for file in modules if isinstance(modules, (list, tuple)) else ():
+            self.path(Path(file).name if anywhere and Path(file).parent == self.root else file)
+
+    def _names(self, ending: str) -> list[str]:
+        paths = (path for path in self.root.glob(f"*{ending}") if path.is_file() and not path.name.startswith("."))
+        return sorted(path.name for path in paths if self._is_within(path))
+
+    def _is_study(self, name: str) -> bool:
+        try:
+            return "scenarios" in read(self.root / name)
+        except InvalidProblem:
+            return False
+
+    def _is_within(self, path: Path) -> bool:
+        return path.resolve().is_relative_to(self.root)
