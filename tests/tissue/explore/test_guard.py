@@ -1,0 +1,92 @@
+"""Away from the loopback nobody sees anything without the token; streams are fetched once, by who knows the address."""
+
+import asyncio
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from tissue.explore.guard import COOKIE, Token, is_loopback
+from tissue.explore.streams import MOST, PictureStreams
+
+APP = FastAPI()
+
+
+@APP.get("/")
+def page():
+    """What is guarded."""
+    return "seen"
+
+
+def ask(app, *asked, cookies=None):
+    """The answers to some addresses, in one visit."""
+
+    async def visit():
+        async with httpx.AsyncClient(
+            transport=httpx.ASGITransport(app), base_url="http://here", cookies=cookies
+        ) as one:
+            return [await one.get(address) for address in asked]
+
+    return asyncio.run(visit())
+
+
+def connect(app, query, cookie):
+    """What the guard lets a socket through to, or says to it."""
+    sent = []
+
+    async def send(message):
+        sent.append(message)
+
+    headers = [(b"cookie", f"{COOKIE}={cookie}".encode())] if cookie else []
+    scope = {"type": "websocket", "headers": headers, "query_string": query.encode()}
+    asyncio.run(app(scope, None, send))
+    return sent
+
+
+@pytest.mark.parametrize("query", ["", "?token=", "?token=wrong", "?token=rightly", "?token=wrong&token=right"])
+def test_without_the_token_nothing_is_seen(query):
+    (answer,) = ask(Token(APP, "right"), f"/{query}")
+    assert answer.status_code == 403
+    assert "seen" not in answer.text
+
+
+def test_a_wrong_cookie_is_none():
+    (answer,) = ask(Token(APP, "right"), "/", cookies={COOKIE: "wrong"})
+    assert answer.status_code == 403
+
+
+def test_the_token_is_kept_as_a_cookie_for_what_follows():
+    first, second = ask(Token(APP, "right"), "/?token=right", "/")
+    assert "HttpOnly" in first.headers["set-cookie"]
+    assert (first.text, second.text) == ('"seen"', '"seen"')
+
+
+@pytest.mark.parametrize(
+    ("query", "cookie", "heard"), [("", "right", True), ("token=right", "", True), ("", "wrong", False)]
+)
+def test_sockets_need_the_token_too(query, cookie, heard):
+    async def socket(scope, receive, send):
+        await send({"type": "websocket.accept"})
+
+    (sent,) = connect(Token(socket, "right"), query, cookie)
+    assert sent["type"] == ("websocket.accept" if heard else "websocket.close")
+
+
+@pytest.mark.parametrize(
+    ("host", "known"),
+    [("127.0.0.1", True), ("127.1.2.3", True), ("localhost", True), ("::1", True), ("0.0.0.0", False), ("host", False)],
+)
+def test_the_loopback_is_known(host, known):
+    assert is_loopback(host) == known
+
+
+def test_a_stream_is_given_once_and_the_oldest_are_dropped():
+    app = FastAPI()
+    streams = PictureStreams(app)
+    first = streams.add(lambda _: iter([b"old"]))
+    address = streams.add(lambda gone: iter([b"one", b"two", str(gone()).encode()]))
+    for _ in range(MOST - 1):
+        streams.add(lambda _: iter([b"other"]))
+    given, again, dropped = ask(app, address, address, first)
+    assert given.content == b"onetwoFalse"
+    assert (again.status_code, dropped.status_code) == (404, 404)
