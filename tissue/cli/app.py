@@ -12,6 +12,7 @@ import typer
 
 from dincl.errors import InvalidProblem
 from dincl.study.bar import progress
+from tissue.cli.explore import explore
 from tissue.cli.figures import figures
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
 MAKES_NO_NUMBERS = True
 
 app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
+app.command()(explore)
 app.command()(study)
 app.command()(figures)
 app.command("parameters")(list_parameters)

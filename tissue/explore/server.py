@@ -1,0 +1,137 @@
+"""The server of the page: a port of this machine, one page for each visitor, and nothing from elsewhere."""
+
+from __future__ import annotations
+
+import json
+import socket
+from collections.abc import Callable, Mapping
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from importlib.resources import files
+from secrets import token_urlsafe
+from typing import Any
+from webbrowser import open as open_browser
+
+import uvicorn
+from fastapi import FastAPI, Request
+from nicegui import ui
+from starlette.middleware.trustedhost import TrustedHostMiddleware
+
+from dincl.errors import InvalidProblem
+from tissue.explore.ensemble import workers
+from tissue.explore.folder import Folder
+from tissue.explore.guard import LOOPBACK, Token, is_loopback
+from tissue.explore.page import build
+from tissue.explore.session import SEED, Session
+from tissue.explore.setting import Setting
+from tissue.explore.streams import PictureStreams
+from tissue.explore.warm import warm_up
+
+MAKES_NO_NUMBERS = True
+
+TITLE = "tissue explore"
+GRACE = 2  # seconds for answers under way, once it is to end
+
+
+@dataclass(frozen=True)
+class Site:
+    """What all visitors share; ``end`` ends the server, and is None where visitors may not do that."""
+
+    folder: Folder
+    base: str
+    changes: Mapping[str, Any]
+    streams: PictureStreams
+    pool: Executor
+    end: Callable[[], None] | None
+
+    def session(self, query: Mapping[str, str]) -> Session:
+        """A visitor's, as the address says; without one as it was asked for when the server was started.
+
+        Raises
+        ------
+        InvalidProblem
+            If the address is of a setting that cannot be.
+        """
+        base = query.get("base", self.base)
+        try:
+            changes = json.loads(query["set"]) if "set" in query else {} if "base" in query else self.changes
+            seed = int(query.get("seed", SEED))
+        except ValueError as error:
+            raise InvalidProblem(f"the address of the page: cannot be read: {error}") from error
+        setting = Setting(base, self.folder.parameters(base)).with_values(changes)
+        return Session.begin(self.folder, self.pool, setting, max(0, seed))
+
+
+def serve(folder: Folder, base: str, changes: Mapping[str, Any], host: str, port: int, *, browser: bool) -> None:
+    """Serve the page until Ctrl-C, SIGTERM or, on the loopback, the button of the page.
+
+    Parameters
+    ----------
+    folder, base, changes
+        What a page begins with: a preset or a file of the folder, and changes.
+    host, port
+        Where to listen; port 0: one that is free. Away from the loopback who has no token sees nothing.
+    browser
+        Whether to open one.
+
+    Raises
+    ------
+    InvalidProblem
+        If the beginning is not in order, or it cannot listen there.
+    """
+    warm_up(Setting(base, folder.parameters(base)).with_values(changes).parameters)
+    listening, token = _listen(host, port), "" if is_loopback(host) else token_urlsafe(16)
+    server = uvicorn.Server(uvicorn.Config(app := FastAPI(openapi_url=None), log_level="warning"))
+    server.config.timeout_graceful_shutdown = GRACE
+    _protect(app, token)
+    with workers() as pool:
+        end = None if token else lambda: setattr(server, "should_exit", True)
+        _publish(app, Site(folder, base, changes, PictureStreams(app), pool, end))
+        address = f"http://{_shown(host)}:{listening.getsockname()[1]}/{f'?token={token}' if token else ''}"
+        print(f"{address}\nCtrl-C ends it.", flush=True)
+        if browser:
+            open_browser(address)
+        server.run(sockets=[listening])
+
+
+def _publish(app: FastAPI, site: Site) -> None:
+    """The one page, made anew for each visitor."""
+    css = files("tissue.explore").joinpath("page.css").read_text("utf-8")
+
+    @ui.page("/", title=TITLE)
+    def visit(request: Request) -> None:
+        ui.add_css(css)
+        try:
+            build(site.session(request.query_params), site.streams, site.pool, site.end)
+        except InvalidProblem as error:
+            ui.label(str(error)).classes("faults").props('role="alert"')
+            ui.link("Begin anew", "/")
+
+    ui.run_with(
+        app,
+        title=TITLE,
+        tailwind=False,
+        binding_refresh_interval=None,
+        gzip_middleware_factory=None,
+        show_welcome_message=False,
+    )
+
+
+def _protect(app: FastAPI, token: str) -> None:
+    """On the loopback answer to its names alone: a page from elsewhere may have another name lead here."""
+    if token:
+        app.add_middleware(Token, token=token)
+    else:
+        app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(LOOPBACK), www_redirect=False)
+
+
+def _listen(host: str, port: int) -> socket.socket:
+    try:
+        family = socket.getaddrinfo(host, port, type=socket.SOCK_STREAM)[0][0]
+        return socket.create_server((host, port), family=family)
+    except (OSError, OverflowError) as error:
+        raise InvalidProblem(f"--host {host} --port {port}: cannot be listened to: {error}") from error
+
+
+def _shown(host: str) -> str:
+    return f"[{host}]" if ":" in host else host
