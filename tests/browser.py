@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 WIDTHS = (1400, 400)  # a desk and a telephone
 HEIGHT = 900
+PATIENCE = 60_000  # ms, for what is waited for: a machine may be slow
 ARGUMENTS = ["--no-sandbox", "--disable-gpu", "--disable-background-networking", "--disable-component-update"]
 ARGUMENTS += ["--disable-sync", "--no-first-run", "--disable-dev-shm-usage"]
 # With this in the environment a browser that is missing is an error: .ci/run says so.
@@ -57,6 +58,7 @@ def visit(browser: Browser, address: Path | str, width: int = WIDTHS[0], **optio
     """
     near = ("file:", "data:", *([] if isinstance(address, Path) else [re.match(ORIGIN, address)[0]]))
     page = browser.new_page(viewport={"width": width, "height": HEIGHT}, **options)
+    page.set_default_timeout(PATIENCE)
     faults: list[str] = []
     page.on("console", lambda said: faults.append(said.text) if said.type in ("error", "warning") else None)
     page.on("pageerror", lambda error: faults.append(str(error)))

@@ -1,7 +1,7 @@
 """A page comes back with its setting when its server does; its button ends the server."""
 
 import tissue
-from tests.browser import launched
+from tests.browser import PATIENCE, launched
 from tests.tissue.explore.site import change, numbers, served, wait_for_runs, write_base
 from tests.tissue.explore.small import SMALL
 from tissue.explore.setting import Setting
@@ -12,6 +12,7 @@ RUNS = 400
 def test_a_page_comes_back_when_its_server_does(tmp_path):
     write_base(tmp_path, Setting("thesis", tissue.preset("thesis")).with_values(SMALL))
     with launched() as browser, browser.new_page() as page:
+        page.set_default_timeout(PATIENCE)
         with served(tmp_path, "small.toml") as (address, process):
             page.goto(address)
             change(page, "emt.cells", "2")
@@ -24,4 +25,4 @@ def test_a_page_comes_back_when_its_server_does(tmp_path):
             wait_for_runs(page, RUNS)
             assert numbers(page) == known
             page.get_by_label("end the server").click()
-            assert process.wait(20) == 0
+            assert process.wait(60) == 0
