@@ -38,7 +38,7 @@ def stream(parameters: Parameters, seed: int, stopped: Callable[[], bool] = lamb
     """Run a tissue and give its pictures as they come, several messages joined; see ``tissue.explore.messages``.
 
     The cells are those of ``tissue.simulate`` with these parameters and seed, at up to 161 times: when states are kept
-    changes no run. The first picture comes before the first step.
+    changes no run. The first picture comes with the head, before the first step.
 
     Parameters
     ----------
@@ -55,8 +55,7 @@ def stream(parameters: Parameters, seed: int, stopped: Callable[[], bool] = lamb
         As ``tissue.simulate``, before anything is given.
     """
     run = _Pictures(finely_kept(parameters), seed)
-    yield run.head()
-    joined, begun = [], perf_counter()
+    joined, begun = [run.head()], perf_counter()
     for t in run.lot.times():
         if stopped():
             return

@@ -1,7 +1,11 @@
-"""Streams of pictures by addresses that nobody can guess: each is fetched once, and ends when its reader has gone."""
+"""Streams of pictures by addresses that nobody can guess: each is fetched once, and ends when its reader has gone.
+
+The first piece of a stream is made while its address is still on the way to the reader.
+"""
 
 from __future__ import annotations
 
+import asyncio
 import threading
 from collections import OrderedDict
 from collections.abc import AsyncIterator, Callable, Iterator
@@ -18,41 +22,49 @@ MAKES_NO_NUMBERS = True
 
 Make = Callable[[Callable[[], bool]], Iterator[bytes]]
 PATH = "/pictures"
-MOST = 200  # that nobody has fetched yet
+MOST = 50  # that nobody has fetched yet
 END = b""
 
 
 class PictureStreams:
-    """What makes the streams that were promised."""
+    """The streams that nobody has fetched yet."""
 
     def __init__(self, app: FastAPI) -> None:
-        self._made: OrderedDict[str, Make] = OrderedDict()
+        self._begun: OrderedDict[str, _Stream] = OrderedDict()
         app.add_api_route(f"{PATH}/{{name}}", self._answer, methods=["GET"], include_in_schema=False)
 
     def add(self, make: Make) -> str:
-        """The address of a new stream.
+        """Begin a stream, from within the event loop; its address.
 
-        ``make`` is called when it is fetched, with a function that says whether the reader has gone.
+        ``make`` is called with a function that says whether the reader has gone.
         """
         name = token_urlsafe(16)
-        self._made[name] = make
-        while len(self._made) > MOST:
-            self._made.popitem(last=False)
+        self._begun[name] = _Stream(make)
+        while len(self._begun) > MOST:
+            self._begun.popitem(last=False)
         return f"{PATH}/{name}"
 
     async def _answer(self, name: str) -> Response:
-        make = self._made.pop(name, None)
-        if make is None:
+        stream = self._begun.pop(name, None)
+        if stream is None:
             return Response(status_code=404)
-        return StreamingResponse(_pieces(make), media_type="application/octet-stream")
+        return StreamingResponse(stream.pieces(), media_type="application/octet-stream")
 
 
-async def _pieces(make: Make) -> AsyncIterator[bytes]:
-    """The pieces of a stream, each made in a thread; when the reader goes this is cancelled, and the work told so."""
-    gone = threading.Event()
-    stream = make(gone.is_set)
-    try:
-        while piece := await run_in_threadpool(next, stream, END):
-            yield piece
-    finally:
-        gone.set()
+class _Stream:
+    """A stream whose first piece is made at once, in a thread, and the others as they are read."""
+
+    def __init__(self, make: Make) -> None:
+        self._gone = threading.Event()
+        self._made = make(self._gone.is_set)
+        self._first = asyncio.get_running_loop().run_in_executor(None, next, self._made, END)
+
+    async def pieces(self) -> AsyncIterator[bytes]:
+        """All pieces; when the reader goes this is cancelled, and the work told so."""
+        try:
+            piece = await self._first
+            while piece:
+                yield piece
+                piece = await run_in_threadpool(next, self._made, END)
+        finally:
+            self._gone.set()

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 MAKES_NO_NUMBERS = True
 
 CALM = 0.05  # seconds without a change, after which an ensemble begins: the picture comes first
-LOOK = 0.05  # seconds between two looks at it
+LOOK = 0.02  # seconds between two looks at it
 
 
 class TissuePage:
@@ -88,7 +88,6 @@ class TissuePage:
         """Show another setting: the picture at once, its ensemble when the knob rests."""
         self._play()
         self._answer.show()
-        self._note()
         if self._beginning is not None:
             self._beginning.cancel()
         self._beginning = asyncio.create_task(self._begin())
@@ -97,6 +96,7 @@ class TissuePage:
         await asyncio.sleep(CALM)
         self._session.start()
         self._timer.activate()
+        self._note()
 
     def _play(self) -> None:
         parameters, seed = self._session.now.setting.parameters, self._session.seed_of(int(self._shown.value or 0))
@@ -147,4 +147,4 @@ class TissuePage:
         """Keep the setting in the address, so that it comes back when the page is loaded again."""
         setting = self._session.now.setting
         known = {"base": setting.base, "seed": self._session.seed, "set": json.dumps(setting.changes)}
-        ui.run_javascript(f"history.replaceState(null, '', {json.dumps('?' + urlencode(known))})")
+        self._player.client.run_javascript(f"history.replaceState(null, '', {json.dumps('?' + urlencode(known))})")

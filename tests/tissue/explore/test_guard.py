@@ -1,6 +1,7 @@
 """Away from the loopback nobody sees anything without the token; streams are fetched once, by who knows the address."""
 
 import asyncio
+import threading
 
 import httpx
 import pytest
@@ -18,16 +19,15 @@ def page():
     return "seen"
 
 
-def ask(app, *asked, cookies=None):
+async def visit(app, *asked, cookies=None):
     """The answers to some addresses, in one visit."""
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://here", cookies=cookies) as one:
+        return [await one.get(address) for address in asked]
 
-    async def visit():
-        async with httpx.AsyncClient(
-            transport=httpx.ASGITransport(app), base_url="http://here", cookies=cookies
-        ) as one:
-            return [await one.get(address) for address in asked]
 
-    return asyncio.run(visit())
+def ask(*asked, **options):
+    """The same, from outside of a loop."""
+    return asyncio.run(visit(*asked, **options))
 
 
 def connect(app, query, cookie):
@@ -83,10 +83,31 @@ def test_the_loopback_is_known(host, known):
 def test_a_stream_is_given_once_and_the_oldest_are_dropped():
     app = FastAPI()
     streams = PictureStreams(app)
-    first = streams.add(lambda _: iter([b"old"]))
-    address = streams.add(lambda gone: iter([b"one", b"two", str(gone()).encode()]))
-    for _ in range(MOST - 1):
-        streams.add(lambda _: iter([b"other"]))
-    given, again, dropped = ask(app, address, address, first)
+
+    async def add_and_fetch():
+        first = streams.add(lambda _: iter([b"old"]))
+        address = streams.add(lambda gone: iter([b"one", b"two", str(gone()).encode()]))
+        for _ in range(MOST - 1):
+            streams.add(lambda _: iter([b"other"]))
+        return await visit(app, address, address, first)
+
+    given, again, dropped = asyncio.run(add_and_fetch())
     assert given.content == b"onetwoFalse"
     assert (again.status_code, dropped.status_code) == (404, 404)
+
+
+def test_the_first_piece_is_made_before_it_is_fetched():
+    made, later = threading.Event(), threading.Event()
+
+    def pieces(_):
+        made.set()
+        yield b"one"
+        later.set()
+        yield b"two"
+
+    async def add():
+        PictureStreams(FastAPI()).add(pieces)
+        return await asyncio.to_thread(made.wait, 10)
+
+    assert asyncio.run(add())
+    assert not later.is_set()
