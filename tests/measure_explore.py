@@ -44,6 +44,7 @@ ENOUGH = "n => Number(document.querySelector('[data-is=runs]').dataset.runs) >= 
 def answers(page: Page) -> None:
     """Time from the step of a slider to the picture, and to the interval."""
     page.get_by_text("Numerics", exact=True).click()
+    page.locator('[data-key="numerics.mu"] .q-slider').wait_for()
     found = []
     for _ in range(TIMES + 1):
         found.append(page.evaluate(STEP, "numerics.mu"))
