@@ -12,7 +12,7 @@ from tissue.cli.messages import messages
 
 MAKES_NO_NUMBERS = True
 
-LOOPBACK = "127.0.0.1"
+THIS_MACHINE = "127.0.0.1"
 # Without a file the page begins with some cells that may leave the tissue, so that there is an answer.
 BEGIN: dict[str, Any] = {"emt.cells": 10, "emt.a": "6 h to 24 h", "emt.b": "6 h to 24 h"}
 
@@ -30,7 +30,7 @@ Browser = Annotated[bool, typer.Option("--browser/--no-browser", help="Whether t
 
 
 def explore(
-    file: File = None, folder: Root = None, host: Host = LOOPBACK, port: Port = 0, browser: Browser = True
+    file: File = None, folder: Root = None, host: Host = THIS_MACHINE, port: Port = 0, browser: Browser = True
 ) -> None:
     """Serve a page: turn a knob, see the tissue and what becomes of its cells, with intervals from many runs.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from nicegui import ui
@@ -9,16 +10,19 @@ from nicegui import ui
 from tissue.explore.answer import HEIGHT, POSITION
 from tissue.explore.charts import course_chart, ratios_chart
 from tissue.explore.comparison import AnswerRow, rows_of
+from tissue.explore.widgets import columns_of, draw, empty_chart, number_table
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Callable
 
     from tissue.explore.answer import Answer
     from tissue.explore.session import Session, Side
 
 MAKES_NO_NUMBERS = True
 
-COLUMNS = ("", "now", "held", "difference", "to decide it")  # of the fields of a AnswerRow
+TITLES = ("", "now", "held", "difference", "to decide it")
+COLUMNS = dict(zip(AnswerRow._fields, TITLES, strict=True))
+ALONE = 2  # columns when nothing is held
 
 
 class AnswerPanel:
@@ -32,10 +36,9 @@ class AnswerPanel:
                 target = ui.number("runs", value=session.most, min=8, max=100_000, step=100).props("dense outlined")
                 target.classes("short").on("change", lambda: more(int(target.value or session.most)))
             self._runs = ui.label().classes("runs").props('data-is="runs"')
-            self._table = ui.table(rows=[], columns=_columns(COLUMNS), row_key="name").classes("numbers wide")
-            self._table.props("flat dense hide-pagination :rows-per-page-options=[0] no-data-label=''")
-            self._ratios = ui.echart({}).classes("chart").props('data-is="ratios"')
-            self._courses = {name: ui.echart({}).classes("chart") for name in (POSITION, HEIGHT)}
+            self._table = number_table(COLUMNS, row_key="name")
+            self._ratios = empty_chart().props('data-is="ratios"')
+            self._courses = {name: empty_chart() for name in (POSITION, HEIGHT)}
         self.show()
 
     def show(self) -> None:
@@ -55,22 +58,14 @@ class AnswerPanel:
             self._draw(chart, course_chart(answers, name), any(name in one.courses for one in answers))
 
     def _numbers(self, now: Answer, held: Answer | None) -> None:
-        """The table; with nothing to compare it has two columns."""
-        self._table.columns = _columns(COLUMNS if held is not None else COLUMNS[:2])
+        self._table.columns = columns_of(islice(COLUMNS.items(), ALONE if held is None else None))
         self._table.rows = [row._asdict() for row in rows_of(now, held)]
 
     @staticmethod
     def _draw(chart: ui.echart, options: dict[str, object], there: bool) -> None:
         chart.set_visibility(there)
         if there:
-            chart.options.clear()
-            chart.options.update(options)
-            chart.update()
-
-
-def _columns(titles: Sequence[str]) -> list[dict[str, str]]:
-    pairs = zip(AnswerRow._fields, titles, strict=False)
-    return [{"name": name, "field": name, "label": title, "align": "left"} for name, title in pairs]
+            draw(chart, options)
 
 
 def _words(side: Side) -> str:

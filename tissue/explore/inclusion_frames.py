@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from dincl.errors import InvalidProblem
 from dincl.shapes import Ball, Bonds, Curve, Shape, Wall, radii, shapes_at
 from tissue.explore.inclusion_runs import Gone, InclusionRun, KeptState, march
 from tissue.explore.inclusions import PICTURES, Floats, Inclusion, reference
@@ -27,20 +26,22 @@ LEVEL_POINTS = 60
 
 
 def pictures(run: InclusionRun, gone: Gone) -> Iterator[bytes]:
-    """The run at 129 equal times; between two steps on straight lines, places as well as overlap and error."""
+    """The run at 129 equal times; between two steps on straight lines, places as well as overlap and error.
+
+    Raises
+    ------
+    InvalidProblem
+        As ``march``.
+    """
     film = _Film(run)
     yield film.head()
     before: KeptState | None = None
-    try:
-        for kept in march(run, gone):
-            if piece := b"".join(film.frames(before or kept, kept)):  # none of a step that failed where it began
-                yield piece
-            before = kept
-    except InvalidProblem as error:
-        yield message({"kind": "end", "status": "INVALID", "detail": str(error)})
-    else:
-        if before is not None and not gone():
-            yield ending(before.status, before.fault)
+    for kept in march(run, gone):
+        if piece := b"".join(film.frames(before or kept, kept)):  # none of a step that failed where it began
+            yield piece
+        before = kept
+    if before is not None and not gone():
+        yield ending(before.status, before.fault)
 
 
 class _Film:
@@ -75,7 +76,7 @@ class _Film:
         error = None if before.error is None or now.error is None else between(before.error, now.error)
         header = {"kind": "frame", "t": t, "particles": len(now.x), "error": error, "overlap": min(overlap, FAR)}
         if self._moves or self._shapes is None:
-            shapes = [told for shape in shapes_at(self._problem, t) for told in _told(shape, self._box)]
+            shapes = [drawn for shape in shapes_at(self._problem, t) for drawn in _drawn(shape, self._box)]
             if shapes != self._shapes:
                 header["shapes"] = self._shapes = shapes
         columns = [*self._within(_plane(between(before.x, now.x))).T, np.minimum(between(before.deep, now.deep), FAR)]
@@ -119,7 +120,7 @@ def _plane(places: Floats) -> Floats:
     return flat
 
 
-def _told(shape: Shape, box: tuple[float, float, float, float]) -> Iterator[dict[str, Any]]:
+def _drawn(shape: Shape, box: tuple[float, float, float, float]) -> Iterator[dict[str, Any]]:
     """A shape as the player draws it."""
     match shape:
         case Wall(normal, offset):

@@ -9,6 +9,7 @@ from typing import Any
 from nicegui import ui
 
 from tissue.explore.inclusion_charts import COLOURS, Compared, What, against_dt, in_time
+from tissue.explore.widgets import draw, empty_chart, number_table
 
 MAKES_NO_NUMBERS = True
 
@@ -23,13 +24,11 @@ class InclusionResults:
     """What is known of the runs that are compared."""
 
     def __init__(self) -> None:
-        columns = [{"name": name, "field": name, "label": label, "align": "left"} for name, label in COLUMNS.items()]
-        self._table = ui.table(rows=[], columns=columns, row_key="method").classes("numbers wide")
-        self._table.props("flat dense hide-pagination :rows-per-page-options=[0] no-data-label=''")
+        self._table = number_table(COLUMNS, row_key="method")
         self._table.add_slot("body-cell-method", DOT)
         self._faults = ui.label().classes("faults").props('data-is="run-faults"')
-        kinds = [(what, draw) for draw in (against_dt, in_time) for what in WHAT]
-        self._charts = [(_chart(f"{what} {draw.__name__}"), what, draw) for what, draw in kinds]
+        kinds = [(what, against) for against in (against_dt, in_time) for what in WHAT]
+        self._charts = [(_chart(f"{what} {against.__name__}"), what, against) for what, against in kinds]
         self._drawn = 0.0
         self._later: asyncio.TimerHandle | None = None
 
@@ -53,14 +52,12 @@ class InclusionResults:
         said = [f"{method}: {one.fault}" for method, one in found.items() if one is not None and one.fault]
         self._faults.text = "\n".join(said)
         self._faults.set_visibility(bool(said))
-        for chart, what, draw in self._charts:
-            chart.options.clear()
-            chart.options.update(draw(what, runs))
-            chart.update()
+        for chart, what, against in self._charts:
+            draw(chart, against(what, runs))
 
 
 def _chart(name: str) -> ui.echart:
-    return ui.echart({}).classes("chart").props(f'data-is="{name}"')
+    return empty_chart().props(f'data-is="{name}"')
 
 
 def _row(runs: Compared, method: str) -> dict[str, Any]:

@@ -16,7 +16,6 @@ from tissue.explore.inclusion_results import InclusionResults
 from tissue.explore.inclusion_runs import InclusionRun
 from tissue.explore.inclusion_work import InclusionWork
 from tissue.explore.inclusions import METHODS, SCENES, Inclusion, checked_end, from_file, scene
-from tissue.explore.messages import told
 from tissue.explore.player import Player
 
 if TYPE_CHECKING:
@@ -139,7 +138,7 @@ class InclusionsPage:
         steps, first = 2 ** -int(self._steps.value), str(self._pictured.value)
         run = InclusionRun(self._inclusion, first, steps, self._end)
         self._dt.text = f"dt = {self._end:g}/{steps} = {run.dt:.3g}"
-        self._player.play(self._streams.add(lambda gone: told(pictures(run, gone))))
+        self._player.play(self._streams.add(lambda gone: pictures(run, gone)))
         methods = [method for method, box in self._boxes.items() if box.value or method == first]
         self._work.look_at(self._inclusion, self._end, methods, first, steps)
 

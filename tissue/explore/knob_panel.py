@@ -8,7 +8,7 @@ from typing import Any
 from nicegui import ui
 
 from tissue.explore.knob import Knob
-from tissue.explore.knobs import EVENTS, groups, other_keys
+from tissue.explore.knobs import EVENT_GROUP, groups, other_keys
 from tissue.explore.session import Session
 from tissue.files.keys import all_keys, general
 from tissue.files.parameter_files import flat
@@ -16,7 +16,7 @@ from tissue.files.parameters import Parameters
 
 MAKES_NO_NUMBERS = True
 
-OPEN = (EVENTS, "Tissue")
+OPEN = (EVENT_GROUP, "Tissue")
 
 
 class KnobPanel:

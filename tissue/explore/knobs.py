@@ -22,7 +22,7 @@ GROUPS = {
     "Energies": ("cell.alpha_aa", "cell.alpha_ax", "cell.alpha_bx", "cell.alpha_xx", "cell.alpha_axb"),
     "Numerics": ("numerics.mu", "numerics.substeps", "numerics.dt"),
 }
-EVENTS = "EMT"
+EVENT_GROUP = "EMT"
 # The page cannot name files to import: they are code.
 CLOSED = "own.modules"
 FACTOR, NOTCHES = 8, 20  # a slider goes so far below and above the value that it begins with, in steps per factor 2
@@ -58,9 +58,8 @@ def groups() -> dict[str, list[KeyFacts]]:
     """The knobs of each group, by what is known of their keys; events that were registered are among them."""
     known = all_keys(Parameters)
     times = [name for name in known if name.startswith("emt.") and is_timing(known[name])]
-    return {
-        group: [known[key] for key in (*keys, *(times if group == EVENTS else ()))] for group, keys in GROUPS.items()
-    }
+    more = {EVENT_GROUP: times}
+    return {group: [known[key] for key in (*keys, *more.get(group, ()))] for group, keys in GROUPS.items()}
 
 
 def other_keys(values: Mapping[str, Any]) -> list[str]:

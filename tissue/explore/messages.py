@@ -33,7 +33,7 @@ def ending(status: Status, detail: str) -> bytes:
 
 
 def told(stream: Iterator[bytes]) -> Iterator[bytes]:
-    """A stream that ends with the reason, where it cannot begin."""
+    """A stream that ends with the reason, where it cannot begin or go on."""
     try:
         yield from stream
     except InvalidProblem as error:

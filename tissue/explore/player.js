@@ -12,7 +12,7 @@ export default {
   template: `
     <div class="player" tabindex="0" @keydown="key"
       :data-run="run" :data-time="time.toFixed(3)" :data-frames="frames" :data-cells="cells" :data-state="state"
-      :data-status="status" :data-playing="playing" :data-fps="fps" :data-followed="followed" :data-first-ms="firstMs">
+      :data-status="status" :data-playing="playing" :data-fps="fps" :data-followed="followed">
       <div class="caption">{{ caption }}</div>
       <canvas ref="canvas" role="img" :aria-label="caption" @click="pick"></canvas>
       <div class="said" role="status">{{ fault || said }}</div>
@@ -37,7 +37,7 @@ export default {
 
   data() {
     return {
-      time: 0, end: 1, frames: 0, cells: 0, run: 0, state: "loading", status: "", playing: true, fps: 0, firstMs: null,
+      time: 0, end: 1, frames: 0, cells: 0, run: 0, state: "loading", status: "", playing: true, fps: 0,
       followed: null, speed: 1, speeds: SPEEDS, colouring: "phase", colourings: [], legend: [], caption: "", said: "",
       fault: "",
     };
@@ -71,14 +71,13 @@ export default {
     async load() {
       if (this.reading) this.reading.abort();
       const reading = (this.reading = new AbortController());
-      const began = performance.now();
       this.state = "loading";
       try {
         let film = null;
         for await (const [header, columns] of messages(this.url, reading.signal)) {
           if (reading.signal.aborted) return;
           if (header.kind === "head") film = new Film(header, PAINTERS[header.painter]);
-          else if (header.kind === "frame") this.take(film, header, columns, began);
+          else if (header.kind === "frame") this.take(film, header, columns);
           else this.finish(film, header);
         }
       } catch (error) {
@@ -86,21 +85,20 @@ export default {
       }
     },
 
-    take(film, header, columns, began) {
+    take(film, header, columns) {
       film.add(header, columns);
       this.frames = film.frames.length;
-      if (this.film !== film) this.change(film, began);
+      if (this.film !== film) this.change(film);
       if (film.last <= this.time || this.frames === 1) this.draw();
       if (this.playing) this.ask();
     },
 
-    change(film, began) {
+    change(film) {
       [this.film, this.fault, this.status, this.end] = [film, "", "", film.head.end];
       this.time = Math.min(this.time, this.end);
       this.colourings = Object.entries(film.painter.colourings);
       this.run += 1;
       this.paint();
-      this.firstMs = Math.round(performance.now() - began);
     },
 
     finish(film, { status, detail }) {

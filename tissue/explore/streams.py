@@ -15,6 +15,8 @@ from typing import TYPE_CHECKING
 from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
 
+from tissue.explore.messages import told
+
 if TYPE_CHECKING:
     from fastapi import FastAPI
 
@@ -36,7 +38,7 @@ class PictureStreams:
     def add(self, make: Make) -> str:
         """Begin a stream, from within the event loop; its address.
 
-        ``make`` is called with a function that says whether the reader has gone.
+        ``make`` is called with a function that says whether the reader has gone. What it cannot do ends the stream.
         """
         name = token_urlsafe(16)
         self._begun[name] = _Stream(make)
@@ -56,7 +58,7 @@ class _Stream:
 
     def __init__(self, make: Make) -> None:
         self._gone = threading.Event()
-        self._made = make(self._gone.is_set)
+        self._made = told(make(self._gone.is_set))
         self._first = asyncio.get_running_loop().run_in_executor(None, next, self._made, END)
 
     async def pieces(self) -> AsyncIterator[bytes]:

@@ -14,7 +14,6 @@ from tissue.explore import dialogs
 from tissue.explore.answer_panel import AnswerPanel
 from tissue.explore.frames import stream
 from tissue.explore.knob_panel import KnobPanel
-from tissue.explore.messages import told
 from tissue.explore.player import Player
 from tissue.explore.session import Session
 
@@ -100,7 +99,7 @@ class TissuePage:
 
     def _play(self) -> None:
         parameters, seed = self._session.now.setting.parameters, self._session.seed_of(int(self._shown.value or 0))
-        self._player.play(self._streams.add(lambda gone: told(stream(parameters, seed, gone))))
+        self._player.play(self._streams.add(lambda gone: stream(parameters, seed, gone)))
 
     async def _look(self) -> None:
         """Take in the runs that have come; rest when no more will."""

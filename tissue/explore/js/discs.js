@@ -1,6 +1,6 @@
 // The painter of particles: discs to scale, what holds them, how deep they violate it, and where the reference is.
 
-import { between } from "./film.js";
+import { between, hit } from "./film.js";
 import { disc, polyline } from "./view.js";
 
 const [FREE, DEEP, REFERENCE, WALL, PAPER] = ["#4b82bb", "#c8232c", "#000000", "#8a8a8a", "#f1efe9"];
@@ -48,14 +48,8 @@ export const discs = {
     return pen;
   },
 
-  pick(head, { a, b, part }, [x, y]) {
-    const where = between(a, b, part);
-    let [best, nearest] = [null, Infinity];
-    for (let i = 0; i < a.n; i++) {
-      const distance = Math.hypot(where("x", i) - x, where("y", i) - y) - (head.radius[i] || 0);
-      if (distance < nearest) [best, nearest] = [i, distance];
-    }
-    return nearest <= 0 ? best : null;
+  pick(head, { a, b, part }, place) {
+    return hit(a.n, between(a, b, part), place, (i) => head.radius[i] || 0);
   },
 
   describe(head, { a }, i) {

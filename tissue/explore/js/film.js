@@ -57,6 +57,16 @@ export class Film {
   }
 }
 
+/** The number of the disc, of so many, that a place lies in; the one whose edge is farthest, null if it is none. */
+export function hit(n, where, [x, y], radius) {
+  let [best, nearest] = [null, 0];
+  for (let i = 0; i < n; i++) {
+    const distance = Math.hypot(where("x", i) - x, where("y", i) - y) - radius(i);
+    if (distance < nearest) [best, nearest] = [i, distance];
+  }
+  return best;
+}
+
 /** Where the cells or particles of a are between a and b, by their ids: a function of a column's name and a place. */
 export function between(a, b, part) {
   if (part === 0 || a === b) return (name, i) => a[name][i];

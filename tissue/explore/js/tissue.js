@@ -1,6 +1,6 @@
 // The painter of a tissue: nuclei to scale, springs, apical and basal layer, as in the pictures of tissue/pictures.
 
-import { between } from "./film.js";
+import { between, hit } from "./film.js";
 import { disc, polyline } from "./view.js";
 
 const [SPRING, APICAL, BASAL, BELOW, PAPER] = ["#5d6670", "#c8232c", "#1d1d1d", "#f1efe9", "#ffffff"];
@@ -48,14 +48,9 @@ export const tissue = {
   },
 
   /** The id of the cell at a place, null if there is none. */
-  pick(head, { a, b, part }, [x, y]) {
-    const where = between(a, b, part);
-    let [best, nearest] = [null, head.soft];
-    for (let i = 0; i < a.n; i++) {
-      const distance = Math.hypot(where("x", i) - x, where("y", i) - y);
-      if (distance < nearest) [best, nearest] = [a.id[i], distance];
-    }
-    return best;
+  pick(head, { a, b, part }, place) {
+    const i = hit(a.n, between(a, b, part), place, () => head.soft);
+    return i === null ? null : a.id[i];
   },
 
   describe(head, { a }, id) {
