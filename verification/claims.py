@@ -55,11 +55,18 @@ class Correction:
         What changes for a reader who takes the correction.
     depends
         What else rests on the statement: equations, algorithms, figures, conclusions.
+    why
+        The reason, in one or two sentences: the derivation, or the other place that says otherwise.
+    place
+        Where it stands in the source, a number that only sorts: of the thesis the line in its text.
     """
 
     text: str
     effect: Effect
     depends: str
+    _: KW_ONLY
+    why: str = ""
+    place: int = 0
 
 
 @dataclass(frozen=True)
@@ -86,14 +93,17 @@ class Claim:
         Where the statement is wrong as printed.
     chosen
         What the source leaves open and the check had to choose.
+    tried_on
+        Of a statement about more cases than its check tries, the cases tried: it is then at best "not refuted". Empty
+        where the check decides all that is stated.
     cost
         See ``Cost``.
 
     Raises
     ------
     InvalidProblem
-        If a field is not of its kind, if ``check`` takes other arguments, or if a verdict after a correction is
-        recorded without one, or "holds" with one.
+        If a field is not of its kind, if ``check`` takes other arguments, if a verdict after a correction is
+        recorded without one, or "holds" with one, or if "not refuted" does not go with ``tried_on``.
     """
 
     id: str
@@ -106,12 +116,13 @@ class Claim:
     recorded: Kind = Kind.HOLDS
     correction: Correction | None = None
     chosen: str = ""
+    tried_on: str = ""
     cost: Cost = Cost.SECONDS
 
     def __post_init__(self) -> None:
         if not isinstance(self.id, str) or not self.id or self.id != "".join(self.id.split()):
             raise InvalidProblem(f"id = {describe(self.id)}: must be a short name without spaces")
-        for name in ("statement", "source", "quote", "chosen"):
+        for name in ("statement", "source", "quote", "chosen", "tried_on"):
             self._refuse_unless(name, isinstance(getattr(self, name), str), "text")
         self._refuse_unless("statement", bool(self.statement.strip()), "a sentence")
         named = isinstance(self.needs, tuple) and all(isinstance(name, str) and name for name in self.needs)
@@ -121,15 +132,18 @@ class Claim:
         self._refuse_unless(
             "correction", self.correction is None or isinstance(self.correction, Correction), "a Correction or None"
         )
-        fitting = (Kind.CORRECTED, Kind.FAILS) if self.correction else (Kind.HOLDS, Kind.FAILS, Kind.OPEN)
-        self._refuse_unless(
-            "recorded",
-            self.recorded in fitting,
-            f"one of {', '.join(map(str, fitting))} {'with' if self.correction else 'without'} a correction",
-        )
+        self._check_recorded()
         arguments = len(signature(self.check).parameters) if callable(self.check) else -1
         allowed = "a function of the tables" if self.needs else "a function without arguments, as it needs no table"
         self._refuse_unless("check", arguments == bool(self.needs), allowed)
+
+    def _check_recorded(self) -> None:
+        """The recorded verdict is one that the claim can have."""
+        true = Kind.NOT_REFUTED if self.tried_on else Kind.HOLDS
+        fitting = (Kind.CORRECTED, Kind.FAILS) if self.correction else (true, Kind.FAILS, Kind.OPEN)
+        given = (f"{'with' if self.correction else 'without'} a correction", "of examples" if self.tried_on else "")
+        allowed = f"one of {', '.join(map(str, fitting))} {' '.join(filter(None, given))}"
+        self._refuse_unless("recorded", self.recorded in fitting, allowed)
 
     def _refuse_unless(self, name: str, right: bool, allowed: str) -> None:
         if not right:
@@ -150,6 +164,10 @@ class Claim:
             return Evidence(f"the table {', '.join(missing)} is not there", ())
         return self.check(tables) if self.needs else self.check()
 
+    def verdict(self, evidence: Evidence) -> Kind:
+        """What the evidence says of the statement: examples that agree do not show that a general one holds."""
+        return Kind.NOT_REFUTED if self.tried_on and evidence.kind is Kind.HOLDS else evidence.kind
+
 
 def claim(
     id: str,
@@ -161,6 +179,7 @@ def claim(
     recorded: Kind = Kind.HOLDS,
     correction: Correction | None = None,
     chosen: str = "",
+    tried_on: str = "",
     cost: Cost = Cost.SECONDS,
 ) -> Callable[[Callable[..., Evidence]], Claim]:
     """State what a check decides, above the check.
@@ -181,6 +200,7 @@ def claim(
             recorded=recorded,
             correction=correction,
             chosen=chosen,
+            tried_on=tried_on,
             cost=cost,
         )
 

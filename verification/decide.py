@@ -69,7 +69,7 @@ def evidence_row(claim: Claim, tables: Tables) -> Row:
         evidence = Evidence(f"the check did not come to an end: {type(error).__name__}: {error}", ())
     return {
         "id": claim.id,
-        "verdict": evidence.kind.value,
+        "verdict": claim.verdict(evidence).value,
         "measured": evidence.measured,
         "printed": "; ".join(map(str, evidence.printed)),
         "corrected": "; ".join(map(str, evidence.corrected)),
@@ -91,7 +91,10 @@ def _row(claim: Claim) -> Row:
         "correction": correction.text if correction else "",
         "effect": correction.effect.value if correction else "",
         "depends": correction.depends if correction else "",
+        "why": correction.why if correction else "",
+        "place": correction.place if correction else 0,
         "chosen": claim.chosen,
+        "tried_on": claim.tried_on,
         "cost": claim.cost.value,
     }
 

@@ -14,6 +14,7 @@ class Kind(Enum):
     """How a statement came out."""
 
     HOLDS = "holds"
+    NOT_REFUTED = "not refuted"
     CORRECTED = "holds after the correction"
     FAILS = "fails"
     OPEN = "inconclusive"
@@ -117,7 +118,7 @@ class Evidence:
 
     @property
     def kind(self) -> Kind:
-        """The verdict."""
+        """What it says of the statement; of one that was tried on examples see ``Claim.verdict``."""
         printed, corrected = every(self.printed), every(self.corrected)
         if printed is None:
             return Kind.OPEN

@@ -76,7 +76,7 @@ class ClaimItem(pytest.Item):
         if missing:
             pytest.skip(f"the table {', '.join(missing)} is not there: --claim-tables names the folder")
         evidence = self.claim.decide(tables)
-        if evidence.kind is not self.claim.recorded:
+        if self.claim.verdict(evidence) is not self.claim.recorded:
             raise OtherVerdictError("\n".join(described(self.claim, evidence)))
 
     def _tables(self) -> dict[str, Any]:
@@ -106,7 +106,9 @@ def described(claim: Claim, evidence: Evidence) -> Iterator[str]:
     if claim.source or claim.quote:
         yield f"  source:   {claim.source}{': ' if claim.source and claim.quote else ''}{claim.quote}"
     yield f"  recorded: {claim.recorded.value}"
-    yield f"  found:    {evidence.kind.value}"
+    yield f"  found:    {claim.verdict(evidence).value}"
+    if claim.tried_on:
+        yield f"  tried on: {claim.tried_on}"
     yield f"  {evidence.measured}"
     yield from _listed("as stated", evidence.printed)
     yield from _listed("as corrected", evidence.corrected)

@@ -31,6 +31,13 @@ def test_a_decorated_check_is_a_claim_that_decides() -> None:
     assert made.decide({}).kind is Kind.HOLDS
 
 
+def test_examples_that_agree_do_not_show_that_a_general_statement_holds() -> None:
+    made = claim("my.all", "All numbers are one", recorded=Kind.NOT_REFUTED, tried_on="one")(unity)
+    assert made.verdict(unity()) is Kind.NOT_REFUTED
+    assert made.verdict(Evidence("two is not", (equal("two", 2, 1),))) is Kind.FAILS
+    assert made.verdict(Evidence("none", ())) is Kind.OPEN
+
+
 def test_a_claim_about_tables_waits_for_them() -> None:
     made = claim("my.order", "The order is one", needs=("orders",))(order)
     assert made.decide(ORDERS).kind is Kind.HOLDS
@@ -51,6 +58,8 @@ def test_a_claim_about_tables_waits_for_them() -> None:
         ({"recorded": "holds"}, unity, "recorded = 'holds': must be one of Kind.HOLDS"),
         ({"cost": 3}, unity, "cost = 3: must be one of Cost.SECONDS, Cost.MINUTES, Cost.HOURS"),
         ({"correction": "two"}, unity, "correction = 'two': must be a Correction or None"),
+        ({"tried_on": "one"}, unity, "must be one of Kind.NOT_REFUTED, .* without a correction of examples"),
+        ({"recorded": Kind.NOT_REFUTED}, unity, "must be one of Kind.HOLDS"),
         ({"recorded": Kind.CORRECTED}, unity, "must be one of .* without a correction"),
         ({"correction": READ}, unity, "must be one of Kind.CORRECTED, Kind.FAILS with a correction"),
         ({}, order, "must be a function without arguments, as it needs no table"),

@@ -38,7 +38,7 @@ CORRECTIONS = {
     "depends": "What depends on it",
 }
 ERRATA = {"id": "Remark", "source": "Source", "printed": "As printed", "corrected": "To be read"}
-ERRATA |= {"depends": "What depends on it"}
+ERRATA |= {"depends": "What depends on it", "why": "Why"}
 COUNTS = "How the statements came out"
 WRONG = (Kind.CORRECTED.value, Kind.FAILS.value)  # as printed
 # The most serious first; what only concerns notation changes no result.
@@ -120,6 +120,7 @@ def findings(context: Context) -> Sequence[Finding]:
         PROSE / "learned.html",
         count=len(table),
         holds=total.get(Kind.HOLDS.value, 0),
+        not_refuted=total.get(Kind.NOT_REFUTED.value, 0),
         wrong=len(wrong),
         serious=int(wrong["effect"].isin([effect for effect in SERIOUS if effect != Effect.PROOF.value]).sum()),
         open=total.get(Kind.OPEN.value, 0),

@@ -22,7 +22,7 @@ def test_every_remark_is_complete_and_none_is_a_claim() -> None:
     [
         (lambda text: text.replace("printed", "quote", 1), "has the columns id, chapter, source, quote"),
         (lambda text: text + text.splitlines()[1], "each id must be unique"),
-        (lambda text: text + "c1.new,1,(1.1),,x,nothing", "must fill all columns"),
+        (lambda text: text + "c1.new,1,(1.1),,x,nothing,as is,3", "must fill all columns"),
     ],
 )
 def test_a_table_with_a_mistake_is_refused(

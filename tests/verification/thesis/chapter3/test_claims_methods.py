@@ -207,7 +207,7 @@ def test_a_wrong_ingredient_changes_the_verdict(name: str, monkeypatch: pytest.M
 def test_the_verdict_is_the_recorded_one(name: str) -> None:
     claim = CLAIMS[name]
     found = claim.decide(FOUND)
-    assert found.kind is claim.recorded, [found.measured, *map(str, found.printed), *map(str, found.corrected)]
+    assert claim.verdict(found) is claim.recorded, found
     assert len(found.measured) <= 350
     assert (claim.correction is not None) == (claim.recorded is Kind.CORRECTED)
 

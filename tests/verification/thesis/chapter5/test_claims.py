@@ -262,7 +262,7 @@ def test_every_claim_of_the_chapter_is_tried() -> None:
 def test_the_verdict_is_the_recorded_one(name: str) -> None:
     claim = CLAIMS[name]
     evidence = claim.decide({})
-    assert evidence.kind is claim.recorded, evidence.measured
+    assert claim.verdict(evidence) is claim.recorded, evidence.measured
     assert (claim.correction is not None) == (claim.recorded is Kind.CORRECTED)
     assert len(evidence.measured) <= 350
 
