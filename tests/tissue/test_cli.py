@@ -151,7 +151,7 @@ def test_a_preset_is_run_by_its_name(monkeypatch, name):
         ("base = ", ["bad.toml: must be a readable TOML file: Invalid value (at end of document)"]),
         (
             'base = "thesys"',
-            ['bad.toml: base = \'thesys\': must be "thesis", "published", "chick", "gastrulation" or "cuboidal"'],
+            ['bad.toml: base = \'thesys\': must be "thesis", "corrected", "published", "chick", "gastrulation" or'],
         ),
         (
             'base = "thesis"\n[numerics]\nmuu = "1 h"\ndt = "3 um"',
@@ -183,7 +183,7 @@ def test_a_name_that_is_neither_file_nor_preset(command):
     assert result.exit_code == 2
     assert (
         result.stderr == "Error: thesiss: there is no such file; must be a TOML file, or a preset, "
-        '"thesis", "published", "chick", "gastrulation" or "cuboidal"\n'
+        '"thesis", "corrected", "published", "chick", "gastrulation" or "cuboidal"\n'
     )
 
 

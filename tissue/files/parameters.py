@@ -41,7 +41,7 @@ from tissue.files.type_rules import broken_types, wrong_names
 from tissue.state.basal_curve import BasalCurve
 from tissue.state.numbers import Daha, Numbers, StartNumbers
 
-PRESETS = ("thesis", "published", "chick", "gastrulation", "cuboidal")
+PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal")
 BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'
 
 
@@ -245,8 +245,9 @@ def _base(base: Any, folder: Path, above: tuple[Path, ...]) -> Parameters:
 def preset(name: str) -> Parameters:
     """The parameters of a preset.
 
-    "thesis" is as printed with misprints corrected, "published" as in the published runs; "chick", "gastrulation" and
-    "cuboidal" are of the public TypeScript program.
+    "thesis" is as printed with misprints corrected, but for the energies; "corrected" is "thesis" with the energies
+    without dimension, and nothing else; "published" is as in the published runs; "chick", "gastrulation" and "cuboidal"
+    are of the public TypeScript program.
 
     Raises
     ------

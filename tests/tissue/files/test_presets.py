@@ -264,7 +264,8 @@ def test_preset_is_made_once():
 @pytest.mark.parametrize("name", ["Thesis", "", "../presets/thesis", None, ["thesis"], 1])
 def test_unknown_preset(name):
     with pytest.raises(
-        InvalidProblem, match=r'^preset .*: must be "thesis", "published", "chick", "gastrulation" or "cuboidal"$'
+        InvalidProblem,
+        match=r'^preset .*: must be "thesis", "corrected", "published", "chick", "gastrulation" or "cuboidal"$',
     ):
         preset(name)
 

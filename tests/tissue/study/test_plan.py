@@ -80,7 +80,7 @@ def test_pieces_hold_every_replicate_once(written):
         ("seed = 3", "sead = 3", ["sead = 3: unknown key; the nearest known one is seed", "seed is missing"]),
         ("[5, 0]", "[5, 5]", ["trajectories = [5, 5]: must be a list of different replicates"]),
         ("[5, 0]", "[300]", ["trajectories = [300]: must be below replicates = 300"]),
-        ('"thesis"', '"these"', ['base = \'these\': must be "thesis", "published", "chick", "gastrulation" or']),
+        ('"thesis"', '"these"', ["base = 'these': must be \"thesis\", \"corrected\", \"published\", \"chick\""]),
         ('keep = "2 h"', 'kep = "2 h"', ["every scenario: numerics.kep = '2 h': unknown key; the nearest"]),
         ("inm = 0", "inm = 2", ["scenario '[B] / no INM': emt.inm = 2: must be a number from 0 to 1"]),
         ("a = \"never\", b", 'b = "never", p = "6 h", b2', ["emt.b2 = '6 h to 24 h, 70 %'", "[P] waits for [B]"]),

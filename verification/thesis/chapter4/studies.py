@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
 from dincl.study import progress
+from tissue.files.parameter_files import flat
+from tissue.files.parameters import preset
 from tissue.study.identity import fingerprint, identity
 from tissue.study.plan import TissueStudy, load_study
 from tissue.study.read import Results
@@ -34,6 +36,12 @@ class EmtForm:
     changes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
+def values_of(name: str, keys: Iterable[str]) -> dict[str, Any]:
+    """The values of a preset for some keys."""
+    values = flat(preset(name).as_dict())
+    return {key: values[key] for key in keys}
+
+
 # Half of the replicates are where numbers are printed: fifteen seconds on two cores.
 SHORT = EmtForm(
     {
@@ -48,6 +56,8 @@ SHORT = EmtForm(
         "figure12_published": 32,
     }
 )
+# The keys of the preset "corrected", which has the energies of the thesis without dimension.
+ENERGIES = ("rules.spring_power", "rules.junction_factor", "rules.repulsion_factor")
 FULL = EmtForm(dict.fromkeys((*NAMES, *(f"{name}_published" for name in NAMES), sensitivity.NAME)))
 # What the questions are asked of, beside "questions" where it is. Of one name in two of them the later one counts:
 # [AxB] with 12 h between the events, not with 18 h.
