@@ -65,6 +65,11 @@ def steepest(push: Callable[[float], float]) -> float:
         "centres coincide; as printed (2.2) is a differential inclusion again",
         Effect.MODEL,
         "“any numerical scheme for ODEs”; the stiffness for large ε of the next paragraph, which is that of −g∇g",
+        why=(
+            "∇g does not grow from 0 with the overlap: it jumps where contact begins, so the right-hand side is "
+            "not continuous"
+        ),
+        place=1223,
     ),
     chosen="one constraint, g(x) = x",
 )
@@ -93,7 +98,9 @@ def _printed_penalty() -> Evidence:
     "The stronger the repulsion, the nearer is the penalty method to the inclusion.",
     source="(2.2)",
     quote="For ε → ∞ the dynamics converge to the non-smooth behaviour.",
-    chosen="the force grows with the overlap",
+    chosen="the force as corrected in c2.printed-penalty",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two discs in contact",
 )
 def _limit() -> Evidence:
     weak, strong = (error(repulsive(FINE, strength)) for strength in STRENGTHS)
@@ -128,7 +135,9 @@ def longest_step(strength: float) -> float:
     "The longest stable step of an explicit method falls as the penalty parameter grows.",
     source="section 1.1.3",
     quote="the stiffness typically also increases dramatically for large penalty parameters which forces small …",
-    chosen="the force grows with the overlap",
+    chosen="the force as corrected in c2.printed-penalty",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a point between two walls, by explicit Euler",
 )
 def _stiffness() -> Evidence:
     limits = [longest_step(strength) for strength in STIFF]

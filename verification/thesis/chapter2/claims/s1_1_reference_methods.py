@@ -7,7 +7,7 @@ import numpy as np
 
 import dincl
 from verification.claims import claim
-from verification.evidence import Evidence, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS
 from verification.thesis.chapter2.runs import exact
@@ -68,6 +68,8 @@ def event_driven() -> dincl.Scheme:
         "for large systems."
     ),
     chosen="two discs with a known solution; small piles of discs",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two discs with a known solution, and piles of 4 and 8 discs",
 )
 def _event_driven() -> Evidence:
     """Its error beside that of time steps, and its events in crowds of two sizes."""
@@ -102,6 +104,8 @@ def damped_error(dt: float) -> float:
     source="(2.1)",
     quote="the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
     chosen="a force that does not depend on time",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two discs in contact, μ = 2.5",
 )
 def _damping() -> Evidence:
     coarse, fine = (damped_error(dt) for dt in STEPS)
@@ -120,6 +124,8 @@ def _damping() -> Evidence:
     "Moreau's catch-up scheme converges to the solution of the differential inclusion.",
     source="section 1.1.1",
     quote="x_{k+1} = P_S(x_k + Δt F(x_k)) … a proof of the convergence for this numerical method",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two discs in contact",
 )
 def _catch_up() -> Evidence:
     coarse, fine = (error(catch_up(dt)) for dt in STEPS)
@@ -135,6 +141,8 @@ def _catch_up() -> Evidence:
     "Where the linearised constraints hold, the discs do not overlap: the polytope lies inside of S.",
     source="section 1.1.2",
     quote="S̃(x) := {y | g_ℓ(x) + ∇g_ℓ(x)·(y − x) ≥ 0}, the inner convex approximation",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="pairs of discs, 4000 random points",
 )
 def _inner() -> Evidence:
     """Random points x of S and y of the linearised set at x: is y in S?"""
@@ -155,6 +163,8 @@ def _inner() -> Evidence:
     "The catch-up scheme converges as well if it projects onto the polytope at the last state.",
     source="section 1.1.2",
     quote="one can replace S with S̃(x) in the catch-up scheme without loss of convergence",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two discs in contact",
 )
 def _linearised() -> Evidence:
     coarse, fine = (error(linearised(dt)) for dt in STEPS)

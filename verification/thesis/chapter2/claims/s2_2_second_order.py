@@ -65,6 +65,8 @@ def fallen(mass: float, *, divided: bool) -> float:
         "ṽ_{k+1} = v_k + Δt F(x_k, v_k)/m; (2.3) as printed is for m = 1",
         Effect.MODEL,
         "Method 2.2; not the first-order Method 2.3, where μ = 1 was agreed",
+        why="m ẍ = F gives the acceleration F/m; Δt F is a momentum",
+        place=1269,
     ),
 )
 def _mass() -> Evidence:
@@ -89,6 +91,8 @@ def curl_free(x: Floats) -> Floats:
     source="section 2.2",
     quote="The first part (2.3) and (2.4) is the symplectic Euler method",
     chosen="forces that depend on the positions only and have a potential",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="one step in one potential of two variables",
 )
 def _symplectic() -> Evidence:
     """DᵀJD = J for the derivative D of one step in (x, v), by central differences."""

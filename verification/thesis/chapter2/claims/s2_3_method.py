@@ -9,7 +9,7 @@ import numpy as np
 
 import dincl
 from verification.claims import Tables, claim
-from verification.evidence import Evidence, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, overlap, parted, row
 from verification.thesis.chapter2.methods import PBD
@@ -53,6 +53,8 @@ def moved(x: Floats, force: Floats, dt: float) -> Floats:
     "The prediction adds at most the length of its step to the distance from the feasible set.",
     source="section 2.3",
     quote="dist(x̃_{k+1}, S) ≤ dist(x_k, S) + Δt ‖F(x_k)‖",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="500 random pairs of discs",
 )
 def _prediction() -> Evidence:
     """dist(x, S) for two discs is overlap / sqrt(2)."""
@@ -86,6 +88,8 @@ def largest_overlap(dt: float) -> float:
     source="Figure 2",
     quote="by choosing sufficiently small time steps the infeasibility will also decrease",
     chosen="the four discs of Figure 4, the start is not given",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="four discs that are drawn to one point",
 )
 def _smaller() -> Evidence:
     coarse, fine = (largest_overlap(dt) for dt in STEPS)
@@ -104,6 +108,8 @@ def _smaller() -> Evidence:
     quote="Crucially, the use of large time steps does not make the simulations unstable.",
     needs=("large_steps",),
     chosen="steps at which explicit Euler without constraints is stable; the starts",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="the scenes of Figures 4 and 5",
 )
 def _large(tables: Tables) -> Evidence:
     """Runs that threw a disc out; those that stopped, for centres came to coincide, are told."""
@@ -141,6 +147,8 @@ def disc(x: Floats) -> Floats:
     source="Remark 2.4",
     quote="alternating projections finds a point in the intersection A ∩ B by iterating x_{k+1} = P_A(P_B(x_k))",
     chosen="a disc and a half plane; two contacts of three discs",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a disc and a half plane, and two contacts of three discs",
 )
 def _alternating() -> Evidence:
     """A convex pair of sets, and the two contacts of three discs in a row, whose sets are not convex."""
@@ -169,6 +177,8 @@ def projector(span: Floats) -> Floats:
     "For subspaces the iteration converges, and then to the projection onto the intersection.",
     source="Remark 2.4",
     quote="If A, B are closed subspaces … Von Neumann's alternating projections",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two subspaces of ℝ⁶ of dimension 3",
 )
 def _subspaces() -> Evidence:
     """Two subspaces of R^6 of dimension 3 with a common line."""

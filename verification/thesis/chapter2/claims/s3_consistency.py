@@ -68,8 +68,14 @@ def beside_normals() -> list[float]:
         Effect.PROOF,
         "“uses exactly this concept” after Definition 2.7, and “all convergent limits … will solve” in section 5; "
         "that overlaps stay small is left open in the conclusions of the thesis",
+        why=(
+            "a flow can be consistent at every fixed x, and fail on sets that move to x as Δt → 0; limits of its "
+            "steps are then no solutions"
+        ),
+        place=1381,
     ),
-    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; “≤” in Definition 2.7; a row of discs",
+    chosen="the flow that stands still on [1 − Δt, 1), S = ℝ; Definition 2.7 as corrected; a row of discs",
+    tried_on="PBD with a row of five discs",
 )
 def _limits() -> Evidence:
     """S = R for the counterexample: -N = {0}; and PBD for a row of discs."""
@@ -114,6 +120,13 @@ def _not_sufficient() -> Evidence:
     )
 
 
+def leaving() -> tuple[float, float]:
+    """Both sides of the definition for S = [0, ∞), x = 0, F = 1, w = 1: PBD leaves the wall, −N = [0, ∞) has σ = R."""
+    problem = dincl.Problem([[0.0]], lambda _t, _x: np.array([[1.0]]), [dincl.HalfSpace(normal=(1,))])
+    left = W * (float(dincl.solve(problem, dincl.PBD(dt=DT), t=DT).final[0, 0]) / DT - 1.0)
+    return left, dincl.geometry.support(problem, 0.0, [[0.0]], [[W]], tol=ROUNDING, radius=R)
+
+
 @claim(
     "c2.definition",
     "Consistent is a method whose support functions tend to those of the normal cone.",
@@ -124,13 +137,15 @@ def _not_sufficient() -> Evidence:
         "lim sup σ(…, w) ≤ σ(−N(S, x) ∩ B_R(0), w), as in Definition 1.27",
         Effect.MODEL,
         "Lemma 2.8: with the printed arrow PBD is not consistent, where a force leads away from contact",
+        why=(
+            "upper semicontinuity bounds the support functions from above; where F leads away from contact the "
+            "left side is 0 and the right side is R"
+        ),
+        place=1401,
     ),
 )
 def _definition() -> Evidence:
-    """S = [0, inf), x = 0, F = +1, w = 1: the flow leaves the wall, but -N = [0, inf) has sigma = R."""
-    problem = dincl.Problem([[0.0]], lambda _t, _x: np.array([[1.0]]), [dincl.HalfSpace(normal=(1,))])
-    left = W * (float(dincl.solve(problem, dincl.PBD(dt=DT), t=DT).final[0, 0]) / DT - 1.0)
-    right = dincl.geometry.support(problem, 0.0, [[0.0]], [[W]], tol=ROUNDING, radius=R)
+    left, right = leaving()
     return Evidence(
         f"A point on a wall that is pulled away: the left side is {abs(left):.0e}, the right side R = {right:g}. With "
         "“≤” for “→”, which is what the proof of Lemma 2.8 shows, it holds.",
@@ -149,7 +164,17 @@ def shares(x: Floats, force: Floats, dt: float) -> Floats:
     "A step of PBD without its drift tends to the normals of S, and stays bounded.",
     source="Lemma 2.8",
     quote="For F bounded, i.e., ‖F‖_∞ < ∞, the PBD method is consistent in the sense of Definition 2.7.",
-    chosen="“≤” in Definition 2.7; a row of discs, where a step crosses several contacts",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "… in the sense of Definition 2.7 with “≤” in place of “→”",
+        Effect.PROOF,
+        "nothing else: the proof shows “≤”, and that is what section 3 uses",
+        why="where a force leads away from contact the left side of the definition is 0 and the right side is R; see "
+        "c2.definition",
+        place=1409,
+    ),
+    chosen="a row of discs, where a step crosses several contacts",
+    tried_on="a row of five discs, 20 random forces",
 )
 def _lemma() -> Evidence:
     """How far it is from -N(S, x), for a row of discs and random forces, as the step goes to 0."""
@@ -160,11 +185,14 @@ def _lemma() -> Evidence:
     forces = rng.uniform(-1.0, 1.0, (20, *x.shape))
     far = [max(cone.distance(-shares(x, force, dt)) for force in forces) for dt in STEPS]
     size = max(float(np.linalg.norm(shares(x, force, STEPS[-1])) / np.linalg.norm(force)) for force in forces)
+    left, right = leaving()
     return Evidence(
         f"{DISCS} discs in a row, 20 random forces: the distance from −N(S, x) is at most "
         f"{', '.join(f'{value:.1e}' for value in far)} at Δt = {', '.join(f'{dt:g}' for dt in STEPS)}; the length is "
-        f"at most {size:.2f} ‖F‖. So the lemma holds with “≤” in Definition 2.7.",
-        (
+        f"at most {size:.2f} ‖F‖: the lemma with “≤” in Definition 2.7. A wall that a point leaves refutes “→”: "
+        f"{left:.0e} for {right:g}.",
+        printed=(equal("support function of the step from a wall", left, right, 1e-9),),
+        corrected=(
             equal("distance over that at a tenth of the step", far[1] / far[2], 10.0, 1.0),
             at_most("distance at the smallest step", far[2], 1e-3),
             at_most("length over (2^M + 1) ‖F‖", size / (2 ** (DISCS * (DISCS - 1) / 2) + 1), 1.0),

@@ -68,6 +68,11 @@ def step_error(dt: float) -> float:
         "… which was much smaller than the errors introduced by the time-stepping",
         Effect.NUMBER,
         "the accuracy of the reference solutions: as printed, the tolerance would spoil them",
+        why=(
+            "a reference is as good as the larger of both errors; for the time steps to count, the tolerance has "
+            "to be the smaller one"
+        ),
+        place=1480,
     ),
     chosen="the start; at most a million steps, for theirs are not given",
 )
