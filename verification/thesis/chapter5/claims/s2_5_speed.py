@@ -56,8 +56,14 @@ def speeds(force: Callable[[float], float]) -> tuple[float, float]:
         "bound that depends on T",
         Effect.PROOF,
         "the constants of Theorems 5.9, 5.12 and 5.16; existence and uniqueness up to T stand",
+        why=(
+            "a constant force fulfils (A1a), (A1b) and accelerates without end; the energy bounds the speed "
+            "only if the potential energy is bounded below"
+        ),
+        place=3458,
     ),
     chosen="W₀ = −y, and W₀ = √(1 + y²) − y, which pulls the same way but is not negative",
+    tried_on="one potential ≥ 0",
 )
 def _all_times() -> Evidence:
     """A free fall, and a potential that is bounded below and pulls the same way."""
@@ -81,7 +87,10 @@ def _all_times() -> Evidence:
         "‖ẏ(t)‖² ≤ 2(E − the infimum of the potential energy), or 2E if no potential is negative",
         Effect.CONCLUSION,
         "M_v of Theorems 5.9, 5.12 and 5.16, which need potentials that are bounded below",
+        why="‖ẏ‖²/2 is E less all other energy, and the potential energy may be negative",
+        place=3472,
     ),
+    tried_on="one pendulum",
 )
 def _bound() -> Evidence:
     """A pendulum that starts at the energy 0; its potential -cos y is at least -1."""
@@ -99,7 +108,9 @@ def _bound() -> Evidence:
     "Solutions exist for all times and are unique, though a term grows with the square of the speed.",
     source="Theorem 5.9",
     quote="For T > 0 … the ODE model has a unique solution",
+    recorded=Kind.NOT_REFUTED,
     chosen="a heavy, fast particle without forces on g = X + sin(X)/2 − y, T = 10",
+    tried_on="one motion, g = X + sin(X)/2 − y without forces",
 )
 def _well_posed() -> Evidence:
     """A fast and heavy particle on g = X + sin(X)/2 - y, to T = 10 and back: X passes many bends."""
@@ -135,7 +146,10 @@ def _well_posed() -> Evidence:
         "M_v := (2E(Xⁱⁿⁱᵗ, yⁱⁿⁱᵗ, vⁱⁿⁱᵗ))^½ for potentials ≥ 0",
         Effect.NUMBER,
         "the set on which the right side is Lipschitz",
+        why="(5.38) bounds the square of the speed by 2E, so the speed by a root, not by a square",
+        place=3558,
     ),
+    tried_on="one free motion",
 )
 def _constant() -> Evidence:
     printed, (speed, right) = 2 * ENERGY**2, (free_speed(), float(np.sqrt(2 * ENERGY)))
@@ -168,7 +182,13 @@ def energy_rate(moving: float) -> float:
         "M_v := (2E(yⁱⁿⁱᵗ, vⁱⁿⁱᵗ, μⁱⁿⁱᵗ))^½ for potentials ≥ 0",
         Effect.NUMBER,
         "the set on which the right side is Lipschitz",
+        why=(
+            "2E bounds the square of the speed; and Lemma 5.11 keeps the energy of y(t), ẏ(t), μᵗ, not that "
+            "of y(t), ẏ(t), μⁱⁿⁱᵗ"
+        ),
+        place=3786,
     ),
+    tried_on="one free motion, and one state of four points",
 )
 def _constant_limit() -> Evidence:
     printed, (speed, right) = 2 * ENERGY, (free_speed(), float(np.sqrt(2 * ENERGY)))
