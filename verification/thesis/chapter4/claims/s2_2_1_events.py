@@ -40,6 +40,8 @@ def bridged(edges: Edges, i: int) -> Edges:
     "When cells leave a layer their neighbours are joined, so that the rest is again one line of cells.",
     source="sections 2.2.1, 2.2.2",
     quote="we replace the edges (j₁, i) and (i, j₂) with the new edge (j₁, j₂)",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="four of six cells, in every order",
 )
 def _bridge() -> Evidence:
     """Four of six cells leave in every order."""
@@ -80,6 +82,11 @@ def contracted(relaxes: bool) -> float:
         "(3.2) and (3.3), by which η tends to η* = 0, do",
         Effect.MODEL,
         "events [A] and [B], the contraction in Figures 5 and 6, the pull-in effect of section 4.3.2",
+        why=(
+            "η tends to η* only by (3.2) and (3.3); if they stop at the time of the event, η stays as it is "
+            "and nothing contracts, against Figures 5 and 6"
+        ),
+        place=2403,
     ),
 )
 def _rest_length() -> Evidence:
@@ -109,6 +116,11 @@ def run_with(changes: dict[str, object]) -> Run:
         "(C3) of chapter 3 is for all B_i; it must be restricted: B_i ∈ ℝ × {0} for the vertices i of ℬ",
         Effect.NOTATION,
         "(3.16), (3.33) and the freedom of B_i after [B]; chapter 3 is not concerned, for there all are vertices",
+        why=(
+            "(C3) of chapter 3 is printed for all i, so a point that moves freely in the plane leaves S; the "
+            "sentence quoted recalls a restriction that chapter 3 does not make"
+        ),
+        place=2418,
     ),
     chosen="the rest length of the spring relaxes at the rate of Table 2",
 )

@@ -171,6 +171,11 @@ def gripping(rate: float) -> Floats:
         "below the layer η^bx* := 0 and (3.3) goes on to hold; only above it the rule for η^bx replaces (3.3)",
         Effect.MODEL,
         "how suddenly [P] pulls: the two sections contradict each other; the published runs relax, at 3 per hour",
+        why=(
+            "section 2.1 sets the desired rest length to zero and section 2.2.4 the rest length itself; with "
+            "the latter the pull jumps to its full size within one step"
+        ),
+        place=2456,
     ),
     chosen="the nucleus and the basal point rest; k^bx of Table 2",
 )

@@ -51,6 +51,8 @@ def _drawn(rng: np.random.Generator) -> tuple[Frame, Floats]:
     source="section 3.3.1, (4.3)",
     quote="y^AB(X_i) := y(X_i)/y(A_i^ref) … δ^basal-extr = 1 if y^AB < 0, δ^apical-extr = 1 if y^AB > 1",
     chosen="the apical layer is a graph over x",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="60 random layers of 30 points, graphs over x",
 )
 def _scale() -> Evidence:
     rng = np.random.default_rng(SEED)
@@ -133,6 +135,11 @@ def cells_for_one(share: float) -> int | None:
         "[0, 1/n^D] ∪ (1/n^D, 2/n^D] ∪ … = [0, 1], and one set each for positions below 0 and above 1",
         Effect.NOTATION,
         "Figure 21: one cell of ten thousand is in no category",
+        why=(
+            "the first interval is open at 0, so 0 is in no D_k though the union is said to be [0, 1]; "
+            "positions at the onset may lie outside of [0, 1] by (4.3)"
+        ),
+        place=2712,
     ),
 )
 def _partition(tables: Tables) -> Evidence:

@@ -36,7 +36,11 @@ def share_sum(sets: int) -> float:
     quote="we will consider a partition … into n^D + 1 many subsets D_1, …, D_{n^D}",
     recorded=Kind.CORRECTED,
     correction=Correction(
-        "n^D many subsets", Effect.NUMBER, "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category"
+        "n^D many subsets",
+        Effect.NUMBER,
+        "P[D_k] ≈ 1/n^D and the n^rep/n^D samples for each category",
+        why="the sets are numbered from 1 to n^D, and n^D chances of 1/n^D make up 1",
+        place=2655,
     ),
 )
 def _count() -> Evidence:
@@ -67,6 +71,11 @@ def accepted(outcomes: Floats, inside: Floats) -> Floats:
         "it is rejection sampling: of the draws of all times those in D_k are accepted",
         Effect.NOTATION,
         "the next sentence, by which accept-rejection algorithms do not fit; the estimate (4.12) stands",
+        why=(
+            "inverse transform sampling maps a uniform number by an inverse distribution function and "
+            "rejects no draw; (4.12) draws all times and keeps those in D_k"
+        ),
+        place=2673,
     ),
 )
 def _sampling() -> Evidence:
@@ -124,6 +133,8 @@ def by_counting() -> tuple[Floats, Floats]:
     "The ratio of chances is the conditional expectation, and the ratio of sums over runs tends to it.",
     source="(4.9), (4.11), (4.12)",
     quote="E[δ_i | T_i ∈ D_k] ≈ Σ_ℓ δ_i(ω_ℓ) 1_{D_k}(T_i(ω_ℓ)) / Σ_ℓ 1_{D_k}(T_i(ω_ℓ))",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a model with three categories and known chances",
 )
 def _conditional() -> Evidence:
     exact = extruded_given(0)
@@ -150,6 +161,8 @@ def _conditional() -> Evidence:
     "The mean over the cells of a group and the ratio over all cells of a category estimate one number.",
     source="(4.10), Remark 4.1",
     quote="Expected ratio of basally extruded cells in category k = A/B",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a model with three categories and known chances",
 )
 def _average() -> Evidence:
     """The cells of a run depend on each other: errors by the scatter of ten parts of the runs."""

@@ -9,7 +9,7 @@ import numpy as np
 
 import dincl
 from verification.claims import claim
-from verification.evidence import Evidence, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, points_of_step
 
@@ -40,6 +40,8 @@ def scheme() -> dincl.Scheme:
         "infeasible states."
     ),
     chosen="the four discs of Figure 4 of chapter 2, their start and step",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="the four discs of Figure 4 of chapter 2",
 )
 def _feasible() -> Evidence:
     scene = dincl.scenes.four_disks()
@@ -69,6 +71,8 @@ def largest_overlaps(dt: float) -> tuple[float, float]:
     source="Ideas for proving convergence of PBD",
     quote="the distance to the feasible set remains bounded and converges to zero",
     chosen="the ten discs of Figure 5 of chapter 2, their start and steps",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="ten discs in a corner, two steps, to t = 12",
 )
 def _bounded() -> Evidence:
     coarse, fine = (largest_overlaps(dt) for dt in CORNER_STEPS)
@@ -101,6 +105,8 @@ def ratios(problem: dincl.Problem, x: Floats) -> tuple[float, float, int]:
     source="Ideas for proving convergence of PBD",
     quote="max_j dist(x, S_j) ≥ α dist(x, S) … c ∈ (0, 1): ‖P_S(x) − P_{S_M} ∘ … ∘ P_{S_1}(x)‖ ≤ c ‖P_S(x) − x‖",
     chosen="rows, triangles and rhombi of discs, disturbed by a hundredth",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="3 or 4 discs in rows, triangles and rhombi, disturbed by a hundredth",
 )
 def _contraction() -> Evidence:
     rng = np.random.default_rng(SEED)
