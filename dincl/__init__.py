@@ -1,6 +1,6 @@
 """Differential inclusions x' in F(t, x) - N(S, x): problems, schemes, projections."""
 
-from dincl import checks, constraints, drifts, geometry, projection, rows, scenes, shapes
+from dincl import callables, checks, constraints, drifts, geometry, projection, rows, scenes, shapes
 from dincl.constraints import (
     Constraint,
     DifferentiableConstraint,
@@ -13,7 +13,7 @@ from dincl.constraints import (
     OutsideBall,
     Smooth,
 )
-from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
+from dincl.errors import FunctionFailed, InvalidProblem, ProjectionFailed, StepFailure
 from dincl.minimise import (
     ArrowHurwicz,
     DampedArrowHurwicz,
@@ -76,6 +76,7 @@ __all__ = [
     "Event",
     "EventDriven",
     "FixedStep",
+    "FunctionFailed",
     "GaussSeidel",
     "HalfSpace",
     "InsideBall",
@@ -114,6 +115,7 @@ __all__ = [
     "Trajectory",
     "Uzawa",
     "Work",
+    "callables",
     "checks",
     "constraints",
     "drifts",

@@ -1,13 +1,14 @@
-"""Calls of user functions: what they return is checked, what they raise becomes a Status."""
+"""The one way in which functions of users are called: what they raise and what they return is judged here."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from dincl.checks import LARGEST, bounded, describe
-from dincl.errors import StepFailure
+from dincl.checks import LARGEST, bounded, describe, plain
+from dincl.errors import FunctionFailed
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,33 +17,86 @@ if TYPE_CHECKING:
 
     from dincl.status import Status
 
-# What a function raises when its arithmetic, its indexing or its types are wrong.
-CALLABLE_ERRORS = (ArithmeticError, AttributeError, LookupError, NameError, TypeError, ValueError)
+Shape = tuple["int | None", ...]
 
 
-def call(name: str, status: Status, function: Callable[..., Any], *arguments: Any) -> Any:
-    """function(*arguments); StepFailure with ``status``, naming the function, if it raises."""
+@dataclass(frozen=True)
+class UserFunction:
+    """What is known of a function of the user before it is called.
+
+    What it raises becomes a FunctionFailed with that as its cause, and so does what it must not return. Passed on
+    are MemoryError and what is no Exception, as KeyboardInterrupt and SystemExit are: who means to end a run raises a
+    BaseException.
+
+    Attributes
+    ----------
+    name, arguments
+        Of the function and of its arguments, for messages: "drift", ("t", "x").
+    status
+        With which a run ends if it fails.
+    """
+
+    name: str
+    arguments: tuple[str, ...]
+    status: Status
+
+    def call(self, function: Callable[..., Any], *values: Any) -> Any:
+        """function(*values), whatever it is."""
+        try:
+            return function(*values)
+        except MemoryError:
+            raise
+        except Exception as error:
+            raise self._raised(error, values) from error
+
+    def numbers(self, raw: Any, shape: Shape | None = None) -> NDArray[np.float64]:
+        """What it returned as finite float64 numbers, of a shape if one is given; None in ``shape`` is any length."""
+        values = plain(raw)
+        if values is None or (shape is not None and not fits(values.shape, shape)):
+            wanted = "real numbers" + ("" if shape is None else f" of shape {in_words(shape)}")
+            found = describe(raw) if values is None else f"an array of shape {values.shape}"
+            self.refuse(f"returned {found}: must be {wanted}.")
+        if not bounded(values):
+            where = tuple(int(k) for k in np.argwhere(~(np.abs(values) <= LARGEST))[0])
+            at = f" at index {where}" if where else ""
+            self.refuse(f"returned {values[where]}{at}: must be finite, of magnitude at most {LARGEST:g}.")
+        return values
+
+    def evaluated(self, function: Callable[..., Any], *values: Any, shape: Shape | None = None) -> NDArray[np.float64]:
+        """function(*values) as finite numbers, of a shape if one is given."""
+        return self.numbers(self.call(function, *values), shape)
+
+    def refuse(self, what: str) -> NoReturn:
+        """Raise FunctionFailed: ``what`` it did, a sentence without its subject."""
+        raise FunctionFailed(self.status, f"{self.name} {what}")
+
+    def _raised(self, error: Exception, values: tuple[Any, ...]) -> FunctionFailed:
+        given = ", ".join(_given(name, value) for name, value in zip(self.arguments, values, strict=False))
+        said = f"{type(error).__name__}{_said(error)}"
+        return FunctionFailed(self.status, f"{self.name}({given}) raised {said}.")
+
+
+def fits(found: tuple[int, ...], shape: Shape) -> bool:
+    """Whether an array has a shape in which None is any length."""
+    return len(found) == len(shape) and all(s is None or s == n for s, n in zip(shape, found, strict=True))
+
+
+def in_words(shape: Shape) -> str:
+    """A shape for a message: (n, 2)."""
+    return str(tuple("n" if s is None else s for s in shape)).replace("'", "")
+
+
+def _given(name: str, value: Any) -> str:
+    """An argument in words: "x of shape (4, 2)", "t = 0.5"."""
+    if isinstance(value, np.ndarray) and value.ndim:
+        return f"{name} of shape {value.shape}"
+    return f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {describe(value)}"
+
+
+def _said(error: Exception) -> str:
+    """The message of an error after a colon; nothing if it has none, or cannot tell it."""
     try:
-        return function(*arguments)
-    except CALLABLE_ERRORS as error:
-        raise StepFailure(status, f"{name} raised {type(error).__name__}: {error}.") from error
-
-
-def numbers(name: str, status: Status, raw: Any, shape: tuple[int, ...] | None = None) -> NDArray[np.float64]:
-    """What ``name`` returned as float64 numbers, of the given shape if one is given; StepFailure if it is not that."""
-    try:
-        values = np.asarray(raw)
-    except ValueError:
-        values = np.asarray(None)
-    if values.dtype.kind not in "fiu" or (shape is not None and values.shape != shape):
-        wanted = "real numbers" + ("" if shape is None else f" of shape {shape}")
-        found = describe(raw) if values.dtype.kind not in "fiu" else f"an array of shape {values.shape}"
-        raise StepFailure(status, f"{name} returned {found}: must be {wanted}.")
-    values = values.astype(np.float64, copy=False)
-    if not bounded(values):
-        where = tuple(int(k) for k in np.argwhere(~np.isfinite(values) | (np.abs(values) > LARGEST))[0])
-        raise StepFailure(
-            status,
-            f"{name} returned {values[where]} at index {where}: must be finite, of magnitude at most {LARGEST:g}.",
-        )
-    return values
+        text = str(error)
+    except Exception:  # noqa: BLE001  # of the user's own class
+        text = ""
+    return f": {text}" if text else ""

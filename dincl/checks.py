@@ -1,8 +1,18 @@
-"""Checks of user input: each returns the checked value or raises InvalidProblem: name, value and what is allowed."""
+"""Checks of user input: each returns the checked value or raises InvalidProblem: name, value and what is allowed.
+
+One rule says which numbers are taken: what ``numpy.asarray`` makes of a value, if that loses nothing. So lists, arrays
+of whole or floating-point numbers, whole numbers of any length and matrices are; masked, complex, ragged and object
+arrays, text, truth values, sets and generators are not. Whatever a value raises while it is looked at, it is refused.
+"""
 
 from __future__ import annotations
 
 import math
+import sys
+from collections.abc import Sequence
+from decimal import Decimal
+from itertools import chain
+from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -10,10 +20,23 @@ import numpy as np
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from numpy.typing import ArrayLike, NDArray
+
 
 # Coordinates beyond this overflow when distances are squared.
 LARGEST = 1e100
+# Lengths, tolerances and steps below this vanish when they are squared.
+SMALLEST = 1 / LARGEST
+# The largest index, and the largest number that compiled loops count to.
+LARGEST_INTEGER = 2**63 - 1
+# Numbers that numpy does not know, but float does.
+FRACTIONS: tuple[type, ...] = (Real, Decimal)
+# Lists in lists: no argument has as many axes.
+DEEPEST = 8
+# Longer texts and lists are not written out in messages.
+LONGEST_TEXT, LONGEST_LIST = 80, 100
 
 
 def bounded(x: NDArray[np.float64]) -> bool:
@@ -22,22 +45,72 @@ def bounded(x: NDArray[np.float64]) -> bool:
 
 
 def describe(value: Any) -> str:
-    """A short form of a value for an error message."""
+    """A short form of a value for an error message, whatever it is."""
     if isinstance(value, np.ndarray) and value.size > 4:
         return f"an array of shape {value.shape}"
-    text = repr(value)
-    return text if len(text) <= 80 else text[:77] + "..."
+    if type(value) in (list, tuple, set, frozenset, dict) and len(value) > LONGEST_LIST:
+        return f"a {type(value).__name__} of {len(value)} entries"
+    if type(value) is int and value.bit_length() > 256:
+        return f"an integer of {value.bit_length()} bits"
+    try:
+        text = str(repr(value))
+    except Exception:  # noqa: BLE001  # of the user's own class, or of a list that holds itself
+        return f"an object of type {type(value).__name__}"
+    text = " ".join(text.split()) if "\n" in text else text
+    return text if len(text) <= LONGEST_TEXT else text[: LONGEST_TEXT - 3] + "..."
+
+
+def plain(value: Any) -> NDArray[np.float64] | None:
+    """``value`` as float64 numbers, which may be infinite or NaN; None if it is not real numbers.
+
+    The array is the value itself, where that is one of float64.
+    """
+    if type(value) is np.ndarray and value.dtype.kind == "f" and value.dtype.itemsize == 8:
+        return value.astype(np.float64, copy=False)
+    try:
+        raw = _as_array(value)
+        if raw.dtype.kind == "O" and all(type(entry) in (int, float) for entry in raw.flat):
+            return np.array([_as_float(entry) for entry in raw.flat]).reshape(raw.shape)
+        if raw.dtype.kind not in "fiu":
+            return None
+        with np.errstate(all="ignore"):
+            return raw.astype(np.float64, copy=False)
+    except MemoryError:
+        raise
+    except Exception:  # noqa: BLE001  # whatever the value raises, it is not numbers
+        return None
+
+
+def _as_array(value: Any) -> NDArray[Any]:
+    """The value as numpy sees it; TypeError for bytes, a mask, and lists in lists without an end."""
+    if isinstance(value, (bytes, bytearray)):
+        raise TypeError("bytes")
+    masked: Any = sys.modules.get("numpy.ma")  # imported by whoever made one
+    level, depth = [value], 0
+    while level:
+        if masked is not None and any(issubclass(kind, masked.MaskedArray) for kind in set(map(type, level))):
+            raise TypeError("a mask")
+        lists = {id(part): part for part in level if type(part) in (list, tuple)}
+        level, depth = list(chain.from_iterable(lists.values())), depth + 1
+        if depth > DEEPEST + 1:
+            raise TypeError("too deep")
+    return np.asarray(value)
+
+
+def _as_float(value: float) -> float:
+    """A number as a float; a whole number beyond all floats is infinite."""
+    try:
+        return float(value)
+    except OverflowError:
+        return math.inf if value > 0 else -math.inf
 
 
 def array(name: str, value: ArrayLike, allowed: str = "finite real numbers") -> NDArray[np.float64]:
     """A new array of finite numbers, none beyond LARGEST in magnitude; read-only, so that it stays as checked."""
-    try:
-        raw = np.asarray(value)
-        checked = np.array(raw, dtype=np.float64, order="C") if raw.dtype.kind in "fiu" else None
-    except (TypeError, ValueError):
-        checked = None
-    if checked is None:
+    found = plain(value)
+    if found is None:
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    checked = np.array(found, order="C", subok=False)
     bad = ~(np.abs(checked) <= LARGEST)
     if bad.any():
         where = tuple(int(k) for k in np.argwhere(bad)[0])
@@ -59,49 +132,118 @@ def shaped(name: str, value: ArrayLike, shape: tuple[int | None, ...]) -> NDArra
 
 
 def number(name: str, value: Any, *, positive: bool = False, non_negative: bool = False) -> float:
-    """A finite float, on request > 0 or >= 0."""
+    """A finite float, on request > 0, and then at least SMALLEST, or >= 0."""
     allowed = "a finite number" + (" > 0" if positive else " >= 0" if non_negative else "")
-    try:
-        checked = float(value)
-    except (TypeError, ValueError):
-        checked = math.nan
-    is_text = isinstance(value, (str, bytes, bool, np.bool_))
-    if is_text or not abs(checked) <= LARGEST or (positive and checked <= 0) or (non_negative and checked < 0):
+    checked = value if type(value) is float else _one(value)
+    if not abs(checked) <= LARGEST or (positive and checked < SMALLEST) or (non_negative and checked < 0):
+        allowed += f", at least {SMALLEST:g}" if positive and checked > 0 else ""
+        allowed += f", at most {LARGEST:g}" if abs(checked) > LARGEST else ""
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return checked
 
 
+def _one(value: Any) -> float:
+    """A single real number as a float, a fraction or a decimal, too; NaN for anything else."""
+    found = plain(value)
+    if found is None and issubclass(type(value), FRACTIONS) and not isinstance(value, bool):
+        try:
+            return float(value)
+        except MemoryError:
+            raise
+        except Exception:  # noqa: BLE001  # whatever it raises, it is no float
+            return math.nan
+    return math.nan if found is None or found.ndim else float(found)
+
+
 def integer(name: str, value: Any, *, least: int, most: int | None = None) -> int:
-    """An int that is at least ``least`` and at most ``most``."""
-    is_integer = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not is_integer or value < least or (most is not None and value > most):
+    """An int that is at least ``least`` and at most ``most``; None: at most what fits into 64 bits."""
+    is_integer = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
+    checked = int(value) if is_integer else least - 1
+    if not least <= checked <= (LARGEST_INTEGER if most is None else most):
         allowed = f"an integer >= {least}" if most is None else f"an integer from {least} to {most}"
+        if most is None and checked > LARGEST_INTEGER:
+            allowed += f" and at most {LARGEST_INTEGER}"
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
-    return int(value)
+    return checked
+
+
+def flag(name: str, value: Any) -> bool:
+    """True or False, and nothing that counts as one of them."""
+    if not isinstance(value, (bool, np.bool_)):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be True or False")
+    return bool(value)
+
+
+def text(name: str, value: Any, choices: tuple[str, ...]) -> str:
+    """One of some words."""
+    if not isinstance(value, str) or value not in choices:
+        raise InvalidProblem(f"{name} = {describe(value)}: must be one of {', '.join(map(repr, choices))}")
+    return str(value)
+
+
+def function(name: str, value: Any, allowed: str) -> Callable[..., Any]:
+    """Something to call; ``allowed`` says with what."""
+    if not callable(value):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    checked: Callable[..., Any] = value
+    return checked
+
+
+def instance(name: str, value: Any, kind: type[Any], allowed: str) -> Any:
+    """A value of a class; ``allowed`` says which: "a dincl.Problem"."""
+    if not isinstance(value, kind):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    return value
+
+
+def items(name: str, value: Any, kind: type[Any], allowed: str) -> tuple[Any, ...]:
+    """The entries of a list, all of one class; ``allowed`` says which: "a list of constraints".
+
+    What has an order and a length is a list: no set, mapping or generator, which may never end.
+    """
+    listed = isinstance(value, (Sequence, np.ndarray)) and not isinstance(value, (str, bytes, bytearray, memoryview))
+    try:
+        found = tuple(value) if listed else (None,)
+    except MemoryError:
+        raise
+    except Exception:  # noqa: BLE001  # whatever it raises, it is no list
+        found = (None,)
+    if not all(isinstance(entry, kind) for entry in found):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    return found
 
 
 def indices(name: str, value: ArrayLike, columns: int | None = None) -> NDArray[np.int64]:
     """Particle indices >= 0 of shape (m,), or (m, columns)."""
     allowed = "integers >= 0 of shape " + ("(m,)" if columns is None else f"(m, {columns})")
-    try:
-        raw = np.asarray(value)
-    except ValueError:
-        raw = np.asarray(None)
+    raw = _integers(value)
     if raw.size == 0 and raw.dtype.kind == "f":
         raw = np.zeros((0,) if columns is None else (0, columns), dtype=np.int64)
     shaped = raw.ndim == 1 if columns is None else raw.ndim == 2 and raw.shape[1] == columns
-    if not shaped or raw.dtype.kind not in "iu" or (raw < 0).any():
+    if not shaped or raw.dtype.kind not in "iu" or (raw < 0).any() or (raw > LARGEST_INTEGER).any():
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     checked = raw.astype(np.int64)
     checked.flags.writeable = False
     return checked
 
 
+def _integers(value: Any) -> NDArray[Any]:
+    """The value as an array; one that is no index if it is none."""
+    try:
+        return _as_array(value)
+    except MemoryError:
+        raise
+    except Exception:  # noqa: BLE001  # whatever the value raises, it is no array
+        return np.asarray(None)
+
+
 def lengths(name: str, value: ArrayLike, *, positive: bool) -> NDArray[np.float64]:
-    """One length or a list of them, shape () or (m,), all > 0 or all >= 0."""
+    """One length or a list of them, shape () or (m,), all > 0 or all >= 0; none but 0 is below SMALLEST."""
     allowed = "one length or a list of lengths, " + ("> 0" if positive else ">= 0")
     checked = array(name, value, allowed)
-    if checked.ndim > 1 or (checked < 0).any() or (positive and (checked == 0).any()):
+    vanishing = (checked > 0) & (checked < SMALLEST)
+    if checked.ndim > 1 or (checked < 0).any() or (positive and (checked == 0).any()) or vanishing.any():
+        allowed += f", and at least {SMALLEST:g}" if vanishing.any() else ""
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return checked
 

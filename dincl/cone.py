@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from dincl.norms import length
 from dincl.projection.daqp import Daqp
 from dincl.projection.piqp import Piqp
 from dincl.rows.affine import AffineRows
@@ -34,7 +35,7 @@ class Split(NamedTuple):
 def split(u: NDArray[np.float64], gradients: Csr) -> Split:
     """Moreau's decomposition of u (n,) along the cone {A^T lambda : lambda >= 0} of the rows of A, to 1e-10 |u|."""
     polar = AffineRows(gradients._replace(data=-gradients.data), np.zeros(gradients.rows))
-    return nearest(polar, u, float(np.sqrt(u @ u)))
+    return nearest(polar, u, length(u))
 
 
 def nearest(rows: AffineRows, u: NDArray[np.float64], size: float) -> Split:
@@ -49,5 +50,4 @@ def nearest(rows: AffineRows, u: NDArray[np.float64], size: float) -> Split:
 
 def distance_to_cone(u: NDArray[np.float64], gradients: Csr) -> float:
     """min |u - A^T lambda| over lambda >= 0, for u of shape (n,) and the rows of A; accurate to 1e-10 |u|."""
-    rest = split(u, gradients).rest
-    return float(np.sqrt(rest @ rest))
+    return length(split(u, gradients).rest)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from dincl.status import Status
@@ -18,6 +18,11 @@ class ProjectionFailed(RuntimeError):
     def __init__(self, status: Status, detail: str) -> None:
         super().__init__(f"{status.value} {detail}".rstrip())
         self.status = status
+        self.detail = detail
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        # As it is made: an error is otherwise made anew from its message alone, which fails between processes.
+        return type(self), (self.status, self.detail)
 
 
 class StepFailure(RuntimeError):
@@ -27,3 +32,14 @@ class StepFailure(RuntimeError):
         super().__init__(f"{status.value} {detail}".rstrip())
         self.status = status
         self.detail = detail
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.status, self.detail)
+
+
+class FunctionFailed(StepFailure, InvalidProblem):
+    """A function of the user that raised, or returned what it must not; ``detail`` names it and its arguments.
+
+    What it raised is the ``__cause__``. In a run it is a StepFailure, so that what was computed is kept, with its
+    ``status``; everywhere else it is an argument that cannot be right.
+    """

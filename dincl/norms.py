@@ -2,12 +2,30 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+
+
+# Squares between these are numbers to the last bit.
+LEAST_SQUARE, LARGEST_SQUARE = 1e-280, 1e280
+
+
+def length(vector: NDArray[np.float64]) -> float:
+    """|v| for a vector (n,) of any size: squares that would overflow or vanish are taken of a scaled one."""
+    with np.errstate(over="ignore"):
+        square = float(vector @ vector)
+    if LEAST_SQUARE < square < LARGEST_SQUARE:
+        return math.sqrt(square)
+    largest = float(np.abs(vector).max(initial=0.0))
+    if not 0 < largest < math.inf:
+        return largest
+    scaled = vector / largest
+    return largest * math.sqrt(float(scaled @ scaled))
 
 
 def norms(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

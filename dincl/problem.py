@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from dincl.callables import call, numbers
-from dincl.checks import array, describe
+from dincl.callables import UserFunction
+from dincl.checks import array, describe, items
 from dincl.constraints.base import Constraint
 from dincl.drifts.base import CompiledDrift
 from dincl.errors import InvalidProblem, StepFailure
@@ -24,6 +24,8 @@ from dincl.status import Status
 # A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
 START_TOLERANCE = 1e-9
 
+DRIFT = UserFunction("drift", ("t", "x"), Status.DRIFT_FAILED)
+
 Drift = Callable[[float, NDArray[np.float64]], Any]
 
 
@@ -34,7 +36,9 @@ class Problem:
     Parameters
     ----------
     x0
-        Start, shape (N, d), N, d >= 1, feasible to 1e-9 of its largest coordinate [length].
+        Start, shape (N, d), N, d >= 1, feasible to 1e-9 of its largest coordinate [length]. Coordinates are of
+        magnitude at most 1e100; radii, lengths, tolerances and time steps lie between 1e-100 and 1e100, so that their
+        squares are numbers, too. Others are refused.
     drift
         F: (t, x) -> velocity of the unconstrained particles, (N, d) -> (N, d) [length / time]. x is read-only.
         ``dincl.drifts`` has the usual ones.
@@ -57,7 +61,9 @@ class Problem:
             raise InvalidProblem(f"drift = {describe(drift)}: must be a callable (t, x) -> velocity of the shape of x")
         object.__setattr__(self, "drift", drift)
         object.__setattr__(self, "constraints", _families(constraints))
-        self._check()
+        # What overflows in a function of the user is found in what it returns.
+        with np.errstate(all="ignore"):
+            self._check()
 
     def __repr__(self) -> str:
         n, d = self.x0.shape
@@ -82,7 +88,7 @@ class Problem:
         """F(t, x), checked: shape (N, d), finite; StepFailure otherwise."""
         seen = x.view()
         seen.flags.writeable = False
-        return numbers("drift", Status.DRIFT_FAILED, call("drift", Status.DRIFT_FAILED, self.drift, t, seen), x.shape)
+        return DRIFT.evaluated(self.drift, t, seen, shape=x.shape)
 
     def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
         """All rows that can be violated at time t once every particle moved by at most ``reach`` from x."""
@@ -117,10 +123,7 @@ def _start(x0: ArrayLike) -> NDArray[np.float64]:
 
 
 def _families(constraints: Sequence[Constraint]) -> tuple[Constraint, ...]:
-    families = tuple(constraints) if isinstance(constraints, Iterable) else ()
-    if not isinstance(constraints, Iterable) or not all(isinstance(family, Constraint) for family in families):
-        raise InvalidProblem(f"constraints = {describe(constraints)}: must be a list of dincl constraints")
-    return families
+    return items("constraints", constraints, Constraint, "a list of dincl constraints")
 
 
 def _check_rows(constraint: Constraint, x: NDArray[np.float64]) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.checks import spread
+from dincl.checks import instance, number, spread
 from dincl.constraints import (
     Constraint,
     HalfSpace,
@@ -91,7 +91,7 @@ def radii(problem: Problem) -> NDArray[np.float64]:
 
     A Scene says it; else ``NonOverlap`` and ``HalfSpace`` tell it, at rest or ``Moving``; else it is 0.
     """
-    count = len(problem.x0)
+    count = len(_checked(problem).x0)
     known = getattr(problem, "radius", None)
     if known is not None:
         return np.asarray(known, dtype=np.float64)
@@ -101,13 +101,20 @@ def radii(problem: Problem) -> NDArray[np.float64]:
 
 def shapes_at(problem: Problem, t: float) -> list[Shape]:
     """Everything but the particles, where it is at time t."""
-    known = radii(problem)
+    known, time = radii(problem), number("t", t)
     found: list[Shape] = []
     for family in problem.constraints:
-        shift = family.displacement(t, problem.x0.shape[1])
+        shift = family.displacement(time, problem.x0.shape[1])
         shapes = shapes_of(family, problem.x0, known)
         found += shapes if shift is None else [shape.moved(shift) for shape in shapes]
     return found
+
+
+def _checked(problem: Problem) -> Problem:
+    from dincl.problem import Problem
+
+    checked: Problem = instance("problem", problem, Problem, "a dincl.Problem")
+    return checked
 
 
 def _told(constraint: Constraint, count: int) -> NDArray[np.float64]:

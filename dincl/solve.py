@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import array, describe
+from dincl.checks import array, describe, flag
 from dincl.errors import InvalidProblem
 from dincl.problem import Problem
 from dincl.run.outcome import RunOutcome
@@ -36,19 +36,21 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
     InvalidProblem
         For times that are not increasing, or a scheme that cannot serve the problem.
     StepFailed
-        When a step fails and ``throw`` is true; ``trajectory`` holds all until then.
+        When a step fails and ``throw`` is true; ``trajectory`` holds all until then. Its cause is the failure of the
+        step: a FunctionFailed if a function of the user failed, and the cause of that is what the function raised.
     """
     if not isinstance(problem, Problem):
         raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
     if not isinstance(scheme, Scheme):
         raise InvalidProblem(f"scheme = {describe(scheme)}: must be a scheme such as PBD(dt=1e-3)")
+    raises = flag("throw", throw)
     outcome = scheme.run(problem, _times(t))
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
-    parts = {part.name: getattr(outcome, part.name) for part in fields(outcome)}
+    parts = {part.name: getattr(outcome, part.name) for part in fields(outcome) if part.name != "failure"}
     trajectory = Trajectory(problem=problem, scheme=scheme, **parts)
-    if throw and not trajectory.status:
-        raise StepFailed(trajectory)
+    if raises and not trajectory.status:
+        raise StepFailed(trajectory) from outcome.failure
     return trajectory
 
 

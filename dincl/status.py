@@ -27,6 +27,10 @@ class Status(Enum):
     CONSTRAINT_FAILED = (
         "A constraint could not be evaluated: g, its jacobian and the path of a moving set must return finite numbers."
     )
+    FUNCTION_FAILED = (
+        "A function given by the user could not be evaluated: it must return finite numbers of its shape where it is "
+        "called."
+    )
     CROWDED = "Particles lie on top of each other in such numbers that their pairs cannot be listed: use a smaller dt."
     COINCIDENT_CENTRES = "Two centres coincide, so no direction separates them: use a smaller dt."
 

@@ -19,8 +19,8 @@ if TYPE_CHECKING:
 GRACE, CERTAIN = 2.0, 1.5
 
 
-class OutOfBudgetError(Exception):
-    """A run that cost as much as it may; no scheme takes it for a failure of its own."""
+class OutOfBudgetError(BaseException):
+    """A run that cost as much as it may; like an interrupt, no scheme takes it for a failure of the drift."""
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dincl.callables import call, numbers
+from dincl.callables import UserFunction
 from dincl.checks import describe
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
+
+PATH = UserFunction("path", ("t",), Status.CONSTRAINT_FAILED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,8 +57,7 @@ class Moving(Constraint):
         return self._shift(t, (d,))
 
     def _shift(self, t: float, shape: tuple[int, ...] | None = None) -> NDArray[np.float64]:
-        raw = call("path", Status.CONSTRAINT_FAILED, self.path, t)
-        return numbers("path", Status.CONSTRAINT_FAILED, raw, shape)
+        return PATH.evaluated(self.path, t, shape=shape)
 
     def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
         """The near rows of the set at rest; x is given relative to the displacement."""

@@ -43,7 +43,7 @@ def size_of(problem: Problem) -> float:
 def start_of(problem: Problem, work: Work) -> NDArray[np.float64]:
     """x0 (N d,), put onto S if it lies outside by more than rounding."""
     x0, allowed = problem.x0, TOUCHING * size_of(problem)
-    violation = problem.violation(0.0, x0)
+    violation = float(np.max(-problem.rows_within(0.0, x0, 0.0).values(x0), initial=0.0))
     if violation <= allowed:
         return x0.ravel()
     feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)

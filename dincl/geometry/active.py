@@ -6,12 +6,13 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dincl.checks import array, describe, number
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.problem import Problem
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import ArrayLike, NDArray
 
 
@@ -42,8 +43,9 @@ def of_shape(name: str, value: ArrayLike, problem: Problem) -> NDArray[np.float6
 
 @contextmanager
 def failures_told() -> Iterator[None]:
-    """Turn a StepFailure into the public ProjectionFailed."""
+    """Turn a StepFailure into the public ProjectionFailed; what overflows in a function is found in what it returns."""
     try:
-        yield
+        with np.errstate(all="ignore"):
+            yield
     except StepFailure as failure:
         raise ProjectionFailed(failure.status, failure.detail) from failure

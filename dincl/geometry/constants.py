@@ -32,6 +32,9 @@ if TYPE_CHECKING:
 MOST_ALTERNATIONS = 500
 STANDS_STILL = 1e-14
 
+# Of the row of discs whose buckling is computed: its arrays fit into memory.
+LONGEST_ROW = 1_000_000
+
 
 def printed_constant(count: int, radius: float, d: int) -> float:
     """R/(6N) (sin(2 pi/N)/3)^d as it is printed, 0 for N <= 2 [length].
@@ -66,7 +69,7 @@ def chain_constant(count: int, radius: float) -> float:
     D lambda = (|v_i - v_{i+1}|^2) with D = tridiag(-1, 2, -1), the Gram matrix of the row. What is found is attained,
     so it bounds eta from above even if it were not least; no random start has led any lower.
     """
-    n, size = integer("count", count, least=2), number("radius", radius, positive=True)
+    n, size = integer("count", count, least=2, most=LONGEST_ROW), number("radius", radius, positive=True)
     return 2 * size / _buckling(np.ones(n - 1))
 
 

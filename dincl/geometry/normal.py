@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import describe, number
+from dincl.checks import array, describe, number
 from dincl.cone import TOLERANCE, nearest, split
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import checked, closed, failures_told, of_shape
+from dincl.norms import length
 from dincl.rows.affine import AffineRows
 from dincl.rows.near import select
 
@@ -97,9 +98,9 @@ class NormalCone:
         return 1.0 / _length(point)
 
     def _split(self, u: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        vector = np.asarray(u, dtype=np.float64)
-        if vector.shape != self.shape or not np.isfinite(vector).all():
-            raise InvalidProblem(f"u = {describe(vector)}: must be finite numbers of shape {self.shape}")
+        vector = array("u", u)
+        if vector.shape != self.shape:
+            raise InvalidProblem(f"u = {describe(u)}: must be finite numbers of shape {self.shape}")
         with failures_told():
             parts = split(-vector.ravel(), self.matrix)
         return parts.multipliers, -parts.rest.reshape(self.shape)
@@ -177,4 +178,4 @@ def support(
 
 
 def _length(vector: NDArray[np.float64]) -> float:
-    return float(np.sqrt((vector * vector).sum()))
+    return length(vector.ravel())

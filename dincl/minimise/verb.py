@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import describe
+from dincl.checks import describe, flag
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.minimise.base import Minimiser
 from dincl.minimise.result import MinimisationFailed, Minimum, residuals
@@ -42,24 +42,26 @@ def minimise(problem: Problem, minimiser: Minimiser, *, throw: bool = True) -> M
         raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
     if not isinstance(minimiser, Minimiser):
         raise InvalidProblem(f"minimiser = {describe(minimiser)}: must be a minimiser such as DampedArrowHurwicz")
+    raises = flag("throw", throw)
     # Numbers that overflow end the iteration with a Status of their own.
     with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-        found = _run(problem, minimiser)
-    if throw and not found.status:
-        raise MinimisationFailed(found)
+        found, cause = _run(problem, minimiser)
+    if raises and not found.status:
+        raise MinimisationFailed(found) from cause
     return found
 
 
-def _run(problem: Problem, minimiser: Minimiser) -> Minimum:
-    status, detail = Status.SUCCESS, ""
+def _run(problem: Problem, minimiser: Minimiser) -> tuple[Minimum, StepFailure | None]:
+    """The result, and the failure of a step if there was one."""
+    status, detail, cause = Status.SUCCESS, "", None
     iteration = minimiser.start(problem)
     try:
         if not _converged(iteration, minimiser):
             status = Status.NOT_CONVERGED
             detail = f"Asked for was {minimiser.stop.words()}."
     except StepFailure as failure:
-        status, detail = failure.status, failure.detail
-    return _result(iteration, minimiser, status, detail)
+        status, detail, cause = failure.status, failure.detail, failure
+    return _result(iteration, minimiser, status, detail), cause
 
 
 def _converged(iteration: Iteration, minimiser: Minimiser) -> bool:

@@ -56,10 +56,11 @@ def project(
     target, time = _positions("y", y, problem), number("t", t)
     around = target if linearised_at is None else _positions("linearised_at", linearised_at, problem)
     projection.check(problem)
-    feasible = FeasibleSet(problem, projection.solver(), Work(), linearised=linearised_at is not None)
     try:
-        reach = 2 * (longest(target - around) + problem.violation(time, target))
-        return feasible.nearest(time, target, around, reach)
+        with np.errstate(all="ignore"):  # what overflows is found in the certificate
+            feasible = FeasibleSet(problem, projection.solver(), Work(), linearised=linearised_at is not None)
+            reach = 2 * (longest(target - around) + problem.violation(time, target))
+            return feasible.nearest(time, target, around, reach)
     except StepFailure as failure:
         raise ProjectionFailed(failure.status, failure.detail) from failure
 

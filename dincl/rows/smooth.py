@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.callables import call, numbers
+from dincl.callables import UserFunction
 from dincl.csr import csr
-from dincl.errors import StepFailure
 from dincl.rows.curved import CurvedRows
 from dincl.status import Status
 
@@ -40,19 +40,17 @@ class SmoothRows(CurvedRows):
         return len(self.index)
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        name = self.names[0]
-        raw = call(name, Status.CONSTRAINT_FAILED, self.g, x - self.shift)
-        return numbers(name, Status.CONSTRAINT_FAILED, raw, (self.total,))[self.index]
+        return _known(self.names[0]).evaluated(self.g, x - self.shift, shape=(self.total,))[self.index]
 
     def jacobian(self, x: NDArray[np.float64]) -> Csr:
         """What ``derivative`` returns, checked: real numbers of shape (m, N*d) or (m, N, d), or a sparse matrix."""
-        name = self.names[1]
-        raw = call(name, Status.CONSTRAINT_FAILED, self.derivative, x - self.shift)
-        shape = (self.total, x.size)
+        known, shape = _known(self.names[1]), (self.total, x.size)
+        raw = known.call(self.derivative, x - self.shift)
         if hasattr(raw, "tocsr"):
             return self._from_sparse(raw, shape)
-        raw = np.reshape(raw, shape) if np.size(raw) == self.total * x.size else raw
-        full = numbers(name, Status.CONSTRAINT_FAILED, raw, shape)[self.index]
+        full = known.numbers(raw)
+        in_one = full.reshape(shape) if full.size == self.total * x.size else full
+        full = known.numbers(in_one, shape)[self.index]
         row, column = np.nonzero(full)
         return csr(np.searchsorted(row, np.arange(len(full) + 1)), column, full[row, column], x.size)
 
@@ -60,12 +58,11 @@ class SmoothRows(CurvedRows):
         """A matrix of scipy.sparse, which is not imported for those who return none."""
         from scipy.sparse import csr_array
 
-        name = self.names[1]
+        known = _known(self.names[1])
         if raw.shape != shape:
-            found = f"{name} returned a sparse matrix of shape {raw.shape}: must have shape {shape}."
-            raise StepFailure(Status.CONSTRAINT_FAILED, found)
+            known.refuse(f"returned a sparse matrix of shape {raw.shape}: must have shape {shape}.")
         rows = csr_array(raw)[self.index]
-        data = numbers(name, Status.CONSTRAINT_FAILED, rows.data)
+        data = known.numbers(rows.data)
         return csr(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), data, shape[1])
 
     def take(self, keep: NDArray[np.bool_]) -> SmoothRows:
@@ -88,9 +85,11 @@ def all_rows(
     names: tuple[str, str] = ("g", "jacobian"),
 ) -> SmoothRows:
     """All rows of g, as many as it has at x (N, d)."""
-    value = numbers(names[0], Status.CONSTRAINT_FAILED, call(names[0], Status.CONSTRAINT_FAILED, g, x))
-    if value.ndim != 1:
-        raise StepFailure(
-            Status.CONSTRAINT_FAILED, f"{names[0]} returned an array of shape {value.shape}: must be (m,)."
-        )
+    value = _known(names[0]).evaluated(g, x, shape=(None,))
     return SmoothRows(g, derivative, len(value), np.arange(len(value)), names=names)
+
+
+@cache
+def _known(name: str) -> UserFunction:
+    """A function of x by its name."""
+    return UserFunction(name, ("x",), Status.CONSTRAINT_FAILED)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from dincl.callables import call, numbers
 from dincl.drifts import compiled
 from dincl.errors import StepFailure
 from dincl.kernels.pointers import NOT_A_NUMBER
+from dincl.problem import DRIFT
 from dincl.run.callback import Callback
 from dincl.status import Status
 
@@ -59,7 +59,7 @@ class DriftPointer(Callback):
         if error is not None:
             raise error
         if code == NOT_A_NUMBER:
-            numbers("drift", Status.DRIFT_FAILED, out.reshape(self._shape))
+            DRIFT.numbers(out.reshape(self._shape))
         self._velocity(t, x.reshape(self._shape))
         raise StepFailure(Status.DRIFT_FAILED, "drift failed in its compiled form alone.")
 
@@ -83,9 +83,9 @@ def _python_function(drift: Any, shape: tuple[int, ...], keep: Callable[[BaseExc
             if sys.getrefcount(x) > free:
                 x, room = _read_only(shape)
             room[:] = read[place]
-            value = call("drift", Status.DRIFT_FAILED, drift, t, x)
+            value = DRIFT.call(drift, t, x)
             if type(value) is not np.ndarray or value.dtype is not _FLOAT64 or value.shape != shape:
-                value = numbers("drift", Status.DRIFT_FAILED, value, shape)
+                value = DRIFT.numbers(value, shape)
             written[out][...] = value
         except BaseException as error:  # noqa: BLE001  # raised again by ``failure``; here it would be printed
             keep(error)

@@ -41,7 +41,7 @@ class _Loop:
 
     def run(self) -> RunOutcome:
         """Make the steps; a failure ends the run with the last state."""
-        status, detail = Status.SUCCESS, ""
+        status, detail, cause = Status.SUCCESS, "", None
         self._state, self._reached = self._stepper.start(), 0
         if self._times[0] == 0:
             self._keep(0.0, self._state.x, Checkpoint(0, self._state))
@@ -50,12 +50,12 @@ class _Loop:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
                 self._make_steps()
         except StepFailure as failure:
-            status = failure.status
+            status, cause = failure.status, failure
             time = self._grid.time(self._reached)
             detail = f"{failure.detail} This was in the step from t = {time:.6g} with dt = {self._grid.h:.6g}."
             if not self._t or self._t[-1] < time:
                 self._keep(time, self._state.x, Checkpoint(self._reached, self._state))
-        return self._outcome(status, detail)
+        return self._outcome(status, detail, cause)
 
     def _make_steps(self) -> None:
         segment = None
@@ -79,6 +79,7 @@ class _Loop:
         self._x.append(x)
         self._checkpoints.append(checkpoint)
 
-    def _outcome(self, status: Status, detail: str) -> RunOutcome:
+    def _outcome(self, status: Status, detail: str, cause: StepFailure | None) -> RunOutcome:
         between = StraightLines(self._bind, self._grid, tuple(self._checkpoints))
-        return RunOutcome(np.array(self._t), np.array(self._x), status, detail, self._stepper.work, between)
+        t, x = np.array(self._t), np.array(self._x)
+        return RunOutcome(t, x, status, detail, self._stepper.work, between, failure=cause)

@@ -10,6 +10,7 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
+    from dincl.errors import StepFailure
     from dincl.status import Status
     from dincl.work import Work
 
@@ -63,6 +64,8 @@ class RunOutcome:
         The states between the kept times, and the residuals.
     events, error
         As in ``Trajectory``.
+    failure
+        What ended the run early, for the error that solve raises.
     """
 
     t: NDArray[np.float64]
@@ -73,3 +76,4 @@ class RunOutcome:
     between: Between
     events: tuple[Event, ...] = ()
     error: NDArray[np.float64] | None = None
+    failure: StepFailure | None = None

@@ -7,7 +7,7 @@ import numpy as np
 from dincl.checks import integer
 from dincl.constraints import HalfSpace, NonOverlap
 from dincl.drifts import constant
-from dincl.scenes.layers import layers
+from dincl.scenes.layers import MOST_DISCS, layers
 from dincl.scenes.scene import Scene
 
 
@@ -18,7 +18,7 @@ def ball_pile(n: int, seed: int = 0) -> Scene:
     the floor upwards the layers give way sideways and mix, while those above still fall as one. The start depends on n
     and ``seed`` alone.
     """
-    count = integer("n", n, least=1)
+    count = integer("n", n, least=1, most=MOST_DISCS)
     start = layers(count, 3, np.random.default_rng(integer("seed", seed, least=0)))
     walls = [HalfSpace(normal=(0, 0, 1), radius=start.radius)]
     for axis in ((1, 0, 0), (0, 1, 0)):

@@ -28,6 +28,10 @@ class LooseLayers(NamedTuple):
     width: float
 
 
+# A scene of more does not fit into memory with its contacts.
+MOST_DISCS = 10_000_000
+
+
 def layers(n: int, d: int, rng: np.random.Generator) -> LooseLayers:
     """n discs or balls without overlap above the floor x_d = 0, numbered layer by layer from below.
 

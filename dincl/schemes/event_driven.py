@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -109,7 +109,8 @@ def _failed(march: EventRun, times: NDArray[np.float64], work: Work, failure: St
     x = march.between.states(reached)
     if not len(reached) or reached[-1] < march.now:
         reached, x = np.append(reached, march.now), np.concatenate((x, march.state()[None]))
-    return _outcome(march, reached, x, work, failure.status, f"{failure.detail} This was after t = {march.now:.6g}.")
+    detail = f"{failure.detail} This was after t = {march.now:.6g}."
+    return replace(_outcome(march, reached, x, work, failure.status, detail), failure=failure)
 
 
 def _outcome(

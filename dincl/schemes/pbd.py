@@ -16,6 +16,9 @@ if TYPE_CHECKING:
 
     from dincl.problem import Problem
 
+# Sweeps that converge are done long before; more of them look like a run that does not end.
+MOST_SWEEPS = 1_000_000
+
 
 @dataclass(frozen=True)
 class PBD(FixedStep):
@@ -37,7 +40,7 @@ class PBD(FixedStep):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1))
+        object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1, most=MOST_SWEEPS))
 
     def stepper(self, problem: Problem) -> Stepper:
         if len(problem.x0) <= MOST_SWEPT:

@@ -43,7 +43,7 @@ class Penalty(FixedStep):
     def __post_init__(self) -> None:
         super().__post_init__()
         object.__setattr__(self, "strength", number("strength", self.strength, positive=True))
-        if self.exponent not in (1, 2):
+        if not isinstance(self.exponent, (int, np.integer)) or self.exponent not in (1, 2):
             raise InvalidProblem(f"exponent = {describe(self.exponent)}: must be 1 or 2")
 
     def stepper(self, problem: Problem) -> Stepper:

@@ -12,7 +12,7 @@ from dincl.errors import InvalidProblem
 from dincl.rows.table import MOST_SWEPT
 from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
-from dincl.schemes.pbd import SweepThrough
+from dincl.schemes.pbd import MOST_SWEEPS, SweepThrough
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -45,7 +45,7 @@ class SecondOrderPBD(FixedStep):
         super().__post_init__()
         if self.v0 is not None:
             object.__setattr__(self, "v0", array("v0", self.v0))
-        object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1))
+        object.__setattr__(self, "sweeps", integer("sweeps", self.sweeps, least=1, most=MOST_SWEEPS))
 
     def stepper(self, problem: Problem) -> Stepper:
         v0 = np.zeros_like(problem.x0) if self.v0 is None else np.asarray(self.v0)

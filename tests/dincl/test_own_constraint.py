@@ -113,8 +113,8 @@ def test_it_needs_values_and_jacobian():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"values": lambda self, x: x}, r"Bad.values returned an array of shape \(3, 2\): must be \(m,\)"),
-        ({"values": lambda self, x: x[:, 7]}, "Bad.values raised IndexError"),
+        ({"values": lambda self, x: x}, r"Bad.values returned an array of shape \(3, 2\): must be .* of shape \(n,\)"),
+        ({"values": lambda self, x: x[:, 7]}, r"Bad.values\(.*\) raised IndexError"),
         ({"values": lambda self, x: x[:, 0] - 9.0}, "x0 violates Bad by 9.6 at row 2 of Bad.values"),
     ],
 )

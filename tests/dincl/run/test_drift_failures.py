@@ -29,6 +29,9 @@ def after(t, wrong):
 
 
 class Strange:
+    def __repr__(self):
+        return "Strange()"
+
     def __array__(self, *_, **__):
         raise RuntimeError("no numbers here")
 

@@ -1,0 +1,144 @@
+"""Generated calls of public functions, and what may come of them; a call is made again from its seed and number.
+
+A file of calls names functions and, for each argument, values that are right; the generator mixes these with absurd
+ones. Allowed are answers without a NaN, and the errors that are documented. Nothing else may be raised, no warning
+given, and no call may last.
+"""
+
+import dataclasses
+import signal
+import warnings
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import contextmanager
+from copy import deepcopy
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dincl.checks import describe
+from tests.borders.values import ABSURD, FUNCTIONS
+
+# A call that lasts longer [s] hangs: right ones end within a fraction of a second, but the first may compile.
+PATIENCE = 60.0
+# Of the arguments, these parts get a right value; of those that may be left out, are.
+RIGHT, LEFT_OUT = (0.4, 0.7, 0.9), 0.5
+# Depth to which an answer is searched for a NaN.
+DEPTH = 4
+
+
+class Call(NamedTuple):
+    """A function with right values for its arguments by name; those in ``optional`` may be left out."""
+
+    name: str
+    function: Callable[..., Any]
+    arguments: Mapping[str, Sequence[Any]]
+    optional: tuple[str, ...] = ()
+
+
+class Made(NamedTuple):
+    """One generated call."""
+
+    call: Call
+    arguments: dict[str, Any]
+    seed: int
+    number: int
+
+    def __str__(self) -> str:
+        given = ", ".join(f"{name} = {described(value)}" for name, value in self.arguments.items())
+        return f"{self.call.name}({given})  [seed {self.seed}, number {self.number}]"
+
+
+class TooLong(BaseException):
+    """A call that does not end."""
+
+
+def described(value: Any) -> str:
+    """A value, and which function of the pool it is."""
+    found = next((k for k, function in enumerate(FUNCTIONS) if function is value), None)
+    return describe(value) if found is None else f"FUNCTIONS[{found}]"
+
+
+def generated(calls: Sequence[Call], seed: int, number: int) -> Made:
+    """One call: every function comes as often as any other."""
+    rng = np.random.default_rng((seed, number))
+    call, right = calls[number % len(calls)], RIGHT[rng.integers(len(RIGHT))]
+    chosen = {}
+    for name, values in call.arguments.items():
+        if name in call.optional and rng.random() < LEFT_OUT:
+            continue
+        pool = values if rng.random() < right else FUNCTIONS if callable(values[0]) and rng.random() < 0.7 else ABSURD
+        chosen[name] = fresh(pool[rng.integers(len(pool))])
+    return Made(call, chosen, seed, number)
+
+
+def fresh(value: Any) -> Any:
+    """A random generator as it was at first, so that no call depends on those before it; other values as they are."""
+    return deepcopy(value) if isinstance(value, np.random.Generator) else value
+
+
+def complaint(made: Made, allowed: tuple[type[Exception], ...]) -> str:
+    """What is wrong with how a call ended; nothing if it is ``allowed``."""
+    with warnings.catch_warnings(record=True) as heard, np.errstate(all="warn", under="ignore"):
+        warnings.simplefilter("always")
+        try:
+            with limited():
+                answer = made.call.function(**made.arguments)
+            found = "NaN in the answer" if holds_nan(answer) else ""
+        except allowed as error:
+            found = "" if str(error) else f"{type(error).__name__} without a message"
+        except TooLong:
+            found = "does not end"
+        except Exception as error:  # noqa: BLE001  # that is what is looked for
+            found = type(error).__name__
+    return found or (f"warning {heard[0].category.__name__}: {heard[0].message}" if heard else "")
+
+
+def complaints(calls: Sequence[Call], allowed: tuple[type[Exception], ...], seed: int, count: int) -> list[str]:
+    """All complaints of ``count`` generated calls, each with the call that it is about."""
+    found = []
+    for number in range(count):
+        made = generated(calls, seed, number)
+        wrong = complaint(made, allowed)
+        if wrong:
+            found.append(f"{wrong}: {made}")
+    return found
+
+
+def by_kind(found: Sequence[str]) -> Counter[str]:
+    """How many complaints there are of each kind."""
+    return Counter(text.partition(":")[0] for text in found)
+
+
+@contextmanager
+def limited():
+    """Raise TooLong if what is inside lasts; only in the main thread, which is where tests run."""
+
+    def end(*_):
+        raise TooLong
+
+    before = signal.signal(signal.SIGALRM, end)
+    signal.setitimer(signal.ITIMER_REAL, PATIENCE)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
+        signal.signal(signal.SIGALRM, before)
+
+
+def holds_nan(value: Any, depth: int = DEPTH) -> bool:
+    """Whether there is a NaN in a number, an array, or in what a list, a mapping or a dataclass holds."""
+    if isinstance(value, (float, np.floating, np.ndarray)):
+        numbers = np.asarray(value)
+        return numbers.dtype.kind == "f" and bool(np.isnan(numbers).any())
+    if depth == 0:
+        return False
+    if isinstance(value, Mapping):
+        inside = list(value.values())
+    elif isinstance(value, (list, tuple)):
+        inside = list(value)
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        inside = [getattr(value, field.name) for field in dataclasses.fields(value)]
+    else:
+        return False
+    return any(holds_nan(part, depth - 1) for part in inside)
