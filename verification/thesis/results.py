@@ -12,6 +12,7 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 from verification.evidence import Kind
 from verification.thesis.chapter2 import cheapest, work_precision
 from verification.thesis.chapter4 import kept
+from verification.thesis.chapter4.studies import preset_of
 from verification.thesis.chapter5 import sampling
 from verification.thesis.errata import errata
 from verification.thesis.kept import STUDIES
@@ -52,14 +53,15 @@ def emt() -> dict[str, Any]:
     printed, ratios, controls = kept.read("printed"), kept.read("ratios"), kept.read("controls")
     alone = ratios[ratios["study"].str.startswith("figure10") & (ratios["what"] == "basal")]
     within = printed.groupby(["preset", "time_h"])["agrees"].agg(["sum", "count"])
-    apical = controls.assign(preset=controls["study"].str.endswith("_published")).groupby("preset")["apical"]
+    apical = controls.assign(preset=controls["study"].map(preset_of)).groupby("preset")["apical"]
     return {
         "runs": int(controls["runs"].sum()),
         "within": {key: (int(row["sum"]), int(row["count"])) for key, row in within.iterrows()},
         "hardly": _only(ratios, scenario=NO_INM, what="basal", preset="thesis"),
         "printed": _only(printed, scenario=NO_INM, what="basal", preset="thesis")["printed"],
         "protruding": sorted(alone[alone["scenario"] == PROTRUDES]["value"]),
-        "apical": {published: (values.min(), values.max()) for published, values in apical},
+        "apical": {preset: (values.min(), values.max()) for preset, values in apical},
+        "effects": _main_effects(kept.read("effects")),
         "outside": kept.read("outside").set_index("preset").to_dict("index"),
         "ranking": {name: rows.head(3).to_dict("records") for name, rows in kept.read("ranking").groupby("preset")},
     }
@@ -95,14 +97,18 @@ def signed(value: float, digits: int = 3) -> str:
 
 def _only(table: pd.DataFrame, **wanted: object) -> pd.Series:
     """The first row with these values; of ratios the preset is in the name of the study."""
-    rows = table if "preset" in table else table.assign(preset=table["study"].map(_preset))
+    rows = table if "preset" in table else table.assign(preset=table["study"].map(preset_of))
     for name, value in wanted.items():
         rows = rows[rows[name] == value]
     return rows.iloc[0]
 
 
-def _preset(study: str) -> str:
-    return "published" if study.endswith("_published") else "thesis"
+def _main_effects(effects: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:
+    """Of each printed ratio the rows that change it, by the ends of their intervals; the largest effect first."""
+    main = effects[(effects["with"] == "") & (effects["low"] * effects["high"] > 0)]
+    main = main.sort_values("effect", key=abs, ascending=False)
+    groups = main.groupby(["scenario", "what"])
+    return {f"{scenario} {what}": mine.to_dict("records") for (scenario, what), mine in groups}
 
 
 if __name__ == "__main__":

@@ -9,34 +9,37 @@ import pandas as pd
 
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter4.claims.s4_7_results import ANSWERS
-from verification.thesis.chapter4.studies import PRESETS
+from verification.thesis.chapter4.frequencies import DECIDES
+from verification.thesis.chapter4.studies import PRESETS, preset_of
 
 KEPT = {
     f"emt_complete_{name}": kept.read(name)
-    for name in ("answers", "categories", "conditional", "outside", "printed", "ranking", "ratios")
+    for name in ("answers", "categories", "conditional", "outside", "printed", "ranking", "ratios", "since")
 }
 
 Frames = Mapping[str, pd.DataFrame]
 
 
-def answers(question: str, *verdicts: str) -> Frames:
-    """What each preset says of a question."""
+def answers(question: str, **verdicts: str) -> Frames:
+    """What each preset says of a question; those that are not given do not decide."""
     rows = [
-        {"id": question, "preset": preset, "verdict": verdict, "needed": float("nan")}
-        for preset, verdict in zip(PRESETS, verdicts, strict=True)
+        {"id": question, "preset": preset, "verdict": verdicts.get(preset, "not decided"), "needed": float("nan")}
+        for preset in PRESETS
     ]
     return {ANSWERS: pd.DataFrame(rows)}
 
 
-def with_published_alone(tables: Frames) -> Frames:
-    """As if the model as printed gave what the published one does."""
+def deciding_as(tables: Frames, preset: str) -> Frames:
+    """As if the model that decides gave what another one does."""
+    ending = PRESETS[preset]
 
     def changed(table: pd.DataFrame) -> pd.DataFrame:
         if "study" not in table:
             return table
-        published = table[table["study"].str.endswith("_published")]
-        as_printed = published.assign(study=published["study"].str.removesuffix("_published"))
-        return pd.concat([as_printed, published], ignore_index=True)
+        owner = table["study"].map(preset_of)
+        mine = table[owner == preset]
+        as_deciding = mine.assign(study=mine["study"].str.removesuffix(ending) + PRESETS[DECIDES])
+        return pd.concat([table[owner != DECIDES], as_deciding], ignore_index=True)
 
     return {name: changed(table) for name, table in tables.items()}
 

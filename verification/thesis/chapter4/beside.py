@@ -7,11 +7,11 @@ from collections.abc import Mapping
 import pandas as pd
 
 from verification.page.prose import percents
-from verification.thesis.chapter3.maps import LABELS
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 
 MAKES_NO_NUMBERS = True
 
+LABELS = {preset: preset.capitalize() for preset in PRESETS}
 RATIO = ["value", "low", "high"]
 # Between what a comparison is of and its numbers.
 BEFORE_NUMBERS = r": (?=importance|[-+]?\d+(?:\.\d+)? % \[)"
@@ -41,7 +41,7 @@ def _sided(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def without_ending(study: str) -> str:
-    """The name of a study, the same for both presets."""
+    """The name of a study, the same for all presets."""
     return study.removesuffix(PRESETS[preset_of(study)])
 
 

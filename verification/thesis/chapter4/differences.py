@@ -9,14 +9,15 @@ Of the keys in which the presets differ, those of [P] and [S] are reached by no 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from itertools import product
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from tissue.files.parameters import Parameters
+from tissue.files.parameter_files import flat
+from tissue.files.parameters import Parameters, preset
 from tissue.study.plan import TissueStudy, load_study
-from verification.thesis.chapter4.studies import values_of
 
+NAME = "differences"
 AS_PRINTED = "as printed"
 PUBLISHED = "published"
 # By name: the keys that one row of the table of model variants sets.
@@ -34,6 +35,8 @@ ROWS: Mapping[str, tuple[str, ...]] = {
     "damping": ("numerics.mu",),
     "time step": ("numerics.dt", "numerics.substeps"),
 }
+# The keys of the preset "corrected".
+ENERGIES = ("rules.spring_power", "rules.junction_factor", "rules.repulsion_factor")
 # Keys of [P] and [S], which the runs below do not have.
 UNREACHED = ("events.at_depth", "events.bent_stiffness", "events.contraction", "events.spring_above")
 # How long runs last; it decides with the rule of basal extrusion when and how ratios are counted, not what happens.
@@ -108,3 +111,9 @@ def _parameters(setting: Swap, figure: str, scenario: str) -> Parameters:
     if "tissue.cells" in changes:
         changes["tissue.cells"] = PUBLISHED_CELLS
     return given.changed(changes)
+
+
+def values_of(name: str, keys: Iterable[str]) -> dict[str, Any]:
+    """The values of a preset for some keys."""
+    values = flat(preset(name).as_dict())
+    return {key: values[key] for key in keys}

@@ -15,7 +15,7 @@ from tissue.study.categories import Rule, outcome
 from tissue.study.comparisons import PRINTED_LEVEL, against_printed, agrees
 from tissue.study.ratios import LEVEL, quantile, ratio
 from tissue.study.read import Results
-from verification.thesis.chapter4.differences import AS_PRINTED, PUBLISHED, ROWS, SEPARATOR, SETTINGS, design
+from verification.thesis.chapter4.differences import AS_PRINTED, NAME, PUBLISHED, ROWS, SEPARATOR, SETTINGS, design
 from verification.thesis.chapter4.printed import END, OF, PRINTED, Printed
 
 # At which time [h] and by which rule of basal extrusion cells are counted, by the ends of both presets.
@@ -34,10 +34,11 @@ def changed_ratios(results: Mapping[str, Results]) -> pd.DataFrame:
         ("alone", AS_PRINTED, "thesis", "published"),
         ("without", PUBLISHED, "published", "thesis"),
     ):
+        made = results[f"{NAME}_{kind}"]
         for setting in SETTINGS[kind]():
             row = "" if setting.name == start else setting.name
-            rows += [{"start": start, "row": row} | each for each in _found(results[kind], setting.name, own)]
-        rows += [{"start": start, "row": COUNTING} | each for each in _found(results[kind], start, other)]
+            rows += [{"start": start, "row": row} | each for each in _found(made, setting.name, own)]
+        rows += [{"start": start, "row": COUNTING} | each for each in _found(made, start, other)]
     return pd.DataFrame(rows)
 
 
@@ -80,10 +81,10 @@ def average_effects(results: Mapping[str, Results]) -> pd.DataFrame:
     rows = []
     for printed in PRINTED:
         mine = {"scenario": printed.scenario, "what": printed.what}
-        hits = _design_hits(results["design"], printed, "thesis")
+        hits = _design_hits(results[f"{NAME}_design"], printed, "thesis")
         for (row, other), sign in _contrasts(signs):
             rows.append({"row": row, "with": other} | mine | _effect(hits, sign))
-        apart = _design_hits(results["design"], printed, "published") - hits
+        apart = _design_hits(results[f"{NAME}_design"], printed, "published") - hits
         half = quantile(LEVEL) * float(apart.std(ddof=1)) / math.sqrt(apart.size)
         mean = float(apart.mean())
         rows.append({"row": COUNTING, "with": ""} | mine | {"effect": mean, "low": mean - half, "high": mean + half})

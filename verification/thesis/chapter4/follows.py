@@ -25,18 +25,15 @@ MORE, LESS, OPEN = "more", "less", "open"
 
 
 def isolated(ratios: pd.DataFrame) -> dict[str, list[str]]:
-    """The scenarios of isolated cells of which most leave basally, in "both" presets or in one; or "few" in both."""
+    """The scenarios of isolated cells of which most leave basally, in "every" preset or in "some"; or "few" in all."""
     rows = _split(ratios[ratios["what"] == "basal"])
     rows = rows[rows["study"].isin(ISOLATED)]
     found = {"few": _in_all(rows, rows["high"] < FEW)}
     most = {preset: set(rows.loc[(rows["preset"] == preset) & (rows["low"] > MOST), "scenario"]) for preset in PRESETS}
     names = list(dict.fromkeys(rows["scenario"]))
-    for key, kept in (
-        ("both", most["thesis"] & most["published"]),
-        ("thesis", most["thesis"] - most["published"]),
-        ("published", most["published"] - most["thesis"]),
-    ):
-        found[key] = [name for name in names if name in kept]
+    within = {name: [preset for preset in PRESETS if name in most[preset]] for name in names}
+    found["every"] = [name for name in names if len(within[name]) == len(PRESETS)]
+    found["some"] = [f"{name} ({', '.join(within[name])})" for name in names if 0 < len(within[name]) < len(PRESETS)]
     return found
 
 
@@ -80,11 +77,12 @@ def positions(conditional: pd.DataFrame, ranking: pd.DataFrame) -> dict[str, Any
         column: sum(_first_more(rows[rows["given"] == column], column == "onset_ab") for _, rows in kinds)
         for column in ("onset_ab", "t_a_h", "t_b_h")
     }
-    firsts = [
-        list(ranking[ranking["preset"] == preset].sort_values("value", ascending=False)["factor"][:3])
+    firsts = {
+        preset: list(ranking[ranking["preset"] == preset].sort_values("value", ascending=False)["factor"][:3])
         for preset in PRESETS
-    ]
-    return {"of": len(kinds), "counts": counts, "same": firsts[0] == firsts[1], "first": firsts}
+    }
+    same = all(first == firsts["thesis"] for first in firsts.values())
+    return {"of": len(kinds), "counts": counts, "same": same, "first": firsts}
 
 
 def _first_more(rows: pd.DataFrame, fifth: bool) -> bool:
@@ -100,7 +98,7 @@ def _together(rows: pd.DataFrame) -> Ratio:
 
 
 def questions(answers: pd.DataFrame) -> dict[str, Any]:
-    """The questions by their verdicts: those with one verdict in both presets, and the others."""
+    """The questions by their verdicts: those with one verdict in all presets, and the others."""
     verdicts = answers.pivot(index="id", columns="preset", values="verdict")
     same = verdicts.nunique(axis=1) == 1
     found = {text: list(verdicts.index[same & (verdicts["thesis"] == text)]) for text in answers["verdict"].unique()}
@@ -135,17 +133,17 @@ def _in_all(rows: pd.DataFrame, holds: pd.Series) -> list[str]:
 
 
 def _compared(pairs: Mapping[tuple[str, str], tuple[pd.Series, pd.Series]]) -> dict[str, Any]:
-    """Counts of "more" and "less" by preset, of all; and what is so in both; Holm's correction for all comparisons."""
+    """Counts of "more" and "less" by preset, of all; and what is so in each; Holm's correction for all comparisons."""
     differences = {key: Difference(as_ratio(one), as_ratio(other)) for key, (one, other) in pairs.items()}
     p = corrected(pd.Series([one.p_value() for one in differences.values()]))
     shown = dict(zip(differences, p < 1 - LEVEL, strict=True))
     kinds = {key: (MORE if one.value > 0 else LESS) if shown[key] else OPEN for key, one in differences.items()}
     names = list(dict.fromkeys(name for _, name in kinds))
-    both = {which: [name for name in names if _all_are(kinds, name, which)] for which in (MORE, LESS)}
+    every = {which: [name for name in names if _all_are(kinds, name, which)] for which in (MORE, LESS)}
     counts: dict[str, dict[str, int]] = {preset: dict.fromkeys((MORE, LESS, OPEN), 0) for preset in PRESETS}
     for (preset, _), which in kinds.items():
         counts[preset][which] += 1
-    return {"counts": counts, "both": both, "of": len(names)}
+    return {"counts": counts, "every": every, "of": len(names)}
 
 
 def _all_are(kinds: Mapping[tuple[str, str], str], name: str, which: str) -> bool:

@@ -1,9 +1,10 @@
-"""Ratios of cells for claims about runs: what both models say at once, and how many runs a difference would need."""
+"""Ratios of cells for claims about runs: what decides, and how many runs it would need."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import TypeVar
 
 import numpy as np
 from scipy.special import ndtri
@@ -14,6 +15,10 @@ from verification.claims import Tables
 from verification.evidence import Comparison, Interval
 from verification.thesis.chapter4.studies import PRESETS
 
+Found = TypeVar("Found")
+# The model that decides: as printed, with the energies corrected and nothing else. Beside it stand the others.
+DECIDES = "corrected"
+BESIDE = {"thesis": "as printed", "published": "published"}
 RATIOS, CATEGORIES, CONDITIONAL = (f"emt_complete_{name}" for name in ("ratios", "categories", "conditional"))
 
 
@@ -37,8 +42,8 @@ def category(tables: Tables, study: str, *categories: str) -> Ratio:
     return Ratio(int(counts[0]), int(counts[1]), counts[2])
 
 
-def in_both(find: Callable[[str], Difference]) -> dict[str, Difference]:
-    """A difference by preset; ``find`` is given the end of the names of its studies."""
+def in_models(find: Callable[[str], Found]) -> dict[str, Found]:
+    """What is found by preset; ``find`` is given the end of the names of its studies."""
     return {preset: find(suffix) for preset, suffix in PRESETS.items()}
 
 
@@ -50,21 +55,18 @@ def exclusive(first: Ratio, second: Ratio) -> Difference:
 
 
 def hull(what: str, intervals: Sequence[Interval], low: float, high: float) -> Comparison:
-    """One number of several models: its interval reaches over all of theirs, so that models that differ decide nothing.
-
-    A statement about the runs of the thesis holds if it does in the model as printed and in the published one.
-    """
+    """One number of several kinds of cells: its interval reaches over all of theirs, so that no kind is left out."""
     least, most = min(a for a, _ in intervals), max(b for _, b in intervals)
     return Comparison(what, sum(a + b for a, b in intervals) / (2 * len(intervals)), low, high, (least, most))
 
 
-def more(what: str, found: Mapping[str, Difference]) -> Comparison:
-    """The first ratio is larger than the second, in both models."""
+def more(what: str, *found: Mapping[str, Difference]) -> Comparison:
+    """The first ratio is larger than the second, of each of the kinds."""
     return hull(what, _intervals(found), 0.0, math.inf)
 
 
-def alike(what: str, found: Mapping[str, Difference], margin: float) -> Comparison:
-    """The ratios differ by less than the margin, in both models."""
+def alike(what: str, *found: Mapping[str, Difference], margin: float) -> Comparison:
+    """The ratios differ by less than the margin, of each of the kinds."""
     return hull(what, _intervals(found), -margin, margin)
 
 
@@ -75,11 +77,8 @@ def most_runs(sizes: Iterable[int | None]) -> int | None:
 
 def needed(*found: Mapping[str, Difference]) -> int | None:
     """Runs of each kind with which the measured differences would be seen, of those that runs can show."""
-    return most_runs(
-        runs_needed(each.first.value, each.second.value, level=CLAIM_LEVEL)
-        for differences in found
-        for each in differences.values()
-    )
+    deciding = (each[DECIDES] for each in found)
+    return most_runs(runs_needed(each.first.value, each.second.value, level=CLAIM_LEVEL) for each in deciding)
 
 
 def runs_for_bound(value: float, bound: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
@@ -121,9 +120,16 @@ def runs_by_width(cells: float, interval: Interval, level: float) -> int | None:
 
 
 def told(found: Mapping[str, Difference]) -> str:
-    """The differences with their intervals, in the order of the models."""
-    return " and ".join(str(each).removesuffix(" points") for each in found.values()) + " points"
+    """The difference that decides with its interval, and those of the other models."""
+    others = ", ".join(f"{name} {100 * found[preset].value:+.1f}" for preset, name in BESIDE.items())
+    return f"{found[DECIDES]} ({others})"
 
 
-def _intervals(found: Mapping[str, Difference]) -> list[Interval]:
-    return [difference.interval(CLAIM_LEVEL) for difference in found.values()]
+def shares(found: Mapping[str, Ratio]) -> str:
+    """The ratio that decides with its interval, and those of the other models."""
+    others = ", ".join(f"{name} {100 * found[preset].value:.1f} %" for preset, name in BESIDE.items())
+    return f"{found[DECIDES]} ({others})"
+
+
+def _intervals(found: Iterable[Mapping[str, Difference]]) -> list[Interval]:
+    return [each[DECIDES].interval(CLAIM_LEVEL) for each in found]

@@ -1,6 +1,6 @@
 """What the columns of the tables on the page are called, and what its figures show."""
 
-# Of both presets beside each other: what the rows are of, then what is shown of each preset.
+# Of the presets beside each other: what the rows are of, then what is shown of each preset.
 PRINTED = ({"scenario": "Scenario", "what": "Outcome", "printed": "Printed"}, {"shown": ""})
 RATIOS = (
     {"study": "Study", "scenario": "Scenario", "what": "Outcome"},

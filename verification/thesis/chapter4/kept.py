@@ -17,7 +17,7 @@ from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from dincl.study import workers
 from tissue.study.read import Results
-from verification.thesis.chapter4 import printed, sensitivity, studies, summaries
+from verification.thesis.chapter4 import differences, effects, printed, sensitivity, studies, summaries
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 from verification.thesis.kept import keep
 
@@ -26,6 +26,7 @@ DATA = Path(__file__).parent.parent / "data"
 TABLES: dict[str, Callable[[Mapping[str, Results]], pd.DataFrame]] = {
     "printed": printed.compared,
     "ratios": summaries.scenario_ratios,
+    "since": summaries.since_a,
     "categories": summaries.category_ratios,
     "conditional": summaries.conditional,
     "outside": summaries.outside,
@@ -33,8 +34,13 @@ TABLES: dict[str, Callable[[Mapping[str, Results]], pd.DataFrame]] = {
     "answers": summaries.answered,
     "ranking": summaries.ranking,
 }
-# Only of the complete form.
-COMPLETE = TABLES | {sensitivity.NAME: sensitivity.indices}
+# Only of the complete form, with the study that each is of.
+FURTHER = {
+    sensitivity.NAME: (sensitivity.NAME, sensitivity.indices),
+    "changed": (f"{differences.NAME}_without", effects.changed_ratios),
+    "effects": (f"{differences.NAME}_design", effects.average_effects),
+}
+COMPLETE = TABLES | {name: table for name, (_, table) in FURTHER.items()}
 COMPLETE_PREFIX = "emt_complete_"
 
 
@@ -56,9 +62,9 @@ def main(folder: Path, preset: str | None = None) -> None:
     with workers() as executor:
         results = studies.watched(chosen, folder, executor)
     for name, table in COMPLETE.items():
-        if name != sensitivity.NAME or sensitivity.NAME in results:
-            made, before = table(results), [] if preset is None else [read(name)]
-            rows = made if preset is None else with_others(made, before[0], preset)
+        if name not in FURTHER or FURTHER[name][0] in results:
+            made, before = table(results), [] if preset is None or name in FURTHER else [read(name)]
+            rows = with_others(made, before[0], preset) if preset is not None and before else made
             keep(rows, DATA / f"emt_{name}.parquet", main, before)
 
 

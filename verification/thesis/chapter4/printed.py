@@ -15,7 +15,7 @@ from verification.thesis.chapter4.studies import PRESETS
 
 # Runs of each scenario of Figures 10 and 12; the end of the runs of the thesis [h].
 OF, END = 400, 48.0
-RULES: dict[str, Rule] = {"thesis": "thesis", "published": "published"}
+RULES: dict[str, Rule] = {"thesis": "thesis", "corrected": "thesis", "published": "published"}
 
 
 class Printed(NamedTuple):

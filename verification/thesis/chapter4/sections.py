@@ -12,7 +12,7 @@ from tissue.study.ratios import as_ratio
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill
-from verification.thesis.chapter4 import follows, headings, kept, sensitivity
+from verification.thesis.chapter4 import follows, headings, kept, section_differences, sensitivity
 from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
 from verification.thesis.chapter4.figures import Pictures
 
@@ -31,6 +31,7 @@ def sections(context: Context) -> list[Section]:
     pictures = Pictures(context, folder(context))
     return [
         _isolated(context, pictures),
+        section_differences.section(context),
         _groups(context, pictures),
         _heterogeneous(context, pictures),
         _positions(context, pictures),

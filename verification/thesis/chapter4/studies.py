@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from dincl.study import progress
-from tissue.files.parameter_files import flat
-from tissue.files.parameters import preset
 from tissue.study.identity import fingerprint, identity
 from tissue.study.plan import TissueStudy, load_study
 from tissue.study.read import Results
 from tissue.study.run import carry_out
-from verification.thesis.chapter4 import sensitivity
+from verification.thesis.chapter4 import differences, sensitivity
 
 NAMES = ("figure10", "figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7", "questions")
 
@@ -36,12 +35,6 @@ class EmtForm:
     changes: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
 
-def values_of(name: str, keys: Iterable[str]) -> dict[str, Any]:
-    """The values of a preset for some keys."""
-    values = flat(preset(name).as_dict())
-    return {key: values[key] for key in keys}
-
-
 # Half of the replicates are where numbers are printed: fifteen seconds on two cores.
 SHORT = EmtForm(
     {
@@ -56,13 +49,22 @@ SHORT = EmtForm(
         "figure12_published": 32,
     }
 )
-# The keys of the preset "corrected", which has the energies of the thesis without dimension.
-ENERGIES = ("rules.spring_power", "rules.junction_factor", "rules.repulsion_factor")
-FULL = EmtForm(dict.fromkeys((*NAMES, *(f"{name}_published" for name in NAMES), sensitivity.NAME)))
+# The studies of the model as printed with the energies of the preset "corrected", and fewer runs.
+CORRECTED = {"figure10": 8000, "figure12": 400, "figure14": 400, "figure15": 200, "questions": 500}
+CORRECTED |= {"table5_63": 4000, "table5_35": 16000, "table5_7": 4000}
+# Studies that are none of the tables of the thesis.
+FURTHER = {sensitivity.NAME: sensitivity.study} | {
+    f"{differences.NAME}_{kind}": partial(differences.study, kind) for kind in differences.SETTINGS
+}
+FULL = EmtForm(
+    dict.fromkeys((*NAMES, *(f"{name}_published" for name in NAMES), *FURTHER))
+    | {f"{name}_corrected": replicates for name, replicates in CORRECTED.items()},
+    {f"{name}_corrected": differences.values_of("corrected", differences.ENERGIES) for name in CORRECTED},
+)
 # What the questions are asked of, beside "questions" where it is. Of one name in two of them the later one counts:
 # [AxB] with 12 h between the events, not with 18 h.
 QUESTIONED = ("figure12", "figure14", "figure15", "table5_63", "table5_35", "table5_7")
-PRESETS = {"thesis": "", "published": "_published"}
+PRESETS = {"thesis": "", "corrected": "_corrected", "published": "_published"}
 
 
 def preset_of(name: str) -> str:
@@ -83,8 +85,9 @@ def chosen(form: EmtForm) -> dict[str, TissueStudy]:
 
 
 def _study(name: str, replicates: int | None) -> TissueStudy:
-    if name == sensitivity.NAME:
-        return sensitivity.study()
+    if name in FURTHER:
+        return FURTHER[name]()
+    name = name.removesuffix(PRESETS["corrected"])
     return load_study(name) if replicates is None else shortened(name, replicates)
 
 

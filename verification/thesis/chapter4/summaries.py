@@ -15,14 +15,14 @@ from tissue.study.ranking import by_importance
 from tissue.study.ratios import ratio, ratios
 from tissue.study.read import Results
 from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.chapter4 import sensitivity
-from verification.thesis.chapter4.studies import PRESETS, QUESTIONED
+from verification.thesis.chapter4.studies import FURTHER, PRESETS, QUESTIONED
 
 POPULATIONS = ("table5_63", "table5_35", "table5_7")
 RANKED = "table5_35"
 # Of the position at the onset (Figure 21), and of the event times [h] (Figure 20).
 ONSETS, TIMES = tuple(np.arange(11) / 10), tuple(range(6, 25, 3))
 SEED = 0
+SINCE_A = 24.0  # [h]
 COLUMNS = ["count", "of", "effective", "runs", "value", "low", "high"]
 
 
@@ -40,6 +40,23 @@ def scenario_ratios(results: Mapping[str, Results]) -> pd.DataFrame:
                 value = {"value": one.value, "low": low, "high": high}
                 rows.append({"study": study, "scenario": scenario, "what": what} | counts | value)
     return pd.DataFrame(rows)
+
+
+def since_a(results: Mapping[str, Results]) -> pd.DataFrame:
+    """Basal extrusion so many hours after [A] by the programs of Figure 14, by the rule of the thesis.
+
+    The right of Figure 14 counts from [A] on; 24 h after it the runs of the program with the latest [A] end.
+    """
+    rows = []
+    for study, found in results.items():
+        for scenario in found.study.scenarios if study.startswith("figure14") else ():
+            cells = found.cells(scenario)
+            # The last kept time until then: in the studies themselves each hour is kept.
+            t = max(time for time in kept_times(cells) if time <= cells["t_a_h"].iloc[0] + SINCE_A)
+            one = ratio(outcome(cells, "basal", t), cells["replicate"])
+            numbers = (one.count, one.of, one.size, cells["replicate"].nunique(), one.value, *one.interval())
+            rows.append({"study": study, "scenario": scenario} | dict(zip(COLUMNS, numbers, strict=True)))
+    return pd.DataFrame(rows, columns=["study", "scenario", *COLUMNS])
 
 
 def category_ratios(results: Mapping[str, Results]) -> pd.DataFrame:
@@ -125,8 +142,8 @@ def ranking(results: Mapping[str, Results]) -> pd.DataFrame:
 
 
 def _named(results: Mapping[str, Results]) -> Iterator[tuple[str, Results]]:
-    """The studies but for the sensitivity, of which the scenarios are points."""
-    return ((name, found) for name, found in results.items() if name != sensitivity.NAME)
+    """The studies of the tables of the thesis."""
+    return ((name, found) for name, found in results.items() if name not in FURTHER)
 
 
 def _populations(

@@ -30,6 +30,7 @@ from verification.thesis.chapter1.claims import (
     s5_applications,
 )
 from verification.thesis.chapter1.sets import outside
+from verification.thesis.chapter4.studies import PRESETS
 from verification.thesis.introduction.claims import s1_introduction
 
 PARTS = (
@@ -79,7 +80,7 @@ def ratios(basal: int) -> dict[str, pd.DataFrame]:
     counts = {"[A]": (60, 100), "[B]": (0, 40), "[S]": (0, 170), "[BP]": (basal, 30)}
     rows = [
         {"study": study, "scenario": scenario, "what": what, "count": count, "of": 400, "effective": 400.0}
-        for study in ("figure10", "figure10_published")
+        for study in (f"figure10{ending}" for ending in PRESETS.values())
         for scenario, both in counts.items()
         for what, count in zip(("basal", "apical"), both, strict=True)
     ]

@@ -8,7 +8,6 @@ import pytest
 import tissue
 from tissue.files.parameter_files import flat
 from verification.thesis.chapter4 import differences, effects
-from verification.thesis.chapter4.studies import ENERGIES
 
 # Written in other units, and equal.
 SAME = ("cell.initial_rest_length", "tissue.diffusion", "tissue.height", "tissue.width")
@@ -34,7 +33,7 @@ def test_what_is_written_in_other_units_is_equal() -> None:
 
 def test_the_corrected_preset_differs_from_the_thesis_in_the_energies_alone() -> None:
     thesis, corrected = values("thesis"), values("corrected")
-    assert {key for key in thesis if thesis[key] != corrected[key]} == set(ENERGIES)
+    assert {key for key in thesis if thesis[key] != corrected[key]} == set(differences.ENERGIES)
 
 
 @pytest.mark.parametrize("scenario", differences.SCENARIOS)

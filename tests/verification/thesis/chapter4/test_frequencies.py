@@ -27,14 +27,30 @@ def test_outcomes_of_the_same_cells_differ_as_those_of_a_multinomial() -> None:
     assert frequencies.runs_for_margin(found, 0.0, level=0.95) == 87  # (2.8016/0.25)^2 0.6875 = 86.3
 
 
-def test_models_that_differ_decide_nothing() -> None:
-    def found(first: int, second: int) -> Kind:
-        both = [Difference(Ratio(count, 1000), Ratio(500, 1000)) for count in (first, second)]
-        return Evidence("", (frequencies.more("", dict(zip(PRESETS, both, strict=True))),)).kind
+def by_model(**counts: int) -> dict[str, Difference]:
+    """Differences from a half, of 1000 cells each; those of models that are not given are none."""
+    return {preset: Difference(Ratio(counts.get(preset, 500), 1000), Ratio(500, 1000)) for preset in PRESETS}
 
-    assert found(700, 800) is Kind.HOLDS
-    assert found(300, 400) is Kind.FAILS
-    assert found(700, 400) is found(500, 500) is Kind.OPEN
+
+def test_one_model_decides() -> None:
+    def found(*counts: int) -> Kind:
+        kinds = [by_model(corrected=count, thesis=1000 - count) for count in counts]
+        return Evidence("", (frequencies.more("", *kinds),)).kind
+
+    assert found(700) is Kind.HOLDS
+    assert found(300) is Kind.FAILS
+    assert found(500) is Kind.OPEN
+
+
+def test_kinds_of_cells_that_differ_decide_nothing() -> None:
+    kinds = [by_model(corrected=count) for count in (700, 400)]
+    assert Evidence("", (frequencies.more("", *kinds),)).kind is Kind.OPEN
+
+
+def test_what_is_told_begins_with_the_model_that_decides() -> None:
+    told = frequencies.told(by_model(corrected=700, thesis=400))
+    assert told.startswith("+20.0 [")
+    assert told.endswith("points (as printed -10.0, published +0.0)")
 
 
 def test_runs_for_a_margin_shrink_with_the_square_of_the_distance() -> None:
@@ -46,10 +62,10 @@ def test_runs_for_a_margin_shrink_with_the_square_of_the_distance() -> None:
 
 
 def test_runs_for_several_differences_are_those_of_the_smallest() -> None:
-    large, small, none = (Difference(Ratio(count, 100), Ratio(50, 100)) for count in (90, 60, 50))
-    assert frequencies.needed({"": large}, {"": small, "0": none}) == frequencies.needed({"": small})
-    assert frequencies.needed({"": large}) < frequencies.needed({"": small})
-    assert frequencies.needed({"": none}) is None
+    large, small, none = (by_model(corrected=count, thesis=501) for count in (900, 600, 500))
+    assert frequencies.needed(large, small, none) == frequencies.needed(small)
+    assert frequencies.needed(large) < frequencies.needed(small)
+    assert frequencies.needed(none) is None
 
 
 def test_runs_by_the_width_of_an_interval_are_those_of_the_difference() -> None:

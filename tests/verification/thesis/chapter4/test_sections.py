@@ -7,9 +7,9 @@ import pytest
 
 from tests.executors import Nowhere
 from tissue.study.comparisons import Difference, corrected
-from tissue.study.ratios import as_ratio
+from tissue.study.ratios import Ratio, as_ratio
 from verification.page.context import Context
-from verification.thesis.chapter4 import follows, headings, kept, studies
+from verification.thesis.chapter4 import differences, effects, follows, headings, kept, section_differences, studies
 from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
 from verification.thesis.chapter4.figures import Pictures
 from verification.thesis.chapter4.sections import sections
@@ -60,9 +60,9 @@ def test_each_section_ends_with_what_follows(tmp_path):
 def test_presets_stand_beside_each_other():
     table = beside(with_ratios(BASAL.reset_index()), *headings.RATIOS)
     assert list(table)[3:6] == ["Thesis [95 %]", "Thesis effective cells", "Thesis runs"]
-    assert len(table) == len(BASAL) / 2
+    assert len(table) == len(BASAL) / len(studies.PRESETS)
     row = table[(table["Study"] == "figure12") & (table["Scenario"] == "[B] no INM")].iloc[0]
-    for preset, ending in (("Thesis", ""), ("Published", "_published")):
+    for preset, ending in (("Thesis", ""), ("Corrected", "_corrected"), ("Published", "_published")):
         wanted = BASAL.loc[(f"figure12{ending}", "[B] no INM")]
         assert row[f"{preset} [95 %]"].startswith(f"{100 * wanted['value']:.1f} % [")
         assert row[f"{preset} runs"] == wanted["runs"]
@@ -72,7 +72,7 @@ def test_presets_stand_beside_each_other():
 
 def test_no_printed_ratio_factor_or_comparison_is_lost():
     shown = beside(printed(TABLES["printed"]), *headings.PRINTED)
-    assert list(shown)[3:] == ["Thesis, 48 h", "Published, 48 h", "Published, 54 h"]
+    assert list(shown)[3:] == ["Thesis, 48 h", "Corrected, 48 h", "Published, 48 h", "Published, 54 h"]
     cells = shown.iloc[:, 3:].to_numpy().ravel()
     assert len(cells) == len(TABLES["printed"])
     assert sum("off by" in text for text in cells) == (~TABLES["printed"]["agrees"]).sum()
@@ -80,17 +80,19 @@ def test_no_printed_ratio_factor_or_comparison_is_lost():
     answers = TABLES["answers"]
     compared = beside(comparisons(answers), *headings.COMPARISONS)
     lines = answers["measured"].str.count("\n").sum() + len(answers)
-    assert len(compared) == lines / 2
-    assert (compared[["Thesis preset", "Published preset"]] != "").all(axis=None)
+    assert len(compared) == lines / len(studies.PRESETS)
+    assert (compared[["Thesis preset", "Corrected preset", "Published preset"]] != "").all(axis=None)
     assert beside(answers, *headings.ANSWERS)[""].tolist() == [f"Q{k}" for k in range(1, 9)]
 
 
-def test_who_leaves_in_both_presets_is_counted():
+def test_who_leaves_in_every_preset_is_counted():
     found = follows.isolated(TABLES["ratios"])
+    some = dict(re.fullmatch(r"(.*) \((.*)\)", text).groups() for text in found["some"])
     for preset, ending in studies.PRESETS.items():
-        for name in found["both"] + found[preset]:
+        for name in [*found["every"], *some]:
             study = "figure12" if "INM" in name else "figure10"
-            assert BASAL.loc[(study + ending, name), "low"] > 0.5
+            most = BASAL.loc[(study + ending, name), "low"] > 0.5
+            assert most == (name not in some or preset in some[name])
     for name in found["few"]:
         assert (
             BASAL.xs(name, level="scenario").loc[lambda rows: rows.index.str.match(r"figure1[02]"), "high"] < 0.05
@@ -114,8 +116,8 @@ def test_groups_are_compared_with_holms_correction():
         assert (counts["more"], counts["less"]) == (sum(value > 0 for value in mine), sum(value < 0 for value in mine))
         assert sum(counts.values()) == 22
     mixed = follows.heterogeneous(TABLES["ratios"], TABLES["categories"])
-    assert [sum(counts.values()) for counts in mixed["counts"].values()] == [18, 18]
-    assert set(mixed["both"]["more"]).isdisjoint(mixed["both"]["less"])
+    assert [sum(counts.values()) for counts in mixed["counts"].values()] == [18, 18, 18]
+    assert set(mixed["every"]["more"]).isdisjoint(mixed["every"]["less"])
 
 
 def test_every_question_has_one_place():
@@ -128,3 +130,32 @@ def test_apical_extrusion_is_set_beside_that_of_control_cells():
     found = follows.controls(TABLES["controls"], TABLES["ratios"])
     assert found["most"][0] == TABLES["controls"]["apical"].max()
     assert all(0 < above <= every == 74 for above, every in found["counts"].values())
+
+
+def test_one_row_is_changed_at_a_time():
+    changed = TABLES["changed"]
+    for start in ("as printed", "published"):
+        shown = section_differences.one_by_one(changed, start)
+        assert list(shown["Changed"]) == ["nothing changed", *differences.ROWS, effects.COUNTING]
+        agrees = changed[changed["start"] == start]["agrees"].sum()
+        assert shown.iloc[:, 1:].map(lambda text: text.endswith("✓")).to_numpy().sum() == agrees
+
+
+def test_unchanged_runs_give_the_ratios_of_the_studies():
+    """Other seeds: the same ratios beyond chance."""
+    bare = TABLES["changed"][TABLES["changed"]["row"] == ""]
+    p = []
+    for row in bare.itertuples():
+        ending, time = ("_published", 54.0) if row.start == "published" else ("", 48.0)
+        mine = {"preset": studies.preset_of(ending), "time_h": time, "scenario": row.scenario, "what": row.what}
+        made = TABLES["printed"][(TABLES["printed"][list(mine)] == pd.Series(mine)).all(axis=1)].iloc[0]
+        one = Difference(Ratio(row.count, row.of), Ratio(round(made["measured"] * made["runs"]), int(made["runs"])))
+        p.append(one.p_value())
+    assert corrected(pd.Series(p)).min() > 0.01
+
+
+def test_what_makes_a_ratio_agree_is_told():
+    told = {one["ratio"]: one for one in section_differences.found(TABLES["changed"], TABLES["effects"])}
+    assert told["[B] basal"]["agrees"]
+    assert "energy of the cytoskeleton" in told["[B] no INM basal"]["needs"]
+    assert all(one["largest"]["row"] in differences.ROWS for name, one in told.items() if name != "[B] basal")

@@ -5,14 +5,15 @@ from __future__ import annotations
 
 from functools import partial
 
-from tissue.study.comparisons import ALIKE, Difference
+from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference
 from tissue.study.ratios import Ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind
 from verification.thesis.chapter4.frequencies import (
+    DECIDES,
     RATIOS,
-    alike,
-    in_both,
+    hull,
+    in_models,
     more,
     most_runs,
     needed,
@@ -47,12 +48,12 @@ def stopped(tables: Tables, suffix: str, event: str, what: str) -> Difference:
 )
 def _without_inm(tables: Tables) -> Evidence:
     found = {
-        f"{event} {what}": in_both(partial(stopped, tables, event=event, what=what))
+        f"{event} {what}": in_models(partial(stopped, tables, event=event, what=what))
         for event in ("[A]", "[B]")
         for what in ("basal", "apical")
     }
     return Evidence(
-        "More basal and less apical extrusion without INM, model as printed and published one: "
+        "More basal and less apical extrusion without INM: "
         f"{'; '.join(f'{name} {told(each)}' for name, each in found.items())}.",
         printed=tuple(more(f"{name} extrusion", each) for name, each in found.items()),
         runs_needed=needed(*found.values()),
@@ -65,14 +66,12 @@ def _without_inm(tables: Tables) -> Evidence:
     source="Figure 12",
     quote="Suddenly, [B] leads to much more basal extrusion compared to [A]. With INM it was the other way around.",
     needs=(RATIOS,),
-    recorded=Kind.OPEN,
 )
 def _swapped(tables: Tables) -> Evidence:
-    still = in_both(lambda s: Difference(of_still(tables, s, "[B]", "basal"), of_still(tables, s, "[A]", "basal")))
-    moving = in_both(lambda s: Difference(of_event(tables, s, "[A]", "basal"), of_event(tables, s, "[B]", "basal")))
+    still = in_models(lambda s: Difference(of_still(tables, s, "[B]", "basal"), of_still(tables, s, "[A]", "basal")))
+    moving = in_models(lambda s: Difference(of_event(tables, s, "[A]", "basal"), of_event(tables, s, "[B]", "basal")))
     return Evidence(
-        f"Basal extrusion, model as printed and published one: without INM [B] minus [A] {told(still)}; with INM [A] "
-        f"minus [B] {told(moving)}.",
+        f"Basal extrusion: without INM [B] minus [A] {told(still)}; with INM [A] minus [B] {told(moving)}.",
         printed=(more("[B] minus [A], without INM", still), more("[A] minus [B], with INM", moving)),
         runs_needed=needed(still, moving),
     )
@@ -87,16 +86,15 @@ def _swapped(tables: Tables) -> Evidence:
 )
 def _drift(tables: Tables) -> Evidence:
     """A cell without any event, and one with [S] alone."""
-    none = in_both(
+    none = in_models(
         lambda s: Difference(
             ratio_of(tables, f"figure12{s}", "no EMT no INM", "below"),
             ratio_of(tables, f"figure15{s}", "no EMT", "below"),
         )
     )
-    loose = in_both(lambda s: Difference(of_still(tables, s, "[S]", "below"), of_event(tables, s, "[S]", "below")))
+    loose = in_models(lambda s: Difference(of_still(tables, s, "[S]", "below"), of_event(tables, s, "[S]", "below")))
     return Evidence(
-        f"Cells below all control cells without INM minus with it, model as printed and published one: no event "
-        f"{told(none)}; [S] {told(loose)}.",
+        f"Cells below all control cells without INM minus with it: no event {told(none)}; [S] {told(loose)}.",
         printed=(more("no event", none), more("[S]", loose)),
         runs_needed=needed(none, loose),
     )
@@ -113,6 +111,11 @@ def by_straightness(tables: Tables, suffix: str) -> dict[str, Difference]:
         for what in ("basal", "apical")
         for inm in loose
     }
+
+
+def within(what: str, found: Difference, margin: float) -> Comparison:
+    """A difference within a margin."""
+    return hull(what, [found.interval(CLAIM_LEVEL)], -margin, margin)
 
 
 def little(what: str) -> float:
@@ -133,24 +136,26 @@ def little(what: str) -> float:
         Effect.MODEL,
         "2.2.3 and Figures 10, 12; that [S] is left out from 4.3 on. One rule changed alone, of 400 cells with INM "
         "leave apically: energies as printed 43 % with 0, 20 % with 1; published energies 45 % and 8 %",
+        why="section 2.1 says that [S] decreases α^axb; without bending stiffness nothing holds the nucleus between "
+        "its two points, and a fifth to two fifths of the cells with INM leave apically",
+        place=2821,
     ),
     chosen=f"mostly irrelevant: less than {ALIKE:.0%} without INM, of which 4.2.2 speaks, and {LITTLE:.0%} with it",
 )
 def _straightness(tables: Tables) -> Evidence:
-    straight, kept = (by_straightness(tables, suffix) for suffix in PRESETS.values())
+    straight, kept = (by_straightness(tables, PRESETS[preset]) for preset in (DECIDES, "published"))
     largest = max(straight, key=lambda what: abs(straight[what].value) - little(what))
 
     def changes(found: dict[str, Difference], alpha: int) -> tuple[Comparison, ...]:
         return tuple(
-            alike(f"change of {what} extrusion, α^axb := {alpha}", {"": each}, little(what))
-            for what, each in found.items()
+            within(f"change of {what} extrusion, α^axb := {alpha}", each, little(what)) for what, each in found.items()
         )
 
     def points(found: dict[str, Difference]) -> str:
         return ", ".join(f"{what} {100 * each.value:+.0f}" for what, each in found.items())
 
     return Evidence(
-        f"By [S] extrusion changes, if α^axb := 0 as printed, by {points(straight)} points; in the published runs, "
+        f"By [S] extrusion changes, if α^axb := 0, by {points(straight)} points; in the published runs, "
         f"which set it to 1 of 15, by {points(kept)}. Figure 12, of which 4.2.2 speaks, is without INM.",
         printed=changes(straight, 0),
         corrected=changes(kept, 1),
