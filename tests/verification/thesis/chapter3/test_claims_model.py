@@ -59,14 +59,9 @@ def ratios(*values: float) -> pd.DataFrame:
     )
 
 
-def early(*given: Any) -> Any:
-    """Cells that enlarge an hour before division, in a table for a seed and as the rule for (age, cycle)."""
-    first, second = given
-    if isinstance(second, str):
-        table = s1_3_model.grown(first, second)
-        late = table["cycle_h"] - table["age_h"] < 1.0
-        return table.assign(hard_radius_um=np.where(late, 3.5, 1.5))
-    return first >= second - 1.0
+def early(age: Any, cycle: float) -> Any:
+    """Cells that enlarge an hour before division."""
+    return age >= cycle - 1.0
 
 
 GROWTH = {"tissue_ratios": ratios(1.5, 1.2, 1.1)}
@@ -98,7 +93,7 @@ CHANGES = {
     "c3.box": Wrong(TABLES, "FIRST_HEIGHT", replaced(10.0), HOLDS),
     "c3.basal": Wrong(TABLES, "basal_width", replaced(lambda _: 18.0), HOLDS),
     "c3.offspring": Wrong(TABLES, "singles", lambda f: lambda _: f(0.8), HOLDS),
-    "c3.enlarged": Wrong(TABLES, ("grown", "text_rule"), lambda _: early, HOLDS),
+    "c3.enlarged": Wrong(TABLES, "text_rule", lambda _: early, HOLDS),
     "c3.noise": Wrong(TISSUE, "MU", replaced(1.0), HOLDS),
     "c3.mu-unit": Wrong(TISSUE, "decayed", lambda f: lambda dt, mu: f(dt, 1 / mu), HOLDS),
     "c3.larger-damping": Wrong(

@@ -26,6 +26,8 @@ R_SOFT_UM = 5.0
 # (3.9) to (3.11) and (3.13) with squared denominators, as rules of the simulation.
 SQUARED: dict[str, object] = {"rules.spring_power": 2, "rules.junction_factor": 0.5, "rules.repulsion_factor": 0.5}
 SEEDS = tuple(range(3))
+# Force over overlap: (α_i + α_j)/R² with R = 2 R_soft and α = 1, in src/core/compute_forces.jl of SteffenPL/sEMTor.jl.
+PUBLISHED_REPULSION = 0.5
 # Figure 14: the height after 48 h over that at the start is less.
 HIGHEST = 1.5
 # Rounding in central differences of energies up to 1000.
@@ -68,6 +70,12 @@ def push(d: float) -> float:
         "F^basal-cytos in section 2.2.4 of chapter 4, which needs the square, too; the weight of (3.12) against the"
         " other terms; the unit of μ (Table 5); Figures 14 and 16: with μ = 0.2 and 0.025 h and short substeps"
         " the squares give 1.3 and 2.1 times the first height, the printed denominators 1.7 and 2.8 times",
+        why=(
+            "each of them is a length squared over a length, and (3.12) is a number: they cannot be added without "
+            "units, and other units give other weights; the published program divides by squares (compute_forces.jl "
+            "of sEMTor.jl)"
+        ),
+        place=1793,
     ),
     chosen="PBD with μ = 0.2 h, which is said to be similar, stands for DAHA; lengths in R^soft",
 )
@@ -76,8 +84,7 @@ def _dimensions() -> Evidence:
     a, x, b = (0.0, 8.0), (0.5, 3.0), (0.0, 0.0)
     bent = [bending(scaled(a, unit), scaled(x, unit), scaled(b, unit), AXB) for unit in (R_SOFT_UM, 1.0)]
     printed, right = (terms(R_SOFT_UM, squared=squared) / terms(1.0, squared=squared) for squared in (False, True))
-    published = preset("published").numbers().repulsion
-    off = max(abs(push(d) - published * (2 - d)) for d in (0.7, 1.0, 1.5, 1.9))
+    off = max(abs(push(d) - PUBLISHED_REPULSION * (2 - d)) for d in (0.7, 1.0, 1.5, 1.9))
     as_printed, squares = grown({}), grown(SQUARED)
     return Evidence(
         f"from R_soft to μm (3.9), (3.11), (3.13) become {printed.max():.0f} times as large, (3.12) "
@@ -101,6 +108,8 @@ def _dimensions() -> Evidence:
     source="(3.9), (3.10)",
     quote="W_i^ax = α^ax/(R^soft + η_i^ax) (‖X_i − A_i‖ − R^soft − η_i^ax)²",
     chosen="the denominators as printed, in both chapters: see c3.dimensions",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="16 springs",
 )
 def _spring() -> Evidence:
     """The force of (3.9) against that of section 2.2.4 of chapter 4, on springs that are too long and too short."""
@@ -128,6 +137,8 @@ def _spring() -> Evidence:
         "The equilibrium of W_i^axb corresponds to the case when the angle … is 180°, i.e. if X_i lies on the straight"
         " line joining the apical and the basal points"
     ),
+    recorded=Kind.NOT_REFUTED,
+    tried_on="one cell, 500 random places of its nucleus",
 )
 def _straight() -> Evidence:
     """Random places of a nucleus between A and B: W is least, and without force, on the segment from A to B."""
@@ -167,6 +178,8 @@ def second_form(angle: float, first: float) -> float:
         "α^axb (cos(γ) + 1) = α^axb (cos(0) − cos(γ − π))",
         Effect.PROOF,
         "the energy of a cell, which the second form shifts by −2α^axb; forces and the equilibrium γ = π stand",
+        why="cos(π) − cos(γ − π) = −1 + cos(γ)",
+        place=1815,
     ),
 )
 def _straightness() -> Evidence:
@@ -194,6 +207,8 @@ def _straightness() -> Evidence:
         Effect.MODEL,
         "(3.14), the forces of all models of chapters 3 and 4: as printed nuclei attract each other until their"
         " hard discs touch",
+        why="−∇ of the printed energy points from each nucleus to the other; the text calls it repulsive",
+        place=1821,
     ),
 )
 def _repulsion() -> Evidence:
@@ -244,7 +259,9 @@ def moved(cells: Cells, name: str, i: int, by: float) -> Cells:
         "W := Σ_i (W_i^ax + W_i^bx + W_i^axb) + Σ_(i,j)∈A W_ij^aa + Σ_i Σ_j<i W_ij^xx; the forces of the system are"
         " −∇_Z W"
     ),
-    chosen="(3.13) without its minus; denominators as printed, lengths in R^soft",
+    chosen="(3.13) as corrected in c3.repulsion; denominators as printed, lengths in R^soft",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="12 cells, by central differences",
 )
 def _forces() -> Evidence:
     """-grad W of a tissue of 12 cells after an hour, by differences of the sum as printed, against the simulation."""

@@ -59,6 +59,8 @@ def apart(one: Cells, other: Cells) -> float:
         Effect.NOTATION,
         "Model 3.1 and Method 3.7, which update the rest lengths all the same: only who restarts a run from (Z, P)"
         " gets another one",
+        why="(3.9) to (3.11) contain η^ax, η^bx, η^aa, which neither Z nor P has, and neither R^hard nor η*",
+        place=1674,
     ),
 )
 def _state() -> Evidence:
@@ -163,6 +165,11 @@ def minima(power: int) -> float:
         " with μ = 2c Δt",
         Effect.NOTATION,
         "who takes the norm without square gets a tissue that stops wherever ‖∇W‖ ≤ c; nothing else uses it",
+        why=(
+            "c‖Z − Z^k‖ has a kink at Z^k, so Z^k stays the minimiser wherever ‖∇W‖ ≤ c; its square makes the "
+            "implicit Euler step"
+        ),
+        place=1881,
     ),
     chosen="a regularised step should have one minimiser for each convex W and c > 0, and rest at minima of W only",
 )

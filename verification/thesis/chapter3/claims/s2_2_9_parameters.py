@@ -14,7 +14,7 @@ from tissue.model.observables import nuclear_layers
 from tissue.quasi_steady.judge import local_minimum
 from tissue.state.cells import COORDINATES
 from verification.claims import claim
-from verification.evidence import Evidence, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.intervals import over_seeds
 
@@ -82,6 +82,8 @@ def all_by(factor: float) -> tuple[float, ...]:
     "Only the ratios of the stiffnesses matter for the minima of the energy.",
     source="section 2.2.9",
     quote="The stiffness coefficients are relative to each other",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="8 cells",
 )
 def _relative() -> Evidence:
     plain = scaled(all_by(1.0))
@@ -103,6 +105,8 @@ def _relative() -> Evidence:
     "Noise of variance 2DΔt in each coordinate makes free nuclei diffuse with the coefficient D.",
     source="Table 1, (3.17)",
     quote="D = 2.5 μm²/h diffusion coefficient; X_i^k+1 − X_i^k ∼ N_2(0, 2DΔt)",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="free nuclei for one hour",
 )
 def _diffusion() -> Evidence:
     """Free nuclei that make the steps (3.17) for an hour: mean square displacement = 4 D t."""
@@ -111,14 +115,10 @@ def _diffusion() -> Evidence:
     square = (walk**2).sum(axis=1)
     found = float(square.mean()) / 4
     half = Z * float(square.std()) / 4 / math.sqrt(WALKERS)
-    published = preset("published").numbers().variance
     return Evidence(
         f"{WALKERS:,} free nuclei with the steps of (3.17) for 1 h: D = {found:.2f} ± {half:.2f} μm²/h from their mean "
-        f"square displacement 4Dt. 2D is {2 * D / R_SOFT**2:g} R_soft² per hour, in published runs {published:g}",
-        printed=(
-            equal("D of free nuclei [μm²/h]", found, D, 0.1, (found - half, found + half)),
-            equal("published variance per hour over 2D", published * R_SOFT**2 / (2 * D), 1.0, TOL),
-        ),
+        f"square displacement 4Dt",
+        printed=(equal("D of free nuclei [μm²/h]", found, D, 0.1, (found - half, found + half)),),
         seed=0,
         runs_needed=1,
     )

@@ -34,6 +34,8 @@ BISECTIONS = 40
     source="(3.25)",
     quote="A discretisation of (3.22) and (3.23) yields the damped Arrow-Hurwicz algorithm (DAHA).",
     chosen="the multiplier is a given function of time, so that its misprinted update does not matter",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="one row with a given multiplier",
 )
 def _discretised() -> Evidence:
     """A wall with a multiplier that is given, from a state that moves; (3.23) by a Runge-Kutta method."""
@@ -72,6 +74,8 @@ def solved(now: State, before: State, push: State, c: float, dtau: float) -> Sta
     "(3.25) solved for the next state.",
     source="section 2.3",
     quote="z_{n+1} = 1/(1 + ½Δτc) (2z_n - (1 - ½Δτc) z_{n-1} - Δτ²α(∇W - Σ λ_ℓ ∇g_ℓ) - Δτ²γ Σ g_ℓ λ_ℓ ∇g_ℓ)",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="random states, three pairs of c and Δτ",
 )
 def _solved() -> Evidence:
     """Random numbers in both sides of (3.25)."""
@@ -95,6 +99,8 @@ def _solved() -> Evidence:
     "At this damping the next state no longer depends on the one before the present.",
     source="section 2.3",
     quote="We observe that for c = 2/Δτ the method reduces to a one-step method.",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="three values of Δτ",
 )
 def _one_step() -> Evidence:
     now, before, push, shift = np.random.default_rng(SEED).normal(size=(4, 6))
@@ -162,6 +168,8 @@ def least_weight(c: float, dtau: float) -> float:
         "Both take more iterations",
         Effect.MODEL,
         "the choice of parameters: a larger Δτ is less stable and needs fewer iterations",
+        why="explicit steps of a stiff system become stable by shorter, not longer steps",
+        place=2037,
     ),
     chosen="the step is Δτ of (3.25), in which Δt does not occur",
 )

@@ -134,6 +134,8 @@ def steepness(edge: Callable[[float], float]) -> float:
         "distances (C1), (C2) are squared; the order (C4) is taken as it stands, and (C3) is eliminated",
         Effect.NOTATION,
         "(3.19) and every method that uses these g_ℓ",
+        why="(C3) is an equation and (C4) has a sign that its square loses",
+        place=1949,
     ),
 )
 def _squared() -> Evidence:
@@ -164,6 +166,8 @@ def lagrangian(w: Floats, g: Floats, multipliers: Floats) -> Floats:
     "inf sup of ℒ = W + Σ λ_ℓ min(0, g_ℓ) over all λ gives the minima of W over S.",
     source="(3.20)",
     quote="Solutions of (3.20) will also be solutions of the original problem (3.18).",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="one program in the plane, on a grid",
 )
 def _saddle() -> Evidence:
     """W = |z - a|^2 / 2 outside of the unit disc and right of x = 0, all on a grid."""
@@ -224,6 +228,8 @@ def three_discs() -> Rest:
         "all solutions of (3.18) as equilibria."
     ),
     chosen="multipliers ≤ 0 for (3.21), ≥ 0 for (3.23), as their signs ask for",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="three discs that are drawn to one point",
 )
 def _rest() -> Evidence:
     at = three_discs()

@@ -63,6 +63,11 @@ def first_method(side: float, turn: float) -> tuple[float, float]:
         "either λ ≤ 0 with + Σ λ_ℓ ∇g_ℓ and min(0, λ_ℓ + βg_ℓ), or λ ≥ 0 with - Σ λ_ℓ ∇g_ℓ and max(0, λ_ℓ - βg_ℓ)",
         Effect.MODEL,
         "(3.21), (3.22), for which the method is the semi-implicit Euler method, and Method 3.4",
+        why=(
+            "where g > 0 and λ = 0 the printed update makes λ negative, and + λ∇g then drives the state away from "
+            "feasible points"
+        ),
+        place=1979,
     ),
     chosen="step sizes and one row, the wall x ≥ 0; the first step is from z_0 to z_1, though “n > 0” is printed",
 )
@@ -100,6 +105,8 @@ def growth_rate(side: float, turn: float) -> float:
         "(3.23), and λ̇_ℓ = -βg_ℓ",
         Effect.MODEL,
         "Method 3.3, which is the semi-implicit Euler method for this system, as in c3.arrow-hurwicz",
+        why="linearised at a contact the printed pair has a positive eigenvalue",
+        place=1987,
     ),
 )
 def _equilibria() -> Evidence:
@@ -166,6 +173,11 @@ def two_discs() -> dincl.Problem:
         "λ_{ℓ,n+1} = max(0, λ_{ℓ,n} - Δτ β g_ℓ(z_n))",
         Effect.MODEL,
         "the method: with min, discs that overlap do not notice each other",
+        why=(
+            "λ begins at 0, grows while g < 0 and must not become negative, as (3.25) has − Σ λ∇g; min(0, ·) "
+            "keeps it at 0 there"
+        ),
+        place=2014,
     ),
     chosen="n starts at 1 with z_1 = z_0, and λ_1 = 0: the text sets only λ_0",
 )
@@ -198,6 +210,8 @@ def scaled(alpha: float, beta: float, gamma: float, c: float, dtau: float) -> tu
     "The step Δτ can be absorbed in the other parameters.",
     source="Remark 3.5",
     quote="For example, we can choose without loss of generality Δτ = 1.",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="four discs, Δτ = 4 and 1",
 )
 def _rescaled() -> Evidence:
     """A power of two, so that equal means equal to the last bit."""
@@ -223,6 +237,8 @@ def _rescaled() -> Evidence:
     source="section 2.3",
     quote="For special cases such as N = 2 … the underlying dynamical system … has an attractive equilibrium",
     chosen="W = ‖z‖²/2; for a W that is much weaker the parameters of Table 4 do not attract",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two discs, W = ‖z‖²/2",
 )
 def _attractive() -> Evidence:
     """N = 2, distances squared, |r| = 1: curvature h = 0 and J J^T = 8 at contact, multiplier scale/4."""

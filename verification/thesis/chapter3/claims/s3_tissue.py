@@ -34,6 +34,8 @@ def noise_step(mu: float, factor: float, normal: np.ndarray) -> np.ndarray:
         "μ dZ ∈ −∇W(Z) dt − N(S, Z) dt + μ √(2D) dW_X",
         Effect.MODEL,
         "the first-order model; its method (3.35) and D of Table 1 belong to the corrected equation",
+        why="with √(2D) dW on the right the displacement has the variance 2D Δt/μ²; (3.35) and Table 1 have 2DΔt",
+        place=2149,
     ),
 )
 def _noise() -> Evidence:
@@ -64,6 +66,8 @@ def decayed(dt: float, mu: float) -> float:
         "μ = 0.15 h",
         Effect.NUMBER,
         "whoever changes the unit of time: in minutes μ is 9, not 0.0025; larger μ is slower",
+        why="W is a number and Z a length in R^soft, so μ dZ/dt = −∇W makes μ a time, as (3.32) has it",
+        place=2187,
     ),
     chosen="energies without unit, lengths in R^soft",
 )
@@ -109,6 +113,8 @@ def growth_steps(table: pd.DataFrame) -> pd.DataFrame:
         "smaller damping coefficients would fit better",
         Effect.CONCLUSION,
         "the finding of section 4 and the choice of μ; Figures 15 and 16 say the same as the correction",
+        why="the sentence before says that reduced damping leads to faster growth, as do Figures 15 and 16",
+        place=2248,
     ),
 )
 def _damping(tables: Tables) -> Evidence:

@@ -11,7 +11,7 @@ from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
 from verification.claims import Tables, claim
-from verification.evidence import Evidence, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.claims.s3_4_comparison import SHARE, SUBSTEPS, needed, row_of
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, TERMINATING, TIMES
@@ -37,6 +37,8 @@ HALF, MATCHING, DOUBLING, NEAR_DOUBLING = 1.5, 0.2, 0.025, 0.005
     ),
     needs=("tissue_ratios",),
     chosen="short enough: the finest substeps of the study of growth",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="the runs of the study of growth",
 )
 def _condition(tables: Tables) -> Evidence:
     table = tables["tissue_ratios"]
