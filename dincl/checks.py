@@ -167,6 +167,13 @@ def integer(name: str, value: Any, *, least: int, most: int | None = None) -> in
     return checked
 
 
+def seed(name: str, value: Any) -> int:
+    """An int >= 0 of any size, as the generators of numpy take it."""
+    if not isinstance(value, (int, np.integer)) or isinstance(value, (bool, np.timedelta64)) or value < 0:
+        raise InvalidProblem(f"{name} = {describe(value)}: must be an integer >= 0")
+    return int(value)
+
+
 def flag(name: str, value: Any) -> bool:
     """True or False, and nothing that counts as one of them."""
     if not isinstance(value, (bool, np.bool_)):

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import describe, integer
+from dincl.checks import describe
+from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
 from tissue.events.known import bit
 from tissue.files.combinations import ROUNDING
@@ -39,7 +40,7 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Str
         change.
     """
     past = checkpoint_of(start)
-    goes_on = integer("seed", seed, least=0) == past.seed
+    goes_on = checked_seed("seed", seed) == past.seed
     random = resumed_streams(seed, past.generators) if goes_on else streams(seed)
     cells = Cells._make(array.copy() for array in start.cells)
     emt = typed(parameters, start, cells, random)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dincl.checks import integer
+from dincl.checks import seed as checked_seed
 from dincl.constraints import HalfSpace, NonOverlap
 from dincl.drifts import constant
 from dincl.scenes.layers import MOST_DISCS, layers
@@ -19,7 +20,7 @@ def ball_pile(n: int, seed: int = 0) -> Scene:
     and ``seed`` alone.
     """
     count = integer("n", n, least=1, most=MOST_DISCS)
-    start = layers(count, 3, np.random.default_rng(integer("seed", seed, least=0)))
+    start = layers(count, 3, np.random.default_rng(checked_seed("seed", seed)))
     walls = [HalfSpace(normal=(0, 0, 1), radius=start.radius)]
     for axis in ((1, 0, 0), (0, 1, 0)):
         walls.append(HalfSpace(normal=axis, radius=start.radius))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from dincl.checks import integer
+from dincl.checks import seed as checked_seed
 from dincl.constraints import HalfSpace, NonOverlap
 from dincl.drifts import constant
 from dincl.scenes.layers import MOST_DISCS, layers
@@ -19,7 +20,7 @@ def pile(n: int, seed: int = 0) -> Scene:
     ``seed`` alone.
     """
     count = integer("n", n, least=1, most=MOST_DISCS)
-    start = layers(count, 2, np.random.default_rng(integer("seed", seed, least=0)))
+    start = layers(count, 2, np.random.default_rng(checked_seed("seed", seed)))
     walls = [
         HalfSpace(normal=(0, 1), radius=start.radius),
         HalfSpace(normal=(1, 0), radius=start.radius),

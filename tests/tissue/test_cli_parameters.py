@@ -21,7 +21,7 @@ def test_all_keys_are_listed_with_meaning_unit_and_values():
     rows = {line.split()[0]: line for line in lines if line.split()[:1] and line.split()[0] in KEYS}
     assert list(rows) == list(KEYS)
     assert all(facts.meaning in rows[name] for name, facts in KEYS.items())
-    assert rows["numerics.mu"].split("  ")[-1].startswith('"0.15 h" (thesis); "0.2 h" (published, chick); ')
+    assert rows["numerics.mu"].split("  ")[-1].startswith('"0.15 h" (thesis, corrected); "0.2 h" (published, chick); ')
     assert " um or R_soft " in rows["tissue.height"]
     assert rows["emt.a"].endswith(' "never" (default)')
     assert [line.split()[0] for line in lines if line.startswith("[")] == [f"[{name}]" for name in sections(Parameters)]
@@ -38,6 +38,7 @@ def test_all_of_a_key():
         '  allowed       a duration > 0 with its unit, such as "30 min" or "10 h"\n'
         "  default       none: a file without base has to give it\n"
         '  thesis        "0.15 h"\n'
+        '  corrected     "0.15 h"\n'
         '  published     "0.2 h"\n'
         '  chick         "0.2 h"\n'
         '  gastrulation  "0.288 h"\n'

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator, SeedSequence
 
-from dincl.checks import integer
+from dincl.checks import seed as checked_seed
 
 
 class Streams(NamedTuple):
@@ -26,5 +26,5 @@ class Streams(NamedTuple):
 
 def streams(seed: int) -> Streams:
     """The streams of a run; raises InvalidProblem for a seed that is not an integer >= 0."""
-    children = SeedSequence(integer("seed", seed, least=0)).spawn(len(Streams._fields))
+    children = SeedSequence(checked_seed("seed", seed)).spawn(len(Streams._fields))
     return Streams(*(np.random.default_rng(child) for child in children))

@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtr
 
-from dincl.checks import integer
+from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
 from tissue.study.categories import EVENTS, happened, time_column
 from tissue.study.ratios import LEVEL, quantile, ratios
@@ -156,7 +156,7 @@ def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int
     ------
     L. Breiman, Random forests, Machine Learning 45 (2001), section 10.
     """
-    cells, hits = _thinned(cells, hits, integer("seed", seed, least=0))
+    cells, hits = _thinned(cells, hits, checked_seed("seed", seed))
     numbers, found = factors(cells, end)
     y, runs = hits.to_numpy(dtype=np.int64), cells["replicate"].to_numpy()
     losses, growth = _losses(numbers, found, y, runs, np.random.default_rng(seed))
@@ -178,7 +178,7 @@ def by_coefficient(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: in
     from sklearn.linear_model import LogisticRegression
 
     tails = ndtr([-quantile(level), quantile(level)])
-    cells, hits = _thinned(cells, hits, integer("seed", seed, least=0))
+    cells, hits = _thinned(cells, hits, checked_seed("seed", seed))
     numbers, found = factors(cells, end)
     y, runs = hits.to_numpy(dtype=np.int64), pd.factorize(cells["replicate"])[0]
     chosen = numbers[[factor.name for factor in found]]

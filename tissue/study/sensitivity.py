@@ -18,6 +18,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from dincl.checks import describe, integer
+from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import flat, nested
 from tissue.files.parameters import Parameters
@@ -177,7 +178,7 @@ def sobol_points(bounds: Sequence[tuple[float, float]], n: int, seed: int) -> Fl
         raise InvalidProblem(f"n = {n}: must be a power of 2, as 64 or 128")
     names = [str(k) for k in range(len(bounds))]
     problem = {"num_vars": len(bounds), "names": names, "bounds": [list(pair) for pair in bounds]}
-    points: Floats = sample(problem, n, calc_second_order=False, seed=integer("seed", seed, least=0))
+    points: Floats = sample(problem, n, calc_second_order=False, seed=checked_seed("seed", seed))
     return points
 
 
@@ -220,7 +221,7 @@ def indices(
         )
     problem = {"num_vars": len(names), "names": list(names), "bounds": [[0.0, 1.0]] * len(names)}
     options = {"calc_second_order": False, "num_resamples": RESAMPLES, "conf_level": level}
-    raw = sobol.analyze(problem, y, **options, seed=integer("seed", seed, least=0) + 1)  # 0 would stand for none
+    raw = sobol.analyze(problem, y, **options, seed=checked_seed("seed", seed) + 1)  # 0 would stand for none
     share = noise / variance
     table = pd.DataFrame(index=pd.Index(list(names), name="parameter", dtype=object))
     for name, bias in (("S1", 0.0), ("ST", share)):

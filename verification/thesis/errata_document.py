@@ -80,7 +80,7 @@ def write_errata(folder: Path) -> list[Path]:
 
 def _html() -> Environment:
     made = Environment(
-        loader=PackageLoader("verification.thesis", "prose"),
+        loader=PackageLoader("verification.thesis", "templates"),
         undefined=StrictUndefined,
         autoescape=True,
         trim_blocks=True,
@@ -93,7 +93,7 @@ def _html() -> Environment:
 def _tex() -> Environment:
     """With signs that LaTeX does not use."""
     made = Environment(
-        loader=PackageLoader("verification.thesis", "prose"),
+        loader=PackageLoader("verification.thesis", "templates"),
         undefined=StrictUndefined,
         autoescape=False,
         block_start_string="<%",

@@ -45,7 +45,7 @@ BAD = {
         'cell.alpha_aa = nan: must be a number >= 0, without unit, such as 0.2 or "1/5"$',
     ),
     "infinite": ({"cell.alpha_aa": math.inf}, "cell.alpha_aa = inf: .*sizes from 1e-12"),
-    "enormous": ({"cell.alpha_aa": 10**400}, "cell.alpha_aa = 1000.*sizes from 1e-12"),
+    "enormous": ({"cell.alpha_aa": 10**400}, "cell.alpha_aa = an integer of 1329 bits: .*sizes from 1e-12"),
     "flag for a number": ({"cell.alpha_aa": True}, "cell.alpha_aa = True: must be a number"),
     "zero weight": ({"daha.alpha": 0}, 'daha.alpha = 0: must be a number > 0, without unit, such as 0.2 or "1/5"$'),
     "number for a flag": (

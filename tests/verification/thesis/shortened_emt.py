@@ -14,6 +14,7 @@ FEWEST = {"figure10": 8, "figure12": 8, "table5_35": 24}
 # Of the page.
 SECTIONS = [
     "Isolated cells",
+    "Which difference makes which ratio",
     "Groups of cells with the same events",
     "Heterogeneous groups",
     "Position at the onset, timing, and what matters most",

@@ -11,7 +11,7 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill, percents
 from verification.thesis.chapter4 import kept
-from verification.thesis.chapter4.differences import AS_PRINTED, PUBLISHED
+from verification.thesis.chapter4.differences import AS_PRINTED, PUBLISHED, ROWS
 
 PROSE = Path(__file__).parent / "prose"
 AGREES = " ✓"
@@ -22,7 +22,7 @@ CLEAR = 2.0
 def section(context: Context) -> Section:
     """One row changed at a time from both ends, and the average effects of the factorial design."""
     changed, effects = (context.tables[f"{kept.COMPLETE_PREFIX}{name}"] for name in ("changed", "effects"))
-    said = fill(PROSE / "differences.html", found=found(changed, effects), rows=effects["row"].nunique())
+    said = fill(PROSE / "differences.html", found=found(changed, effects), rows=len(ROWS))
     name = f"{kept.COMPLETE_PREFIX}changed"
     return Section(
         "Which difference makes which ratio",

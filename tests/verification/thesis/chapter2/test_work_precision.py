@@ -103,7 +103,7 @@ def test_tables_of_references_come_back_as_they_were(tmp_path, monkeypatch):
 
 
 def test_a_reference_that_fails_is_no_reference(monkeypatch):
-    monkeypatch.setattr(work_references, "TOL", 1e-300)
+    monkeypatch.setattr(work_references, "TOL", 1e-100)
     monkeypatch.setattr(work_references.dincl, "EventDriven", lambda tol: dincl.PBD(dt=1.0))
     with pytest.raises(dincl.StepFailed):
         rows({"scene": "four_disks"})
