@@ -14,7 +14,7 @@ from scipy.optimize import nnls
 
 import dincl
 from verification.claims import claim
-from verification.evidence import Evidence, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats, contact_gradients
 
 SAMPLES, SEED = 300, 14
@@ -145,6 +145,8 @@ def with_multipliers(x: Floats) -> tuple[Floats, int, float, float]:
     source="section 1.3",
     quote="we will see that this model is equivalent to (1.4) and (1.5).",
     chosen="the four discs of Figure 4 of chapter 2",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="four discs, one start",
 )
 def _equivalent() -> Evidence:
     scene = dincl.scenes.four_disks()

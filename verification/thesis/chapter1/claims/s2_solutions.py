@@ -60,6 +60,8 @@ def lost_rise(f: Callable[[float], float]) -> float:
     source="Definition 1.6, Lemma 1.7",
     quote="f is absolutely continuous if and only if there exists a Lebesgue integrable function g … f(x) = f(a) + ∫ g",
     chosen="four functions on [0, 1]; g can only be the derivative",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="four functions on [0, 1]",
 )
 def _absolutely_continuous() -> Evidence:
     rises, lost = ({name: part(f) for name, f in FUNCTIONS.items()} for part in (largest_rise, lost_rise))
@@ -109,6 +111,8 @@ def step_solution(c: float, t: float) -> float:
     "The solution of the step inclusion.",
     source="Example 1.9",
     quote="It turns out that the unique solution is x(t) = max(c - t, 0).",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="one start c",
 )
 def _step() -> Evidence:
     problem = dincl.scenes.step_inclusion()
@@ -127,6 +131,8 @@ def _step() -> Evidence:
     "The derivative of the solution of the step inclusion, and where there is none.",
     source="Example 1.9",
     quote="the derivative does not exist at t = c … for t ≠ c is equal to -1_{t < c}(t)",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="c = 3/4",
 )
 def _kink() -> Evidence:
     before, after = speed(C, -STEP), speed(C, STEP)
@@ -154,6 +160,11 @@ def _kink() -> Evidence:
         "x is absolutely continuous by Lemma 1.7, as it is the integral of its derivative",
         Effect.PROOF,
         "nothing else: max(c - t, 0) is absolutely continuous",
+        why=(
+            "Cantor's function has the derivative 0 almost everywhere and is not constant; Lemma 1.7 asks that "
+            "the function is the integral of its derivative"
+        ),
+        place=441,
     ),
 )
 def _almost_everywhere() -> Evidence:

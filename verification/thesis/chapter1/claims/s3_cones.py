@@ -42,6 +42,8 @@ def in_convex_cone(v: Floats, x: Floats) -> np.ndarray:
     "Normal cones are convex cones, and at inner points they contain 0 alone.",
     source="after Definition 1.16",
     quote="for v, w ∈ N_C(x) we also have αv + w ∈ N_C(x) for all α > 0 … N_C(x) = {0}",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="the unit cube",
 )
 def _convex_cone() -> Evidence:
     rng = np.random.default_rng(SEED)
@@ -68,6 +70,8 @@ def _convex_cone() -> Evidence:
         "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
         Effect.NOTATION,
         "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
+        why=("v = 0 fulfils v·(y − x) ≤ 0 for every x, also outside of C, and the definition does not ask for x ∈ C"),
+        place=536,
     ),
 )
 def _outside() -> Evidence:
@@ -93,7 +97,10 @@ def _outside() -> Evidence:
         "(v - w)·(x - y) ≥ 0",
         Effect.PROOF,
         "the uniqueness of solutions of (1.15), which stands: the right-hand side has -N_C",
+        why="v·(y − x) ≤ 0 and w·(x − y) ≤ 0 by Definition 1.16; their sum is −(v − w)·(x − y) ≤ 0",
+        place=559,
     ),
+    tried_on="the unit cube",
 )
 def _monotone() -> Evidence:
     """Normal cones of the unit box at random points of its faces, edges and corners."""
@@ -122,6 +129,8 @@ def held(y: Floats) -> Floats:
     source="after (1.15)",
     quote="in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
     chosen="a disc that moves, as in (1.16): in one that stands still nothing moves without F",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a disc that moves in a circle, 40 starts",
 )
 def _convex_unique() -> Evidence:
     """Catch-up of a disc whose centre runs along a circle of radius 2, from points of the disc at first."""
@@ -165,6 +174,8 @@ def hausdorff(first: tuple[float, float], second: tuple[float, float]) -> float:
     source="Theorem 1.18",
     quote="For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
     chosen="C(t) = [sin t, sin t + 1/2]; the solution is unique for a given x(0) ∈ C(0)",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="C(t) = [sin t, sin t + 1/2]",
 )
 def _sweeping() -> Evidence:
     times, x = swept(0.005, 10.0)

@@ -41,6 +41,8 @@ def moved(n: Floats) -> float:
     "The proximal normals of the set of discs are what multipliers give.",
     source="Theorem 1.25",
     quote="N(S, x) = N^g(x) for all x ∈ ℝ^2N",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="three touching discs",
 )
 def _cones() -> Evidence:
     """At a triangle of touching discs every x - P_S(x + n) is a combination of gradients; outside both are empty."""
@@ -78,6 +80,8 @@ def beside_the_sum(y: Floats) -> float:
     "The proximal normals of the set of discs are the sums of those of its pairs.",
     source="Theorem 1.25",
     quote="N(S, x) = Σ_j N(S_j, x) for all x ∈ ℝ^2N",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="three touching discs",
 )
 def _sum_of_all() -> Evidence:
     rng = np.random.default_rng(SEED)
@@ -115,8 +119,13 @@ def spread(sign: float) -> float:
     recorded=Kind.CORRECTED,
     correction=Correction(
         "if F is one-sided Lipschitz continuous; so in the sentence after it",
-        Effect.PROOF,
+        Effect.NOTATION,
         "nothing else: Theorem 1.13 has the right word",
+        why=(
+            "Theorem 1.13 is stated for one-sided Lipschitz continuous multi-functions, and “one-sided "
+            "semicontinuous” is defined nowhere"
+        ),
+        place=723,
     ),
     chosen="semicontinuous is read as in Definition 1.10",
 )
@@ -168,6 +177,8 @@ def disc_sides(eta: float) -> tuple[Floats, Floats]:
     "Normals of prox-regular sets are monotone up to a quadratic term.",
     source="(1.28)",
     quote="-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="the outside of a ball in space, and two discs",
 )
 def _hypomonotone() -> Evidence:
     left, right = hypomonotone_sides(3.0)
@@ -189,6 +200,8 @@ def _hypomonotone() -> Evidence:
     "The one-sided Lipschitz constant of normals of length up to 1.",
     source="section 4.3",
     quote="x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="the outside of a ball in space",
 )
 def _one_over_eta() -> Evidence:
     short = float(hypomonotone_sides(1.0)[0].max())

@@ -42,6 +42,8 @@ def limits(step: float) -> Floats:
     "The short normals of the set of discs are scalarly upper semicontinuous.",
     source="Proposition 1.28",
     quote="lim sup σ(-N(S, x_n) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="three touching discs, three sequences",
 )
 def _scalarly_upper() -> Evidence:
     values = limits(1e-7)
@@ -67,6 +69,8 @@ def distance_quotient(v: Floats, r: float) -> float:
     source="Remark 1.29",
     quote="N(S, x) ∩ B₁(0) = ∂dist(x, S)",
     chosen="the outside of the unit disc, x on its boundary, and the closed ball",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="the outside of the unit disc, one point of its boundary",
 )
 def _distance() -> Evidence:
     """A proximal subgradient has quotients that are bounded below as r -> 0."""
@@ -95,6 +99,8 @@ def pair_generators(x: Floats) -> Floats:
     source="Corollary 1.30, (1.35)",
     quote="lim sup σ(-Σ_j N(S_j, p_j) ∩ B₁(0), w) ≤ σ(-N(S, x) ∩ B₁(0), w)",
     chosen="the ball cuts the sum of the cones, not each of them",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="three touching discs, 10 triples of points near them",
 )
 def _sum_limit() -> Evidence:
     """Points p_j of the boundaries of the S_j near x, each with its own normal; (sum of the cones) ∩ B_1."""
@@ -122,7 +128,13 @@ def _sum_limit() -> Evidence:
         "Σ_j (N(S_j, x) ∩ B₁) ⊆ N(S, x) ∩ B_M; the corollary itself holds if the ball cuts the sum of the cones",
         Effect.PROOF,
         "Lemma 2.8, which needs only some radius",
+        why=(
+            "(1.31) is about sums of sets: if the ball cuts each cone, the last set is not N(S, x) ∩ B₁, and if "
+            "it cuts the sum, the first equality is none"
+        ),
+        place=816,
     ),
+    tried_on="two pairs of touching discs",
 )
 def _sum_of_cones() -> Evidence:
     """Two touching pairs of discs far apart, with normals orthogonal in R^8; p_j = x, w along -(n_1 + n_2)."""

@@ -39,6 +39,8 @@ def in_ellipse(a: Floats) -> np.ndarray:
     "The support function tells which half-spaces contain a set.",
     source="after (1.29)",
     quote="A ⊆ {v | v·w ≤ α} ⟺ σ(A, w) ≤ α",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="an ellipse, 300 half-spaces",
 )
 def _half_spaces() -> Evidence:
     rng = np.random.default_rng(SEED)
@@ -64,7 +66,10 @@ def _half_spaces() -> Evidence:
         "“⇐” holds if B is closed and convex",
         Effect.PROOF,
         "(1.73), where B is closed and convex",
+        why="support functions do not tell a set from its closed convex hull: {0, 1} and [0, 1] have the same one",
+        place=759,
     ),
+    tried_on="an ellipse and 300 points",
 )
 def _support() -> Evidence:
     """A = {1/2} and B = {0, 1} on an axis; then B an ellipse and A a point, in it or not."""
@@ -88,6 +93,8 @@ def _support() -> Evidence:
     "Support functions of sums of sets.",
     source="(1.31)",
     quote="σ(A + B, v) = σ(A, v) + σ(B, v)",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two sets of seven points in the plane",
 )
 def _additive() -> Evidence:
     a, b = np.random.default_rng(SEED).normal(size=(2, 7, 2))
@@ -140,7 +147,10 @@ def by_half_lines(f: Callable[[Floats], Floats]) -> bool:
         "for {f(x)} Definition 1.10 is continuity; upper semicontinuity is Definition 1.10 for (-∞, f(x)]",
         Effect.PROOF,
         "nothing else: (1.33) is stated explicitly",
+        why="for F(x) = {f(x)} Definition 1.10 asks for |f(y) − f(x)| < ε, which is continuity",
+        place=782,
     ),
+    tried_on="five functions on the line",
 )
 def _single_valued() -> Evidence:
     plain = sum(by_singletons(f) != by_limsup(f) for f in FUNCTIONS)

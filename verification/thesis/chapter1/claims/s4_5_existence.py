@@ -31,6 +31,8 @@ def affine(x: Floats) -> Floats:
     "A Lipschitz continuous force grows at most linearly.",
     source="section 4.5, (A1), (A2)",
     quote="We note that Lipschitz continuity implies that the function grows at most linearly.",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="one force in the plane",
 )
 def _linear_growth() -> Evidence:
     x = np.random.default_rng(SEED).normal(size=(SAMPLES, 2)) * np.logspace(-2, 4, SAMPLES)[:, None]
@@ -49,6 +51,8 @@ def _linear_growth() -> Evidence:
     "A step of the catch-up scheme fulfils a discrete inclusion.",
     source="after (1.39)",
     quote="x_k - x_{k+1} + hF(x_k) ∈ N(S, x_{k+1})",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a point that slides over a disc",
 )
 def _catch_up_normal() -> Evidence:
     """x_k - x_{k+1} + h F(x_k) is tried as a proximal normal at x_{k+1}, and so is its negative."""
@@ -80,6 +84,8 @@ def slide(t: Floats) -> Floats:
     source="Theorem 1.31",
     quote="the system has an absolutely continuous solution x : [0, T] → ℝ^d.",
     chosen="a disc that slides over a fixed one, whose solution is known",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a point that slides over a disc",
 )
 def _existence() -> Evidence:
     """dist(x' - F, -N(S, x)) of the exact solution, and the error of catch-up at t = 2."""
@@ -107,6 +113,8 @@ def _existence() -> Evidence:
     source="Lemma 1.32, (1.41)",
     quote="there exists a constant a > 0 such that for all t ∈ [0, T] ‖x(t) - y(t)‖ ≤ a ‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖",
     chosen="points that slide over a fixed disc",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="points that slide over a disc",
 )
 def _dependence() -> Evidence:
     """Starts near the top of the disc, from where paths part fastest: L_F = 0, |v| <= 1, eta = 1."""
@@ -131,6 +139,11 @@ def _dependence() -> Evidence:
         Effect.CONCLUSION,
         "the models of chapters 3 and 4: their start must not overlap, nor their state after a cell event, as it "
         "does (section 5)",
+        why=(
+            "N(S, x) = ∅ for x ∉ S by Definition 1.23, so a solution lies in S at almost all times and, being "
+            "continuous, at t = 0; Theorem 1.31 has xⁱⁿⁱᵗ ∈ S"
+        ),
+        place=876,
     ),
 )
 def _start() -> Evidence:
@@ -160,6 +173,11 @@ def _start() -> Evidence:
         "S is constant between cell events, where the proof applies; by (3.4) and (3.8) of chapter 3 it jumps at them",
         Effect.PROOF,
         "the use of Theorem 1.31 in chapters 3 and 4, one interval between events after another",
+        why=(
+            "in chapter 3 the hard radius of a cell jumps when its mitosis begins (3.4), and a division adds a "
+            "cell (3.7), (3.8), so S changes in time"
+        ),
+        place=884,
     ),
     chosen="a nucleus that two others touch when its mitosis begins",
 )

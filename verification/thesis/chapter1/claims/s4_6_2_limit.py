@@ -38,7 +38,13 @@ def settled(first: int, last: int) -> float:
         "𝒯 has full measure: convergence in L¹ gives a subsequence that converges almost everywhere",
         Effect.PROOF,
         "(1.68) to (1.74), which hold for t ∈ 𝒯",
+        why=(
+            "a sequence that converges in L¹ has a subsequence that converges almost everywhere; a dense set may "
+            "have measure 0, and (1.74) is for almost every t"
+        ),
+        place=1039,
     ),
+    tried_on="one sequence of running steps",
 )
 def _dense() -> Evidence:
     """Intervals around a dense set; and z^(n) = 1 on intervals of length 2^-k that run through [0, 1] for each k."""
@@ -66,6 +72,8 @@ def steps_of_discs() -> Floats:
     source="(1.66)",
     quote="ẋ⁽ⁿ⁾(t) - F⁽ⁿ⁾(t) ∈ -N(S, x_{k+1}) for t ∈ (t_k, t_{k+1})",
     chosen="the four discs of Figure 4 of chapter 2",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="four discs, 50 steps",
 )
 def _step_inclusion() -> Evidence:
     """At x_{k+1}, and at x_k for comparison."""
@@ -95,7 +103,14 @@ def _step_inclusion() -> Evidence:
     source="step 6",
     quote="We now use scalarly lower semicontinuity of x ↦ -N(S, x) ∩ B_{C₃}(0)",
     recorded=Kind.CORRECTED,
-    correction=Correction("upper semicontinuity", Effect.PROOF, "(1.71), which is Proposition 1.28"),
+    correction=Correction(
+        "upper semicontinuity",
+        Effect.NOTATION,
+        "(1.71), which is Proposition 1.28",
+        why="(1.71) bounds the lim sup from above and names Proposition 1.28, which is about upper semicontinuity",
+        place=1077,
+    ),
+    tried_on="three touching discs, three sequences",
 )
 def _lower() -> Evidence:
     values = limits(1e-7)

@@ -38,8 +38,15 @@ def reach(y: Floats) -> Floats:
     source="before (1.50)",
     quote="With x_{k+1} ∈ P_S(x_k), we get ‖x_{k+1} - (x_k + hF(x_k))‖ = dist(x_k + hF(x_k), S)",
     recorded=Kind.CORRECTED,
-    correction=Correction("x_{k+1} ∈ P_S(x_k + hF(x_k))", Effect.NOTATION, "nothing else: (1.46) is right"),
+    correction=Correction(
+        "x_{k+1} ∈ P_S(x_k + hF(x_k))",
+        Effect.NOTATION,
+        "nothing else: (1.46) is right",
+        why="(1.46) projects x_k + hF(x_k); P_S(x_k) = x_k as x_k ∈ S",
+        place=974,
+    ),
     chosen="the outside of the unit disc and a linear force",
+    tried_on="a linear force outside of a disc, four starts",
 )
 def _projection_step() -> Evidence:
     """The first line of (1.50) at points of S, with the next point as printed and as in (1.46)."""
@@ -62,6 +69,8 @@ def _projection_step() -> Evidence:
     source="(1.50), (1.51)",
     quote="… ≤ hM_F(1 + ‖x_k‖), ‖x_{k+1} - x_k‖ ≤ 2hM_F(‖x_k‖ + 1)",
     chosen="the outside of the unit disc and a linear force",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a linear force outside of a disc, four starts",
 )
 def _step_bounds() -> Evidence:
     path = catch_up(STARTS, pushing, H, STEPS)
@@ -91,8 +100,14 @@ def first_constant(start: Floats, growth: float = M_F) -> Floats:
         "C₁ = exp(2M_F T)(‖xⁱⁿⁱᵗ‖ + 1) - 1 depends on ‖xⁱⁿⁱᵗ‖ as well",
         Effect.PROOF,
         "C₂ and C₃; the solution of one start exists all the same",
+        why=(
+            "Theorem 1.36 with A = B = 2M_F bounds ‖x_k‖ by exp(2M_F T)‖x₀‖ + exp(2M_F T) − 1, and k = 0 alone "
+            "needs C₁ ≥ ‖xⁱⁿⁱᵗ‖"
+        ),
+        place=995,
     ),
     chosen="the outside of the unit disc and a linear force",
+    tried_on="a linear force outside of a disc, four starts",
 )
 def _constant() -> Evidence:
     sizes = np.linalg.norm(catch_up(STARTS, pushing, H, STEPS), axis=-1)
@@ -113,6 +128,8 @@ def _constant() -> Evidence:
     source="(1.53), (1.54), before (1.67)",
     quote="2M_F(1 + C₁) =: C₂, ‖x⁽ⁿ⁾‖_∞ ≤ C₁, ‖ẋ⁽ⁿ⁾‖_∞ ≤ C₂, C₃ := C₂ + M_F(1 + C₁)",
     chosen="C₁ with the start in it; the outside of the unit disc and a linear force",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a linear force outside of a disc, four starts",
 )
 def _speeds() -> Evidence:
     path = catch_up(STARTS, pushing, H, STEPS)
@@ -161,6 +178,8 @@ def spread(y: Floats) -> float:
     source="(1.55)",
     quote="dist(x_k + hF(x_k), S) ≤ … < η … the projections in (1.39) are unique for sufficiently large n.",
     chosen="two discs of radius R, for which η = √2 R",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two touching discs",
 )
 def _unique() -> Evidence:
     """Steps hF nearly as long as (1.55) allows; and n for F = -x, M_F = 1, from a start with |x| = 1/sqrt(2)."""

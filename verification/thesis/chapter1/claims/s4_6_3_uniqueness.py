@@ -1,4 +1,5 @@
 """Chapter 1, section 4.6.3: the proof of uniqueness."""
+# ruff: noqa: RUF001 - the formulas are quoted as they are printed
 
 from __future__ import annotations
 
@@ -24,8 +25,15 @@ def beside_the_top() -> tuple[Floats, Floats, Floats]:
     source="proof of Lemma 1.32",
     quote="½ d/dt ‖x - y‖² ≤ -(v - w)·(x - y) + … ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖² + …",
     recorded=Kind.CORRECTED,
-    correction=Correction("(v - w)·(x - y)", Effect.PROOF, "(1.77), which stands but for its exponential"),
+    correction=Correction(
+        "(v - w)·(x - y)",
+        Effect.PROOF,
+        "(1.77), which stands but for its exponential",
+        why="ẋ − ẏ = (v − w) + F(x) − F(y), and (1.28) for −v, −w ∈ N(S, ·) bounds (v − w)·(x − y) from above",
+        place=1119,
+    ),
     chosen="two points that slide over a fixed disc",
+    tried_on="two points that slide over a disc",
 )
 def _uniqueness_sign() -> Evidence:
     """Rates over the squared distance, so that all times count alike."""
@@ -57,8 +65,14 @@ def _uniqueness_sign() -> Evidence:
         "‖xⁱⁿⁱᵗ - yⁱⁿⁱᵗ‖ exp(∫₀ᵗ (L_F + (‖v‖ + ‖w‖)/(2η)) ds)",
         Effect.PROOF,
         "the constant a of Lemma 1.32",
+        why=(
+            "Gronwall's lemma turns d/dt ‖x − y‖² ≤ 2a(t)‖x − y‖² into the exponential of ∫a; at t = 0 the "
+            "printed bound is 0"
+        ),
+        place=1123,
     ),
     chosen="two points that slide over a fixed disc",
+    tried_on="two points that slide over a disc",
 )
 def _gronwall() -> Evidence:
     """L_F = 0 and eta = 1; the integral by the rule that goes with the steps."""

@@ -42,6 +42,11 @@ def refined(start: State) -> tuple[float, float]:
         Effect.CONCLUSION,
         "“which fulfil the assumptions needed for well-posedness” in the introduction; section 3.2 of chapter 3, "
         "which takes Theorem 1.31 for its model",
+        why=(
+            "Theorem 1.31 needs xⁱⁿⁱᵗ ∈ S; by (3.7) daughters are set nearer to each other than twice the hard "
+            "radius, and by (3.4) that radius jumps"
+        ),
+        place=1129,
     ),
     chosen="nuclei in a row that touch, pulled to the middle, without noise",
 )
