@@ -61,7 +61,8 @@ def test_register_is_in_the_order_of_the_chapters_and_not_small() -> None:
 def test_claim_is_complete(claim: Claim) -> None:
     texts = [claim.source, claim.quote, claim.statement]
     if claim.correction:
-        texts += [claim.correction.text, claim.correction.depends]
+        texts += [claim.correction.text, claim.correction.depends, claim.correction.why]
+        assert claim.correction.place > 0
     assert all(text and text == text.strip() and "\n" not in text for text in texts)
     assert claim.statement != claim.quote
     assert claim.recorded is Kind.CORRECTED or claim.correction is None or claim.recorded is Kind.FAILS
