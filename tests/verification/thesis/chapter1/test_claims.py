@@ -140,6 +140,9 @@ CHANGES: dict[str, Wrong] = {
     "c1.monotone": Wrong("chapter1.s3_cones", "box_normals", with_result(turned), TRUE),
     "c1.convex-unique": Wrong("chapter1.s3_cones", "held", replaced(outside)),
     "c1.sweeping": Wrong("chapter1.s3_cones", "swept", with_result(lambda path: (path[0], 1.1 * path[1]))),
+    "c1.sweeping-unique": Wrong(
+        "chapter1.s3_cones", "swept_from", lambda f: lambda start, h, end: f(0.0, h, end), TRUE
+    ),
     "c1.not-convex": Wrong("chapter1.s4_1_prox", "half_way", replaced(lambda first, second: first)),
     "c1.convex-projection": Wrong("chapter1.s4_1_prox", "filled_triangle", with_result(lambda p: p + np.sign(p))),
     "c1.pacman": Wrong("chapter1.s4_1_prox", "lips", with_result(lambda both: (both[0], both[0]))),

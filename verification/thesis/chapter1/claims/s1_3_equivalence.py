@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import nnls
 
 import dincl
-from verification.claims import claim
+from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats, contact_gradients
 
@@ -52,7 +52,16 @@ def proximal(v: Floats, x: Floats) -> bool:
     "The subdifferential of the indicator function of a set is its normal cone.",
     source="before Model 1.3",
     quote="∂W(x) is the set of all outward pointing normal vectors of S, e.g. ∂W(x) = ∂I_S(x) = N(S, x)",
-    chosen="convex sets, as in Figure 4; the derivation is called informal, and at two discs (1.9) misses normals",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "for convex S; otherwise ∂ is the proximal subdifferential, which (1.9) is not",
+        Effect.PROOF,
+        "the step to Model 1.3, which stands with N(S, x) of Definition 1.23",
+        why="(1.9) bounds W from below at all y, and behind a touching disc there are feasible y again: at two "
+        "touching discs (1.9) gives {0}, the cone has a normal",
+        place=359,
+    ),
+    tried_on="the unit disc, and two touching discs",
 )
 def _outward() -> Evidence:
     """Random unit vectors and the outward ones at points of the disc, and at two discs in contact."""
@@ -68,8 +77,9 @@ def _outward() -> Evidence:
         f"Unit disc, {2 * SAMPLES} points with unit vectors: {unlike} are in one of ∂I_S(x) and N(S, x) only, {both} "
         f"in both. For two touching discs (1.9) gives {{0}} instead: for {refuted} of {len(apart)} vectors v, their "
         f"normal included, x + {FAR:g} v is in S, so v is no subgradient.",
-        printed=(
-            equal("vectors in one of the sets only", unlike, 0),
+        printed=(equal("normals of two touching discs that (1.9) misses", float(np.linalg.norm(apart[0]) >= 1), 0),),
+        corrected=(
+            equal("vectors in one of the sets only, convex S", unlike, 0),
             at_least("vectors in both", both, SAMPLES // 10),
         ),
         seed=SEED,

@@ -173,7 +173,7 @@ def hausdorff(first: tuple[float, float], second: tuple[float, float]) -> float:
     "A swept point is not faster than the set that sweeps it.",
     source="Theorem 1.18",
     quote="For almost every t ∈ [0, T] we have ‖ẋ(t)‖ ≤ L.",
-    chosen="C(t) = [sin t, sin t + 1/2]; the solution is unique for a given x(0) ∈ C(0)",
+    chosen="C(t) = [sin t, sin t + 1/2]; a given start, see c1.sweeping-unique",
     recorded=Kind.NOT_REFUTED,
     tried_on="C(t) = [sin t, sin t + 1/2]",
 )
@@ -186,4 +186,39 @@ def _sweeping() -> Evidence:
         f"C(t) = [sin t, sin t + 1/2]: the sets move at most by {moved:.4f} a time unit in the Hausdorff distance, so "
         f"L = 1; the largest speed of the point is {speed:.6f}.",
         printed=(at_most("largest speed", speed, 1.0, ROUNDING), equal("L by (1.18)", moved, 1.0, 0.01)),
+    )
+
+
+def swept_from(start: float, h: float, end: float) -> float:
+    """Where C(t) has a point from ``start``, by catch-up with exact projections; C(t) = [sin t, sin t + 1/2]."""
+    x = start
+    for t in h * np.arange(1, round(end / h) + 1):
+        x = min(max(x, np.sin(t)), np.sin(t) + 0.5)
+    return float(x)
+
+
+@claim(
+    "c1.sweeping-unique",
+    "The sweeping process has one solution.",
+    source="Theorem 1.18, (1.16), (1.17)",
+    quote="(1.17) x(0) ∈ C(0) … Then there is an unique solution x ∈ AC([0, T], ℝ^d) solving (1.16) and (1.17).",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "for each xⁱⁿⁱᵗ ∈ C(0) there is a unique solution with x(0) = xⁱⁿⁱᵗ",
+        Effect.MODEL,
+        "(1.17), which should fix the start; Theorem 1.31 has x(0) = xⁱⁿⁱᵗ",
+        why="(1.17) only asks for a start in C(0), and different starts in it have different solutions",
+        place=573,
+    ),
+    tried_on="C(t) = [sin t, sin t + 1/2]",
+)
+def _sweeping_unique() -> Evidence:
+    """Two starts in C(0), and one start with two steps."""
+    at, (low, high) = 0.2, (swept_from(start, 1e-3, 0.2) for start in (0.0, 0.5))
+    same = abs(swept_from(0.0, 5e-4, at) - low)
+    return Evidence(
+        f"C(t) = [sin t, sin t + 1/2], starts 0 and 1/2, both in C(0): at t = {at:g} their solutions are "
+        f"{high - low:.3f} apart; from one start steps of 10⁻³ and half of it lead to the same place to {same:.0e}.",
+        printed=(at_most("distance of two solutions of (1.16), (1.17)", high - low, 0.0, ROUNDING),),
+        corrected=(at_most("distance of the solutions from one start", same, 0.0, ROUNDING),),
     )
