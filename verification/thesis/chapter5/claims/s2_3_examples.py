@@ -212,6 +212,7 @@ def shear_rate(x: Floats, f: Floats, A: Floats) -> Floats:
     source="(5.35), (5.36)",
     quote="∂_t f = −div_x(f F(ẏ)F(y)⁻¹x) = −f tr(F(ẏ)F(y)⁻¹) − ∂_x f F(ẏ)F(y)⁻¹x",
     recorded=Kind.NOT_REFUTED,
+    chosen="f(x, t) on the right side, too, see c5.density-time",
     tried_on="one bell-shaped density",
 )
 def _shear_transport() -> Evidence:

@@ -103,6 +103,31 @@ def _linear_transport() -> Evidence:
 
 
 @claim(
+    "c5.linear-velocity",
+    "With the linearised constraint the velocity of a particle is that of the macroscopic component.",
+    source="(5.29)",
+    quote="X̃_i = ẏ",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "dX̃_i/dt = ẏ",
+        Effect.MODEL,
+        "the motion of Example 5.3; (5.31) is right",
+        why="(5.11b) with Φ = 1: the constraint is differentiated in time, and a position is no velocity",
+        place=3332,
+    ),
+    tried_on="one state of three particles",
+)
+def _linear_velocity() -> Evidence:
+    at = shifted()
+    printed, right = (float(np.abs(rate - at.v).max()) for rate in (at.X, at.U))
+    return Evidence(
+        f"In a state of the constrained system X̃_i is off ẏ by up to {printed:.2f}, dX̃_i/dt by {right:.0e}.",
+        printed=(at_most("|X̃_i − ẏ|", printed, 0.0, TOL),),
+        corrected=(at_most("|dX̃_i/dt − ẏ|", right, 0.0, TOL),),
+    )
+
+
+@claim(
     "c5.linear-map",
     "With linear constraints the positions are an explicit function of the macroscopic state.",
     source="after (5.31)",

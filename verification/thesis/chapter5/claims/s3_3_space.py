@@ -201,6 +201,7 @@ def right_side(flow: Floats, y: float, v: float) -> tuple[Floats, float, float]:
     source="proof of Theorem 5.12",
     quote="(φ, y, y) ↦ h(φ, y, ẏ; μⁱⁿⁱᵗ) is Lipschitz continuous provided ‖v‖ ≤ M_v … depends on M_v and C_μ",
     recorded=Kind.NOT_REFUTED,
+    chosen="the letters of c5.right-side-letters",
     tried_on="g = X + sin(X)/2 − y, one measure, 300 pairs",
 )
 def _right_side() -> Evidence:

@@ -46,7 +46,7 @@ def best_function() -> tuple[Floats, float]:
     source="(5.59)",
     quote="W₁(ν, μ) = sup |∫ϕ dν − ∫ϕ dμ| over ϕ ∈ C(ℝⁿˣ, ℝⁿˣ), Lip(ϕ) ≤ 1",
     recorded=Kind.NOT_REFUTED,
-    chosen="a norm for |·|, as ϕ has values in ℝⁿˣ",
+    chosen="ϕ with values in ℝ, see c5.dual-values, and as printed in ℝⁿˣ with a norm for |·|",
     tried_on="two sets of six points in the plane",
 )
 def _dual() -> Evidence:
