@@ -165,7 +165,7 @@ def _mean_field() -> Evidence:
     source="(5.52), (5.53)",
     quote="d/dt 𝒱(Xᵗ(x′) − Xᵗ(x)) = −Ẋᵗ(x′)K(Xᵗ(x), Xᵗ(x′)) − Ẋᵗ(x)K(Xᵗ(x′), Xᵗ(x))",
     recorded=Kind.NOT_REFUTED,
-    chosen="an even 𝒱, as (A2a) needs it",
+    chosen="an even 𝒱, as (A2a) needs it; products of vectors by c5.power-transpose",
     tried_on="one state of four particles, nx = 2, ny = 3",
 )
 def _power() -> Evidence:

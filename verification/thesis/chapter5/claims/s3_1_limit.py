@@ -66,7 +66,8 @@ def _limit_force() -> Evidence:
     part = abs(limit - force(at._replace(v=0.0)) / mass(at))
     return Evidence(
         f"ÿ of 5 and 200 constrained particles with interaction that stand for a density differs from that of the "
-        f"integrals ({limit:.4f}) by {off[0]:.0e} and {off[1]:.0e}; the term with ẏ makes {part:.2f} of it.",
+        f"integrals ({limit:.4f}) by {off[0]:.0e} and {off[1]:.0e}; the term with ẏ makes {part:.2f} of it "
+        "(any limit between the last two decides alike).",
         printed=(
             at_most("ÿ of 200 particles against the limit", off[1], 0.0, WRONG),
             at_most("error of 200 particles over that of 5", off[1] / off[0], 1.0),
