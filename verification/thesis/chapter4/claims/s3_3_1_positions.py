@@ -93,6 +93,8 @@ def indicators(positions: Floats, group: int) -> tuple[bool, bool]:
         "below all epithelial cells"
     ),
     chosen="no control cell has left basally",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="two EMT and two control cells on six places",
 )
 def _contained() -> Evidence:
     """All positions of two EMT and two control cells on a few places, the ends of the scale among them."""

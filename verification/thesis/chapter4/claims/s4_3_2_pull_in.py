@@ -10,7 +10,7 @@ from tissue.model.energy import forces
 from tissue.model.observables import ab_positions
 from tissue.state.cells import CellLayers, Floats, empty
 from verification.claims import claim
-from verification.evidence import Evidence, at_least, at_most
+from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter4.studies import PRESETS
 
 TOL = 1e-7
@@ -78,6 +78,8 @@ def on_points(freed: str) -> tuple[float, float]:
     "The freed spring draws the nucleus to its apical side after [A] and to its basal side after [B].",
     source="section 4.3.2, Figure 14",
     quote="not only pulls the apical or basal point towards the nucleus but it also pulls the nucleus itself",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="one straight cell at rest",
 )
 def _pull_in() -> Evidence:
     (up, apical), (down, basal) = on_points("a"), on_points("b")

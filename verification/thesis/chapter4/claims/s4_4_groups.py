@@ -179,7 +179,7 @@ def _no_inm(tables: Tables) -> Evidence:
         "the caption of Figure 18, and that heterogeneity makes inefficient events more efficient",
         why="only with the energies as printed in chapter 3, with which hardly a cell with [A] leaves alone, does the "
         "mixed group help them beyond that",
-        place=2936,
+        place=2934,
     ),
     chosen="the group '35 % [P]'; alone and in a homogeneous group: [A] at any time, as in the mixed one",
 )
