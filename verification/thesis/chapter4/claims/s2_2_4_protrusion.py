@@ -110,9 +110,9 @@ def _outside() -> Evidence:
     rest = brentq(lift, -DEPTH + 0.1, 3.0)
     tops = [y + 1.0 for y in on_arrival()]
     return Evidence(
-        f"When their basal points come to −2 R_soft the soft discs of {sum(top > 0 for top in tops)} of {len(tops)} cells "
-        f"reach above the basal layer, by up to {max(tops):.1f} R_soft. The spring alone rests with the nucleus at "
-        f"{rest:.6f} R_soft: then the disc ends at y = {rest + 1.0:.0e}.",
+        f"When their basal points come to −2 R_soft the soft discs of {sum(top > 0 for top in tops)} of {len(tops)} "
+        f"cells reach above the basal layer, by up to {max(tops):.1f} R_soft. The spring alone rests with the nucleus "
+        f"at {rest:.6f} R_soft: then the disc ends at y = {rest + 1.0:.0e}.",
         printed=(at_most("highest top of a soft disc on arrival [R_soft]", max(tops), 0.0, TOL),),
         corrected=(at_most("top of the soft disc at rest [R_soft]", rest + 1.0, 0.0, TOL),),
         seed=SEED,

@@ -99,8 +99,8 @@ def spread(p: float, events: str, possible: Mapping[str, Floats]) -> float:
         "number of possible combinations"
     ),
     recorded=Kind.OPEN,
-    chosen=f"combinations: orders, as in (Q4), not sets, as in (Q2); roughly: within a factor between {ROUGHLY[0]:g} and"
-    f" {ROUGHLY[1]:g}; the verdict depends on both",
+    chosen=f"combinations: orders, as in (Q4), not sets, as in (Q2); roughly: within a factor between {ROUGHLY[0]:g} "
+    f"and {ROUGHLY[1]:g}; the verdict depends on both",
 )
 def _seventy() -> Evidence:
     found = {events: spread(SHARE / 100, events, POSSIBLE) for events in POSSIBLE}
@@ -171,8 +171,8 @@ def _onset() -> Evidence:
     first = (times["p"], settled(times)[row("p")])
     apart, later = (int((np.minimum(three, p) != three).sum()) for p in first)
     return Evidence(
-        f"Of {CELLS} cells with times from (4.2) {apart} ({100 * apart / CELLS:.0f} %) have a T^P before the other three, "
-        f"though [P] waits for [B]; with max(T^P, T^B) the two onsets differ for {later}.",
+        f"Of {CELLS} cells with times from (4.2) {apart} ({100 * apart / CELLS:.0f} %) have a T^P before the other "
+        f"three, though [P] waits for [B]; with max(T^P, T^B) the two onsets differ for {later}.",
         printed=(at_most("cells with another onset", apart, 0),),
         corrected=(at_most("cells with another onset, max(T^P, T^B)", later, 0),),
         seed=SEED,

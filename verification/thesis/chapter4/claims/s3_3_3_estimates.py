@@ -202,7 +202,7 @@ def _total(tables: Tables) -> Evidence:
         off = max(off, abs(float((weights * rows["value"]).sum()) - float(whole["value"])), abs(weights.sum() - 1))
         cells += int(whole["of"])
     return Evidence(
-        f"In {len(studies)} studies with {cells} cells the categories by order hold all cells, and Σ_k P[D_k] r(D_k) is r of "
-        f"(4.7) to {off:.0e}.",
+        f"In {len(studies)} studies with {cells} cells the categories by order hold all cells, and Σ_k P[D_k] r(D_k) "
+        f"is r of (4.7) to {off:.0e}.",
         printed=(at_most("Σ P[D_k] r(D_k) − r, and Σ P[D_k] − 1", off, 0.0, ROUNDING),),
     )

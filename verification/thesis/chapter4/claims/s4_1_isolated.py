@@ -51,9 +51,10 @@ FEW, SOME = 0.2, 0.01
         "energies of the cytoskeleton and of the apical junctions",
         Effect.MODEL,
         "all numbers of section 4; averaged over all other rows the first raises basal extrusion of [A] by 28 "
-        "points, without INM by 40, of [B] without INM by 58; the second lowers them by 14, 17, 9; no other by over 5",
+        "points, without INM by 40, of [B] without INM by 58; the second lowers them by 14, 17, 9; no other by over 6",
         why="with (3.9), (3.10) as printed the springs are too stiff by the factor R^soft + η, and hardly a cell "
-        "leaves basally; the published junctions have half the energy of (3.11) without dimension",
+        "leaves basally; the published program divides by the square (src/core/compute_forces.jl, line 28, of "
+        "SteffenPL/sEMTor.jl), and its junctions have half the energy of (3.11) without dimension (line 83)",
         place=2758,
     ),
     chosen="the ends of the runs, 48 h and 54 h; what chapter 3 leaves open as in the published runs",

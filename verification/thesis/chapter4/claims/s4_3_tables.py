@@ -56,7 +56,8 @@ def _delays() -> Evidence:
     fourth += [TABLE_4[late][event] - TABLE_4[early][event] for early, late, event in EARLY_LATE]
     return Evidence(
         f"Between [A] and [B] of Table 3 lie {third[0]} h, {third[1]} h and {third[2]} h; the four delays of Table 4 "
-        f"are {', '.join(f'{delay:g}' for delay in fourth)} h; the ninth row, partner of the tenth, is misprinted (c4.table-4).",
+        f"are {', '.join(f'{delay:g}' for delay in fourth)} h. Its ninth row, the partner of the tenth, is misprinted: "
+        "c4.table-4.",
         printed=(
             *(
                 equal(f"delay {k + 1} of Table 3 [h]", t, wanted)

@@ -35,7 +35,10 @@ TRUTH = {"holds": 1.0, "does not hold": 0.0, "not decided": float("nan")}
 SOME, FAVOURABLE = 0.01, 0.5
 # Of (Q2) only the first half: the second one is a claim of its own.
 PARTS = {"Q2": "Yes, without INM all cell events with [A], [B] or [P] lead to extrusion."}
-STATED = {"Q2": "Without INM cells with [A], with [B] and with [P] are extruded, more often than cells without event."}
+STATED = {
+    "Q2": "Without INM cells with [A], with [B] and with [P] are extruded, more often than cells without event.",
+    "Q5": "The answer to question 5, both halves together, by claims about ratios. The second half: c4.q5-mixed.",
+}
 # What the model says that decides; the others are open.
 RECORDED = dict.fromkeys(("Q1", "Q2", "Q7"), Kind.HOLDS)
 
