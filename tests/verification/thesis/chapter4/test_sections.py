@@ -11,6 +11,7 @@ from tissue.study.ratios import Ratio, as_ratio
 from verification.page.context import Context
 from verification.thesis.chapter4 import differences, effects, follows, headings, kept, section_differences, studies
 from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
+from verification.thesis.chapter4.claims import s4_1_isolated
 from verification.thesis.chapter4.figures import Pictures
 from verification.thesis.chapter4.sections import sections
 
@@ -155,7 +156,32 @@ def test_unchanged_runs_give_the_ratios_of_the_studies():
 
 
 def test_what_makes_a_ratio_agree_is_told():
-    told = {one["ratio"]: one for one in section_differences.found(TABLES["changed"], TABLES["effects"])}
-    assert told["[B] basal"]["agrees"]
-    assert "energy of the cytoskeleton" in told["[B] no INM basal"]["needs"]
-    assert all(one["largest"]["row"] in differences.ROWS for name, one in told.items() if name != "[B] basal")
+    found = section_differences.found(TABLES["changed"], TABLES["effects"])
+    told = {one["ratio"]: one for one in found}
+    assert told["[B] leaves basally"]["agrees"]
+    assert told["[B] without INM leaves basally"]["needs"] == ["energy of the cytoskeleton"]
+    assert told["[A] leaves basally"]["needs"] == ["energy of the cytoskeleton", "energy of the apical junctions"]
+    assert not any(one["makes"] for one in found if not one["agrees"])
+    largest = [told[name]["largest"][0] for name in ("[A] leaves basally", "[B] without INM leaves basally")]
+    assert largest == ["energy of the cytoskeleton +28 [+26, +29]", "energy of the cytoskeleton +58 [+56, +60]"]
+
+
+def test_the_answers_and_the_differences_are_in_words():
+    shown = section_differences.answers(section_differences.found(TABLES["changed"], TABLES["effects"]))
+    assert list(shown["Printed"]) == ["30 %", "10 %", "60 %", "0 %", "20 %", "70 %"]
+    assert list(shown.iloc[:, 3]) == ["needs none", "none", "none", "needs none", "none", "none"]
+    assert list(section_differences.meanings()["Difference"]) == [*differences.ROWS, effects.COUNTING]
+
+
+def test_the_correction_of_the_printed_ratios_has_the_effects_of_the_table():
+    main = TABLES["effects"][TABLES["effects"]["with"] == ""]
+    points = (100 * main["effect"]).round().astype(int).abs()
+    basal = (main["what"] == "basal") & (main["scenario"] != "[B]")
+    two = main["row"].isin(["energy of the cytoskeleton", "energy of the apical junctions"])
+    said = s4_1_isolated._printed.correction
+    assert said is not None
+    assert "28 points, without INM by 40, of [B] without INM by 58" in said.depends
+    assert "14, 17, 9" in said.depends
+    assert sorted(points[basal & two]) == [9, 14, 17, 28, 40, 58]
+    assert "no other by over 6" in said.depends
+    assert (100 * main["effect"][basal & ~two]).abs().max() < 6
