@@ -133,7 +133,7 @@ def _seventy() -> Evidence:
 def _range() -> Evidence:
     fixed = [t for t in (*TABLES_1_2, *chain(*TABLE_3, *TABLE_4)) if t < NEVER]
     random = [timing(text) for times in TABLE_5 for text in times.values()]
-    ranges = {(each.low.value, each.high.value) for each in random if each.ever}
+    ranges = {(each.low.value, each.high.value) for each in random if each.low and each.high}
     low, high = min(fixed), max(fixed)
     return Evidence(
         f"The earliest time in Tables 1 to 4 is {low} h, the latest {high} h; Table 5 draws from "
