@@ -57,8 +57,8 @@ FEW, SOME = 0.2, 0.01
         "SteffenPL/sEMTor.jl), and its junctions have half the energy of (3.11) without dimension (line 83)",
         place=2758,
     ),
-    chosen="the ends of the runs, 48 h and 54 h, as the text gives none; what chapter 3 leaves open as in the published "
-    "runs",
+    chosen="the ends of the runs, 48 h and 54 h, for the text gives none; what chapter 3 leaves open as in the "
+    "published runs",
 )
 def _printed(tables: Tables) -> Evidence:
     """The ratios that agree, at the time at which most do: the thesis does not say when it counts."""
