@@ -14,6 +14,7 @@ from verification.thesis.chapter3.claims import (
     s1_3_model,
     s2_2_1_cycle,
     s2_2_6_energies,
+    s2_2_7_feasible,
     s2_2_8_quasi_steady,
     s2_2_9_parameters,
     s2_2_9_tables,
@@ -24,13 +25,14 @@ PARTS = (
     s1_3_model,
     s2_2_1_cycle,
     s2_2_6_energies,
+    s2_2_7_feasible,
     s2_2_8_quasi_steady,
     s2_2_9_parameters,
     s2_2_9_tables,
     s3_tissue,
 )
 CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
-MODEL, CYCLE, ENERGIES, QSS, PARAMETERS, TABLES, TISSUE = (
+MODEL, CYCLE, ENERGIES, FEASIBLE, QSS, PARAMETERS, TABLES, TISSUE = (
     "chapter3." + part.__name__.rpartition(".")[2] for part in PARTS
 )
 HOLDS = Kind.HOLDS
@@ -84,6 +86,8 @@ CHANGES = {
     "c3.straightness": Wrong(ENERGIES, "second_form", lambda f: lambda angle, first: f(angle, first) + 2.0, HOLDS),
     "c3.repulsion": Wrong(ENERGIES, "repulsion", times(-1.0), HOLDS),
     "c3.forces": Wrong(ENERGIES, "repulsion", times(-1.0)),
+    "c3.at-all-times": Wrong(FEASIBLE, ("HARD", "ENLARGED"), replaced(0.0), HOLDS),
+    "c3.equal-radii": Wrong(FEASIBLE, "ENLARGED", replaced(1.66 / 5.0), HOLDS),
     "c3.state": Wrong(QSS, "OFF", replaced(0.0), HOLDS),
     "c3.not-unique": Wrong(QSS, "moving", replaced(lambda: ("x",))),
     "c3.regularised": Wrong(QSS, ("regularised", "minima"), lambda f: lambda *given: f(*given[:-1], 2), HOLDS),
@@ -91,6 +95,7 @@ CHANGES = {
     "c3.relative": Wrong(PARAMETERS, "all_by", replaced(lambda factor: (factor, 1.0, 1.0, 1.0, 1.0))),
     "c3.diffusion": Wrong(PARAMETERS, "variance", times(0.5)),
     "c3.box": Wrong(TABLES, "FIRST_HEIGHT", replaced(10.0), HOLDS),
+    "c3.row": Wrong(TABLES, "CELLS", replaced(24), HOLDS),
     "c3.basal": Wrong(TABLES, "basal_width", replaced(lambda _: 18.0), HOLDS),
     "c3.offspring": Wrong(TABLES, "singles", lambda f: lambda _: f(0.8), HOLDS),
     "c3.enlarged": Wrong(TABLES, "text_rule", lambda _: early, HOLDS),

@@ -20,6 +20,8 @@ R_SOFT, HEIGHT, WIDTH = 5.0, 50.0, 40.0
 FIRST_HEIGHT = 8.0
 # In src/core/parameters.jl of the published program SteffenPL/sEMTor.jl, line 18: size = [N_init/3, 8].
 PUBLISHED_HEIGHT = 8.0
+# Table 1: cells, and the distance of their apical points [μm].
+CELLS, SPACING = 60, 1.66
 # Table 2, in minutes.
 G2, MITOSIS = 30.0, 30.0
 TOL = 1e-6
@@ -54,6 +56,50 @@ def _box() -> Evidence:
         corrected=(
             equal("w^init of the table over R_soft", WIDTH / R_SOFT, FIRST_HEIGHT, TOL),
             equal("w^init over R_soft against the published height", WIDTH / R_SOFT, PUBLISHED_HEIGHT, TOL),
+        ),
+    )
+
+
+def row(cells: int) -> float:
+    """The width of so many apical points at the distance of Table 1, half a distance beyond both ends [μm]."""
+    return cells * SPACING
+
+
+def zone(cells: int) -> float:
+    """The width [μm] that the published program gives to so many cells, N_init/3 in R_soft (line 18, as above)."""
+    return cells / 3 * R_SOFT
+
+
+@claim(
+    "c3.row",
+    "The number of cells, the distance of their apical points, and the width of the tissue at the start.",
+    source="Table 1",
+    quote="N^init = 60 number of cells, w^init = 40 μm initial tissue width, d^init-apical = 1.66 μm",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "w^init = N^init d^init-apical, 100 μm for 60 cells; 50 μm are the width of 30 cells",
+        Effect.NUMBER,
+        "the start of runs: by the letter all nuclei begin above less than half of their apical points; c3.box, whose "
+        "50 μm is the other value of the table, is about which of the two is the height",
+        why=(
+            "60 points at 1.66 μm are a row of 100 μm, neither 40 nor 50 μm; the published program has N_init = 30 and "
+            "the width N_init/3 in R^soft (parameters.jl, lines 3 and 18, of sEMTor.jl)"
+        ),
+        place=1898,
+    ),
+    chosen="the row reaches half a distance beyond its ends; a distance more or less is left open",
+)
+def _row() -> Evidence:
+    """The entries of Table 1 against each other, with both of its lengths as the width; then the published rule."""
+    wide, narrow = row(CELLS), row(CELLS // 2)
+    return Evidence(
+        f"{CELLS} apical points at {SPACING:g} μm are {wide:.0f} μm wide, the table has {WIDTH:g} μm, with c3.box "
+        f"{HEIGHT:g} μm; the published rule gives {zone(CELLS):.0f} μm to 60 cells and {zone(CELLS // 2):.0f} μm to "
+        f"its 30, whose row is {narrow:.1f} μm wide",
+        printed=(equal("width of the row, 40 μm printed [μm]", wide, WIDTH, SPACING),),
+        corrected=(
+            equal("width of the row of 60 cells [μm]", wide, zone(CELLS), SPACING),
+            equal("width of the row of 30 cells, 50 μm [μm]", narrow, HEIGHT, SPACING),
         ),
     )
 

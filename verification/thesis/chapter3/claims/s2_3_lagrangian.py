@@ -64,7 +64,7 @@ def in_all(z: Floats) -> bool:
     "apical points, times a convex set of basal points. So S is prox-regular if the set of (C1) is.",
     source="(3.16), sections 3.2 and 3.3",
     quote="S = ⋂_{j=1}^M S_j, which is the key assumption for the application of PBD",
-    chosen="equal hard radii, as Proposition 1.22 has them",
+    chosen="equal hard radii, as Proposition 1.22 has them; for others see c3.equal-radii",
 )
 def _set() -> Evidence:
     """Nuclei and basal points of different states are put together, and midpoints are taken."""
