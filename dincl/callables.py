@@ -66,6 +66,11 @@ class UserFunction:
         """function(*values) as finite numbers, of a shape if one is given."""
         return self.numbers(self.call(function, *values), shape)
 
+    def failed(self, error: BaseException, how: str) -> FunctionFailed:
+        """What to raise from an error of compiled code, of which the values are not known: ``how`` it failed."""
+        said = f"{type(error).__name__}{_said(error)}"
+        return FunctionFailed(self.status, f"{self.name}({', '.join(self.arguments)}) {how} {said}.")
+
     def refuse(self, what: str) -> NoReturn:
         """Raise FunctionFailed: ``what`` it did, a sentence without its subject."""
         raise FunctionFailed(self.status, f"{self.name} {what}")

@@ -8,11 +8,13 @@ arrays, text, truth values, sets and generators are not. Whatever a value raises
 from __future__ import annotations
 
 import math
+import os
 import sys
 from collections.abc import Sequence
 from decimal import Decimal
 from itertools import chain
 from numbers import Real
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -20,6 +22,7 @@ import numpy as np
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
+    import re
     from collections.abc import Callable
 
     from numpy.typing import ArrayLike, NDArray
@@ -188,6 +191,33 @@ def text(name: str, value: Any, choices: tuple[str, ...]) -> str:
     return str(value)
 
 
+def string(name: str, value: Any) -> str:
+    """Any text."""
+    if not isinstance(value, str):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be text")
+    return str(value)
+
+
+def word(name: str, value: Any, form: re.Pattern[str], allowed: str) -> str:
+    """A text of a form, which ``allowed`` says in words."""
+    if not isinstance(value, str) or not form.fullmatch(value):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    return str(value)
+
+
+def path(name: str, value: Any) -> Path:
+    """The path of a file or a folder, which need not be there."""
+    try:
+        found = Path(value) if isinstance(value, (str, os.PathLike)) else None
+    except MemoryError:
+        raise
+    except Exception:  # noqa: BLE001  # whatever it raises, it is no path
+        found = None
+    if found is None or "\0" in str(found):
+        raise InvalidProblem(f"{name} = {describe(value)}: must be the path of a file or a folder")
+    return found
+
+
 def function(name: str, value: Any, allowed: str) -> Callable[..., Any]:
     """Something to call; ``allowed`` says with what."""
     if not callable(value):
@@ -203,7 +233,7 @@ def instance(name: str, value: Any, kind: type[Any], allowed: str) -> Any:
     return value
 
 
-def items(name: str, value: Any, kind: type[Any], allowed: str) -> tuple[Any, ...]:
+def items(name: str, value: Any, kind: type[Any] | tuple[type[Any], ...], allowed: str) -> tuple[Any, ...]:
     """The entries of a list, all of one class; ``allowed`` says which: "a list of constraints".
 
     What has an order and a length is a list: no set, mapping or generator, which may never end.

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import inspect
 import json
+import sys
 import textwrap
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from threading import RLock
+from threading import RLock, local
 from typing import Any, TypeVar, cast
 
 import numba
@@ -26,6 +27,9 @@ _DIGESTS: dict[Path, str] = {}
 # By module.
 _STAMPS: dict[str, str] = {}
 _DECLARING = RLock()
+# What each thread hears of its compiled code; and the hook that was there before any thread listened, once for each.
+_HEARD, _LISTENING = local(), RLock()
+_HOOKS: list[Callable[[Any], object]] = []
 
 
 def kernel(function: Function, *, references: bool = True) -> Function:
@@ -68,11 +72,42 @@ def _part(function: Function, *, references: bool) -> Function:
 def c_function(signature: Any, function: Callable[..., Any]) -> Any:
     """Compile a function at top level of a file that is called by its ``address``; kept on the disk as a kernel is.
 
-    It makes no arrays, and nobody hears of what it raises: it says so by the number that it returns.
+    It makes no arrays. What it raises goes no farther than to ``heard``: by then it has returned any number.
     """
     options: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
     with _by_closure(), ANNOUNCEMENT.of(function):
         return numba.cfunc(signature, **options)(function)
+
+
+@contextmanager
+def heard() -> Iterator[list[BaseException]]:
+    """The first error that functions of ``c_function`` raise meanwhile in this thread; the list is empty without one.
+
+    Numba hands it to ``sys.unraisablehook``, which prints it.
+    """
+    errors: list[BaseException] = []
+    before, _HEARD.errors = getattr(_HEARD, "errors", None), errors
+    with _LISTENING:
+        _HOOKS.append(sys.unraisablehook)
+        sys.unraisablehook = _hear
+    try:
+        yield errors
+    finally:
+        _HEARD.errors = before
+        with _LISTENING:
+            earliest = _HOOKS[0]
+            _HOOKS.pop()
+            if not _HOOKS:
+                sys.unraisablehook = earliest
+
+
+def _hear(raised: Any) -> None:
+    """Keep what compiled code of a thread that listens has raised; anything else is not for us."""
+    errors = getattr(_HEARD, "errors", None)
+    if errors is None or not str(raised.object).startswith("<numba."):
+        (_HOOKS[0] if _HOOKS else sys.__unraisablehook__)(raised)
+    elif not errors:
+        errors.append(raised.exc_value)
 
 
 def _once(compiled: Any) -> Any:

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import FunctionType
 
-from dincl.checks import describe
-from dincl.errors import InvalidProblem
+from dincl.checks import instance, string, word
 from tissue.kernels.curve import course
 from tissue.kernels.store import Store
 from tissue.registry import registered
 from tissue.state.numbers import Numbers
+
+_NAME = re.compile(r"[^\W\d]\w*")
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,7 @@ class DivisionRule:
     Raises
     ------
     InvalidProblem
-        If the name is none.
+        If the name is none, or ``splits`` or ``place`` is no function.
     """
 
     name: str
@@ -45,8 +48,11 @@ class DivisionRule:
     place: Callable[..., None]
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not self.name.isidentifier():
-            raise InvalidProblem(f"name = {describe(self.name)}: must be letters, digits and _")
+        word("name", self.name, _NAME, "letters, digits and _")
+        string("meaning", self.meaning)
+        string("source", self.source)
+        for key, value in (("splits", self.splits), ("place", self.place)):
+            instance(f"DivisionRule {self.name}: {key}", value, FunctionType, "a function")
 
 
 def splits(store: Store, i: int, number: float, numbers: Numbers) -> bool:

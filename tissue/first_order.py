@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from dincl.checks import flag
 from tissue.files.parameters import Parameters
 from tissue.lot import Lot
 from tissue.run import Run, RunFailed
@@ -43,13 +44,17 @@ def simulate(
     Raises
     ------
     InvalidProblem
-        For a bad seed, or for more cells than fit at the start; for a ``start`` that is no state of a run or was lost,
-        is later than the end or no whole number of steps, has another number of EMT cells or types that the parameters
-        do not have, or is later than the time of an event that has not begun.
+        For an argument of another kind, a bad seed, a function of the user that cannot be compiled, or for more cells
+        than fit at the start; for a ``start`` that is no state of a run or was lost, is later than the end or no whole
+        number of steps, has another number of EMT cells or types that the parameters do not have, or is later than the
+        time of an event that has not begun.
     RunFailed
-        If coordinates leave the finite numbers; the error carries the Run up to then.
+        If coordinates leave the finite numbers, or a function of the user fails, which is the cause of the error then;
+        the error carries the Run up to then.
     """
-    run = Lot(parameters, [seed], [] if start is None else [start]).runs(watch)[0]
+    flag("throw", throw)
+    lot = Lot(parameters, [seed], [] if start is None else [start])
+    run = lot.runs(watch)[0]
     if throw and not run.status:
-        raise RunFailed(run)
+        raise RunFailed(run) from lot.fault
     return run

@@ -7,8 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import FunctionType
 
-from dincl.checks import describe
-from dincl.errors import InvalidProblem
+from dincl.checks import instance, string, word
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
 
@@ -39,7 +38,7 @@ class Force:
     Raises
     ------
     InvalidProblem
-        If the name is none, or ``push`` or ``energy`` is no function.
+        If the name is none, ``push`` or ``energy`` is no function, or another argument no text.
     """
 
     name: str
@@ -49,9 +48,9 @@ class Force:
     energy: Callable[..., float] | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
-            raise InvalidProblem(f'name = {describe(self.name)}: must be lower-case letters, digits and "_"')
-        if not isinstance(self.push, FunctionType):
-            raise InvalidProblem(f"Force {self.name}: push = {describe(self.push)}: must be a function")
-        if not isinstance(self.energy, FunctionType | None):
-            raise InvalidProblem(f"Force {self.name}: energy = {describe(self.energy)}: must be a function, or None")
+        word("name", self.name, _NAME, 'lower-case letters, digits and "_"')
+        string("meaning", self.meaning)
+        string("source", self.source)
+        instance(f"Force {self.name}: push", self.push, FunctionType, "a function")
+        if self.energy is not None:
+            instance(f"Force {self.name}: energy", self.energy, FunctionType, "a function, or None")

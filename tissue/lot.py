@@ -5,25 +5,38 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from itertools import count, repeat, takewhile
 
+import numpy as np
+
+from dincl.callables import UserFunction
+from dincl.checks import function, instance
+from dincl.errors import FunctionFailed
 from dincl.status import Status
 from tissue.files.parameters import Parameters
 from tissue.kernels.board import LOST, RUNNING
-from tissue.kernels.store import COUNTERS, NEXT_ID, Store, contents, copied
+from tissue.kernels.store import CELLS, COUNTERS, NEXT_ID, Store, contents, copied
 from tissue.resume import checkpoint_of, resumed, steps_made
 from tissue.run import Run
 from tissue.start import started
+from tissue.state.cells import COORDINATES, KINDS, Cells
 from tissue.state.checkpoint import Parted, TissueCheckpoint, generator_states
 from tissue.state.frame import Frame
 from tissue.state.streams import Streams, streams
 from tissue.step.advance import find_lost
 from tissue.step.group import Group
 
+WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)
+RULES = UserFunction("a function of an event, a force or a rule", ("store", "..."), Status.FUNCTION_FAILED)
+# What the points of a cell do not tell of.
+LASTING = tuple(name for name in Cells._fields if name not in COORDINATES and name not in KINDS)
+
 
 class Lot:
     """Runs of the same parameters and of up to WIDTH seeds, from t = 0 or from kept states of one time."""
 
     def __init__(self, parameters: Parameters, seeds: Sequence[int], starts: Sequence[Frame] = ()) -> None:
+        instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
         self.parameters, self.seeds = parameters, seeds
+        self.fault: FunctionFailed | None = None
         self._begin = steps_made(parameters, starts[0]) if starts else 0
         if starts:
             held, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
@@ -42,21 +55,30 @@ class Lot:
         for step in kept_steps(self.parameters):
             if step > made:
                 self._group.advance(made, step)
+                self._refuse_lost(step * dt)
                 made = step
                 yield step * dt
 
     def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
-        """The runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept."""
+        """The runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept.
+
+        Where a function of a user fails, all that go on end with what they have: which of them it was, is not known.
+        """
+        if watch is not None:
+            function("watch", watch, "a function of the time")
         frames: list[list[Frame]] = [[] for _ in self.seeds]
-        for number, t in enumerate(self.times()):
-            for k, mine in enumerate(frames):
-                frame = self.frame(k, t)
-                if not mine or mine[-1].t < frame.t:  # a run that has failed stays where it is
-                    mine.append(frame)
-            if watch is not None and number:
-                watch(frames[0][-1].t)
-            if not any(map(self.goes_on, range(len(self.seeds)))):
-                break
+        try:
+            for number, t in enumerate(self.times()):
+                for k, mine in enumerate(frames):
+                    frame = self.frame(k, t)
+                    if not mine or mine[-1].t < frame.t:  # a run that has failed stays where it is
+                        mine.append(frame)
+                if watch is not None and number:
+                    WATCH.call(watch, frames[0][-1].t)
+                if not any(map(self.goes_on, range(len(self.seeds)))):
+                    break
+        except FunctionFailed as error:
+            self.fault = error
         return [self.run(k, mine) for k, mine in enumerate(frames)]
 
     def store(self, k: int) -> Store:
@@ -77,13 +99,13 @@ class Lot:
     def status(self, k: int) -> Status:
         """How run k ended, or goes on."""
         if self.goes_on(k):
-            return Status.SUCCESS
+            return Status.SUCCESS if self.fault is None else self.fault.status
         return Status.NON_FINITE if find_lost(self.store(k)) >= 0 else Status.LUMEN_CLOSED
 
     def failure(self, k: int) -> str:
         """When and where run k failed, "" if it did not."""
         if self.goes_on(k):
-            return ""
+            return "" if self.fault is None else self.fault.detail
         held = self.store(k)
         if self.status(k) is Status.LUMEN_CLOSED:
             return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
@@ -96,6 +118,15 @@ class Lot:
         return Run(
             self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._parted[k]
         )
+
+    def _refuse_lost(self, t: float) -> None:
+        """Raise FunctionFailed for a number of a cell that is not finite while its points are; our rules make none."""
+        for k, held in enumerate(self._group.stores):
+            n = held.sizes[CELLS]
+            for name in LASTING if self.goes_on(k) else ():
+                if not np.isfinite(getattr(held.cells, name)[:n]).all():
+                    what = f"made a number of cells.{name} that is not finite, until t = {t:g} h"
+                    RULES.refuse(what)
 
     def _stopped(self, k: int) -> float:
         """When run k failed [h]."""

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from numbers import Real
 from typing import TYPE_CHECKING, Any
 
-from dincl.checks import describe
-from dincl.errors import InvalidProblem
+from dincl.callables import UserFunction
+from dincl.checks import function, string, word
+from dincl.status import Status
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -35,7 +35,7 @@ class Observable:
     Raises
     ------
     InvalidProblem
-        If name or unit is none.
+        If name or unit is none, or ``measure`` no function.
     """
 
     name: str
@@ -45,8 +45,9 @@ class Observable:
 
     def __post_init__(self) -> None:
         for key, value, form in (("name", self.name, _NAME), ("unit", self.unit, _UNIT)):
-            if not isinstance(value, str) or not form.fullmatch(value):
-                raise InvalidProblem(f'{key} = {describe(value)}: must be lower-case letters, digits and "_"')
+            word(key, value, form, 'lower-case letters, digits and "_"')
+        string("meaning", self.meaning)
+        function(f"Observable {self.name}: measure", self.measure, "a function of frame and parameters")
 
     @property
     def column(self) -> str:
@@ -54,9 +55,9 @@ class Observable:
         return f"{self.name}_{self.unit}" if self.unit else self.name
 
     def of(self, frame: Frame, parameters: Parameters) -> float:
-        """The number; raises InvalidProblem if it is none, or not finite."""
-        value: Any = self.measure(frame, parameters)
-        if isinstance(value, Real) and math.isfinite(value):
-            return value  # type: ignore[return-value]
-        what = f"observable {self.name} at t = {frame.t:g} h"
-        raise InvalidProblem(f"{what}: measure returned {describe(value)}, must be a finite number")
+        """The number; raises FunctionFailed, an InvalidProblem, if it is none, or not finite."""
+        name = f"observable {self.name} at t = {frame.t:g} h: measure"
+        known = UserFunction(name, ("frame", "parameters"), Status.FUNCTION_FAILED)
+        value: Any = known.call(self.measure, frame, parameters)
+        checked = known.numbers(value, ())
+        return value if isinstance(value, Real) else float(checked)  # type: ignore[return-value]

@@ -12,6 +12,7 @@ from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
 from tissue.events.known import bit
 from tissue.files.combinations import ROUNDING
+from tissue.files.frames import checked
 from tissue.kernels.board import LOST
 from tissue.kernels.curve import curve_numbers
 from tissue.kernels.store import Store, stored
@@ -69,6 +70,7 @@ def checkpoint_of(start: Frame) -> TissueCheckpoint:
     """What a run is besides its cells; raises InvalidProblem if it is not there."""
     if not isinstance(start, Frame):
         raise InvalidProblem(f"start = {describe(start)}: must be {A_START}")
+    checked("start", (*start[:4], start.past))
     return start.past
 
 

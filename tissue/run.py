@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.checks import instance, number
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.model.observables import measurable
@@ -91,10 +92,12 @@ class Run:
             If no state is kept at this time, or its coordinates are not finite.
         """
         from tissue.pictures.picture import draw_frame, drawing
+        from tissue.pictures.sheet import Axes
 
         frame = self._kept(t)
         if ax is None:
             return drawing([frame], self.parameters).axes[0]
+        instance("ax", ax, Axes, "axes of matplotlib, or None")
         draw_frame(ax, frame, self.parameters)
         return ax
 
@@ -108,6 +111,7 @@ class Run:
         """The state kept at time t."""
         if t is None:
             return measurable(self.frames)[-1]
+        t = number("t", t)
         for frame in self.frames:
             if np.isclose(frame.t, t, rtol=1e-9, atol=1e-9):
                 return frame

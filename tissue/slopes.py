@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dincl.checks import number
+from dincl.checks import instance, number
 from dincl.errors import InvalidProblem
 from tissue.force import Force
 from tissue.kernels import kernel
@@ -15,7 +15,7 @@ from tissue.model.observables import measurable
 from tissue.run import Run
 from tissue.state.cells import Floats
 from tissue.state.numbers import Numbers
-from tissue.step.called import push_and_energy
+from tissue.step.called import answered, push_and_energy
 from tissue.step.own_forces import call_energy, call_push, clear
 
 # [R_soft]: what central differences miss, and what they lose by rounding, are both near 1e-10.
@@ -41,8 +41,11 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     Raises
     ------
     InvalidProblem
-        If the force has no energy, one of both is not finite, or neither does anything in this state.
+        If the force has no energy, one of both raises, cannot be compiled or is not finite, or neither does anything in
+        this state.
     """
+    instance("force", force, Force, "a tissue.Force")
+    instance("run", run, Run, "a tissue.Run")
     if force.energy is None:
         raise InvalidProblem(f"Force {force.name}: energy = None: must be a function to compare push with")
     strength = number("strength", strength, positive=True)
@@ -52,7 +55,9 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
         frame.cells, frame.layers, past.next_id, past.emt, capacity=len(frame.cells.x), curve=curve_numbers(frame.curve)
     )
     slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
-    _compare(push_and_energy(force), held, strength, handed_numbers(run.parameters.numbers()), slopes, forces)
+    code, numbers = push_and_energy(force), handed_numbers(run.parameters.numbers())
+    with answered():
+        _compare(code, held, strength, numbers, slopes, forces)
     if not np.isfinite([slopes, forces]).all():
         raise InvalidProblem(f"Force {force.name} at t = {frame.t:g} h: must give finite forces and energies")
     largest = np.abs([slopes, forces]).max()

@@ -7,12 +7,16 @@ import atexit
 import shutil
 import tempfile
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 import dincl
 import tissue
 from tests.borders import tissue_functions as own
 from tests.borders.harness import Call
+from tests.borders.values import ABSURD
 from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat
 from tissue.pictures.picture import picture
@@ -23,8 +27,6 @@ from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.registration import KINDS
 from tissue.registry import shelf
 from tissue.study.answers import control_shares, scenario_changes, scenario_differences, scenario_ratios
-from tissue.study.curves import over_time
-from tissue.study.ratios import ratio, wilson
 from tissue.study.read import Results
 
 FOLDER = Path(tempfile.mkdtemp())
@@ -44,7 +46,6 @@ PARAMETERS = (SMALL, EMT, TYPES, LONGER, QUICK)
 RUNS = tuple(tissue.simulate(one, 1) for one in (SMALL, EMT, TYPES))
 QUASI = simulate_quasi_steady(QUIET, 1, throw=False)
 FRAMES = tuple(frame for run in RUNS for frame in (run.frames[0], run.final))
-STATES = tuple(frame for frame in FRAMES if not frame.cells.events.any())
 
 STUDY = """title = "tiny"
 base = "small.toml"
@@ -88,15 +89,25 @@ def registered(thing, other=THING):
         tissue.register(thing, other)
 
 
-def changed(parameters, key, value, seed):
-    """A run with another value of one key."""
-    return simulated(parameters.changed({key: value}), seed)
+def changed(changes, seed):
+    """A run with other values of some keys."""
+    return simulated(EMT.changed(changes), seed)
 
 
-def two_changed(parameters, key, value, other, further):
-    """Parameters with other values of two keys, in all forms."""
-    found = parameters.changed({key: value, other: further})
+def forms(changes):
+    """Parameters with other values of some keys, in all forms."""
+    found = TYPES.changed(changes)
     return found.as_toml(), found.as_dict(), found.numbers(), found.start_numbers(), found.curve(), found.groups()
+
+
+def varied(rng, number):
+    """Changes of one or two keys, to values that may be right or absurd."""
+    made = []
+    for _ in range(number):
+        pool = VALUES if rng.random() < 0.7 else ABSURD
+        keys = rng.choice(len(KEYS), rng.integers(1, 3), replace=False)
+        made.append({KEYS[key]: pool[rng.integers(len(pool))] for key in keys})
+    return tuple(made)
 
 
 def simulated(parameters, seed):
@@ -138,35 +149,28 @@ def slopes(push, energy, run, strength):
     return tissue.force_error(tissue.Force("generated", push, "generated", energy=energy), run, strength)
 
 
-def built(t, cells, layers, curve, checkpoint, parameters):
+def built(t, cells, layers, curve, checkpoint):
     """A run from a frame of the user's own, and that frame in a file."""
     frame = tissue.Frame(t, cells, layers, curve, checkpoint)
     frame.save("built.npz")
-    return simulated_from(parameters, frame, 1)
+    return resumed(LONGER, frame)
 
 
-def altered(frame, array, value, parameters):
+def altered(name, value):
     """A run from a state in which the user has replaced an array of the cells."""
-    return simulated_from(parameters, frame._replace(cells=frame.cells._replace(**{array: value})), 1)
+    return resumed(LONGER, FRAMES[3]._replace(cells=FRAMES[3].cells._replace(**{name: value})))
 
 
-def simulated_from(parameters, start, seed):
+def resumed(parameters, start):
     """A run from a state, and its tables."""
-    run = tissue.simulate(parameters, seed, start, throw=False)
+    run = tissue.simulate(parameters, 1, start, throw=False)
     return run, run.summary().to_numpy(float)
 
 
-def frozen(frame, parameters, scheme):
-    """A frozen tissue, its forces, and a step of a scheme."""
-    cells, layers, numbers = frame.cells, frame.layers, parameters.numbers()
-    cells = made_feasible(cells, layers, numbers, dincl.GaussSeidel(1e-6))
-    problem = frozen_problem(cells, layers, numbers)
-    return dincl.solve(problem, scheme, [1e-3], throw=False)
-
-
-def minimised(minimiser, frame, parameters):
-    """What a minimiser of the quasi-steady model finds."""
-    return minimiser.minimise(frame.cells, frame.layers, parameters.numbers())
+def frozen(cells, layers, numbers, scheme):
+    """A frozen tissue, made feasible, and a step of a scheme."""
+    cells = made_feasible(cells, layers, numbers, PROJECTION)
+    return dincl.solve(frozen_problem(cells, layers, numbers), scheme, [1e-3], throw=False)
 
 
 def arrow_hurwicz(numbers):
@@ -185,9 +189,9 @@ def answers(results):
     return scenario_ratios(results).to_numpy(), control_shares(results).to_numpy()
 
 
-def plotted(run, ax=None, t=None):
+def plotted(ax=None, t=None):
     """A picture is made, and thrown away."""
-    run.plot(ax, t=t)
+    RUNS[1].plot(ax, t=t)
 
 
 def animated(file):
@@ -203,40 +207,54 @@ def results_plotted(scenario):
 KEYS = tuple(all_keys(tissue.Parameters))
 PRESENT = flat(SMALL.as_dict())
 VALUES = tuple({repr(value): value for value in PRESENT.values()}.values())
-VALUES += ("0.2 h", "3 um", "0.5 R_soft", "-1 um", "0 h", "1e-300 h", "1e300 um", "7 parsec", "never", "50 %", 3, 0, 0.5)
-SEEDS, FLAG, STRENGTH = (0, 1, 2**70), (True, False), (0, 0.5, 1, 1e5)
+VALUES += (
+    "0.2 h",
+    "3 um",
+    "0.5 R_soft",
+    "-1 um",
+    "0 h",
+    "1e-300 h",
+    "1e300 um",
+    "7 parsec",
+    "never",
+    "50 %",
+    3,
+    0,
+    0.5,
+)
+CHANGES = varied(np.random.default_rng(0), 2000)
+PROJECTION = dincl.ProjectedNewton(1e-9)
+SEEDS, FLAG, STRENGTH = (0, 1), (True, False), (0, 0.5, 1, 1e5)
 TIMES = ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never")
 PATHS = ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)
 SCHEMES = (dincl.PBD(1e-3), dincl.Penalty(1e-3, 1.0), dincl.CatchUp(1e-3, dincl.GaussSeidel(1e-6)))
 NAMES, TEXTS = ("generated", "my_force", "x2"), ("what it means", "")
 AFTER, UNITS, COLUMNS = (None, "a", "b", "generated"), ("", "um", "h"), (["replicate"], None, ("cell", "inm"))
 CELLS, LAYERS = tuple(frame.cells for frame in FRAMES), tuple(frame.layers for frame in FRAMES)
-ARRAYS = tuple(FRAMES[0].cells._fields)
-REPLACED = tuple(getattr(FRAMES[1].cells, name) for name in ("x", "id", "divides", "radius"))
+REPLACED = tuple(getattr(FRAMES[3].cells, name) for name in ("x", "id", "divides", "emt", "radius"))
 THINGS = (
     THING,
     tissue.EmtEvent("mine", "mine", "a test", own.begin, own.last, "b"),
     tissue.Observable("mine", "mine", own.measure),
     tissue.DivisionRule("mine", "mine", "a test", own.splits, own.place),
 )
-SCENARIOS, LEVELS = ("B", "AB"), (0.95, 0.5)
-EMT_CELLS = RESULTS.cells("AB")
-HITS = EMT_CELLS["extruded"] == "no"
+SCENARIOS = ("B", "AB")
 CALLS = (
     Call("preset", tissue.preset, {"name": ("published", "thesis", "chick")}),
     Call("load", tissue.load, {"path": tuple(FOLDER / name for name in FILES)}),
-    Call("Parameters", tissue.Parameters.model_validate, {"obj": (SMALL.as_dict(), EMT.as_dict())}),
     Call("changes", SMALL.changed, {"changes": ({}, TINY, {"types.soft.cells": 2}, {"no.key": 1}, {1: 2}, [("a", 1)])}),
-    Call("changed", changed, {"parameters": PARAMETERS, "key": KEYS, "value": VALUES, "seed": SEEDS}),
-    Call(
-        "two changed",
-        two_changed,
-        {"parameters": PARAMETERS, "key": KEYS, "value": VALUES, "other": KEYS, "further": VALUES},
-    ),
+    Call("changed", changed, {"changes": CHANGES, "seed": SEEDS}),
+    Call("forms", forms, {"changes": CHANGES}),
     Call(
         "simulate",
         tissue.simulate,
-        {"parameters": PARAMETERS, "seed": SEEDS, "start": (None, *FRAMES), "throw": FLAG, "watch": (None, lambda t: t)},
+        {
+            "parameters": PARAMETERS,
+            "seed": SEEDS,
+            "start": (None, *FRAMES),
+            "throw": FLAG,
+            "watch": (None, lambda t: t),
+        },
         ("seed", "start", "throw", "watch"),
     ),
     Call(
@@ -264,22 +282,21 @@ CALLS = (
     ),
     Call("Judge", Judge, {"tol": (1e-6, 1)}),
     Call("DAHA", arrow_hurwicz, {"numbers": (QUIET.daha_numbers(), QUIET.daha_numbers()._replace(eps=0.1))}),
-    Call(
-        "minimised",
-        minimised,
-        {
-            "minimiser": (Judge(1e-6), TissueArrowHurwicz(QUIET.daha_numbers())),
-            "frame": FRAMES[:1],
-            "parameters": (SMALL,),
-        },
+    *(
+        Call(
+            type(one).__name__, one.minimise, {"cells": CELLS[:1], "layers": LAYERS[:1], "numbers": (SMALL.numbers(),)}
+        )
+        for one in (Judge(1e-6), TissueArrowHurwicz(QUIET.daha_numbers()))
     ),
     Call(
         "frozen_problem",
         frozen_problem,
         {"cells": CELLS, "layers": LAYERS, "numbers": (SMALL.numbers(), EMT.numbers()._replace(mu=0.1))},
     ),
-    Call("frozen", frozen, {"frame": FRAMES, "parameters": PARAMETERS, "scheme": SCHEMES}),
-    Call("Frame.load", tissue.Frame.load, {"path": (FOLDER / "kept.npz", FOLDER / "damaged.npz", FOLDER / "small.toml")}),
+    Call("frozen", frozen, {"cells": CELLS, "layers": LAYERS, "numbers": (SMALL.numbers(),), "scheme": SCHEMES}),
+    Call(
+        "Frame.load", tissue.Frame.load, {"path": (FOLDER / "kept.npz", FOLDER / "damaged.npz", FOLDER / "small.toml")}
+    ),
     Call("Frame.save", RUNS[0].final.save, {"path": PATHS}),
     Call(
         "built",
@@ -290,10 +307,9 @@ CALLS = (
             "layers": LAYERS,
             "curve": (FRAMES[0].curve, TUBE.curve()),
             "checkpoint": (FRAMES[0].checkpoint, FRAMES[3].checkpoint, None),
-            "parameters": PARAMETERS[:2],
         },
     ),
-    Call("altered", altered, {"frame": FRAMES, "array": ARRAYS, "value": REPLACED, "parameters": (LONGER, SMALL, TYPES)}),
+    *(Call("altered", partial(altered, name), {"value": REPLACED}) for name in ("x", "id", "divides", "emt", "radius")),
     Call(
         "Force",
         tissue.Force,
@@ -347,7 +363,7 @@ CALLS = (
     Call("Results.trajectory", RESULTS.trajectory, {"scenario": SCENARIOS, "replicate": (0, 1)}),
     Call("answers", answers, {"results": (RESULTS,)}),
     Call("scenario_differences", scenario_differences, {"ratios": (RATIOS,), "replicates": (2, 32)}),
-    Call("Run.plot", plotted, {"run": RUNS, "ax": (None,), "t": (None, 0.2, 0)}, ("ax", "t")),
+    Call("Run.plot", plotted, {"ax": (None,), "t": (None, 0.2, 0)}, ("ax", "t")),
     Call("Run.animate", animated, {"file": ("run.gif", FOLDER / "run.webp", "run.txt", FOLDER)}),
     Call(
         "picture",
@@ -355,7 +371,4 @@ CALLS = (
         {"frames": (FRAMES[:1], list(FRAMES[1:2])), "parameters": PARAMETERS[1:2], "path": ("a.png", FOLDER / "b.svg")},
     ),
     Call("Results.plot", results_plotted, {"scenario": SCENARIOS}),
-    Call("over_time", over_time, {"cells": (EMT_CELLS,), "rule": ("thesis", "published"), "level": LEVELS}, ("rule",)),
-    Call("ratio", ratio, {"hits": (HITS,), "replicate": (EMT_CELLS["replicate"],)}),
-    Call("wilson", wilson, {"value": (0.5, [0.0, 1.0]), "size": (10, [3, 4]), "level": LEVELS}, ("level",)),
 )

@@ -73,10 +73,6 @@ def begin_nan(store, i, bit, numbers):
     store.cells.stiff_bx[i] = NAN
 
 
-def begin_radius(store, i, bit, numbers):
-    store.cells.radius[i] = NAN
-
-
 def begin_raises(store, i, bit, numbers):
     raise ValueError("no begin")
 
@@ -87,6 +83,10 @@ def last(store, i, rest_ax, rest_bx, numbers):
 
 def last_nan(store, i, rest_ax, rest_bx, numbers):
     store.cells.rest_ax[i] = NAN
+
+
+def last_radius(store, i, rest_ax, rest_bx, numbers):
+    store.cells.radius[i] = NAN
 
 
 def last_raises(store, i, rest_ax, rest_bx, numbers):
@@ -145,8 +145,8 @@ def measure_few(frame):
 
 PUSHES = (push, push, push, push_nan, push_raises, few, unknown, writes_text)
 ENERGIES = (energy, energy, None, energy_nan, energy_huge, energy_raises, energy_late, few, unknown, returns_text)
-BEGINS = (begin, begin, None, begin_nan, begin_radius, begin_raises, few, unknown)
-LASTS = (last, last, None, last_nan, last_raises, few, unknown)
+BEGINS = (begin, begin, None, begin_nan, begin_raises, few, unknown)
+LASTS = (last, last, None, last_nan, last_radius, last_raises, few, unknown)
 SPLITS = (splits, splits, splits_nan, splits_raises, few, unknown, returns_text)
 PLACES = (place, place, place_nan, place_raises, few, unknown)
 MEASURES = (measure, measure, measure_nan, measure_array, measure_text, measure_raises, measure_few)

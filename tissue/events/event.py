@@ -5,8 +5,9 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from dataclasses import dataclass
+from types import FunctionType
 
-from dincl.checks import describe
+from dincl.checks import instance, string, word
 from dincl.errors import InvalidProblem
 
 _NAME = re.compile("[a-z][a-z0-9]*")
@@ -41,7 +42,7 @@ class EmtEvent:
     Raises
     ------
     InvalidProblem
-        If the name is none, or there is nothing to do.
+        If the name is none, there is nothing to do, or ``begin`` or ``last`` is no function.
     """
 
     name: str
@@ -52,8 +53,14 @@ class EmtEvent:
     after: str | None = None
 
     def __post_init__(self) -> None:
-        if not isinstance(self.name, str) or not _NAME.fullmatch(self.name):
-            raise InvalidProblem(f"name = {describe(self.name)}: must be lower-case letters and digits")
+        word("name", self.name, _NAME, "lower-case letters and digits")
+        string("meaning", self.meaning)
+        string("source", self.source)
+        if self.after is not None:
+            string(f"EmtEvent {self.name}: after", self.after)
+        for key, value in (("begin", self.begin), ("last", self.last)):
+            if value is not None:
+                instance(f"EmtEvent {self.name}: {key}", value, FunctionType, "a function, or None")
         if self.begin is None and self.last is None:
             raise InvalidProblem(f"EmtEvent {self.name}: must have a function begin, last, or both")
 

@@ -6,12 +6,13 @@ import struct
 import zlib
 from collections.abc import Iterator, Mapping
 from os import PathLike
-from pathlib import Path
 from typing import Any
 from zipfile import BadZipFile
 
 import numpy as np
 
+from dincl.checks import instance, number
+from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.events.known import events as known
 from tissue.kernels.store import COUNTERS
@@ -34,6 +35,32 @@ Parts = tuple[float, Cells, CellLayers, BasalCurve, TissueCheckpoint]
 
 def save(parts: Parts, path: str | PathLike[str]) -> None:
     """As ``Frame.save``, of the fields of the frame."""
+    arrays, file_path = checked("frame", parts), checked_path("path", path)
+    try:
+        with file_path.open("wb") as file:
+            np.savez(file, **arrays)
+    except OSError as error:
+        raise InvalidProblem(f"{path}: cannot be written: {error}") from error
+
+
+def checked(name: str, parts: Parts) -> Arrays:
+    """The fields of a frame as the arrays of a file; raises InvalidProblem where no run can have made them."""
+    _, cells, layers, curve, past = parts
+    number(f"{name}.t", parts[0], non_negative=True)
+    kinds = (cells, Cells), (layers, CellLayers), (curve, BasalCurve), (past, TissueCheckpoint)
+    for value, kind in kinds:
+        instance(name, value, kind, f"a kept state of a run, with its {kind.__name__}")
+    for group, fields in (("cells", cells), ("layers", layers)):
+        for field, array in fields._asdict().items():
+            instance(f"{name}.{group}.{field}", array, np.ndarray, "an array of numpy")
+    arrays = {key: np.asarray(array) for key, array in _arrays(parts).items()}
+    for wrong in _wrong(arrays):
+        raise InvalidProblem(f"{name}: must be a kept state of a run: {wrong}")
+    return arrays
+
+
+def _arrays(parts: Parts) -> Arrays:
+    """What is in the file."""
     t, cells, layers, curve, past = parts
     arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": str(past.seed), "next_id": past.next_id}
     arrays |= {"events": _events(), "types": " ".join(past.types)}
@@ -42,17 +69,14 @@ def save(parts: Parts, path: str | PathLike[str]) -> None:
     arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
     for group, fields in (("cells", cells), ("layers", layers), ("emt", past.emt)):
         arrays |= {f"{group}.{name}": array for name, array in fields._asdict().items()}
-    try:
-        with Path(path).open("wb") as file:
-            np.savez(file, **arrays)
-    except OSError as error:
-        raise InvalidProblem(f"{path}: cannot be written: {error}") from error
+    return arrays
 
 
 def load(path: str | PathLike[str]) -> Parts:
     """As ``Frame.load``; the fields of the frame."""
+    file_path = checked_path("path", path)
     try:
-        with Path(path).open("rb") as file, np.load(file, allow_pickle=False) as held:
+        with file_path.open("rb") as file, np.load(file, allow_pickle=False) as held:
             arrays = {name: held[name] for name in held.files}
     except UNREADABLE as error:
         raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: {error}") from error

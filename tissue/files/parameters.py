@@ -11,6 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ConfigDict, ValidationError, model_serializer, model_validator
 
 from dincl.checks import describe
+from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.division import DivisionRule, division_rules
 from tissue.events.known import events
@@ -105,8 +106,8 @@ class Parameters(BaseModel):
             raise InvalidProblem(f'changes = {describe(changes)}: must map keys such as "numerics.mu" to their values')
         bring(changes.get("own.modules"))
         keys = known_keys(Parameters)
-        known = {key: value for key, value in changes.items() if general(str(key)) in keys}
-        lines = [unknown(str(key), value, keys) for key, value in changes.items() if key not in known]
+        known = {key: value for key, value in changes.items() if isinstance(key, str) and general(key) in keys}
+        lines = [unknown(_said(key), value, keys) for key, value in changes.items() if key not in known]
         return _checked(merged(self.as_dict(), nested(known)), "changed parameters", lines)
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
@@ -181,6 +182,11 @@ class Parameters(BaseModel):
         return Daha(**dict(self.daha))
 
 
+def _said(key: Any) -> str:
+    """A key that is unknown, in a message."""
+    return key if isinstance(key, str) else describe(key)
+
+
 def load(path: str | PathLike[str]) -> Parameters:
     """The parameters in a TOML file.
 
@@ -196,7 +202,7 @@ def load(path: str | PathLike[str]) -> Parameters:
         If it cannot be read, lacks a key, has an unknown one, or a value that is bad or does not go with the others;
         all of it in one message that names the file, each key, its value and what is allowed.
     """
-    return _loaded(Path(path), ())
+    return _loaded(checked_path("path", path), ())
 
 
 def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
@@ -254,7 +260,7 @@ def preset(name: str) -> Parameters:
     InvalidProblem
         If there is no preset of this name.
     """
-    if name not in PRESETS:
+    if not isinstance(name, str) or name not in PRESETS:
         raise InvalidProblem(f"preset {describe(name)}: must be {BASES}")
     return _preset(name)
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from PIL import Image
 
+from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.pictures.emt import look_of
 from tissue.pictures.picture import stills
@@ -66,7 +66,7 @@ def movie(
 
 def ending(path: str | PathLike[str]) -> str:
     """The kind of file that the path ends in, one of ENDINGS; raises InvalidProblem for any other."""
-    kind = Path(path).suffix.lower()
+    kind = checked_path("path", path).suffix.lower()
     if kind not in ENDINGS:
         raise InvalidProblem(f"{path}: must end in {' or '.join(ENDINGS)}")
     return kind

@@ -7,13 +7,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dincl.checks import instance, items
+from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
+from tissue.files.parameters import Parameters
 from tissue.model.observables import PHASES, height, is_measurable, phases
 from tissue.pictures.emt import EmtLook, chains, free_points, look_of
 from tissue.pictures.sheet import (
@@ -42,13 +44,12 @@ from tissue.pictures.sheet import (
     write,
 )
 from tissue.state.cells import NAMED
+from tissue.state.frame import Frame
 from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
-    from tissue.files.parameters import Parameters
     from tissue.state.basal_curve import BasalCurve
     from tissue.state.cells import Floats
-    from tissue.state.frame import Frame
 
 MAKES_NO_NUMBERS = True
 
@@ -92,7 +93,9 @@ def picture(frames: Sequence[Frame], parameters: Parameters, path: str | PathLik
     InvalidProblem
         For another ending, no frame at all, or one with coordinates that are not finite.
     """
-    if Path(path).suffix.lower() not in ENDINGS:
+    items("frames", frames, Frame, "a list of kept states")
+    instance("parameters", parameters, Parameters, "those of the run")
+    if checked_path("path", path).suffix.lower() not in ENDINGS:
         raise InvalidProblem(f"path = {str(path)!r}: must end in {', '.join(ENDINGS)}")
     write(drawing(frames, parameters), path)
 

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.checks import integer, number
+from dincl.checks import instance, integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
@@ -80,8 +80,7 @@ class TissueArrowHurwicz:
     numbers: Daha
 
     def __post_init__(self) -> None:
-        if not isinstance(self.numbers, Daha):
-            raise InvalidProblem(f"numbers = {self.numbers!r}: must be those of Parameters.daha_numbers()")
+        instance("numbers", self.numbers, Daha, "those of Parameters.daha_numbers()")
         for name in ("alpha", "beta", "c", "dtau", "eps"):
             number(name, getattr(self.numbers, name), positive=True)
         number("gamma", self.numbers.gamma, non_negative=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from dincl.checks import number, within
+from dincl.checks import instance, number, within
 from dincl.constraints import Constraint, MaxDistance, NonOverlap, Ordered
 from dincl.errors import InvalidProblem
 from dincl.problem import Problem
@@ -54,6 +54,7 @@ def frozen_problem(cells: Cells, layers: CellLayers, numbers: Numbers) -> Proble
     From one of these kinds of state to another it is 0.1 to 0.7. So schemes agree on the motion after a division only
     if they start from one state of S.
     """
+    of_a_frame(cells, layers, numbers)
     frozen, network = first(cells, len(cells.x)), CellLayers(layers.apical.copy(), layers.basal.copy())
     mu = number("mu", numbers.mu, positive=True)
     sets = constraints(frozen, network, numbers)
@@ -72,6 +73,7 @@ def constraints(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[Con
 
     Arguments and errors are those of ``frozen_problem``, but the state need not be in S.
     """
+    of_a_frame(cells, layers, numbers)
     n = len(cells.x)
     within("layers.apical", layers.apical, n)
     within("layers.basal", layers.basal, n)
@@ -91,12 +93,20 @@ def constraints(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[Con
     )
 
 
+def of_a_frame(cells: Cells, layers: CellLayers, numbers: Numbers) -> None:
+    """Refuse what are no cells and layers of a frame, or no numbers of parameters."""
+    instance("cells", cells, Cells, "the cells of a tissue.Frame")
+    instance("layers", layers, CellLayers, "the layers of a tissue.Frame")
+    instance("numbers", numbers, Numbers, "those of Parameters.numbers()")
+
+
 def made_feasible(cells: Cells, layers: CellLayers, numbers: Numbers, projection: Projection) -> Cells:
     """P_S(Z): a state near the given one, locally the nearest, in which (C1) to (C4) hold; all but positions stays.
 
     Arguments and errors are those of ``frozen_problem``, but the state need not be in S; and ``projection`` computes
     nearest points of S itself, such as ``dincl.Ipopt(tol=1e-9)``. Raises ``dincl.ProjectionFailed`` if it finds none.
     """
+    of_a_frame(cells, layers, numbers)
     n, state = len(cells.x), particles(cells)
     apart = np.zeros_like(state)
     apart[:n, 0] = 2 * cells.radius.max() * np.arange(n)

@@ -17,7 +17,7 @@ from dincl.status import Status
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.energy import energy, forces
 from tissue.model.repulsion import SOFT
-from tissue.quasi_steady.frozen import cells_at, constraints, particles
+from tissue.quasi_steady.frozen import cells_at, constraints, of_a_frame, particles
 from tissue.state.cells import CellLayers, Cells, Floats, Integers
 from tissue.state.numbers import Numbers
 
@@ -132,6 +132,7 @@ def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float
         For a basal point of the layer off the line, or a state that has no forces.
     """
     number("tol", tol, positive=True)
+    of_a_frame(cells, layers, numbers)
     forces(cells, layers, numbers)
     sets = constraints(cells, layers, numbers)
     found, (i, j) = _search(cells, layers, numbers)

@@ -7,12 +7,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from dincl.checks import flag, function, instance
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.parameters import Parameters
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import COUNTERS, Store, contents, grown
-from tissue.lot import checkpoint_at, kept_steps
+from tissue.lot import WATCH, checkpoint_at, kept_steps
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import TissueMinimiser
 from tissue.run import Run, RunFailed
@@ -21,7 +22,7 @@ from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
 from tissue.state.frame import Frame
 from tissue.state.streams import streams
 from tissue.step.advance import apply_rules, is_full
-from tissue.step.called import handed_rules
+from tissue.step.called import answered, handed_rules
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,6 +76,12 @@ def simulate_quasi_steady(
     RunFailed
         If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
     """
+    instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
+    flag("throw", throw)
+    if watch is not None:
+        function("watch", watch, "a function of the time")
+    if minimiser is not None:
+        function("minimiser.minimise", getattr(minimiser, "minimise", None), "a method of the minimiser")
     noise = parameters.numerics.noise
     if noise != "step":
         raise InvalidProblem(f'numerics.noise = "{noise}": must be "step", the quasi-steady model has no substeps')
@@ -115,7 +122,7 @@ class _Steps:
                 status, detail = self._step(t)
             frames.append(self._frame(t))
             if watch is not None:
-                watch(t)
+                WATCH.call(watch, t)
             if not status:
                 break
         stats = dict(zip(COUNTERS, self._held.counts.tolist(), strict=True))
@@ -136,7 +143,8 @@ class _Steps:
         if is_full(self._held, t):
             self._held = grown(self._held)
         rules = handed_rules([self._held], self._parameters.division_rule())
-        apply_rules(self._held, t, handed_numbers(numbers, named), rules, self._random.cycle, self._random.noise)
+        with answered():
+            apply_rules(self._held, t, handed_numbers(numbers, named), rules, self._random.cycle, self._random.noise)
         found = self._minimiser.minimise(*contents(self._held), numbers)
         self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
         _place(self._held, found.cells)

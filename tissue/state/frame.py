@@ -5,6 +5,7 @@ from __future__ import annotations
 from os import PathLike
 from typing import NamedTuple
 
+from dincl.checks import describe, instance
 from dincl.errors import InvalidProblem
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import CellLayers, Cells
@@ -31,7 +32,8 @@ class Frame(NamedTuple):
     def past(self) -> TissueCheckpoint:
         """The ``checkpoint``; raises InvalidProblem if there is none."""
         if self.checkpoint is None:
-            raise InvalidProblem(f"a frame at t = {self.t:g} h that no run has made: must be {A_START}")
+            raise InvalidProblem(f"a frame at t = {describe(self.t)} h that no run has made: must be {A_START}")
+        instance("checkpoint", self.checkpoint, TissueCheckpoint, f"that of {A_START}")
         return self.checkpoint
 
     def save(self, path: str | PathLike[str]) -> None:

@@ -16,7 +16,7 @@ from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers
 from tissue.state.streams import Streams
 from tissue.step.advance import FULL, advance, find_lost, make_substeps
-from tissue.step.called import handed_forces, handed_rules
+from tissue.step.called import answered, handed_forces, handed_rules
 from tissue.step.substeps import substeps_address
 
 
@@ -62,13 +62,18 @@ class Group:
                 self._place()
 
     def call(self, made: int, steps: int) -> tuple[int, int]:
-        """Make steps until all are made or a store is full: how many are made, and how it ended, see ``advance``."""
-        made, end = advance(self._addresses, self._random, self.ended, made, steps, self._how)
+        """Make steps until all are made or a store is full: how many are made, and how it ended, see ``advance``.
+
+        Raises FunctionFailed if a function of a user raised.
+        """
+        with answered():
+            made, end = advance(self._addresses, self._random, self.ended, made, steps, self._how)
         return made, end
 
     def make_substeps(self) -> bool:
         """All substeps of one dt with rules that stand still; whether no cell of the first tissue is lost."""
-        make_substeps(self._addresses, self.ended, self._how)
+        with answered():
+            make_substeps(self._addresses, self.ended, self._how)
         return bool(find_lost(self.stores[0]) < 0)
 
     @property

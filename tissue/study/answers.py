@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from dincl.checks import instance, integer
 from tissue.files.parameter_files import flat
 from tissue.study.categories import What, outcome
 from tissue.study.comparisons import Difference, corrected, runs_needed
@@ -54,6 +55,8 @@ def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
     (p < 0.05), needed (runs of each that would probably show a difference of this size, without correction for others;
     missing where one is shown, or none is there).
     """
+    instance("ratios", ratios, pd.DataFrame, "the table of scenario_ratios")
+    replicates = integer("replicates", replicates, least=1)
     found = ratios.set_index(["scenario", "outcome"])
     names = list(dict.fromkeys(ratios["scenario"]))
     pairs = list(combinations(names, 2)) if len(names) <= MOST_PAIRED else [(names[0], other) for other in names[1:]]
@@ -103,12 +106,14 @@ def mean_and_half(values: NDArray[np.float64]) -> tuple[Any, Any]:
 
 def scenario_changes(results: Results) -> pd.DataFrame:
     """The keys in which the scenarios differ: one row for each key, one column for each scenario."""
+    instance("results", results, Results, "a tissue.study.read.Results")
     values = {name: flat(results.parameters(name).as_dict()) for name in results.study.scenarios}
     table = pd.DataFrame(values, dtype=object).map(str)
     return table[table.nunique(axis=1) > 1].rename_axis("key").reset_index()
 
 
 def _stored(results: Results) -> list[str]:
+    instance("results", results, Results, "a tissue.study.read.Results")
     summary = results.summary()
     return list(summary.loc[summary["runs"] > 0, "scenario"])
 

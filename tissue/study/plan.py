@@ -8,6 +8,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.events.known import events
 from tissue.files.messages import refuse
@@ -121,12 +122,12 @@ def _waiting(parameters: Parameters) -> list[str]:
 
 def _found(path: str | PathLike[str]) -> Path:
     """The file, or the study of this name that comes with the package."""
-    names = shipped()
-    if not Path(path).exists() and str(path) in names:
+    names, found = shipped(), checked_path("study", path)
+    if not found.exists() and str(path) in names:
         return FOLDER / f"{path}.toml"
-    if not Path(path).exists():
+    if not found.exists():
         raise InvalidProblem(f"{path}: there is no such file; must be a TOML file, or a study: {', '.join(names)}")
-    return Path(path)
+    return found
 
 
 def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:

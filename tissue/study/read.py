@@ -11,7 +11,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import pyarrow as pa
 import pyarrow.dataset as ds
 
-from dincl.checks import describe
+from dincl.checks import describe, integer, items, text
+from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
@@ -52,7 +53,7 @@ class Results:
     """
 
     def __init__(self, folder: str | PathLike[str]) -> None:
-        self.folder = Path(folder)
+        self.folder = checked_path("folder", folder)
         noted = about(self.folder)
         if noted is None:
             raise InvalidProblem(f"{self.folder}: must be the folder of a study; its notes are missing")
@@ -116,6 +117,7 @@ class Results:
     def trajectory(self, scenario: str, replicate: int) -> pd.DataFrame:
         """Every kept state of one of the replicates that the study names, as ``Run.table`` has it."""
         self._check(scenario)
+        replicate = integer("replicate", replicate, least=0)
         path = trajectory(self.folder, scenario, replicate)
         if not path.exists():
             stored = list(self.study.trajectories)
@@ -179,6 +181,8 @@ class Results:
 
     def _table(self, kind: str, scenario: str, columns: Sequence[str] | None) -> pd.DataFrame:
         self._check(scenario)
+        if columns is not None:
+            columns = items("columns", columns, str, "a list of names of columns, or None")
         parts = self._parts(kind, scenario)
         if not parts:
             raise InvalidProblem(f"{self.folder}: nothing of the scenario {describe(scenario)} is stored yet")
@@ -199,6 +203,4 @@ class Results:
         return [scenario_folder(self.folder, kind, scenario) / f"{path.stem}.parquet" for path in notes]
 
     def _check(self, scenario: str) -> None:
-        if scenario not in self.study.scenarios:
-            names = ", ".join(map(describe, self.study.scenarios))
-            raise InvalidProblem(f"scenario = {describe(scenario)}: must be one of {names}")
+        text("scenario", scenario, self.study.scenarios)

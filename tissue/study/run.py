@@ -7,6 +7,8 @@ from collections.abc import Callable
 from concurrent.futures import BrokenExecutor, Executor, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, Any
 
+from dincl.checks import function
+from dincl.checks import path as checked_path
 from dincl.study import execute
 from dincl.study.stopped import StudyStopped
 from tissue.study.identity import code, code_differences
@@ -57,7 +59,12 @@ def run_study(
         If it cannot go on, because the disk is full or the workers are lost. What was computed is kept. Any other error
         and Ctrl-C leave with what is under way stored, too.
     """
-    return carry_out(load_study(study), out, executor, watch)
+    folder = checked_path("out", out)
+    if executor is not None:
+        function("executor.submit", getattr(executor, "submit", None), "a method of the executor")
+    if watch is not None:
+        function("watch", watch, "a function of the number of runs")
+    return carry_out(load_study(study), folder, executor, watch)
 
 
 def carry_out(

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-from numba.core.errors import TypingError
 
 import tissue
 from dincl.errors import InvalidProblem
