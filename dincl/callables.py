@@ -98,7 +98,7 @@ def _given(name: str, value: Any) -> str:
     return f"{name} = {value:g}" if isinstance(value, float) else f"{name} = {describe(value)}"
 
 
-def _said(error: Exception) -> str:
+def _said(error: BaseException) -> str:
     """The message of an error after a colon; nothing if it has none, or cannot tell it."""
     try:
         text = str(error)

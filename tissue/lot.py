@@ -54,8 +54,7 @@ class Lot:
         yield made * dt
         for step in kept_steps(self.parameters):
             if step > made:
-                self._group.advance(made, step)
-                self._refuse_lost(step * dt)
+                self._advance(made, step)
                 made = step
                 yield step * dt
 
@@ -118,6 +117,16 @@ class Lot:
         return Run(
             self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._parted[k]
         )
+
+    def _advance(self, made: int, step: int) -> None:
+        """Make steps; where a function of a user fails in them, they did not end a run."""
+        before = self._group.ended.copy()
+        try:
+            self._group.advance(made, step)
+            self._refuse_lost(step * self.parameters.numerics.dt.value)
+        except FunctionFailed:
+            self._group.ended[:] = before
+            raise
 
     def _refuse_lost(self, t: float) -> None:
         """Raise FunctionFailed for a number of a cell that is not finite while its points are; our rules make none."""

@@ -77,7 +77,7 @@ def test_what_compiled_functions_raise_ends_the_run(thing, how, message, capfd):
     ("thing", "how", "message"),
     [
         (tissue.Force("mine", own.few, ""), FORCE, r"Force mine: push\(store, on, strength, numbers\) cannot be comp"),
-        (event(own.unknown), EVENT, r"EmtEvent mine: begin\(store, i, bit, numbers\) cannot be compiled: TypingError"),
+        (event(own.unknown), EVENT, r"EmtEvent mine: begin\(store, i, bit, numbers\) cannot be compiled: TypeError"),
         (rule(own.returns_text), RULE, r"DivisionRule mine: splits\(store, i, number, numbers\) cannot be compiled"),
     ],
 )
@@ -91,7 +91,7 @@ def test_what_does_not_compile_is_refused(thing, how, message):
 
 def test_what_an_event_leaves_that_is_not_finite_ends_the_run():
     """The points stay finite, the radius of a disc does not: no table has a NaN."""
-    tissue.register(event(own.begin_radius))
+    tissue.register(event(last=own.last_radius))
     run = tissue.simulate(EMT.changed({"emt.mine": "0.3 h"}), 1, throw=False)
     assert run.status is dincl.Status.FUNCTION_FAILED
     assert "cells.radius" in run.detail

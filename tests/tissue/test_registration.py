@@ -227,7 +227,7 @@ def test_there_are_not_too_many():
 def test_an_observable_that_is_none_is_named():
     tissue.register(tissue.Observable("bad", "", not_a_number))
     run = tissue.simulate(tissue.preset("published").changed({"numerics.t_end": "1 h"}), seed=0)
-    with pytest.raises(InvalidProblem, match="bad at t = 0 h: measure returned nan, must be a finite number"):
+    with pytest.raises(InvalidProblem, match="bad at t = 0 h: measure returned nan: must be finite"):
         run.summary()
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import tissue
-from dincl.errors import InvalidProblem
+from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
@@ -244,10 +244,12 @@ def test_what_is_not_finite_or_huge_ends_the_run_and_no_other(own, layer, streng
 
 
 def test_what_does_not_compile_is_said_by_numba(own, kept):
-    """As for events: the error has the line."""
+    """As for events: the cause has the line."""
     tissue.register(tissue.Force("wordy", say, "no code for kernels"))
-    with pytest.raises(TypingError, match=r"def say\(store, on, strength, numbers\)"):
+    message = r"Force wordy: push\(store, on, strength, numbers\) cannot be compiled: TypingError"
+    with pytest.raises(FunctionFailed, match=message) as caught:
         tissue.simulate(published(own, **{"forces.wordy": 1}), 0)
+    assert "def say(store, on, strength, numbers)" in str(caught.value.__cause__)
 
 
 def half_a_wall(store, on, strength, numbers):
