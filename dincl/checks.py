@@ -191,16 +191,9 @@ def text(name: str, value: Any, choices: tuple[str, ...]) -> str:
     return str(value)
 
 
-def string(name: str, value: Any) -> str:
-    """Any text."""
-    if not isinstance(value, str):
-        raise InvalidProblem(f"{name} = {describe(value)}: must be text")
-    return str(value)
-
-
-def word(name: str, value: Any, form: re.Pattern[str], allowed: str) -> str:
-    """A text of a form, which ``allowed`` says in words."""
-    if not isinstance(value, str) or not form.fullmatch(value):
+def string(name: str, value: Any, form: re.Pattern[str] | None = None, allowed: str = "text") -> str:
+    """Any text, or one of a form, which ``allowed`` says in words."""
+    if not isinstance(value, str) or (form is not None and not form.fullmatch(value)):
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return str(value)
 

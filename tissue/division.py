@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import FunctionType
 
-from dincl.checks import instance, string, word
+from dincl.checks import instance, string
 from tissue.kernels.curve import course
 from tissue.kernels.store import Store
 from tissue.registry import registered
@@ -48,7 +48,7 @@ class DivisionRule:
     place: Callable[..., None]
 
     def __post_init__(self) -> None:
-        word("name", self.name, _NAME, "letters, digits and _")
+        string("name", self.name, _NAME, "letters, digits and _")
         string("meaning", self.meaning)
         string("source", self.source)
         for key, value in (("splits", self.splits), ("place", self.place)):

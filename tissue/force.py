@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import FunctionType
 
-from dincl.checks import instance, string, word
+from dincl.checks import instance, string
 
 _NAME = re.compile("[a-z][a-z0-9_]*")
 
@@ -48,7 +48,7 @@ class Force:
     energy: Callable[..., float] | None = None
 
     def __post_init__(self) -> None:
-        word("name", self.name, _NAME, 'lower-case letters, digits and "_"')
+        string("name", self.name, _NAME, 'lower-case letters, digits and "_"')
         string("meaning", self.meaning)
         string("source", self.source)
         instance(f"Force {self.name}: push", self.push, FunctionType, "a function")

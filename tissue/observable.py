@@ -9,7 +9,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Any
 
 from dincl.callables import UserFunction
-from dincl.checks import function, string, word
+from dincl.checks import function, string
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Observable:
 
     def __post_init__(self) -> None:
         for key, value, form in (("name", self.name, _NAME), ("unit", self.unit, _UNIT)):
-            word(key, value, form, 'lower-case letters, digits and "_"')
+            string(key, value, form, 'lower-case letters, digits and "_"')
         string("meaning", self.meaning)
         function(f"Observable {self.name}: measure", self.measure, "a function of frame and parameters")
 

@@ -10,7 +10,9 @@ import tissue
 from dincl.study.stopped import StudyStopped
 from tests.borders import tissue_functions as own
 from tests.borders.harness import complaints
-from tests.borders.tissue_calls import CALLS, EMT, QUICK, RUNS, SMALL, shelves
+from tests.borders.tissue_calls import CALLS
+from tests.borders.tissue_things import EMT, QUICK, RUNS, SMALL
+from tests.borders.tissue_uses import shelves
 from tissue.registration import KINDS
 from tissue.registry import shelf
 

@@ -3,12 +3,7 @@
 Calls write files into the present folder. What they register is taken off the shelves again.
 """
 
-import atexit
-import shutil
-import tempfile
-from contextlib import contextmanager
 from functools import partial
-from pathlib import Path
 
 import numpy as np
 
@@ -16,193 +11,49 @@ import dincl
 import tissue
 from tests.borders import tissue_functions as own
 from tests.borders.harness import Call
-from tests.borders.values import ABSURD
+from tests.borders.tissue_things import (
+    EMT,
+    FILES,
+    FOLDER,
+    FRAMES,
+    PARAMETERS,
+    QUIET,
+    RATIOS,
+    RESULTS,
+    RUNS,
+    SMALL,
+    TINY,
+    TUBE,
+)
+from tests.borders.tissue_uses import (
+    THING,
+    altered,
+    animated,
+    answers,
+    arrow_hurwicz,
+    begun,
+    built,
+    changed,
+    divided,
+    forms,
+    frozen,
+    measured,
+    plotted,
+    pushed,
+    registered,
+    results_plotted,
+    slopes,
+    studied,
+)
 from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat
 from tissue.pictures.picture import picture
 from tissue.quasi_steady.daha import TissueArrowHurwicz
-from tissue.quasi_steady.frozen import frozen_problem, made_feasible
+from tissue.quasi_steady.frozen import frozen_problem
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.registration import KINDS
-from tissue.registry import shelf
-from tissue.study.answers import control_shares, scenario_changes, scenario_differences, scenario_ratios
+from tissue.study.answers import scenario_differences
 from tissue.study.read import Results
-
-FOLDER = Path(tempfile.mkdtemp())
-atexit.register(shutil.rmtree, FOLDER, ignore_errors=True)
-
-TINY = {"tissue.cells": 8, "numerics.t_end": "0.4 h", "numerics.dt": "0.1 h", "numerics.keep": "0.2 h"}
-TINY |= {"numerics.substeps": 5, "numerics.mu": "0.15 h"}
-SMALL = tissue.preset("published").changed(TINY)
-EMT = SMALL.changed({"emt.cells": 2, "emt.a": "0.1 h", "emt.b": "0.1 h to 0.3 h", "emt.p": "0.2 h, 50 %"})
-TYPES = SMALL.changed({"types.soft.cells": 2, "types.soft.alpha_ax": 0.5, "types.soft.place": 0.3})
-TUBE = {"layer.shape": "circle", "layer.perimeter": "400 um", "layer.closed": True, "layer.side": "outside"}
-TUBE = SMALL.changed({**TUBE, "tissue.cells": 241, "numerics.t_end": "0.1 h", "numerics.keep": "0.1 h"})
-LONGER = EMT.changed({"numerics.t_end": "0.6 h"})
-QUIET = SMALL.changed({"numerics.noise": "step", "daha.most_iterations": 200, "numerics.t_end": "0.1 h"})
-QUICK = SMALL.changed({"cell.min_cycle": "2 h", "cell.max_cycle": "3 h", "numerics.t_end": "1 h"})
-PARAMETERS = (SMALL, EMT, TYPES, LONGER, QUICK)
-RUNS = tuple(tissue.simulate(one, 1) for one in (SMALL, EMT, TYPES))
-QUASI = simulate_quasi_steady(QUIET, 1, throw=False)
-FRAMES = tuple(frame for run in RUNS for frame in (run.frames[0], run.final))
-
-STUDY = """title = "tiny"
-base = "small.toml"
-replicates = 2
-seed = 1
-[overrides.emt]
-cells = 1
-b = "0.1 h"
-[scenarios.B]
-[scenarios.AB]
-emt.a = "0.1 h"
-"""
-FILES = {"small.toml": SMALL.as_toml(), "based.toml": 'base = "small.toml"\n', "study.toml": STUDY}
-FILES |= {"bad.toml": "[tissue", "empty.toml": "", "absurd.toml": 'base = "small.toml"\ntissue.cells = "many"\n'}
-for name, content in FILES.items():
-    (FOLDER / name).write_text(content, "utf-8")
-RUNS[0].final.save(FOLDER / "kept.npz")
-(FOLDER / "damaged.npz").write_bytes((FOLDER / "kept.npz").read_bytes()[:900])
-RESULTS = tissue.run_study(FOLDER / "study.toml", FOLDER / "results")
-RATIOS = scenario_ratios(RESULTS)
-
-
-THING = tissue.Force("mine", own.push, "mine")
-
-
-@contextmanager
-def shelves():
-    """What is registered inside is gone behind it."""
-    before = {kind: dict(shelf(kind)) for kind in KINDS}
-    try:
-        yield
-    finally:
-        for kind, things in before.items():
-            shelf(kind).clear()
-            shelf(kind).update(things)
-
-
-def registered(thing, other=THING):
-    """What ``register`` does, for this call alone."""
-    with shelves():
-        tissue.register(thing, other)
-
-
-def changed(changes, seed):
-    """A run with other values of some keys."""
-    return simulated(EMT.changed(changes), seed)
-
-
-def forms(changes):
-    """Parameters with other values of some keys, in all forms."""
-    found = TYPES.changed(changes)
-    return found.as_toml(), found.as_dict(), found.numbers(), found.start_numbers(), found.curve(), found.groups()
-
-
-def varied(rng, number):
-    """Changes of one or two keys, to values that may be right or absurd."""
-    made = []
-    for _ in range(number):
-        pool = VALUES if rng.random() < 0.7 else ABSURD
-        keys = rng.choice(len(KEYS), rng.integers(1, 3), replace=False)
-        made.append({KEYS[key]: pool[rng.integers(len(pool))] for key in keys})
-    return tuple(made)
-
-
-def simulated(parameters, seed):
-    """A run and its tables."""
-    run = tissue.simulate(parameters, seed, throw=False)
-    return run, run.table().select_dtypes(float).to_numpy(), run.summary().to_numpy(float), repr(run)
-
-
-def pushed(push, energy, strength, seed):
-    """A run with a force of the user."""
-    with shelves():
-        tissue.register(tissue.Force("generated", push, "generated", energy=energy))
-        return simulated(SMALL.changed({"forces.generated": strength}), seed)
-
-
-def begun(begin, last, after, time, seed):
-    """A run with an event of the user."""
-    with shelves():
-        tissue.register(tissue.EmtEvent("generated", "generated", "a test", begin, last, after))
-        return simulated(EMT.changed({"emt.generated": time}), seed)
-
-
-def divided(splits, place, seed):
-    """A run with a rule of divisions of the user."""
-    with shelves():
-        tissue.register(tissue.DivisionRule("generated", "generated", "a test", splits, place))
-        return simulated(QUICK.changed({"division.rule": "generated"}), seed)
-
-
-def measured(measure, unit, seed):
-    """A run with an observable of the user."""
-    with shelves():
-        tissue.register(tissue.Observable("generated", "generated", measure, unit))
-        return simulated(SMALL, seed)
-
-
-def slopes(push, energy, run, strength):
-    """The test of a force that is not registered."""
-    return tissue.force_error(tissue.Force("generated", push, "generated", energy=energy), run, strength)
-
-
-def built(t, cells, layers, curve, checkpoint):
-    """A run from a frame of the user's own, and that frame in a file."""
-    frame = tissue.Frame(t, cells, layers, curve, checkpoint)
-    frame.save("built.npz")
-    return resumed(LONGER, frame)
-
-
-def altered(name, value):
-    """A run from a state in which the user has replaced an array of the cells."""
-    return resumed(LONGER, FRAMES[3]._replace(cells=FRAMES[3].cells._replace(**{name: value})))
-
-
-def resumed(parameters, start):
-    """A run from a state, and its tables."""
-    run = tissue.simulate(parameters, 1, start, throw=False)
-    return run, run.summary().to_numpy(float)
-
-
-def frozen(cells, layers, numbers, scheme):
-    """A frozen tissue, made feasible, and a step of a scheme."""
-    cells = made_feasible(cells, layers, numbers, PROJECTION)
-    return dincl.solve(frozen_problem(cells, layers, numbers), scheme, [1e-3], throw=False)
-
-
-def arrow_hurwicz(numbers):
-    """DAHA with numbers of the user's own."""
-    return TissueArrowHurwicz(numbers).minimise(FRAMES[0].cells, FRAMES[0].layers, SMALL.numbers())
-
-
-def studied(study, out, executor):
-    """A study, of which the folder is there already."""
-    return tissue.run_study(study, out, executor).complete
-
-
-def answers(results):
-    """All that is asked of a study's results."""
-    scenario_changes(results)
-    return scenario_ratios(results).to_numpy(), control_shares(results).to_numpy()
-
-
-def plotted(ax=None, t=None):
-    """A picture is made, and thrown away."""
-    RUNS[1].plot(ax, t=t)
-
-
-def animated(file):
-    """A movie of two states."""
-    RUNS[1].animate(file)
-
-
-def results_plotted(scenario):
-    """A chart is made, and thrown away."""
-    RESULTS.plot(scenario=scenario)
-
 
 KEYS = tuple(all_keys(tissue.Parameters))
 PRESENT = flat(SMALL.as_dict())
@@ -222,8 +73,19 @@ VALUES += (
     0,
     0.5,
 )
+
+
+def varied(rng, number):
+    """Changes of one or two keys, to values that may be right or absurd."""
+    made = []
+    for _ in range(number):
+        pool = VALUES if rng.random() < 0.7 else ABSURD
+        keys = rng.choice(len(KEYS), rng.integers(1, 3), replace=False)
+        made.append({KEYS[key]: pool[rng.integers(len(pool))] for key in keys})
+    return tuple(made)
+
+
 CHANGES = varied(np.random.default_rng(0), 2000)
-PROJECTION = dincl.ProjectedNewton(1e-9)
 SEEDS, FLAG, STRENGTH = (0, 1), (True, False), (0, 0.5, 1, 1e5)
 TIMES = ("0.1 h", "0.1 h to 0.3 h", "0.2 h, 50 %", "never")
 PATHS = ("built.npz", FOLDER / "again.npz", FOLDER / "no" / "folder.npz", FOLDER)

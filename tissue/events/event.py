@@ -7,7 +7,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from types import FunctionType
 
-from dincl.checks import instance, string, word
+from dincl.checks import instance, string
 from dincl.errors import InvalidProblem
 
 _NAME = re.compile("[a-z][a-z0-9]*")
@@ -53,7 +53,7 @@ class EmtEvent:
     after: str | None = None
 
     def __post_init__(self) -> None:
-        word("name", self.name, _NAME, "lower-case letters and digits")
+        string("name", self.name, _NAME, "lower-case letters and digits")
         string("meaning", self.meaning)
         string("source", self.source)
         if self.after is not None:
