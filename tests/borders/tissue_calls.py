@@ -45,6 +45,7 @@ from tests.borders.tissue_uses import (
     slopes,
     studied,
 )
+from tests.borders.values import ABSURD
 from tissue.files.keys import all_keys
 from tissue.files.parameter_files import flat
 from tissue.pictures.picture import picture
