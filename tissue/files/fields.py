@@ -10,6 +10,7 @@ from itertools import pairwise
 from numbers import Integral, Real
 from typing import Annotated, Any
 
+import numpy as np
 from pydantic import PlainSerializer, PlainValidator
 
 from tissue.division import division_rules
@@ -238,7 +239,7 @@ class Places:
 
 def _is(kind: type, raw: Any) -> bool:
     """Whether this is a number of the kind; true and false are none."""
-    return isinstance(raw, kind) and not isinstance(raw, bool)
+    return isinstance(raw, kind) and not isinstance(raw, (bool, np.timedelta64))  # that is one for Python
 
 
 def _signed(value: Any, zero: bool) -> bool:
