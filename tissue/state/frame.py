@@ -32,7 +32,8 @@ class Frame(NamedTuple):
     def past(self) -> TissueCheckpoint:
         """The ``checkpoint``; raises InvalidProblem if there is none."""
         if self.checkpoint is None:
-            raise InvalidProblem(f"a frame at t = {describe(self.t)} h that no run has made: must be {A_START}")
+            at = f"{self.t:g}" if isinstance(self.t, float) else describe(self.t)
+            raise InvalidProblem(f"a frame at t = {at} h that no run has made: must be {A_START}")
         instance("checkpoint", self.checkpoint, TissueCheckpoint, f"that of {A_START}")
         return self.checkpoint
 
