@@ -11,9 +11,13 @@ from dincl.callables import UserFunction
 from dincl.checks import function, instance
 from dincl.errors import FunctionFailed
 from dincl.status import Status
+from tissue.division import DivisionRule
+from tissue.events.event import EmtEvent
 from tissue.files.parameters import Parameters
+from tissue.force import Force
 from tissue.kernels.board import LOST, RUNNING
 from tissue.kernels.store import CELLS, COUNTERS, NEXT_ID, Store, contents, copied
+from tissue.registry import registered
 from tissue.resume import checkpoint_of, resumed, steps_made
 from tissue.run import Run
 from tissue.start import started
@@ -129,7 +133,12 @@ class Lot:
             raise
 
     def _refuse_lost(self, t: float) -> None:
-        """Raise FunctionFailed for a number of a cell that is not finite while its points are; our rules make none."""
+        """Raise FunctionFailed for a number of a cell that is not finite while its points are.
+
+        Our own rules make none, so runs without rules of users are not asked.
+        """
+        if not any(map(registered, (EmtEvent, DivisionRule, Force))):
+            return
         for k, held in enumerate(self._group.stores):
             n = held.sizes[CELLS]
             for name in LASTING if self.goes_on(k) else ():
