@@ -43,6 +43,8 @@ def bounce(stiffness: float) -> tuple[float, float, float]:
     source="introduction, Figure 1",
     quote="The velocity will change discontinuously, … the forces at contact are only generalised functions",
     chosen="Newton's equation without damping or weight, and a ground that is a spring whose stiffness grows",
+    recorded=Kind.NOT_REFUTED,
+    tried_on="a ground that is a spring, of two stiffnesses",
 )
 def _impact() -> Evidence:
     soft, stiff = bounce(1.0), bounce(1e4)
@@ -186,7 +188,7 @@ def _viscosity() -> Evidence:
     "The drag of a cell by the law of Stokes.",
     source="Example 1.1",
     quote="μ ≈ 6πRη = 9.42 × 10⁻³ g s⁻¹",
-    chosen="F^drag = 6πRηv is the size of the drag; in (1.1) it has a minus sign",
+    chosen="the size of the drag (its sign: see the errata)",
 )
 def _drag() -> Evidence:
     drag = 6 * math.pi * RADIUS * VISCOSITY * 1e3

@@ -169,7 +169,6 @@ def _equivalent() -> Evidence:
         f"{off[1]:.1e} apart for dt = {STEPS[0]:g} and {STEPS[1]:g}.",
         printed=(
             equal("distance over that of half the step", off[0] / off[1], 2.0, 0.2),
-            at_most("distance at the shorter step", off[1], 0.01),
             at_least("least multiplier", least, 0.0, 10 * TOUCH),
             at_most("largest |λ g|", product, 0.0, 1e-6),
         ),

@@ -153,6 +153,42 @@ def _neither() -> Evidence:
         printed=(
             at_least("one-sided slope, s = 10⁶ over s = 1", slopes[2] / slopes[0], 1e5),
             at_least("one-sided slope, s = 1", slopes[0], 0.1),
-            at_least("distance from the other cone, s = 10⁶", gaps[2], 1e5),
+            at_least("distance from the other cone, s = 10⁶ over s = 1", gaps[2] / gaps[0], 1e5),
         ),
+    )
+
+
+def cones_from(least: float, most: float) -> int:
+    """For how many forces f, eighths from -2 to 2, the values least ... most less f form a cone, as -N(S, x) does."""
+    forces = np.arange(-16, 17) / 8
+    ends = np.stack([least - forces, most - forces])
+    return int((((ends == 0) | np.isinf(ends)).all(axis=0)).sum())
+
+
+@claim(
+    "c1.generalise",
+    "How the theorems for prox-regular sets are related to those of section 2.",
+    source="after Remark 1.15",
+    quote="The main theorems of this chapter (Theorem 1.31 and Lemma 1.32) generalise Theorem 1.11 and Theorem 1.13.",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "they carry existence and uniqueness over to F - N(S, ·) with a single-valued, Lipschitz continuous F; neither "
+        "pair contains the other",
+        Effect.PROOF,
+        "a force with several values, as dry friction has, beside constraints: Theorem 1.31 does not cover it",
+        why=(
+            "Theorems 1.11 and 1.13 cover (1.13), whose value at 0 is [-1, 1]; F(x) - N(S, x) is a point plus a cone, "
+            "in ℝ one point, a half-line or all of ℝ, so that Theorem 1.31 does not cover it"
+        ),
+        place=502,
+    ),
+)
+def _generalise() -> Evidence:
+    """In R, a value of F - N is a force plus {0}, a half-line or the line; that of (1.13) at 0, and at 0 of [0, oo)."""
+    step, wall = cones_from(*step_values(0.0)), cones_from(0.0, np.inf)
+    return Evidence(
+        f"The value [-1, 1] of (1.13) at 0, to which Theorem 1.11 applies, is a force plus a cone for {step} forces, "
+        f"so (1.13) is not of the form (1.40); -N([0, ∞), 0) = [0, ∞) is for {wall} force, which is 0.",
+        printed=(at_least("forces f for which [-1, 1] - f is a cone", step, 1),),
+        corrected=(equal("forces f for which [0, ∞) - f is a cone", wall, 1),),
     )

@@ -85,19 +85,36 @@ def speed(t: float, h: float) -> float:
     return float((path.x[1, 0, 0] - path.x[0, 0, 0]) / (last - first))
 
 
+def unsolved(c: float, end: float) -> float:
+    """The largest |x' + sign(x)| of x = max(c - t, 0) at times of [0, end), by quotients."""
+    times = np.arange(0.0, end, STEP)
+    x, later = np.maximum(c - times, 0.0), np.maximum(c - times - STEP, 0.0)
+    return float(np.abs((later - x) / STEP + np.sign(x)).max())
+
+
 @claim(
     "c1.no-classical",
     "The equation with the sign function has no differentiable solution.",
     source="Example 1.9",
     quote="ẋ = -sign(x) with the convention sign(0) = 0. This equation has no classical solutions.",
-    chosen="a start at c ≠ 0 and T ≥ |c|: x = 0 for all times is a classical solution, and so is c - t until t = c",
+    recorded=Kind.CORRECTED,
+    correction=Correction(
+        "from x(0) = c ≠ 0 it has no classical solution on [0, T] with T ≥ |c|",
+        Effect.PROOF,
+        "nothing else: the example goes on with c > 0 and times beyond c",
+        why="x = 0 for all times fulfils ẋ = -sign(x) with sign(0) = 0, and so does c - t for t < c",
+        place=429,
+    ),
 )
 def _no_classical() -> Evidence:
+    """Two classical solutions by their residuals, and the velocity of the third, that comes to 0."""
+    left = [unsolved(0.0, 1.0), unsolved(C, C / 2)]
     arriving, wanted = speed(C, -STEP), 0.0 - float(np.sign(0.0))
     return Evidence(
-        f"From c = {C} the solution comes to 0 with the velocity {arriving:g}, where -sign(0) = {wanted:g} is wanted: "
-        "a derivative does not jump, so there is no solution in C¹, nor one that is differentiable everywhere.",
-        printed=(equal("velocity on arrival less the one wanted", arriving - wanted, -1.0, ROUNDING),),
+        f"x = 0, and c - t for t < c/2, c = {C}, solve the equation to {max(left):g}. From c the solution comes to 0 "
+        f"with the velocity {arriving:g}, where -sign(0) = {wanted:g} is wanted: none is differentiable at t = c.",
+        printed=(equal("classical solutions among the two", sum(one <= ROUNDING for one in left), 0),),
+        corrected=(equal("velocity on arrival less the one wanted", arriving - wanted, -1.0, ROUNDING),),
     )
 
 

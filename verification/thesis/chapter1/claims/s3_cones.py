@@ -68,7 +68,7 @@ def _convex_cone() -> Evidence:
     recorded=Kind.CORRECTED,
     correction=Correction(
         "it is empty if Definition 1.16 asks for x ∈ C besides; as printed N_C(x) contains at least 0",
-        Effect.NOTATION,
+        Effect.MODEL,
         "(1.15) and (1.16): as printed they do not keep a point in C, and 0 is a solution from every start",
         why=("v = 0 fulfils v·(y − x) ≤ 0 for every x, also outside of C, and the definition does not ask for x ∈ C"),
         place=536,

@@ -68,6 +68,6 @@ def _applications() -> Evidence:
         corrected=(
             at_most("overlap of the projected states [μm]", left, 0.0, 10 * TOL),
             at_most("overlap of catch-up from there [μm]", later, 0.0, 10 * TOL),
-            at_most("change of the end over that before", moves, 0.6),
+            at_most("change of the end over that before", moves, 1.0),
         ),
     )
