@@ -85,7 +85,9 @@ def wave(n: Floats | int) -> Floats:
 )
 def _mazur() -> Evidence:
     test = (GRID < 1 / 3) / np.sqrt(GRID)
-    alone, pairing = ([size(wave(n)) for n in (12, 192)] for size in (mean_norm, lambda x: abs((x * test).mean())))
+    alone, pairing = (
+        [float(size(wave(n))) for n in (12, 192)] for size in (mean_norm, lambda x: abs((x * test).mean()))
+    )
     mixed = [float(mean_norm(wave(np.arange(n, 2.0 * n)).mean(axis=0))) for n in (12, 192)]
     return Evidence(
         f"sin(2πnt) in L¹(0, 1), n = 12 and 192: the norm is {alone[0]:.3f} and {alone[1]:.3f}, the pairing with a "
