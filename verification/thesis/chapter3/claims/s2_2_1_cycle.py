@@ -230,7 +230,8 @@ def _slice() -> Evidence:
     return Evidence(
         f"60 cells, 48 h: if every division adds a cell they become {60 * every.mean:.0f}, {every.mean:.1f} "
         f"[{every.low:.1f}, {every.high:.1f}] times as many; if 20 % do {60 * some.mean:.0f}, {some.mean:.2f} "
-        f"[{some.low:.2f}, {some.high:.2f}] times. In vivo the tissue at most doubles its height in that time",
+        f"[{some.low:.2f}, {some.high:.2f}] times. In vivo the tissue at most doubles its height in that time. "
+        f"All limits from {some.high:.1f} to {every.low:.1f} times decide alike",
         printed=(
             at_least(
                 "cells if every division adds one, over those at the start", every.mean, TOO_FAST, interval=every[1:]
