@@ -1,0 +1,48 @@
+"""The substeps of position based dynamics in three dimensions between two updates of the rules (Method 3.7, (3.34))."""
+
+from __future__ import annotations
+
+from dincl.compile import inner
+from tissue.kernels import kernel
+from tissue.kernels.lanes import WIDTH
+from tissue.space.step.balls import separate_balls
+from tissue.space.step.basal import hold_together, put_on_surface
+from tissue.space.step.board import FRESH, SUBSTEPS, SpaceBoard, space_board_at, wide_space_board_at
+from tissue.space.step.junctions import pull_along_edges
+from tissue.space.step.lists import have_strayed, make_lists
+from tissue.space.step.motion import move_points
+from tissue.space.step.noise import shake_nuclei
+from tissue.space.step.soft import push_nuclei
+
+
+@inner
+def make_space_substep(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int, number: int) -> None:
+    """A substep of the n cells on the board: noise, forces, one sweep of projections.
+
+    ``wide`` is the same board in ``rows`` of eight cells, ``board`` in single numbers.
+    """
+    shake_nuclei(wide, rows, number)
+    if board.state[FRESH] == 0 or have_strayed(wide, rows):
+        make_lists(board, n)
+    push_nuclei(board, n)
+    pull_along_edges(board, n)
+    move_points(wide, rows)
+    separate_balls(board, n, wide, rows)
+    hold_together(board)
+    put_on_surface(wide, rows)
+
+
+@kernel
+def make_space_substeps(flat: int, wide: int, n: int) -> None:
+    """All substeps of one dt for a tissue of n cells, whose board has these addresses.
+
+    The lists are made anew: what a step does is a function of what is on the board.
+    """
+    board, in_rows, rows = space_board_at(flat), wide_space_board_at(wide), (n + WIDTH - 1) // WIDTH
+    for word in range(2):
+        for lane in range(WIDTH):
+            in_rows.noise_key[word, lane] = board.noise_key[word]
+    board.state[FRESH] = 0
+    for number in range(board.substeps):
+        make_space_substep(board, n, in_rows, rows, number)
+    board.counts[SUBSTEPS] += board.substeps
