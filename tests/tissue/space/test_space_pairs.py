@@ -12,7 +12,7 @@ from tissue.kernels import kernel
 from tissue.model.repulsion import SOFT
 from tissue.space.energy import nearest_image
 from tissue.space.step.board import ALL, FOUND, WHOLE, space_board_at
-from tissue.space.step.lists import MARGIN, SKIN, make_lists, row_of
+from tissue.space.step.lists import SKIN, make_lists, row_of
 
 seeds = st.integers(0, 2**32 - 1)
 surfaces = st.sampled_from(sorted(SURFACES))
@@ -55,9 +55,9 @@ def test_lists_are_those_of_all_pairs(seed, n, size, name):
     d = np.sqrt((nearest_image(state.x[:, i] - state.x[:, j], surface) ** 2).sum(axis=0))
     np.testing.assert_array_equal((pairs[0] + pairs[0].T)[i, j], d < SOFT + SKIN)
     assert soft == (d < SOFT + SKIN).sum()
-    assert hard in (-1, (d < state.radius[i] + state.radius[j] + MARGIN).sum())
+    assert hard in (-1, (d < state.radius[i] + state.radius[j] + SKIN).sum())
     if hard >= 0:
-        np.testing.assert_array_equal(pairs[1][i, j], d < state.radius[i] + state.radius[j] + MARGIN)
+        np.testing.assert_array_equal(pairs[1][i, j], d < state.radius[i] + state.radius[j] + SKIN)
         assert pairs[1].sum() == hard
 
 
@@ -96,15 +96,17 @@ def test_one_nucleus_far_away_changes_nothing_for_the_others(away):
     np.testing.assert_allclose(others, make_substeps(alone, steps).x, rtol=0.0, atol=1e-13)
 
 
-def test_a_nucleus_pushed_very_far_meets_those_it_is_pushed_to():
-    """Two heaps on one point throw a nucleus beyond each listed pair: the sweep is that over all pairs."""
-    state = heap(3, 40, 1e-3, SURFACES["open plane"], radius=0.7)
-    state.x[:, 20:] += np.array([[2.0], [0.0], [0.0]])
-    steps = Steps(repulsion=0.0)
-    made, counts = counted(state, steps)
+@pytest.mark.parametrize(("radius", "way"), [(0.3, SKIN), (0.7, 1.0), (3.0, 4.0)])
+@pytest.mark.parametrize("name", ["open plane", "strip"])
+def test_nuclei_pushed_very_far_meet_those_they_are_pushed_to(radius, way, name):
+    """Two heaps among others: nuclei are thrown far beyond those listed."""
+    state = heap(3, 80, 2.0, SURFACES[name], radius=radius)
+    state.x[:, ::3] = 9.0 + 1e-3 * state.x[:, ::3]
+    state.x[:, 1::3] = 9.0 + 1e-3 * state.x[:, 1::3] + np.array([[3.0 * radius], [0.0], [0.0]])
+    steps = Steps(repulsion=0.0, surface=SURFACES[name])
+    made = make_substeps(state, steps)
     np.testing.assert_array_equal(made.x, twins.separate(state.x, state.radius, steps.surface))
-    assert np.sqrt(((made.x - state.x) ** 2).sum(axis=0)).max() > 2 * MARGIN
-    assert counts["lists"] > 1
+    assert np.sqrt(((made.x - state.x) ** 2).sum(axis=0)).max() > way
 
 
 def test_rows_that_find_no_room_are_found_anew():

@@ -5,14 +5,12 @@ from __future__ import annotations
 import math
 
 from dincl.compile import inner
-from tissue.space.step.board import ALL, CORRECTIONS, FRESH, SpaceBoard
+from tissue.space.step.board import ALL, CORRECTIONS, FRESH, THROWN, SpaceBoard
 from tissue.space.step.images import nearest, periods
-from tissue.space.step.lists import MARGIN, have_strayed, largest_radius, list_pairs, make_lists
+from tissue.space.step.lists import HALF_SKIN, have_strayed, make_lists
 
-# How far a nucleus may be pushed until a pair that is not listed may have met, less some rounding: part of the margin.
-SHARE = 0.499
-# How often the margin of the listed pairs is doubled, until each nucleus meets each.
-DOUBLINGS = 2
+# What ``SpaceBoard.far`` says of a nucleus: near the place where it was listed, seen to go far, meeting all others.
+NEAR_BY, GONE, MEETS_ALL = range(3)
 
 
 @inner
@@ -20,61 +18,89 @@ def separate_balls(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int) -> No
     """|X_i - X_j| >= R_i + R_j (C1) for all pairs in the order i, then j < i, differences as of the nearest image.
 
     Overlapping balls are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that others than
-    those listed may have met it, the sweep begins again, with a longer list.
+    those listed may have met it, the sweep begins again, and it meets all: so the result is that of all pairs.
     """
     if board.state[FRESH] == 0 or have_strayed(wide, rows):
         make_lists(board, n)
     for i in range(n):
         board.before_x[i], board.before_y[i], board.before_z[i] = board.x[i], board.y[i], board.z[i]
-    farthest, corrections = _sweep(board, n)
-    if farthest > (SHARE * MARGIN) ** 2 and board.state[ALL] == 0:
-        corrections = _sweep_again(board, n)
+        board.far[i] = GONE if board.state[ALL] == 1 else NEAR_BY
+    corrections, gone = 0, board.state[ALL] == 1
+    if not gone:
+        corrections, gone = _sweep_listed(board, n)
+    while gone:
+        _begin_again(board, n)
+        corrections, gone = _sweep_with_all(board, n)
     board.counts[CORRECTIONS] += corrections
 
 
 @inner
-def _sweep_again(board: SpaceBoard, n: int) -> int:
-    """The same sweep with longer and longer lists, until none is too short: how many pairs were corrected."""
-    margin = MARGIN
-    for doubling in range(DOUBLINGS + 1):
-        margin *= 2.0
-        for i in range(n):
-            board.x[i], board.y[i], board.z[i] = board.before_x[i], board.before_y[i], board.before_z[i]
-            board.made_x[i], board.made_y[i], board.made_z[i] = board.x[i], board.y[i], board.z[i]
-        if doubling < DOUBLINGS:
-            list_pairs(board, n, 2.0 * largest_radius(board, n) + margin, margin)
-        else:
-            board.state[FRESH], board.state[ALL] = 0, 1
-        farthest, corrections = _sweep(board, n)
-        if farthest <= (SHARE * margin) ** 2 or board.state[ALL] == 1:
-            break
-    return corrections
-
-
-@inner
-def _sweep(board: SpaceBoard, n: int) -> tuple[float, int]:
-    """Sweep; the square of the longest way of a nucleus since the list was made, and how many pairs were corrected."""
-    x, y, z, radius, hard, row = board.x, board.y, board.z, board.radius, board.hard, board.hard_row
-    length_x, by_x, length_z, by_z = periods(board)
-    farthest, corrections, listed = 0.0, 0, board.state[ALL] == 0
+def _begin_again(board: SpaceBoard, n: int) -> None:
+    """All nuclei are where they were before the sweep; those that went far meet all others."""
+    thrown = 0
     for i in range(n):
-        begin, end = (row[i], row[i + 1]) if listed else (0, i)
-        for k in range(begin, end):
-            j = hard[k] if listed else k
-            dx, dy, dz = nearest(x[i] - x[j], length_x, by_x), y[i] - y[j], nearest(z[i] - z[j], length_z, by_z)
-            square, reach = dx * dx + dy * dy + dz * dz, radius[i] + radius[j]
-            if square < reach * reach:
-                part = 0.5 * (reach / math.sqrt(square) - 1.0)
-                x[i], y[i], z[i] = x[i] + part * dx, y[i] + part * dy, z[i] + part * dz
-                x[j], y[j], z[j] = x[j] - part * dx, y[j] - part * dy, z[j] - part * dz
-                farthest = max(farthest, _way(board, i), _way(board, j))
-                corrections += 1
-    return farthest, corrections
+        board.x[i], board.y[i], board.z[i] = board.before_x[i], board.before_y[i], board.before_z[i]
+        if board.far[i] != NEAR_BY:
+            board.far[i], board.thrown[thrown] = MEETS_ALL, i
+            thrown += 1
+    board.state[THROWN] = thrown
 
 
 @inner
-def _way(board: SpaceBoard, i: int) -> float:
-    """The square of how far nucleus i has gone since the list was made."""
+def _sweep_listed(board: SpaceBoard, n: int) -> tuple[int, bool]:
+    """Sweep over the pairs that are listed: how many were corrected, and whether a nucleus went far."""
+    hard, row, corrections, gone = board.hard, board.hard_row, 0, False
+    for i in range(n):
+        for k in range(row[i], row[i + 1]):
+            if _part(board, i, hard[k]):
+                corrections += 1
+                gone = _went_far(board, i) or gone
+                gone = _went_far(board, hard[k]) or gone
+    return corrections, gone
+
+
+@inner
+def _sweep_with_all(board: SpaceBoard, n: int) -> tuple[int, bool]:
+    """The same over the pairs that are listed, and all pairs of nuclei that meet all, in the same order."""
+    hard, row, thrown, corrections, gone = board.hard, board.hard_row, board.thrown, 0, False
+    for i in range(n):
+        each, k, number, j = board.far[i] == MEETS_ALL, row[i], 0, -1
+        while True:
+            if each:
+                j += 1
+            else:
+                listed = hard[k] if k < row[i + 1] else n
+                far = thrown[number] if number < board.state[THROWN] else n
+                k, number, j = k + (listed <= far), number + (far <= listed), min(listed, far)
+            if j >= i:
+                break
+            if _part(board, i, j):
+                corrections += 1
+                gone = _went_far(board, i) or gone
+                gone = _went_far(board, j) or gone
+    return corrections, gone
+
+
+@inner
+def _part(board: SpaceBoard, i: int, j: int) -> bool:
+    """Part nuclei i and j if they overlap: whether they did."""
+    x, y, z, radius = board.x, board.y, board.z, board.radius
+    length_x, by_x, length_z, by_z = periods(board)
+    dx, dy, dz = nearest(x[i] - x[j], length_x, by_x), y[i] - y[j], nearest(z[i] - z[j], length_z, by_z)
+    square, reach = dx * dx + dy * dy + dz * dz, radius[i] + radius[j]
+    if square < reach * reach:
+        part = 0.5 * (reach / math.sqrt(square) - 1.0)
+        x[i], y[i], z[i] = x[i] + part * dx, y[i] + part * dy, z[i] + part * dz
+        x[j], y[j], z[j] = x[j] - part * dx, y[j] - part * dy, z[j] - part * dz
+        return True
+    return False
+
+
+@inner
+def _went_far(board: SpaceBoard, i: int) -> bool:
+    """Whether nucleus i is so far from where it was listed that it may meet others, but does not meet all yet."""
     dx, dy, dz = board.x[i] - board.made_x[i], board.y[i] - board.made_y[i], board.z[i] - board.made_z[i]
-    square: float = dx * dx + dy * dy + dz * dz
-    return square
+    if board.far[i] == MEETS_ALL or dx * dx + dy * dy + dz * dz <= HALF_SKIN * HALF_SKIN:
+        return False
+    board.far[i] = GONE
+    return True

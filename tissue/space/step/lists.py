@@ -20,8 +20,6 @@ from tissue.space.step.quads import QUAD_WIDTH
 SKIN = 0.4
 # How far a nucleus may move, less some rounding.
 HALF_SKIN = 0.499 * SKIN
-# Of hard balls pairs with a larger gap need not be looked at; there are few, and one push may be long [R_soft].
-MARGIN = 0.6
 # A margin that finds none.
 NO_BALLS = -1e300
 
@@ -41,8 +39,8 @@ def have_strayed(board: SpaceBoard, rows: int) -> bool:
 @inner
 def make_lists(board: SpaceBoard, n: int) -> None:
     """Both lists, from where the nuclei are now."""
-    soft, hard = SOFT + SKIN, 2.0 * largest_radius(board, n) + MARGIN
-    list_pairs(board, n, max(soft, hard) if board.repulsion != 0.0 else hard, MARGIN)
+    soft, hard = SOFT + SKIN, 2.0 * largest_radius(board, n) + SKIN
+    list_pairs(board, n, max(soft, hard) if board.repulsion != 0.0 else hard)
     for i in range(n):
         board.made_x[i], board.made_y[i], board.made_z[i] = board.x[i], board.y[i], board.z[i]
     board.state[FRESH] = 1
@@ -58,8 +56,8 @@ def largest_radius(board: SpaceBoard, n: int) -> float:
 
 
 @inner
-def list_pairs(board: SpaceBoard, n: int, reach: float, margin: float) -> None:
-    """List the nuclei that are nearer than ``reach``, and of these the hard balls whose gap is below the margin.
+def list_pairs(board: SpaceBoard, n: int, reach: float) -> None:
+    """List the nuclei that are nearer than ``reach``, and of these the hard balls whose gap is below the skin.
 
     Rows that may find no room are left out: they are found when they are asked for.
     """
@@ -73,7 +71,7 @@ def list_pairs(board: SpaceBoard, n: int, reach: float, margin: float) -> None:
             for p in range(board.start[b], board.start[b + 1]):
                 fits = end + p <= room - QUAD_WIDTH
                 into = end if fits else room
-                last = _list_row(board, p, ranges, reach, into, margin)
+                last = _list_row(board, p, ranges, reach, into, SKIN)
                 if fits:
                     board.row[p], board.row_end[p], whole = into, last, p + 1
                     end = fill_up(board, last, n)
@@ -114,17 +112,18 @@ def _list_row(board: SpaceBoard, p: int, ranges: int, reach: float, into: int, m
         end = min(board.end[k], p)
         for q in range(board.begin[k], end, WIDTH):
             dx, dy = nearest(load_from(x, q) - x[p], length_x, by_x), load_from(y, q) - y[p]
-            dz, balls = nearest(load_from(z, q) - z[p], length_z, by_z), load_from(radius, q) + (radius[p] + margin)
+            dz = nearest(load_from(z, q) - z[p], length_z, by_z)
             square = fma(dx, dx, fma(dy, dy, dz * dz))
             near = positive_bits(reach * reach - square)
             if end - q < WIDTH:
                 near &= (1 << (end - q)) - 1
-            touch = near & positive_bits(where_positive(balls, balls * balls) - square)
-            while near:
-                listed[into] = q + lowest_bit(near)
-                near &= near - 1
-                into += 1
-            while touch:
-                add_hard(board, board.order[p], board.order[q + lowest_bit(touch)])
-                touch &= touch - 1
+            if near:
+                balls = load_from(radius, q) + (radius[p] + margin)
+                touch = near & positive_bits(where_positive(balls, balls * balls) - square)
+                for lane in range(WIDTH):
+                    listed[into] = q + lane
+                    into += near >> lane & 1
+                while touch:
+                    add_hard(board, board.order[p], board.order[q + lowest_bit(touch)])
+                    touch &= touch - 1
     return into
