@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 
 from dincl.compile import inner
-from tissue.space.step.board import ALL, CORRECTIONS, FRESH, THROWN, SpaceBoard
+from tissue.space.step.board import ALL, CORRECTIONS, THROWN, SpaceBoard
 from tissue.space.step.images import nearest, periods
-from tissue.space.step.lists import HALF_SKIN, have_strayed, make_lists
+from tissue.space.step.lists import HALF_SKIN, find_strays, make_lists
 
 # What ``SpaceBoard.far`` says of a nucleus: near the place where it was listed, seen to go far, meeting all others.
 NEAR_BY, GONE, MEETS_ALL = range(3)
+# With more nuclei that the forces have moved far it takes less time to make lists than to let them meet all.
+MOST_THROWN = 128
 
 
 @inner
@@ -20,12 +22,16 @@ def separate_balls(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int) -> No
     Overlapping balls are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that others than
     those listed may have met it, the sweep begins again, and it meets all: so the result is that of all pairs.
     """
-    if board.state[FRESH] == 0 or have_strayed(wide, rows):
+    strays = find_strays(wide, rows, n)
+    if strays > MOST_THROWN:
         make_lists(board, n)
+        strays = 0
     for i in range(n):
         board.before_x[i], board.before_y[i], board.before_z[i] = board.x[i], board.y[i], board.z[i]
         board.far[i] = GONE if board.state[ALL] == 1 else NEAR_BY
-    corrections, gone = 0, board.state[ALL] == 1
+    for number in range(strays):
+        board.far[board.strays[number]] = GONE
+    corrections, gone = 0, strays > 0 or board.state[ALL] == 1
     if not gone:
         corrections, gone = _sweep_listed(board, n)
     while gone:

@@ -21,10 +21,10 @@ SPACE_COUNTERS = ("substeps", "corrections", "basal_corrections", "pairs", "list
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, PAIRS, LISTS = range(len(SPACE_COUNTERS))
 # Places in SpaceBoard.sizes: how many edges there are.
 JUNCTIONS, NEIGHBOURS = range(2)
-# Places in SpaceBoard.state. FRESH: whether the lists hold for where the nuclei are; WHOLE: how many rows of soft pairs
-# are listed; FOUND: how many pairs of hard balls; ALL: whether these found no room, and each meets each; THROWN:
+# Places in SpaceBoard.state. FRESH: whether there are lists; STRAYS: how many nuclei have gone farther than these allow;
+# WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls; ALL: whether these found no room, and each meets each; THROWN:
 # how many nuclei meet all in a sweep; MANY: how many bins there are along x, y and z.
-FRESH, WHOLE, FOUND, ALL, THROWN, MANY = range(6)
+FRESH, STRAYS, WHOLE, FOUND, ALL, THROWN, MANY = range(7)
 # Room for pairs of a cell, on average. The lists of a tissue have half of it; heaps that need more cost time.
 SOFT_ROOM, HARD_ROOM = 64, 24
 # The most ranges of cells near one bin.
@@ -104,6 +104,8 @@ class SpaceBoard(NamedTuple):
     found: Integers  # (m, 2): pairs of cells whose balls may meet, as they are found
     hard_row: Integers  # (n + 1,): where the pairs of cell i begin
     hard: Integers  # the cells j < i whose balls may meet that of cell i, increasing
+    reach: Floats  # (1,): of the soft pairs
+    strays: Integers  # (n,): cells whose nuclei have gone farther than the lists allow
     far: Integers  # (n,): of each cell whether it was pushed far, see ``balls``
     thrown: Integers  # (n,): those that were
     at: Floats  # of each place x, y, z and nothing, one after the other
@@ -158,8 +160,8 @@ def _common(m: int, edges: int) -> dict[str, Any]:
     pairs, soft = HARD_ROOM * m, (SOFT_ROOM + 1) * m + 2 * QUAD_WIDTH
     whole = {"junctions": (edges, 2), "neighbours": (edges, 2), "sizes": 2, "order": m, "bin": m, "start": 2 * m + 1}
     whole |= {"begin": NEAR, "end": NEAR, "row": m, "row_end": m, "found": (pairs, 2), "hard_row": m + 1, "hard": pairs}
-    whole |= {"far": m, "thrown": m, "state": MANY + 3, "counts": len(SPACE_COUNTERS)}
-    floats = {"rest": edges, "k_aa": edges, "at": 4 * (m + 1), "pushed": 4 * (m + 1)}
+    whole |= {"strays": m, "far": m, "thrown": m, "state": MANY + 3, "counts": len(SPACE_COUNTERS)}
+    floats = {"rest": edges, "k_aa": edges, "reach": 1, "at": 4 * (m + 1), "pushed": 4 * (m + 1)}
     floats |= dict.fromkeys(("place_x", "place_y", "place_z", "place_radius"), m + WIDTH)
     made: dict[str, Any] = {name: np.zeros(shape, np.int64) for name, shape in whole.items()}
     return made | {name: np.zeros(shape) for name, shape in floats.items()} | {"listed": np.zeros(soft, np.int32)}

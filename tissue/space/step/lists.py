@@ -1,16 +1,16 @@
 """Lists of the pairs of nuclei that may act on each other, which hold until one has gone too far (Verlet, 1967).
 
-A pair is listed if it is nearer than the range and a skin. As long as no nucleus has moved by half of the skin since,
-no other pair is within the range.
+A pair is listed if it is nearer than the range and a skin. As long as both nuclei have moved by less than half of the
+skin since, a pair that is not listed is beyond the range. A few nuclei may stray farther: they meet all others.
 """
 
 from __future__ import annotations
 
 from dincl.compile import inner
-from tissue.kernels.lanes import WIDTH, fma, load, lowest_bit, maximum, positive_bits, spread, where_positive
+from tissue.kernels.lanes import WIDTH, fma, load, lowest_bit, positive_bits, where_positive
 from tissue.model.repulsion import SOFT
 from tissue.space.step.bins import find_beside, sort_in_bins
-from tissue.space.step.board import FRESH, LISTS, MANY, WHOLE, SpaceBoard
+from tissue.space.step.board import FRESH, LISTS, MANY, STRAYS, WHOLE, SpaceBoard
 from tissue.space.step.eight import load_from
 from tissue.space.step.hard_pairs import add_hard, begin_hard, end_hard
 from tissue.space.step.images import nearest, periods
@@ -20,27 +20,47 @@ from tissue.space.step.quads import QUAD_WIDTH
 SKIN = 0.4
 # How far a nucleus may move, less some rounding.
 HALF_SKIN = 0.499 * SKIN
+# With more strays than these it is time for new lists.
+MOST_STRAYS = 16
 # A margin that finds none.
 NO_BALLS = -1e300
 
 
 @inner
-def have_strayed(board: SpaceBoard, rows: int) -> bool:
-    """Whether a nucleus has moved by half of the skin since the lists were made; the board is in rows."""
-    far = spread(board.x, 0.0)
+def find_strays(board: SpaceBoard, rows: int, n: int) -> int:
+    """List the cells whose nuclei have moved by half of the skin since the lists were made: how many.
+
+    The board is in rows, of n cells.
+    """
+    x, y, z, made_x, made_y, made_z = board.x, board.y, board.z, board.made_x, board.made_y, board.made_z
+    number = 0
     for i in range(rows):
-        dx, dy = load(board.x, i) - load(board.made_x, i), load(board.y, i) - load(board.made_y, i)
-        dz = load(board.z, i) - load(board.made_z, i)
-        far = maximum(fma(dx, dx, fma(dy, dy, dz * dz)), far)
-    strayed: bool = positive_bits(far - HALF_SKIN * HALF_SKIN) != 0
-    return strayed
+        dx, dy = load(x, i) - load(made_x, i), load(y, i) - load(made_y, i)
+        dz = load(z, i) - load(made_z, i)
+        far = positive_bits(fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN)
+        while far:
+            board.strays[number] = WIDTH * i + lowest_bit(far)
+            number += 1 if board.strays[number] < n else 0
+            far &= far - 1
+    return number
+
+
+@inner
+def refresh_lists(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int) -> None:
+    """Make the lists anew if it is time; else STRAYS are the nuclei that may meet others than those listed."""
+    strays = find_strays(wide, rows, n)
+    if board.state[FRESH] == 0 or strays > MOST_STRAYS:
+        make_lists(board, n)
+        strays = 0
+    board.state[STRAYS] = strays
 
 
 @inner
 def make_lists(board: SpaceBoard, n: int) -> None:
     """Both lists, from where the nuclei are now."""
     soft, hard = SOFT + SKIN, 2.0 * largest_radius(board, n) + SKIN
-    list_pairs(board, n, max(soft, hard) if board.repulsion != 0.0 else hard)
+    board.reach[0] = max(soft, hard) if board.repulsion != 0.0 else hard
+    list_pairs(board, n, board.reach[0])
     for i in range(n):
         board.made_x[i], board.made_y[i], board.made_z[i] = board.x[i], board.y[i], board.z[i]
     board.state[FRESH] = 1
@@ -86,7 +106,7 @@ def row_of(board: SpaceBoard, p: int, n: int) -> tuple[int, int]:
     if p < board.state[WHOLE]:
         return board.row[p], board.row_end[p]
     into = len(board.listed) - n - QUAD_WIDTH
-    end = _list_row(board, p, find_beside(board, board.bin[board.order[p]]), SOFT + SKIN, into, NO_BALLS)
+    end = _list_row(board, p, find_beside(board, board.bin[board.order[p]]), board.reach[0], into, NO_BALLS)
     fill_up(board, end, n)
     return into, end
 

@@ -9,10 +9,11 @@ from tissue.space.step.balls import separate_balls
 from tissue.space.step.basal import hold_together, put_on_surface
 from tissue.space.step.board import FRESH, SUBSTEPS, SpaceBoard, space_board_at, wide_space_board_at
 from tissue.space.step.junctions import pull_along_edges
-from tissue.space.step.lists import have_strayed, make_lists
+from tissue.space.step.lists import refresh_lists
 from tissue.space.step.motion import move_points
 from tissue.space.step.noise import shake_nuclei
 from tissue.space.step.soft import push_nuclei
+from tissue.space.step.strays import push_strays
 
 
 @inner
@@ -22,9 +23,9 @@ def make_space_substep(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int, n
     ``wide`` is the same board in ``rows`` of eight cells, ``board`` in single numbers.
     """
     shake_nuclei(wide, rows, number)
-    if board.state[FRESH] == 0 or have_strayed(wide, rows):
-        make_lists(board, n)
+    refresh_lists(board, n, wide, rows)
     push_nuclei(board, n)
+    push_strays(board, n, wide, rows)
     pull_along_edges(board, n)
     move_points(wide, rows)
     separate_balls(board, n, wide, rows)
