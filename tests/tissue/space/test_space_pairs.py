@@ -5,14 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.tissue.space.space_calls import SURFACES, board_of, counted, make_substeps, random_tissue
+from tests.tissue.space.space_calls import SURFACES, board_of, counted, make_substeps, random_tissue, taken
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps, distance, still
 from tissue.kernels import kernel
 from tissue.model.repulsion import SOFT
 from tissue.space.energy import nearest_image
-from tissue.space.step.board import ALL, FOUND, WHOLE, space_board_at
-from tissue.space.step.lists import SKIN, make_lists, row_of
+from tissue.space.step.board import ALL, FOUND, LISTS, WHOLE, space_board_at, wide_space_board_at
+from tissue.space.step.lists import MOST_STRAYS, SKIN, make_lists, row_of
+from tissue.space.step.substeps import make_space_substep
 
 seeds = st.integers(0, 2**32 - 1)
 surfaces = st.sampled_from(sorted(SURFACES))
@@ -107,6 +108,34 @@ def test_nuclei_pushed_very_far_meet_those_they_are_pushed_to(radius, way, name)
     made = make_substeps(state, steps)
     np.testing.assert_array_equal(made.x, twins.separate(state.x, state.radius, steps.surface))
     assert np.sqrt(((made.x - state.x) ** 2).sum(axis=0)).max() > way
+
+
+@kernel
+def _substep(flat, wide, n):
+    """One substep with the lists that there are."""
+    make_space_substep(space_board_at(flat), n, wide_space_board_at(wide), (n + 7) // 8, 0)
+
+
+@settings(max_examples=60)
+@given(seeds, st.integers(20, 90), st.integers(0, 24), st.floats(0.0, 6.0), surfaces, st.sampled_from([0.0, 1.0]))
+def test_strays_meet_all_others(seed, n, many, far, name, repulsion):
+    """Some nuclei go anywhere after the lists were made: no other list is made unless they are too many."""
+    rng, steps = np.random.default_rng(seed), Steps(surface=SURFACES[name], repulsion=repulsion)
+    state = heap(seed, n, 3.0, SURFACES[name], radius=None if repulsion == 0.0 else 0.0)
+    boards = board_of(state, steps)
+    _substep(boards.flat.address, boards.wide.address, n)
+    state = taken(boards, state)
+    gone = rng.permutation(n)[:many]
+    state.x[:, gone] += rng.uniform(-far, far, (3, len(gone)))
+    board_of(state, steps, boards)
+    lists = boards.flat.parts.counts[LISTS]
+    _substep(boards.flat.address, boards.wide.address, n)
+    made, expected = taken(boards, state), twins.make_substeps(state, steps)
+    if repulsion == 0.0:
+        np.testing.assert_array_equal(made.x, expected.x)
+    else:
+        assert distance(made, expected) < 1e-13
+        assert boards.flat.parts.counts[LISTS] == lists or many > MOST_STRAYS
 
 
 def test_rows_that_find_no_room_are_found_anew():

@@ -5,14 +5,13 @@ from __future__ import annotations
 import math
 
 from dincl.compile import inner
-from tissue.space.step.board import ALL, CORRECTIONS, THROWN, SpaceBoard
+from tissue.space.step.board import ALL, CORRECTIONS, FOUND, THROWN, SpaceBoard
 from tissue.space.step.images import nearest, periods
-from tissue.space.step.lists import HALF_SKIN, find_strays, make_lists
+from tissue.space.step.lists import HALF_SKIN, MOST_STRAYS, find_strays, make_lists
+from tissue.space.step.strays import has_strayed_before, list_strays
 
 # What ``SpaceBoard.far`` says of a nucleus: near the place where it was listed, seen to go far, meeting all others.
 NEAR_BY, GONE, MEETS_ALL = range(3)
-# With more nuclei that the forces have moved far it takes less time to make lists than to let them meet all.
-MOST_THROWN = 128
 
 
 @inner
@@ -22,21 +21,21 @@ def separate_balls(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int) -> No
     Overlapping balls are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that others than
     those listed may have met it, the sweep begins again, and it meets all: so the result is that of all pairs.
     """
-    strays = find_strays(wide, rows, n)
-    if strays > MOST_THROWN:
+    if find_strays(wide, rows, n) > MOST_STRAYS:
         make_lists(board, n)
-        strays = 0
+    list_strays(board, n, wide, rows)
     for i in range(n):
         board.before_x[i], board.before_y[i], board.before_z[i] = board.x[i], board.y[i], board.z[i]
         board.far[i] = GONE if board.state[ALL] == 1 else NEAR_BY
-    for number in range(strays):
-        board.far[board.strays[number]] = GONE
-    corrections, gone = 0, strays > 0 or board.state[ALL] == 1
-    if not gone:
+    corrections, gone = 0, board.state[ALL] == 1
+    if not gone and board.state[FOUND] == 0:
         corrections, gone = _sweep_listed(board, n)
+    elif not gone:
+        board.state[THROWN] = 0
+        corrections, gone = _sweep_with_more(board, n)
     while gone:
         _begin_again(board, n)
-        corrections, gone = _sweep_with_all(board, n)
+        corrections, gone = _sweep_with_more(board, n)
     board.counts[CORRECTIONS] += corrections
 
 
@@ -66,24 +65,30 @@ def _sweep_listed(board: SpaceBoard, n: int) -> tuple[int, bool]:
 
 
 @inner
-def _sweep_with_all(board: SpaceBoard, n: int) -> tuple[int, bool]:
-    """The same over the pairs that are listed, and all pairs of nuclei that meet all, in the same order."""
+def _sweep_with_more(board: SpaceBoard, n: int) -> tuple[int, bool]:
+    """The same over the pairs that are listed, those of strays, and all of nuclei that meet all, in the same order."""
     hard, row, thrown, corrections, gone = board.hard, board.hard_row, board.thrown, 0, False
+    begin = 0
     for i in range(n):
-        each, k, number, j = board.far[i] == MEETS_ALL, row[i], 0, -1
+        k, number, j, end = row[i], 0, -1, begin
+        while end < board.state[FOUND] and board.found[end, 0] == i:
+            end += 1
         while True:
-            if each:
+            if board.far[i] == MEETS_ALL:
                 j += 1
             else:
                 listed = hard[k] if k < row[i + 1] else n
+                stray = board.found[begin, 1] if begin < end else n
                 far = thrown[number] if number < board.state[THROWN] else n
-                k, number, j = k + (listed <= far), number + (far <= listed), min(listed, far)
+                j = min(listed, stray, far)
+                k, begin, number = k + (listed == j), begin + (stray == j), number + (far == j)
             if j >= i:
                 break
             if _part(board, i, j):
                 corrections += 1
                 gone = _went_far(board, i) or gone
                 gone = _went_far(board, j) or gone
+        begin = end
     return corrections, gone
 
 
@@ -104,9 +109,16 @@ def _part(board: SpaceBoard, i: int, j: int) -> bool:
 
 @inner
 def _went_far(board: SpaceBoard, i: int) -> bool:
-    """Whether nucleus i is so far from where it was listed that it may meet others, but does not meet all yet."""
+    """Whether nucleus i has gone so far that it may meet others than those listed, but does not meet all yet.
+
+    That is from where it was when the lists were made; strays from where they were before the sweep.
+    """
+    if board.far[i] == MEETS_ALL:
+        return False
     dx, dy, dz = board.x[i] - board.made_x[i], board.y[i] - board.made_y[i], board.z[i] - board.made_z[i]
-    if board.far[i] == MEETS_ALL or dx * dx + dy * dy + dz * dz <= HALF_SKIN * HALF_SKIN:
+    if has_strayed_before(board, i):
+        dx, dy, dz = board.x[i] - board.before_x[i], board.y[i] - board.before_y[i], board.z[i] - board.before_z[i]
+    if dx * dx + dy * dy + dz * dz <= HALF_SKIN * HALF_SKIN:
         return False
     board.far[i] = GONE
     return True

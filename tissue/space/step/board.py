@@ -22,8 +22,9 @@ SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, PAIRS, LISTS = range(len(SPACE_COUNTER
 # Places in SpaceBoard.sizes: how many edges there are.
 JUNCTIONS, NEIGHBOURS = range(2)
 # Places in SpaceBoard.state. FRESH: whether there are lists; STRAYS: how many nuclei have gone farther than these allow;
-# WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls; ALL: whether these found no room, and each meets each; THROWN:
-# how many nuclei meet all in a sweep; MANY: how many bins there are along x, y and z.
+# WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls were found for the list, then of
+# strays; ALL: whether these found no room, and each meets each; THROWN: how many nuclei meet all in a sweep; MANY: how
+# many bins there are along x, y and z.
 FRESH, STRAYS, WHOLE, FOUND, ALL, THROWN, MANY = range(7)
 # Room for pairs of a cell, on average. The lists of a tissue have half of it; heaps that need more cost time.
 SOFT_ROOM, HARD_ROOM = 64, 24
@@ -101,7 +102,7 @@ class SpaceBoard(NamedTuple):
     row: Integers  # (n,): where the soft pairs of each place begin
     row_end: Integers  # (n,): and end
     listed: Short  # the places before it that may be near it, in fours
-    found: Integers  # (m, 2): pairs of cells whose balls may meet, as they are found
+    found: Integers  # (m, 2): pairs of cells whose balls may meet, as they are found for the list; then those of strays
     hard_row: Integers  # (n + 1,): where the pairs of cell i begin
     hard: Integers  # the cells j < i whose balls may meet that of cell i, increasing
     reach: Floats  # (1,): of the soft pairs
