@@ -1,11 +1,13 @@
 """The substeps in three dimensions called like their twins, and tissues to call them with."""
 
+import ctypes
+
 import numpy as np
 
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.model.springs import coefficient
 from tissue.space.step.board import SPACE_COUNTERS, SpaceBoards, SpaceNumbers
-from tissue.space.step.substeps import make_space_substeps
+from tissue.space.step.substeps import space_substeps_address
 from tissue.space.surface import PLANE, SPHERE, Surface
 
 FREE = {"period_x": np.inf, "period_z": np.inf}
@@ -19,6 +21,15 @@ SURFACES = {
     "sphere": Surface(SPHERE, 2.5, 1.0, **FREE),
     "inside of a sphere": Surface(SPHERE, 8.0, -1.0, **FREE),
 }
+
+
+# Addresses of a board and a number of cells; 0.
+SUBSTEPS = ctypes.CFUNCTYPE(*[ctypes.c_int64] * 4)
+
+
+def call_substeps(boards: SpaceBoards, n: int) -> None:
+    """All substeps of one dt of n cells."""
+    assert SUBSTEPS(space_substeps_address())(boards.flat.address, boards.wide.address, n) == 0
 
 
 def board_of(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None) -> SpaceBoards:
@@ -63,7 +74,7 @@ def counted(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None)
     """The same, and the counters."""
     boards = board_of(state, steps, boards)
     before = boards.flat.parts.counts.copy()
-    make_space_substeps(boards.flat.address, boards.wide.address, state.x.shape[1])
+    call_substeps(boards, state.x.shape[1])
     counts = dict(zip(SPACE_COUNTERS, (boards.flat.parts.counts - before).tolist(), strict=True))
     return taken(boards, state), counts
 

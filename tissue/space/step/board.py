@@ -21,7 +21,7 @@ SPACE_COUNTERS = ("substeps", "corrections", "basal_corrections", "pairs", "list
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, PAIRS, LISTS = range(len(SPACE_COUNTERS))
 # Places in SpaceBoard.sizes: how many edges there are.
 JUNCTIONS, NEIGHBOURS = range(2)
-# Places in SpaceBoard.state. FRESH: whether there are lists; STRAYS: how many nuclei have gone farther than these allow;
+# Places in SpaceBoard.state. FRESH: whether there are lists; STRAYS: how many nuclei went farther than these allow;
 # WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls were found for the list, then of
 # strays; ALL: whether these found no room, and each meets each; THROWN: how many nuclei meet all in a sweep; MANY: how
 # many bins there are along x, y and z.

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
-from tissue.kernels import kernel
+from threading import Lock
+from typing import Any
+
+from numba import types
+
+from dincl.compile import c_function, inner
 from tissue.kernels.lanes import WIDTH
 from tissue.space.step.balls import separate_balls
 from tissue.space.step.basal import hold_together, put_on_surface
@@ -14,6 +18,8 @@ from tissue.space.step.motion import move_points
 from tissue.space.step.noise import shake_nuclei
 from tissue.space.step.soft import push_nuclei
 from tissue.space.step.strays import push_strays
+
+_SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
 
 
 @inner
@@ -33,9 +39,8 @@ def make_space_substep(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int, n
     put_on_surface(wide, rows)
 
 
-@kernel
-def make_space_substeps(flat: int, wide: int, n: int) -> None:
-    """All substeps of one dt for a tissue of n cells, whose board has these addresses.
+def _substeps(flat: int, wide: int, n: int) -> int:
+    """All substeps of one dt for a tissue of n cells, whose board has these addresses; 0.
 
     The lists are made anew: what a step does is a function of what is on the board.
     """
@@ -47,3 +52,21 @@ def make_space_substeps(flat: int, wide: int, n: int) -> None:
     for number in range(board.substeps):
         make_space_substep(board, n, in_rows, rows, number)
     board.counts[SUBSTEPS] += board.substeps
+    return 0
+
+
+# For the life of the process; threads come one at a time.
+_COMPILED: list[Any] = []
+_COMPILING = Lock()
+
+
+def space_substeps_address() -> int:
+    """The machine code of all substeps of one dt, compiled on first use.
+
+    It takes the addresses of the board, flat and wide, and the number of cells, as that of ``tissue.step.substeps``.
+    """
+    with _COMPILING:
+        if not _COMPILED:
+            _COMPILED.append(c_function(_SIGNATURE, _substeps))
+    address: int = _COMPILED[0].address
+    return address

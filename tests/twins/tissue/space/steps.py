@@ -18,7 +18,7 @@ from tissue.state.cells import Floats, Integers
 
 
 def make_substeps(state: SpaceTissue, steps: Steps) -> SpaceTissue:
-    """Twin of ``substeps.make_space_substeps``."""
+    """Twin of what ``substeps.space_substeps_address`` names."""
     for number in range(steps.substeps):
         state = swept(moved(shaken(state, steps, number), steps), steps)
     return state
