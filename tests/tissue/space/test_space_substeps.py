@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
+import dincl
 from tests.tissue.space import space_calls as kernels
 from tests.tissue.space.space_calls import SURFACES, counted, random_tissue
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps, distance, still
+from tissue.space.step.board import SpaceBoards, SpaceNumbers
 
 # Coordinates are about 10: one rounding is 1e-15. Roots are accurate to 2e-14, sums have some 50 terms.
 SUBSTEP = 1e-13
@@ -89,3 +91,10 @@ def test_a_step_forgets_what_was_on_the_board():
     boards = kernels.board_of(one, steps)
     kernels.make_substeps(other._replace(**shorter), steps, boards)
     assert distance(kernels.make_substeps(one, steps, boards), kernels.make_substeps(one, steps)) == 0.0
+
+
+@pytest.mark.parametrize("period", [4.0, 0.0, np.nan])
+def test_a_period_in_which_nuclei_meet_twice_is_refused(period):
+    surface = SURFACES["strip"]._replace(period_z=period)
+    with pytest.raises(dincl.InvalidProblem, match=r"surface\.period_z = .*: must be above 4"):
+        SpaceBoards(8, 8, SpaceNumbers(1, 0.0, 0.0), surface)

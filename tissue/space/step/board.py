@@ -8,10 +8,12 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dincl.errors import InvalidProblem
 from dincl.kernels.handles import reader
 from tissue.kernels.board import aligned
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.kernels.lanes import WIDTH
+from tissue.model.repulsion import SOFT
 from tissue.space.step.quads import QUAD_WIDTH
 from tissue.space.surface import FLAT_SURFACE, Surface
 from tissue.state.cells import Floats, Integers
@@ -135,7 +137,8 @@ class SpaceNumbers(NamedTuple):
 class SpaceBoards:
     """A board of two forms on the same memory: ``flat``, (n,) numbers, and ``wide``, (n / WIDTH, WIDTH).
 
-    There is room for ``capacity`` cells, ``edges`` junctions and as many basal neighbours.
+    There is room for ``capacity`` cells, ``edges`` junctions and as many basal neighbours. Raises InvalidProblem for a
+    period that is not above 4.
     """
 
     def __init__(self, capacity: int, edges: int, numbers: SpaceNumbers, surface: Surface = FLAT_SURFACE) -> None:
@@ -144,15 +147,19 @@ class SpaceBoards:
         block = dict(zip(names, (line[:m] for line in aligned(len(names), m)), strict=True))
         block["id"] = block["id"].view(np.int64)
         rows = {name: line.reshape(-1, WIDTH) for name, line in block.items()}
-        periods = {"along_x": period(surface.period_x), "along_z": period(surface.period_z)}
+        periods = {f"along_{axis}": period(f"period_{axis}", getattr(surface, f"period_{axis}")) for axis in "xz"}
         same = _common(m, edges) | numbers._asdict() | {"surface": surface} | periods
         # For kernels these are ``SpaceBoard``.
         self.flat: Any = Handed(SpaceBoard(**block, noise_key=np.zeros(2, np.int64), **same), SPACE_FLAT)
         self.wide: Any = Handed(SpaceBoard(**rows, noise_key=np.zeros((2, WIDTH), np.int64), **same), _WIDE)
 
 
-def period(length: float) -> Period:
-    """What kernels know of a period; inf for none."""
+def period(name: str, length: float) -> Period:
+    """What kernels know of a period; raises InvalidProblem for one in which a nucleus meets two images of another."""
+    if not length > 2.0 * SOFT:
+        raise InvalidProblem(
+            f"surface.{name} = {length}: must be above {2.0 * SOFT:g}, twice the range of nuclei, or inf"
+        )
     return Period(length, 1.0 / length) if math.isfinite(length) else Period(0.0, 0.0)
 
 
@@ -173,7 +180,7 @@ def _example(*shape: int) -> SpaceBoard:
     names = SpaceBoard._fields[: SpaceBoard._fields.index("id")]
     block: dict[str, Any] = {name: np.zeros(shape) for name in names}
     block |= {name: np.zeros(shape, np.int64) for name in ("id", "noise_key")}
-    none: dict[str, Any] = {"surface": FLAT_SURFACE, "along_x": period(math.inf), "along_z": period(math.inf)}
+    none: dict[str, Any] = {"surface": FLAT_SURFACE, "along_x": Period(0.0, 0.0), "along_z": Period(0.0, 0.0)}
     return SpaceBoard(**block, **_common(1, 1), **SpaceNumbers(0, 0.0, 0.0)._asdict(), **none)
 
 
