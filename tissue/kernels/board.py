@@ -113,7 +113,7 @@ class Boards:
     ) -> None:
         m = -(-capacity * width // WIDTH) * WIDTH
         names = Board._fields[: Board._fields.index("first")]
-        self.block = _aligned(len(names), m)
+        self.block = aligned(len(names), m)
         block = {name: line[:m] for name, line in zip(names, self.block, strict=True)}
         for name in WHOLE:
             block[name] = block[name].view(np.int64)
@@ -152,7 +152,7 @@ def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[s
     }
 
 
-def _aligned(lines: int, length: int) -> NDArray[np.float64]:
+def aligned(lines: int, length: int) -> NDArray[np.float64]:
     """Zeros, lines of this length and eight more, which none uses: so no two lines share a place in the cache.
 
     Eight numbers lie in one line of the cache.

@@ -1,0 +1,162 @@
+"""No pair is missed: lists against all pairs, wherever the nuclei are, however far one is pushed."""
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.tissue.space.space_calls import SURFACES, board_of, counted, make_substeps, random_tissue, taken
+from tests.twins.tissue.space import steps as twins
+from tests.twins.tissue.space.state import Steps, distance, still
+from tissue.kernels import kernel
+from tissue.model.repulsion import SOFT
+from tissue.space.energy import nearest_image
+from tissue.space.step.board import ALL, FOUND, LISTS, WHOLE, space_board_at, wide_space_board_at
+from tissue.space.step.lists import MOST_STRAYS, SKIN, make_lists, row_of
+from tissue.space.step.substeps import make_space_substep
+
+seeds = st.integers(0, 2**32 - 1)
+surfaces = st.sampled_from(sorted(SURFACES))
+
+
+def heap(seed, n, size, surface, radius=None):
+    """Nuclei in a heap of this size."""
+    rng = np.random.default_rng(seed)
+    state = still(random_tissue(n, seed % 1000, surface))
+    own = rng.choice([0.0, 0.3, 0.7], n) if radius is None else np.full(n, radius)
+    return state._replace(x=rng.uniform(-size, size, (3, n)) + np.array([[9.0], [4.0], [-7.0]]), radius=own)
+
+
+@kernel
+def _listed(flat, n, pairs):
+    """Both lists: how many soft pairs, how many of hard balls; -1 if these found no room."""
+    board = space_board_at(flat)
+    make_lists(board, n)
+    soft = 0
+    for p in range(n):
+        begin, end = row_of(board, p, n)
+        for k in range(begin, end):
+            pairs[0, board.order[p], board.order[board.listed[k]]] += 1
+            soft += 1
+    for i in range(n):
+        for k in range(board.hard_row[i], board.hard_row[i + 1]):
+            pairs[1, i, board.hard[k]] += 1
+    return soft, -1 if board.state[ALL] else board.state[FOUND]
+
+
+@settings(max_examples=60)
+@given(seeds, st.integers(1, 90), st.floats(0.1, 12.0), surfaces)
+def test_lists_are_those_of_all_pairs(seed, n, size, name):
+    """Each pair within range and skin once; no other."""
+    surface = SURFACES[name]
+    state = heap(seed, n, size, surface)
+    boards, pairs = board_of(state, Steps(surface=surface)), np.zeros((2, n, n), np.int64)
+    soft, hard = _listed(boards.flat.address, n, pairs)
+    i, j = np.tril_indices(n, -1)
+    d = np.sqrt((nearest_image(state.x[:, i] - state.x[:, j], surface) ** 2).sum(axis=0))
+    np.testing.assert_array_equal((pairs[0] + pairs[0].T)[i, j], d < SOFT + SKIN)
+    assert soft == (d < SOFT + SKIN).sum()
+    assert hard in (-1, (d < state.radius[i] + state.radius[j] + SKIN).sum())
+    if hard >= 0:
+        np.testing.assert_array_equal(pairs[1][i, j], d < state.radius[i] + state.radius[j] + SKIN)
+        assert pairs[1].sum() == hard
+
+
+@settings(max_examples=60)
+@given(seeds, st.integers(1, 60), st.floats(0.1, 8.0), surfaces)
+def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, name):
+    """Three sweeps, bit for bit: in small heaps all are pushed far."""
+    state, steps = heap(seed, n, size, SURFACES[name]), Steps(repulsion=0.0, surface=SURFACES[name])
+    for _ in range(3):
+        made, counts = counted(state, steps)
+        np.testing.assert_array_equal(made.x, twins.separate(state.x, state.radius, steps.surface))
+        assert counts["corrections"] > 0 or (made.x == state.x).all()
+        state = made
+
+
+@settings(max_examples=30)
+@given(seeds, st.floats(0.5, 6.0), surfaces)
+def test_pushes_of_heaps(seed, size, name):
+    """Several substeps, between which nuclei go far or not: lists serve on, or are made anew."""
+    state = heap(seed, 50, size, SURFACES[name], radius=0.0)
+    steps = Steps(0.01, 6, repulsion=1.0, surface=SURFACES[name])
+    scale = max(1.0, np.abs(state.x).max())
+    assert distance(make_substeps(state, steps), twins.make_substeps(state, steps)) < 1e-12 * scale
+
+
+@pytest.mark.parametrize("away", [50.0, 1e3, 4e5, 1e300, np.inf, np.nan])
+def test_one_nucleus_far_away_changes_nothing_for_the_others(away):
+    """Nor does one that is lost."""
+    steps, none = Steps(0.00125, 3), np.zeros((0, 2), np.int64)
+    edges = {"junctions": none, "rest": np.zeros(0), "k_aa": np.zeros(0), "neighbours": none}
+    state = still(random_tissue(100, 1, steps.surface, **edges))
+    state.x[:, 7] = away
+    made = make_substeps(state, steps)
+    alone = state._replace(**{name: np.delete(getattr(state, name), 7, axis=-1) for name in state._fields[:12]})
+    others = np.delete(made.x, 7, axis=-1)
+    np.testing.assert_allclose(others, make_substeps(alone, steps).x, rtol=0.0, atol=1e-13)
+
+
+@pytest.mark.parametrize(("radius", "way"), [(0.3, SKIN), (0.7, 1.0), (3.0, 4.0)])
+@pytest.mark.parametrize("name", ["open plane", "strip"])
+def test_nuclei_pushed_very_far_meet_those_they_are_pushed_to(radius, way, name):
+    """Two heaps among others: nuclei are thrown far beyond those listed."""
+    state = heap(3, 80, 2.0, SURFACES[name], radius=radius)
+    state.x[:, ::3] = 9.0 + 1e-3 * state.x[:, ::3]
+    state.x[:, 1::3] = 9.0 + 1e-3 * state.x[:, 1::3] + np.array([[3.0 * radius], [0.0], [0.0]])
+    steps = Steps(repulsion=0.0, surface=SURFACES[name])
+    made = make_substeps(state, steps)
+    np.testing.assert_array_equal(made.x, twins.separate(state.x, state.radius, steps.surface))
+    assert np.sqrt(((made.x - state.x) ** 2).sum(axis=0)).max() > way
+
+
+@kernel
+def _substep(flat, wide, n):
+    """One substep with the lists that there are."""
+    make_space_substep(space_board_at(flat), n, wide_space_board_at(wide), (n + 7) // 8, 0)
+
+
+@settings(max_examples=60)
+@given(seeds, st.integers(20, 90), st.integers(0, 24), st.floats(0.0, 6.0), surfaces, st.sampled_from([0.0, 1.0]))
+def test_strays_meet_all_others(seed, n, many, far, name, repulsion):
+    """Some nuclei go anywhere after the lists were made: no other list is made unless they are too many."""
+    rng, steps = np.random.default_rng(seed), Steps(surface=SURFACES[name], repulsion=repulsion)
+    state = heap(seed, n, 3.0, SURFACES[name], radius=None if repulsion == 0.0 else 0.0)
+    boards = board_of(state, steps)
+    _substep(boards.flat.address, boards.wide.address, n)
+    state = taken(boards, state)
+    gone = rng.permutation(n)[:many]
+    state.x[:, gone] += rng.uniform(-far, far, (3, len(gone)))
+    board_of(state, steps, boards)
+    lists = boards.flat.parts.counts[LISTS]
+    _substep(boards.flat.address, boards.wide.address, n)
+    made, expected = taken(boards, state), twins.make_substeps(state, steps)
+    if repulsion == 0.0:
+        np.testing.assert_array_equal(made.x, expected.x)
+    else:
+        assert distance(made, expected) < 1e-13
+        assert boards.flat.parts.counts[LISTS] == lists or many > MOST_STRAYS
+
+
+def test_rows_that_find_no_room_are_found_anew():
+    """So many pairs that the list is full: the same push."""
+    n = 600
+    state = heap(1, n, 0.7, SURFACES["tight plane"], radius=0.0)
+    steps = Steps(1e-5, 2, repulsion=1.0, surface=SURFACES["tight plane"])
+    boards = board_of(state, steps)
+    made, counts = counted(state, steps, boards)
+    assert counts["pairs"] == 2 * n * (n - 1) // 2
+    assert boards.flat.parts.state[WHOLE] < n
+    assert distance(made, twins.make_substeps(state, steps)) < 1e-12
+
+
+def test_pairs_and_lists_are_counted():
+    """One list serves for all substeps where nothing moves, and has the pairs within range and skin."""
+    state, steps = still(random_tissue(200, 2, SURFACES["strip"], radius=np.zeros(200))), Steps(1e-9, 5)
+    steps = steps._replace(surface=SURFACES["strip"], repulsion=1e-3)
+    i, j = np.tril_indices(200, -1)
+    d = np.sqrt((nearest_image(state.x[:, i] - state.x[:, j], steps.surface) ** 2).sum(axis=0))
+    _, counts = counted(state, steps)
+    assert counts["lists"] == 1
+    assert counts["pairs"] == 5 * (d < SOFT + SKIN).sum()
+    assert counted(state, steps._replace(repulsion=0.0))[1]["pairs"] == 0
