@@ -1,0 +1,215 @@
+"""The network follows its points: edges that a vertex has crossed are flipped, so all triangles turn left again."""
+
+from __future__ import annotations
+
+from dincl.compile import inner
+from tissue.kernels import kernel
+from tissue.space.network.carry import carry, put
+from tissue.space.network.chart import chart_of, middle_of_patch, period_u, period_v, turn
+from tissue.space.network.halfedges import around, following, preceding
+from tissue.space.network.state import GHOSTS, Network
+from tissue.space.surface import SPHERE, Surface, nearest_image
+from tissue.state.cells import Floats
+
+# What ``follow`` returns in place of the work: points coincide, or there is no way for one past the others.
+STUCK = -1
+# Vertices that do not get through are tried again, by half of the way and around, when the others have moved.
+ROUNDS = 40
+# Times that all are moved, at most: enough for a way of hundreds of edges.
+PASSES = 4096
+# Where more than one of so many would have to move one by one, all move half of the way first; ...
+FEW = 4
+# ... but not less than this part of it.
+SHORTEST = 1.0 / 256.0
+
+
+@kernel
+def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, rule: int) -> int:
+    """Bring the network to the points p; all its triangles turn left in the chart before and after.
+
+    The points that can be put in their new places at once are. The others, near an edge that a point has crossed, move
+    one by one along straight lines in the chart, in the order of their numbers; see ``carry``.
+
+    Parameters
+    ----------
+    px, py, pz
+        Of all cells; only those in the network matter.
+    rule
+        Of the rest lengths of new junctions: PRESENT or MEAN.
+
+    Returns
+    -------
+    int
+        The work: how many vertices were moved one by one, with all attempts, and how many edges they flipped. STUCK
+        if the points coincide, are no numbers or cannot be reached; the network is right then, but short of them.
+    """
+    _aim(surface, network, px, py, pz)
+    work, part = 0, 1.0
+    for _ in range(PASSES):
+        alone = _put_all(surface, network, part)
+        if alone * FEW > network.out.size + 8 * FEW and part > SHORTEST:
+            _put_back(network)
+            part *= 0.5
+            continue
+        if alone > 0:
+            done = _move_alone(surface, network, px, py, pz, rule, part)
+            if done == STUCK:
+                return STUCK
+            work += done
+        if part == 1.0:
+            return work
+        _set_out(network)
+        part = min(1.0, 2.0 * part)
+    return STUCK
+
+
+@inner
+def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> None:
+    """Where all vertices go: the chart of the points; and where they come from, shifted by periods to be near it."""
+    desk = network.desk
+    for i in range(-GHOSTS, network.out.size - GHOSTS):
+        if network.out[i] >= 0:
+            u, v, w = network.u[i], network.v[i], network.w[i]
+            if i >= 0:
+                u, v, w = chart_of(surface, px[i], py[i], pz[i])
+            elif w != 0.0 and surface.bends != SPHERE:
+                u, v, w = middle_of_patch(surface, network, px, py, pz)
+            desk.to_u[i], desk.to_v[i], desk.to_w[i] = u, v, w
+            if surface.bends != SPHERE:
+                put(
+                    network,
+                    i,
+                    u - nearest_image(u - network.u[i], period_u(surface)),
+                    v - nearest_image(v - network.v[i], period_v(surface)),
+                    w,
+                )
+    _set_out(network)
+
+
+@inner
+def _set_out(network: Network) -> None:
+    """Vertices come from where they are."""
+    desk = network.desk
+    for i in range(network.out.size):
+        desk.from_u[i], desk.from_v[i], desk.from_w[i] = network.u[i], network.v[i], network.w[i]
+
+
+@inner
+def _put_back(network: Network) -> None:
+    """All to where they come from."""
+    desk = network.desk
+    for i in range(network.out.size):
+        put(network, i, desk.from_u[i], desk.from_v[i], desk.from_w[i])
+
+
+@inner
+def _goal(network: Network, i: int, part: float) -> tuple[float, float, float]:
+    """Where vertex i is after a part of its way; at the end of it to the last bit."""
+    desk = network.desk
+    u, v, w = desk.to_u[i], desk.to_v[i], desk.to_w[i]
+    if part == 1.0:
+        return u, v, w
+    a, b, c = desk.from_u[i], desk.from_v[i], desk.from_w[i]
+    return a + part * (u - a), b + part * (v - b), c + part * (w - c)
+
+
+@inner
+def _put_all(surface: Surface, network: Network, part: float) -> int:
+    """Put all vertices a part of the way on, but those near a triangle that would not turn left; these are queued."""
+    for i in range(-GHOSTS, network.out.size - GHOSTS):
+        network.desk.waiting[i] = 0
+        if network.out[i] >= 0:
+            u, v, w = _goal(network, i, part)
+            put(network, i, u, v, w)
+    count = 0
+    for t in range(network.triangles[0]):
+        count = _keep_back(surface, network, 3 * t, count)
+    done = 0
+    while done < count:
+        count = _keep_back_around(surface, network, network.desk.queue[done], count)
+        done += 1
+    return count
+
+
+@inner
+def _keep_back_around(surface: Surface, network: Network, i: int, count: int) -> int:
+    """Keep back the vertices of the triangles of i that do not turn left; how many are kept back by now."""
+    h = network.out[i]
+    while True:
+        count = _keep_back(surface, network, h, count)
+        h = around(network, h)
+        if h == network.out[i]:
+            return count
+
+
+@inner
+def _keep_back(surface: Surface, network: Network, h: int, count: int) -> int:
+    """Put the vertices of the triangle of h back and into the queue if it does not turn left; how many are in it."""
+    desk, corner = network.desk, network.corner
+    i, j, k = corner[h], corner[following(h)], corner[preceding(h)]
+    if turn(surface, network, i, j, k) > 0.0:
+        return count
+    for vertex in (i, j, k):
+        if not desk.waiting[vertex]:
+            desk.waiting[vertex] = 1
+            desk.queue[count] = vertex
+            count += 1
+            put(network, vertex, desk.from_u[vertex], desk.from_v[vertex], desk.from_w[vertex])
+    return count
+
+
+@inner
+def _move_alone(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, rule: int, part: float) -> int:
+    """Move the vertices of the queue one by one, in the order of their numbers; the work, or STUCK."""
+    count, work = _in_order(network), 0
+    for attempt in range(ROUNDS):
+        left = 0
+        for place in range(count):
+            i = network.desk.queue[place]
+            u, v, w = _goal(network, i, part)
+            done = carry(surface, network, px, py, pz, rule, i, u, v, w)
+            work += 1 + max(done, 0)
+            if done < 0:
+                work += 1 + _go_aside(surface, network, px, py, pz, rule, i, attempt, u, v, w)
+                network.desk.queue[left] = i
+                left += 1
+        count = left
+        if count == 0:
+            return work
+    return STUCK
+
+
+@inner
+def _go_aside(
+    surface: Surface,
+    network: Network,
+    px: Floats,
+    py: Floats,
+    pz: Floats,
+    rule: int,
+    i: int,
+    attempt: int,
+    u: float,
+    v: float,
+    w: float,
+) -> int:
+    """Go half of the way that is not free: straight on, or to the right or left of it, by turns; the flips."""
+    du, dv, dw = 0.5 * (u - network.u[i]), 0.5 * (v - network.v[i]), 0.5 * (w - network.w[i])
+    aside = 0.5 * (attempt % 3 - 1)
+    su, sv, sw = -dv, du, 0.0
+    if surface.bends == SPHERE:
+        a, b, c = network.u[i], network.v[i], network.w[i]
+        su, sv, sw = b * dw - c * dv, c * du - a * dw, a * dv - b * du
+    u, v, w = network.u[i] + du + aside * su, network.v[i] + dv + aside * sv, network.w[i] + dw + aside * sw
+    return max(0, carry(surface, network, px, py, pz, rule, i, u, v, w))
+
+
+@inner
+def _in_order(network: Network) -> int:
+    """The queue in the order of the numbers, ghosts first; how many are in it."""
+    count = 0
+    for i in range(-GHOSTS, network.out.size - GHOSTS):
+        if network.desk.waiting[i]:
+            network.desk.queue[count] = i
+            count += 1
+    return count
