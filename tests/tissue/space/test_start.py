@@ -5,8 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from dincl import InvalidProblem
-from tests.tissue.space.invariants import chart_of, check, edges_of, euler, nearest, triangles_of
+from tests.tissue.space.invariants import check, edges_of, euler
 from tests.tissue.space.tissues import EULER, KINDS, spread_points
 from tissue.space import surface as s
 from tissue.space.network.start import triangulated
@@ -21,6 +20,8 @@ def test_it_is_a_network(name, n, rng):
     assert euler(network) == EULER[name]
     assert network.capacity == n + 5
     i, j = edges_of(network)[0]
-    h = next(h for h in range(3 * network.triangles[0]) if network.corner[h] == i and network.corner[network.twin[h]] == j)
+    h = next(
+        h for h in range(3 * network.triangles[0]) if network.corner[h] == i and network.corner[network.twin[h]] == j
+    )
     d = s.differences(KINDS[name], *(points[i] - points[j]))
     assert network.rest[h] == pytest.approx(math.hypot(*d))

@@ -24,7 +24,7 @@ EULER = {name: 2 if name not in ("plane", "cylinder outside", "cylinder inside")
 
 
 def spread_points(name, n, rng):
-    """n points (n, 3) at random on and near a surface, not nearer to each other than three quarters of what there is room for."""
+    """n points (n, 3) at random on and near a surface, none nearer to another than three quarters of the mean distance."""
     surface = KINDS[name]
     chosen = []
     distance = 0.75 * math.sqrt(area(name) / n)

@@ -62,9 +62,7 @@ class Walk:
         normal = s.normals(self.surface, self.points[mother])
         direction -= (direction @ normal) * normal
         direction /= np.linalg.norm(direction)
-        return insert(
-            self.surface, self.network, *self.columns, mother, daughter, *direction, distance, 0.5
-        )
+        return insert(self.surface, self.network, *self.columns, mother, daughter, *direction, distance, 0.5)
 
     def remove(self, rule=removing.PRESENT):
         """Take a random cell out; the number of new edges."""

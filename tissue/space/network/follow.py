@@ -6,6 +6,7 @@ from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.space.network.carry import carry, put
 from tissue.space.network.chart import chart_of, middle_of_patch, period_u, period_v, turn
+from tissue.space.network.exchange import IN_CHART, exchange
 from tissue.space.network.halfedges import around, following, preceding
 from tissue.space.network.state import GHOSTS, Network
 from tissue.space.surface import SPHERE, Surface, nearest_image
@@ -14,7 +15,9 @@ from tissue.state.cells import Floats
 # What ``follow`` returns in place of the work: points coincide, or there is no way for one past the others.
 STUCK = -1
 # Vertices that do not get through are tried again, by half of the way and around, when the others have moved.
-ROUNDS = 40
+ROUNDS = 24
+# Times that some do not get through even so, and the way is cut in half.
+FAILURES = 16
 # Times that all are moved, at most: enough for a way of hundreds of edges.
 PASSES = 4096
 # Where more than one of so many would have to move one by one, all move half of the way first; ...
@@ -28,7 +31,8 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
     """Bring the network to the points p; all its triangles turn left in the chart before and after.
 
     The points that can be put in their new places at once are. The others, near an edge that a point has crossed, move
-    one by one along straight lines in the chart, in the order of their numbers; see ``carry``.
+    one by one along straight lines in the chart, in the order of their numbers; see ``carry``. A long way is made in
+    parts, between which edges become the other diagonal if that is shorter in the chart.
 
     Parameters
     ----------
@@ -44,22 +48,24 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
         if the points coincide, are no numbers or cannot be reached; the network is right then, but short of them.
     """
     _aim(surface, network, px, py, pz)
-    work, part = 0, 1.0
+    work, part, failures = 0, 1.0, 0
     for _ in range(PASSES):
         alone = _put_all(surface, network, part)
-        if alone * FEW > network.out.size + 8 * FEW and part > SHORTEST:
+        if alone * FEW > network.triangles[0] // 2 + 8 * FEW and part > SHORTEST:
             _put_back(network)
             part *= 0.5
             continue
-        if alone > 0:
-            done = _move_alone(surface, network, px, py, pz, rule, part)
-            if done == STUCK:
-                return STUCK
-            work += done
-        if part == 1.0:
+        left, done = _move_alone(surface, network, px, py, pz, rule, part) if alone > 0 else (0, 0)
+        work += done
+        if left == 0 and part == 1.0:
             return work
+        failures += left > 0
+        if failures > FAILURES:
+            return STUCK
+        # The way is long, or long edges are in it.
+        work += exchange(surface, network, px, py, pz, IN_CHART, 1.0, 0.0, rule)
         _set_out(network)
-        part = min(1.0, 2.0 * part)
+        part = min(1.0, 2.0 * part) if left == 0 else max(SHORTEST, 0.5 * part)
     return STUCK
 
 
@@ -159,8 +165,10 @@ def _keep_back(surface: Surface, network: Network, h: int, count: int) -> int:
 
 
 @inner
-def _move_alone(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, rule: int, part: float) -> int:
-    """Move the vertices of the queue one by one, in the order of their numbers; the work, or STUCK."""
+def _move_alone(
+    surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, rule: int, part: float
+) -> tuple[int, int]:
+    """Move the vertices of the queue one by one, by their numbers; how many did not arrive, and the work."""
     count, work = _in_order(network), 0
     for attempt in range(ROUNDS):
         left = 0
@@ -175,8 +183,8 @@ def _move_alone(surface: Surface, network: Network, px: Floats, py: Floats, pz: 
                 left += 1
         count = left
         if count == 0:
-            return work
-    return STUCK
+            break
+    return count, work
 
 
 @inner

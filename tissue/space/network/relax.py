@@ -2,18 +2,8 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.space.network.chart import squared_distance
-from tissue.space.network.halfedges import (
-    flip,
-    following,
-    is_flippable,
-    other_diagonal,
-    rest_after_flip,
-    set_rest,
-)
-from tissue.space.network.ring import beyond, list_all, list_around
+from tissue.space.network.exchange import IN_SPACE, exchange
 from tissue.space.network.state import Network
 from tissue.space.surface import Surface
 from tissue.state.cells import Floats
@@ -49,30 +39,4 @@ def relax(
     int
         The number of flips.
     """
-    flips = 0
-    begin, waiting = 0, list_all(network)
-    while waiting > 0:
-        h = network.desk.edges[begin]
-        begin, waiting = beyond(network, begin + 1), waiting - 1
-        network.desk.listed[h] = 0
-        if not _is_better_flipped(surface, network, px, py, pz, h, (1.0 - margin) ** 2, reach * reach):
-            continue
-        h = flip(network, h)
-        set_rest(network, h, rest_after_flip(surface, network, px, py, pz, h, rule))
-        flips += 1
-        waiting = list_around(network, h, begin, waiting)
-    return flips
-
-
-@inner
-def _is_better_flipped(
-    surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, h: int, factor: float, reach: float
-) -> bool:
-    """Whether to flip h; ``reach`` and factor of squares."""
-    i, j = network.corner[h], network.corner[following(h)]
-    left, right = other_diagonal(network, h)
-    # Without a diagonal between cells, its place is taken by the reach.
-    before = squared_distance(surface, px, py, pz, i, j) if min(i, j) >= 0 else reach
-    after = squared_distance(surface, px, py, pz, left, right) if min(left, right) >= 0 else reach
-    bound = before if min(left, right) < 0 else factor * before
-    return after < bound and is_flippable(surface, network, h)
+    return exchange(surface, network, px, py, pz, IN_SPACE, (1.0 - margin) ** 2, reach * reach, rule)
