@@ -9,8 +9,8 @@ from tissue.space import surface as s
 # Number of points, surface, and how they are laid out: one of each kind of network.
 KINDS = {
     "plane": s.plane(period_x=8.0, period_z=9.0),
-    "cylinder outside": s.cylinder(2.0, inside=False, period_z=7.0),
-    "cylinder inside": s.cylinder(2.5, inside=True, period_z=6.0),
+    "cylinder outside": s.cylinder(1.5, inside=False, period_z=9.0),
+    "cylinder inside": s.cylinder(1.6, inside=True, period_z=8.0),
     "sphere outside": s.sphere(2.2, inside=False),
     "sphere inside": s.sphere(2.5, inside=True),
     "patch": s.plane(),
@@ -24,7 +24,7 @@ EULER = {name: 2 if name not in ("plane", "cylinder outside", "cylinder inside")
 
 
 def spread_points(name, n, rng):
-    """n points (n, 3) at random on and near a surface, none nearer to another than three quarters of the mean distance."""
+    """n points (n, 3) at random on a surface, none nearer to another than three quarters of the mean distance."""
     surface = KINDS[name]
     chosen = []
     distance = 0.75 * math.sqrt(area(name) / n)

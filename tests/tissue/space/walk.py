@@ -55,9 +55,9 @@ class Walk:
         return self.points.T
 
     def insert(self, distance=0.3):
-        """A daughter of a random mother, in a random direction; the distance that was used."""
+        """A daughter of a cell at the longest edge, in a random direction; the distance that was used."""
         free = np.flatnonzero(self.network.out[:-2] < 0)
-        mother, daughter = self.rng.choice(self.members), free[0]
+        mother, daughter = self.edge_by_length()[-1, self.rng.integers(2)], free[0]
         direction = self.rng.normal(size=3)
         normal = s.normals(self.surface, self.points[mother])
         direction -= (direction @ normal) * normal
@@ -65,11 +65,25 @@ class Walk:
         return insert(self.surface, self.network, *self.columns, mother, daughter, *direction, distance, 0.5)
 
     def remove(self, rule=removing.PRESENT):
-        """Take a random cell out; the number of new edges."""
-        return removing.remove(self.surface, self.network, *self.columns, self.rng.choice(self.members), rule)
+        """Take a cell at one of the shortest edges out; the number of new edges."""
+        cell = self.edge_by_length()[self.rng.integers(10), self.rng.integers(2)]
+        return removing.remove(self.surface, self.network, *self.columns, cell, rule)
+
+    def edge_by_length(self):
+        """All edges, the shortest first: where cells come and go with no heed of room, walks make holes and heaps."""
+        edges = edges_of(self.network)
+        d = self.points[edges[:, 0]] - self.points[edges[:, 1]]
+        dx, dy, dz = (
+            nearest_image(d[:, k], p) for k, p in ((0, self.surface.period_x), (1, np.inf), (2, self.surface.period_z))
+        )
+        return edges[np.argsort(dx**2 + dy**2 + dz**2)]
 
     def check(self, **settings):
         check(self.surface, self.network, self.points, **settings)
+
+
+def nearest_image(d, period):
+    return d - period * np.round(d / period) if np.isfinite(period) else d
 
 
 def kept_inside(surface, points):

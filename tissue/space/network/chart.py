@@ -10,8 +10,6 @@ from __future__ import annotations
 
 import math
 
-import numpy as np
-
 from dincl.compile import inner
 from tissue.space.network.state import Network
 from tissue.space.surface import CYLINDER, PLANE, SPHERE, Surface, nearest_image, normal
@@ -126,8 +124,3 @@ def middle_of_patch(
     if surface.bends == CYLINDER:
         return surface.side * surface.radius * math.atan2(y, x), z / n, -1.0
     return z / n, x / n, -1.0
-
-
-def placed(surface: Surface, points: Floats) -> Floats:
-    """``chart_of`` points (n, 3), shape (3, n)."""
-    return np.array([chart_of(surface, *map(float, point)) for point in points]).reshape(-1, 3).T.copy()

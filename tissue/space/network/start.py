@@ -12,9 +12,9 @@ from scipy.spatial import ConvexHull, Delaunay, QhullError
 from dincl import checks
 from dincl.errors import InvalidProblem
 from tissue.space.network.band import band_triangles
-from tissue.space.network.chart import period_u, period_v, placed, squared_distance, turn
+from tissue.space.network.chart import period_u, period_v
 from tissue.space.network.delaunay import make_delaunay
-from tissue.space.network.halfedges import following
+from tissue.space.network.measure import measure_lengths, measure_turns, place
 from tissue.space.network.state import GHOSTS, Network, no_network
 from tissue.space.surface import CYLINDER, SPHERE, Surface
 from tissue.state.cells import Floats, Integers
@@ -53,18 +53,19 @@ def triangulated(
     """
     at = checks.shaped("points", points, (None, 3))
     room = len(at) if capacity is None else checks.integer("capacity", capacity, least=len(at))
-    with np.errstate(all="ignore"):
-        chart = placed(surface, at)
+    network, (x, y, z) = no_network(room), np.array(at.T, order="C")
+    place(surface, network, x, y, z)
+    chart = np.stack((network.u, network.v, network.w))[:, : len(at)]
     if not np.isfinite(chart).all():
         raise InvalidProblem("points = a point in the middle of the surface: must be apart from it, to have a place")
-    network = no_network(room)
-    network.u[: len(at)], network.v[: len(at)], network.w[: len(at)] = chart
     _connect(network, _triangles(surface, network, chart), len(at), flat=surface.bends != SPHERE)
     if network.out[-2] >= 0:
         make_delaunay(surface, network)
-        network.u[: len(at)], network.v[: len(at)] = chart[:2]
+        place(surface, network, x, y, z)
     _check_turns(surface, network)
-    _set_rest_lengths(surface, network, at, rest)
+    distances = np.empty(3 * int(network.triangles[0]))
+    measure_lengths(surface, network, x, y, z, distances)
+    _set_rest_lengths(network, distances, rest)
     return network
 
 
@@ -205,20 +206,20 @@ def _connect(network: Network, triangles: Triangles, n: int, *, flat: bool) -> N
 
 def _check_turns(surface: Surface, network: Network) -> None:
     """Raise InvalidProblem unless all triangles turn left."""
-    triangles = network.corner[: 3 * network.triangles[0]].reshape(-1, 3).tolist()
-    turns = np.array([turn(surface, network, *triangle) for triangle in triangles])
-    wrong = [triangle for triangle, left in zip(triangles, turns > 0.0, strict=True) if not left]
-    if wrong:
+    turns = np.empty(int(network.triangles[0]))
+    measure_turns(surface, network, turns)
+    if not (turns > 0.0).all():
+        first = 3 * int(np.argmin(turns > 0.0))
+        wrong = network.corner[first : first + 3].tolist()
         raise InvalidProblem(
-            f"points = a triangle of the points {wrong[0]} without area, or around a period: must be apart, in no line"
+            f"points = a triangle of the points {wrong} without area, or around a period: must be apart, in no line"
         )
 
 
-def _set_rest_lengths(surface: Surface, network: Network, points: Floats, rest: Callable[[Floats], Floats]) -> None:
-    """Rest lengths of all junctions by the distances of their cells."""
-    halves = range(3 * int(network.triangles[0]))
-    ends = [(int(network.corner[h]), int(network.corner[following(h)])) for h in halves]
-    x, y, z = points.T
-    inside = [h for h in halves if min(ends[h]) >= 0]
-    distances = np.sqrt([squared_distance(surface, x, y, z, *ends[h]) for h in inside])
-    network.rest[inside] = checks.lengths("rest", rest(distances), positive=False)
+def _set_rest_lengths(network: Network, distances: Floats, rest: Callable[[Floats], Floats]) -> None:
+    """Rest lengths of all junctions by the distances along half-edges; both twins have the same."""
+    h = np.arange(len(distances))
+    g = network.twin[h]
+    junctions = h[(h < g) & (np.minimum(network.corner[h], network.corner[g]) >= 0)]
+    lengths = checks.lengths("rest", rest(distances[junctions]), positive=False)
+    network.rest[junctions] = network.rest[g[junctions]] = checks.spread("rest", lengths, len(junctions), "junctions")
