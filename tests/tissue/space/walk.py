@@ -35,7 +35,7 @@ class Walk:
         members = self.members
         moved = self.points[members] + length * self.rng.normal(size=(len(members), 3))
         moved = s.laid(self.surface, moved) + 0.1 * s.normals(self.surface, moved)
-        self.points[members] = kept_inside(self.surface, moved)
+        self.points[members] = kept_inside(self.name, moved)
         self.follow()
 
     def follow(self):
@@ -86,13 +86,22 @@ def nearest_image(d, period):
     return d - period * np.round(d / period) if np.isfinite(period) else d
 
 
-def kept_inside(surface, points):
+def kept_inside(name, points):
     """Reflected at the ends of a box where the surface is open, so that a patch stays together."""
-    points = points.copy()
+    surface, points = KINDS[name], points.copy()
+    if name == "patch of a cylinder":
+        angle, distance = np.arctan2(points[:, 1], points[:, 0]), np.hypot(points[:, 0], points[:, 1])
+        angle = reflected(surface.radius * angle) / surface.radius
+        points[:, 0], points[:, 1] = distance * np.cos(angle), distance * np.sin(angle)
     for column, period in ((0, surface.period_x), (2, surface.period_z)):
-        if np.isinf(period) and surface.bends != s.SPHERE and not (column == 0 and surface.bends == s.CYLINDER):
-            points[:, column] = 6.0 - np.abs(6.0 - np.abs(points[:, column]))
+        if np.isinf(period) and (surface.bends == s.PLANE or (surface.bends == s.CYLINDER and column == 2)):
+            points[:, column] = reflected(points[:, column])
     return points
+
+
+def reflected(x):
+    """Into the interval from 0 to 6."""
+    return 6.0 - np.abs(6.0 - np.abs(x))
 
 
 def is_relaxed(walk):

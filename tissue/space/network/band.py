@@ -11,7 +11,7 @@ from tissue.state.cells import Integers
 
 # A new edge of a boundary goes at most this part of the period along the band, so that its triangle goes not around.
 LONGEST = 0.25
-# A notch that is flatter than this, its height over its width, is none.
+# A notch that is flatter than this, its height over its width along the band, is none: a straight boundary has none.
 FLATTEST = 1e-6
 
 
@@ -44,9 +44,8 @@ def _filled(
     line, triangles, place, since = list(line), [], 0, 0
     while since < len(line) and len(line) > 3:
         before, tip, after = (line[(place + k) % len(line)] for k in range(3))
-        wide = between(surface, network, before, after)
-        height = turn(surface, network, before, after, tip)
-        if height > FLATTEST * (wide[0] ** 2 + wide[1] ** 2) and abs(wide[along]) <= limit:
+        width = abs(between(surface, network, before, after)[along])
+        if width <= limit and turn(surface, network, before, after, tip) > FLATTEST * width**2:
             triangles.append((before, after, tip))
             line.remove(tip)
             place, since = max(0, place - 2), 0

@@ -11,19 +11,41 @@ from __future__ import annotations
 import math
 
 from dincl.compile import inner
-from tissue.space.network.state import Network
+from tissue.space.network.state import Network, Place
 from tissue.space.surface import CYLINDER, PLANE, SPHERE, Surface, nearest_image, normal
 from tissue.state.cells import Floats
 
 
 @inner
-def chart_of(surface: Surface, x: float, y: float, z: float) -> tuple[float, float, float]:
+def chart_of(surface: Surface, x: float, y: float, z: float) -> Place:
     """The place of a point in the chart."""
     if surface.bends == PLANE:
         return z, x, 0.0
     if surface.bends == CYLINDER:
         return surface.side * surface.radius * math.atan2(y, x), z, 0.0
     return normal(surface, x, y, z)
+
+
+@inner
+def place_of(network: Network, i: int) -> Place:
+    """Where vertex i is on the chart."""
+    return network.u[i], network.v[i], network.w[i]
+
+
+@inner
+def put(network: Network, i: int, place: Place) -> None:
+    """Place vertex i on the chart."""
+    network.u[i], network.v[i], network.w[i] = place
+
+
+@inner
+def on_the_way(begin: Place, end: Place, part: float) -> Place:
+    """The place after a part of a straight way."""
+    return (
+        begin[0] + part * (end[0] - begin[0]),
+        begin[1] + part * (end[1] - begin[1]),
+        begin[2] + part * (end[2] - begin[2]),
+    )
 
 
 @inner
@@ -97,6 +119,9 @@ def _cross_ghost(surface: Surface, network: Network, i: int, j: int, ghost: int)
     """The same with the direction to a ghost for c - a."""
     eu, ev = between(surface, network, i, j)
     fu, fv = between(surface, network, i, ghost)
+    # Of a patch, -f is the way to the middle, and the triangle with that must not go around either.
+    if network.w[ghost] != 0.0 and abs(fu + eu) > 0.5 * period_u(surface):
+        return math.nan
     return eu * fv - ev * fu
 
 
@@ -111,9 +136,7 @@ def between(surface: Surface, network: Network, i: int, j: int) -> tuple[float, 
 
 
 @inner
-def middle_of_patch(
-    surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats
-) -> tuple[float, float, float]:
+def middle_of_patch(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> Place:
     """What a patch is seen from: the mean of its points, on the chart; w = -1 as the ghost is on the other side."""
     n, x, y, z = 0, 0.0, 0.0, 0.0
     for i in range(network.out.size - 2):

@@ -4,11 +4,20 @@ from __future__ import annotations
 
 from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.space.network.carry import carry, put
-from tissue.space.network.chart import chart_of, middle_of_patch, period_u, period_v, turn
+from tissue.space.network.carry import carry
+from tissue.space.network.chart import (
+    chart_of,
+    middle_of_patch,
+    on_the_way,
+    period_u,
+    period_v,
+    place_of,
+    put,
+    turn,
+)
 from tissue.space.network.exchange import IN_CHART, exchange
 from tissue.space.network.halfedges import around, following, preceding
-from tissue.space.network.state import GHOSTS, Network
+from tissue.space.network.state import GHOSTS, Network, Place
 from tissue.space.surface import SPHERE, Surface, nearest_image
 from tissue.state.cells import Floats
 
@@ -75,21 +84,26 @@ def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats)
     desk = network.desk
     for i in range(-GHOSTS, network.out.size - GHOSTS):
         if network.out[i] >= 0:
-            u, v, w = network.u[i], network.v[i], network.w[i]
+            end = place_of(network, i)
             if i >= 0:
-                u, v, w = chart_of(surface, px[i], py[i], pz[i])
-            elif w != 0.0 and surface.bends != SPHERE:
-                u, v, w = middle_of_patch(surface, network, px, py, pz)
-            desk.to_u[i], desk.to_v[i], desk.to_w[i] = u, v, w
-            if surface.bends != SPHERE:
-                put(
-                    network,
-                    i,
-                    u - nearest_image(u - network.u[i], period_u(surface)),
-                    v - nearest_image(v - network.v[i], period_v(surface)),
-                    w,
-                )
+                end = chart_of(surface, px[i], py[i], pz[i])
+            elif end[2] != 0.0:
+                end = middle_of_patch(surface, network, px, py, pz)
+            desk.to_u[i], desk.to_v[i], desk.to_w[i] = end
+            put(network, i, _nearest(surface, place_of(network, i), end))
     _set_out(network)
+
+
+@inner
+def _nearest(surface: Surface, place: Place, other: Place) -> Place:
+    """The image of a place that is nearest to another one."""
+    if surface.bends == SPHERE:
+        return place
+    return (
+        other[0] - nearest_image(other[0] - place[0], period_u(surface)),
+        other[1] - nearest_image(other[1] - place[1], period_v(surface)),
+        place[2],
+    )
 
 
 @inner
@@ -97,26 +111,27 @@ def _set_out(network: Network) -> None:
     """Vertices come from where they are."""
     desk = network.desk
     for i in range(network.out.size):
-        desk.from_u[i], desk.from_v[i], desk.from_w[i] = network.u[i], network.v[i], network.w[i]
+        desk.from_u[i], desk.from_v[i], desk.from_w[i] = place_of(network, i)
 
 
 @inner
 def _put_back(network: Network) -> None:
     """All to where they come from."""
-    desk = network.desk
     for i in range(network.out.size):
-        put(network, i, desk.from_u[i], desk.from_v[i], desk.from_w[i])
+        put(network, i, _origin(network, i))
 
 
 @inner
-def _goal(network: Network, i: int, part: float) -> tuple[float, float, float]:
+def _origin(network: Network, i: int) -> Place:
+    """Where vertex i comes from."""
+    return network.desk.from_u[i], network.desk.from_v[i], network.desk.from_w[i]
+
+
+@inner
+def _goal(network: Network, i: int, part: float) -> Place:
     """Where vertex i is after a part of its way; at the end of it to the last bit."""
-    desk = network.desk
-    u, v, w = desk.to_u[i], desk.to_v[i], desk.to_w[i]
-    if part == 1.0:
-        return u, v, w
-    a, b, c = desk.from_u[i], desk.from_v[i], desk.from_w[i]
-    return a + part * (u - a), b + part * (v - b), c + part * (w - c)
+    end = network.desk.to_u[i], network.desk.to_v[i], network.desk.to_w[i]
+    return end if part == 1.0 else on_the_way(_origin(network, i), end, part)
 
 
 @inner
@@ -125,8 +140,7 @@ def _put_all(surface: Surface, network: Network, part: float) -> int:
     for i in range(-GHOSTS, network.out.size - GHOSTS):
         network.desk.waiting[i] = 0
         if network.out[i] >= 0:
-            u, v, w = _goal(network, i, part)
-            put(network, i, u, v, w)
+            put(network, i, _goal(network, i, part))
     count = 0
     for t in range(network.triangles[0]):
         count = _keep_back(surface, network, 3 * t, count)
@@ -160,7 +174,7 @@ def _keep_back(surface: Surface, network: Network, h: int, count: int) -> int:
             desk.waiting[vertex] = 1
             desk.queue[count] = vertex
             count += 1
-            put(network, vertex, desk.from_u[vertex], desk.from_v[vertex], desk.from_w[vertex])
+            put(network, vertex, _origin(network, vertex))
     return count
 
 
@@ -174,11 +188,10 @@ def _move_alone(
         left = 0
         for place in range(count):
             i = network.desk.queue[place]
-            u, v, w = _goal(network, i, part)
-            done = carry(surface, network, px, py, pz, rule, i, u, v, w)
+            done = carry(surface, network, px, py, pz, rule, i, _goal(network, i, part))
             work += 1 + max(done, 0)
             if done < 0:
-                work += 1 + _go_aside(surface, network, px, py, pz, rule, i, attempt, u, v, w)
+                work += 1 + _go_aside(surface, network, px, py, pz, rule, i, attempt, _goal(network, i, part))
                 network.desk.queue[left] = i
                 left += 1
         count = left
@@ -197,19 +210,17 @@ def _go_aside(
     rule: int,
     i: int,
     attempt: int,
-    u: float,
-    v: float,
-    w: float,
+    end: Place,
 ) -> int:
-    """Go half of the way that is not free: straight on, or to the right or left of it, by turns; the flips."""
-    du, dv, dw = 0.5 * (u - network.u[i]), 0.5 * (v - network.v[i]), 0.5 * (w - network.w[i])
-    aside = 0.5 * (attempt % 3 - 1)
-    su, sv, sw = -dv, du, 0.0
+    """Go half of the way that is not free: straight on, or to the left or right of it, by turns; the flips."""
+    a, b, c = place_of(network, i)
+    du, dv, dw = 0.5 * (end[0] - a), 0.5 * (end[1] - b), 0.5 * (end[2] - c)
+    left = (-dv, du, 0.0)
     if surface.bends == SPHERE:
-        a, b, c = network.u[i], network.v[i], network.w[i]
-        su, sv, sw = b * dw - c * dv, c * du - a * dw, a * dv - b * du
-    u, v, w = network.u[i] + du + aside * su, network.v[i] + dv + aside * sv, network.w[i] + dw + aside * sw
-    return max(0, carry(surface, network, px, py, pz, rule, i, u, v, w))
+        left = (b * dw - c * dv, c * du - a * dw, a * dv - b * du)
+    aside = 0.5 * (attempt % 3 - 1)
+    goal = (a + du + aside * left[0], b + dv + aside * left[1], c + dw + aside * left[2])
+    return max(0, carry(surface, network, px, py, pz, rule, i, goal))
 
 
 @inner

@@ -6,11 +6,10 @@ import math
 
 from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.space.network.carry import put
-from tissue.space.network.chart import between, chart_of, turn
+from tissue.space.network.chart import between, chart_of, place_of, put, turn
 from tissue.space.network.halfedges import around, following, preceding, set_rest
-from tissue.space.network.state import Network
-from tissue.space.surface import SPHERE, Surface
+from tissue.space.network.state import Network, Place
+from tissue.space.surface import CYLINDER, SPHERE, Surface
 from tissue.state.cells import Floats
 
 # Times that the distance is halved before the daughter is given up.
@@ -55,15 +54,15 @@ def insert(
         The distance that was used; 0 if nothing was changed, as no distance is possible.
     """
     x, y, z = px[mother], py[mother], pz[mother]
-    ahead, behind = _across(surface, network, mother, x, y, z, tx, ty, tz)
+    ahead, behind = _across(surface, network, mother, _along(surface, x, y, z, tx, ty, tz))
     if ahead < 0 or behind < 0:
         return 0.0
     half = 0.5 * distance
     for _ in range(HALVINGS):
-        u, v, w = chart_of(surface, x - half * tx, y - half * ty, z - half * tz)
-        put(network, daughter, *chart_of(surface, x + half * tx, y + half * ty, z + half * tz))
-        if _fits(surface, network, mother, daughter, u, v, w, ahead, behind):
-            put(network, mother, u, v, w)
+        place = chart_of(surface, x - half * tx, y - half * ty, z - half * tz)
+        put(network, daughter, chart_of(surface, x + half * tx, y + half * ty, z + half * tz))
+        if _fits(surface, network, mother, daughter, place, ahead, behind):
+            put(network, mother, place)
             _split(network, mother, daughter, ahead, behind, rest)
             px[mother], py[mother], pz[mother] = x - half * tx, y - half * ty, z - half * tz
             px[daughter], py[daughter], pz[daughter] = x + half * tx, y + half * ty, z + half * tz
@@ -73,72 +72,52 @@ def insert(
 
 
 @inner
-def _across(
-    surface: Surface,
-    network: Network,
-    i: int,
-    x: float,
-    y: float,
-    z: float,
-    tx: float,
-    ty: float,
-    tz: float,
-) -> tuple[int, int]:
-    """The half-edges of vertex i that are most across the direction t: to its right, and to its left; -1 for none."""
+def _along(surface: Surface, x: float, y: float, z: float, tx: float, ty: float, tz: float) -> Place:
+    """The direction t on the chart, at a point."""
+    if surface.bends == SPHERE:
+        return surface.side * tx, surface.side * ty, surface.side * tz
+    if surface.bends == CYLINDER:
+        return surface.side * surface.radius * (x * ty - y * tx) / (x * x + y * y), tz, 0.0
+    return tz, tx, 0.0
+
+
+@inner
+def _across(surface: Surface, network: Network, i: int, direction: Place) -> tuple[int, int]:
+    """The half-edges of vertex i that are most across a direction: to its right, and to its left; -1 for none."""
     right, left, most_right, most_left = -1, -1, 0.0, 0.0
-    du, dv, dw = _along(surface, x, y, z, tx, ty, tz)
     h = network.out[i]
     while True:
-        cross, length = _sine(surface, network, i, network.corner[following(h)], du, dv, dw)
-        if cross > most_left * length:
-            left, most_left = h, cross / length
-        if -cross > most_right * length:
-            right, most_right = h, -cross / length
+        sine = _sine(surface, network, i, network.corner[following(h)], direction)
+        if sine > most_left:
+            left, most_left = h, sine
+        if -sine > most_right:
+            right, most_right = h, -sine
         h = around(network, h)
         if h == network.out[i]:
             return right, left
 
 
 @inner
-def _along(
-    surface: Surface, x: float, y: float, z: float, tx: float, ty: float, tz: float
-) -> tuple[float, float, float]:
-    """The direction t on the chart."""
-    if surface.bends == SPHERE:
-        return surface.side * tx, surface.side * ty, surface.side * tz
-    if math.isinf(surface.radius):
-        return tz, tx, 0.0
-    return surface.side * surface.radius * (x * ty - y * tx) / (x * x + y * y), tz, 0.0
-
-
-@inner
-def _sine(surface: Surface, network: Network, i: int, j: int, du: float, dv: float, dw: float) -> tuple[float, float]:
-    """Of the angle from a direction on the chart to the neighbour j, times a length, and that length."""
+def _sine(surface: Surface, network: Network, i: int, j: int, direction: Place) -> float:
+    """Of the angle from a direction to the way from vertex i to j on the chart; times the length of the direction."""
+    du, dv, dw = direction
     if surface.bends != SPHERE:
         eu, ev = between(surface, network, i, j)
-        return du * ev - dv * eu, math.sqrt(eu * eu + ev * ev)
-    u, v, w = network.u, network.v, network.w
-    a, b, c = u[i], v[i], w[i]
-    eu, ev, ew = u[j] - a, v[j] - b, w[j] - c
+        return (du * ev - dv * eu) / math.sqrt(eu * eu + ev * ev)
+    a, b, c = place_of(network, i)
+    eu, ev, ew = network.u[j] - a, network.v[j] - b, network.w[j] - c
     cross = a * (dv * ew - dw * ev) + b * (dw * eu - du * ew) + c * (du * ev - dv * eu)
-    return cross, math.sqrt(eu * eu + ev * ev + ew * ew)
+    sine: float = cross / math.sqrt(eu * eu + ev * ev + ew * ew)
+    return sine
 
 
 @inner
 def _fits(
-    surface: Surface,
-    network: Network,
-    mother: int,
-    daughter: int,
-    u: float,
-    v: float,
-    w: float,
-    ahead: int,
-    behind: int,
+    surface: Surface, network: Network, mother: int, daughter: int, place: Place, ahead: int, behind: int
 ) -> bool:
-    """Whether all triangles turn left after the split with the mother at (u, v, w); she is put back."""
-    from_u, from_v, from_w = network.u[mother], network.v[mother], network.w[mother]
-    put(network, mother, u, v, w)
+    """Whether all triangles turn left after the split with the mother at a place; she is put back."""
+    before = place_of(network, mother)
+    put(network, mother, place)
     right, left = network.corner[following(ahead)], network.corner[following(behind)]
     fits = (
         turn(surface, network, mother, daughter, left) > 0.0 and turn(surface, network, daughter, mother, right) > 0.0
@@ -151,7 +130,7 @@ def _fits(
             vertex = mother
         if h == ahead:
             break
-    put(network, mother, from_u, from_v, from_w)
+    put(network, mother, before)
     return fits
 
 

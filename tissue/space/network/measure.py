@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from tissue.kernels import kernel
-from tissue.space.network.carry import put
-from tissue.space.network.chart import chart_of, turn
+from tissue.space.network.chart import chart_of, put, turn
 from tissue.space.network.halfedges import distance_along
 from tissue.space.network.state import Network
 from tissue.space.surface import Surface
@@ -15,8 +14,7 @@ from tissue.state.cells import Floats
 def place(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> None:
     """Put as many vertices as there are points at their places on the chart, whatever becomes of the triangles."""
     for i in range(px.size):
-        u, v, w = chart_of(surface, px[i], py[i], pz[i])
-        put(network, i, u, v, w)
+        put(network, i, chart_of(surface, px[i], py[i], pz[i]))
 
 
 @kernel

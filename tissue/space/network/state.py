@@ -16,6 +16,10 @@ GHOSTS = 2
 LONGEST_LOG = 128
 
 
+# On the chart, see ``tissue.space.network.chart``.
+Place = tuple[float, float, float]
+
+
 class Desk(NamedTuple):
     """What the kernels write on while they work; nothing in it outlives a call."""
 
