@@ -22,9 +22,9 @@ def triangles_of(network):
 
 
 def edges_of(network):
-    """The pairs i < j of cells that are joined, (m, 2)."""
+    """The pairs i < j of cells that are joined, (m, 2), in the order of the half-edges."""
     triangles = triangles_of(network)
-    ends = np.vstack([triangles[:, [k, (k + 1) % 3]] for k in range(3)])
+    ends = np.column_stack((triangles.ravel(), triangles[:, [1, 2, 0]].ravel()))
     return ends[(ends[:, 0] < ends[:, 1]) & (ends[:, 0] >= 0)]
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+
 from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.space.network.carry import carry
@@ -43,6 +45,9 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
     one by one along straight lines in the chart, in the order of their numbers; see ``carry``. A long way is made in
     parts, between which edges become the other diagonal if that is shorter in the chart.
 
+    Edges must remain shorter than half of a period, and a patch must leave half of a cylinder empty: a triangle that
+    goes further around turns left with nobody.
+
     Parameters
     ----------
     px, py, pz
@@ -54,9 +59,12 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
     -------
     int
         The work: how many vertices were moved one by one, with all attempts, and how many edges they flipped. STUCK
-        if the points coincide, are no numbers or cannot be reached; the network is right then, but short of them.
+        if the points coincide or cannot be reached: the network is right then, but short of them. Likewise if a point
+        is no number, or in the middle of a surface that bends, before anything is changed.
     """
-    _aim(surface, network, px, py, pz)
+    if not _aim(surface, network, px, py, pz):
+        return STUCK
+    _come_near(surface, network)
     work, part, failures = 0, 1.0, 0
     for _ in range(PASSES):
         alone = _put_all(surface, network, part)
@@ -79,18 +87,28 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
 
 
 @inner
-def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> None:
-    """Where all vertices go: the chart of the points; and where they come from, shifted by periods to be near it."""
+def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> bool:
+    """Where all vertices go: the chart of the points; whether all are numbers."""
     desk = network.desk
     for i in range(-GHOSTS, network.out.size - GHOSTS):
         if network.out[i] >= 0:
             end = place_of(network, i)
             if i >= 0:
                 end = chart_of(surface, px[i], py[i], pz[i])
+                if not abs(px[i]) + abs(py[i]) + abs(pz[i]) + abs(end[0]) < math.inf:
+                    return False
             elif end[2] != 0.0:
                 end = middle_of_patch(surface, network, px, py, pz)
             desk.to_u[i], desk.to_v[i], desk.to_w[i] = end
-            put(network, i, _nearest(surface, place_of(network, i), end))
+    return True
+
+
+@inner
+def _come_near(surface: Surface, network: Network) -> None:
+    """Where all vertices come from: where they are, shifted by periods to be near to where they go."""
+    for i in range(-GHOSTS, network.out.size - GHOSTS):
+        if network.out[i] >= 0:
+            put(network, i, _nearest(surface, place_of(network, i), _goal(network, i, 1.0)))
     _set_out(network)
 
 
