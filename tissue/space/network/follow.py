@@ -206,10 +206,9 @@ def _move_alone(
         left = 0
         for place in range(count):
             i = network.desk.queue[place]
-            done = carry(surface, network, px, py, pz, rule, i, _goal(network, i, part))
-            work += 1 + max(done, 0)
-            if done < 0:
-                work += 1 + _go_aside(surface, network, px, py, pz, rule, i, attempt, _goal(network, i, part))
+            flips, arrived = _try(surface, network, px, py, pz, rule, i, attempt, _goal(network, i, part))
+            work += 1 + flips
+            if not arrived:
                 network.desk.queue[left] = i
                 left += 1
         count = left
@@ -219,7 +218,7 @@ def _move_alone(
 
 
 @inner
-def _go_aside(
+def _try(
     surface: Surface,
     network: Network,
     px: Floats,
@@ -229,16 +228,27 @@ def _go_aside(
     i: int,
     attempt: int,
     end: Place,
-) -> int:
-    """Go half of the way that is not free: straight on, or to the left or right of it, by turns; the flips."""
-    a, b, c = place_of(network, i)
+) -> tuple[int, bool]:
+    """Move vertex i to its end, or else half of the way, or not at all; the flips, and whether it has arrived."""
+    goal = end
+    for trial in range(2):
+        flips = carry(surface, network, px, py, pz, rule, i, goal)
+        if flips >= 0:
+            return flips, trial == 0
+        goal = _aside(surface, place_of(network, i), end, attempt)
+    return 0, False
+
+
+@inner
+def _aside(surface: Surface, begin: Place, end: Place, attempt: int) -> Place:
+    """Half of a way that is not free: straight on, or to the left or right of it, by turns."""
+    a, b, c = begin
     du, dv, dw = 0.5 * (end[0] - a), 0.5 * (end[1] - b), 0.5 * (end[2] - c)
     left = (-dv, du, 0.0)
     if surface.bends == SPHERE:
         left = (b * dw - c * dv, c * du - a * dw, a * dv - b * du)
     aside = 0.5 * (attempt % 3 - 1)
-    goal = (a + du + aside * left[0], b + dv + aside * left[1], c + dw + aside * left[2])
-    return max(0, carry(surface, network, px, py, pz, rule, i, goal))
+    return a + du + aside * left[0], b + dv + aside * left[1], c + dw + aside * left[2]
 
 
 @inner
