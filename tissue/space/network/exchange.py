@@ -12,7 +12,7 @@ from tissue.space.network.halfedges import (
     rest_after_flip,
     set_rest,
 )
-from tissue.space.network.ring import beyond, list_all, list_around
+from tissue.space.network.ring import beyond, list_around, take
 from tissue.space.network.state import Network
 from tissue.space.surface import SPHERE, Surface
 from tissue.state.cells import Floats
@@ -41,12 +41,17 @@ def exchange(
     Lengths are compared by their squares: the other diagonal must be below ``factor`` times the edge. Edges from a
     boundary to a ghost count as long as ``reach``, for IN_SPACE; other judges leave boundaries alone.
     """
-    flips = 0
-    begin, waiting = 0, list_all(network)
-    while waiting > 0:
-        h = network.desk.edges[begin]
-        begin, waiting = beyond(network, begin + 1), waiting - 1
-        network.desk.listed[h] = 0
+    flips, visited, begin, waiting = 0, 0, 0, 0
+    while visited < 3 * network.triangles[0] or waiting > 0:
+        # First all edges by their places, then those beside a flip.
+        h = visited
+        if visited < 3 * network.triangles[0]:
+            visited += 1
+            if h > network.twin[h]:
+                continue
+        else:
+            h = take(network, begin)
+            begin, waiting = beyond(network, begin + 1), waiting - 1
         if _is_preferred(surface, network, px, py, pz, h, judge, factor, reach) and is_flippable(surface, network, h):
             h = flip(network, h)
             set_rest(network, h, rest_after_flip(surface, network, px, py, pz, h, rule))

@@ -1,4 +1,4 @@
-"""Edges that wait to be looked at, in a ring: each is in it once, those whose quadrilateral changes come again."""
+"""Edges that wait to be looked at again, in a ring, as their quadrilateral has changed: each is in it once."""
 
 from __future__ import annotations
 
@@ -8,15 +8,11 @@ from tissue.space.network.state import Network
 
 
 @inner
-def list_all(network: Network) -> int:
-    """Fill the ring with one half-edge of each edge; how many."""
-    count = 0
-    for h in range(3 * network.triangles[0]):
-        network.desk.listed[h] = 1 if h < network.twin[h] else 0
-        if h < network.twin[h]:
-            network.desk.edges[count] = h
-            count += 1
-    return count
+def take(network: Network, begin: int) -> int:
+    """Take the first edge out of the ring."""
+    h: int = network.desk.edges[begin]
+    network.desk.listed[h] = 0
+    return h
 
 
 @inner

@@ -32,7 +32,7 @@ class Desk(NamedTuple):
     waiting: Integers  # of a vertex: whether it is in the queue
     queue: Integers  # vertices
     edges: Integers  # a ring of half-edges
-    listed: Integers  # of a half-edge: whether it is in the ring
+    listed: Integers  # of a half-edge: whether it is in the ring; 0 between calls
     log: Integers  # ends of the edges that the last flips of a vertex made, in pairs
     logged: Floats  # rest lengths of the edges before
 
@@ -66,8 +66,8 @@ def no_network(capacity: int) -> Network:
     vertices = checks.integer("capacity", capacity, least=0) + GHOSTS
     edges = 6 * vertices
     from_u, from_v, from_w, to_u, to_v, to_w, u, v, w = (np.zeros(vertices) for _ in range(9))
-    corner, twin, ring, listed = (np.full(edges, -1, np.int64) for _ in range(4))
-    out, waiting, queue = (np.full(vertices, -1, np.int64) for _ in range(3))
+    corner, twin, out = (np.full(length, -1, np.int64) for length in (edges, edges, vertices))
+    waiting, queue, ring, listed = (np.zeros(length, np.int64) for length in (vertices, vertices, edges, edges))
     log, logged = np.zeros(2 * LONGEST_LOG, np.int64), np.zeros(LONGEST_LOG)
     desk = Desk(from_u, from_v, from_w, to_u, to_v, to_w, waiting, queue, ring, listed, log, logged)
     return Network(corner, twin, np.zeros(edges), out, u, v, w, np.zeros(1, np.int64), desk)
