@@ -3,7 +3,15 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dincl import checks
+from dincl.compile import inner
+from dincl.errors import InvalidProblem
+from tissue.state.cells import Floats
 
 PLANE, CYLINDER, SPHERE = range(3)
 
@@ -11,7 +19,8 @@ PLANE, CYLINDER, SPHERE = range(3)
 class Surface(NamedTuple):
     """What kernels know of the basal surface; lengths in units of R_soft.
 
-    The plane is y = 0, the cylinder x^2 + y^2 = radius^2, the sphere |X| = radius.
+    The plane is y = 0, the cylinder x^2 + y^2 = radius^2, the sphere |X| = radius. ``plane``, ``cylinder`` and
+    ``sphere`` check what they make it of.
     """
 
     bends: int  # PLANE, CYLINDER or SPHERE
@@ -22,3 +31,119 @@ class Surface(NamedTuple):
 
 
 FLAT_SURFACE = Surface(PLANE, math.inf, 1.0, math.inf, math.inf)
+
+
+def plane(*, period_x: float = math.inf, period_z: float = math.inf) -> Surface:
+    """The plane y = 0, periodic or not; raises InvalidProblem for a period that is not > 0."""
+    return Surface(PLANE, math.inf, 1.0, _period("period_x", period_x), _period("period_z", period_z))
+
+
+def cylinder(radius: float, *, inside: bool, period_z: float = math.inf) -> Surface:
+    """The cylinder x^2 + y^2 = radius^2, with the tissue inside or outside; raises InvalidProblem likewise."""
+    radius, side = checks.number("radius", radius, positive=True), _side(inside)
+    return Surface(CYLINDER, radius, side, math.inf, _period("period_z", period_z))
+
+
+def sphere(radius: float, *, inside: bool) -> Surface:
+    """The sphere |X| = radius, with the tissue inside or outside; raises InvalidProblem likewise."""
+    return Surface(SPHERE, checks.number("radius", radius, positive=True), _side(inside), math.inf, math.inf)
+
+
+def _side(inside: bool) -> float:
+    return -1.0 if checks.flag("inside", inside) else 1.0
+
+
+def _period(name: str, value: Any) -> float:
+    """A length > 0, or inf."""
+    try:
+        endless = value == math.inf
+        return math.inf if endless is True or endless is np.True_ else checks.number(name, value, positive=True)
+    except InvalidProblem as error:
+        raise InvalidProblem(f"{error}; or inf, where the surface has no period") from None
+
+
+@inner
+def nearest_image(d: float, period: float) -> float:
+    """The difference d of two coordinates, less the multiple of the period that makes it smallest; inf has none."""
+    return d - period * np.rint(d / period) if abs(d) > 0.5 * period else d
+
+
+@inner
+def differences(surface: Surface, dx: float, dy: float, dz: float) -> tuple[float, float, float]:
+    """The difference of two points, to the nearest image."""
+    return nearest_image(dx, surface.period_x), dy, nearest_image(dz, surface.period_z)
+
+
+@inner
+def distance_from_middle(surface: Surface, x: float, y: float, z: float) -> float:
+    """|P X|, of a surface that bends: the distance from the axis of the cylinder, the centre of the sphere."""
+    return math.sqrt(x * x + y * y + (z * z if surface.bends == SPHERE else 0.0))
+
+
+@inner
+def height(surface: Surface, x: float, y: float, z: float) -> float:
+    """h(X) = side (|P X| - radius): the distance from the surface, below 0 on the side without tissue."""
+    if surface.bends == PLANE:
+        return y
+    return surface.side * (distance_from_middle(surface, x, y, z) - surface.radius)
+
+
+@inner
+def normal(surface: Surface, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """n = side P X / |P X|, towards the tissue; NaN in the middle of a surface that bends, where there is none."""
+    if surface.bends == PLANE:
+        return 0.0, 1.0, 0.0
+    # Not as a factor 1 / |P X|: quotients are right to the last digit.
+    away = surface.side * distance_from_middle(surface, x, y, z)
+    return x / away, y / away, (z / away if surface.bends == SPHERE else 0.0)
+
+
+@inner
+def onto(surface: Surface, x: float, y: float, z: float) -> tuple[float, float, float]:
+    """The point of the surface that is nearest to X: radius P X / |P X|, and what P leaves out as it is."""
+    if surface.bends == PLANE:
+        return x, 0.0, z
+    factor = surface.radius / distance_from_middle(surface, x, y, z)
+    return x * factor, y * factor, (z * factor if surface.bends == SPHERE else z)
+
+
+def heights(surface: Surface, points: ArrayLike) -> Floats:
+    """h(X) of points (..., 3), shape (...)."""
+    at = np.asarray(points, float)
+    if surface.bends == PLANE:
+        return at[..., 1].copy()
+    result: Floats = surface.side * (np.linalg.norm(_projected(surface, at), axis=-1) - surface.radius)
+    return result
+
+
+def normals(surface: Surface, points: ArrayLike) -> Floats:
+    """n of points (..., 3), of the same shape; raises InvalidProblem for one in the middle of a surface that bends."""
+    at = np.asarray(points, float)
+    if surface.bends == PLANE:
+        return np.broadcast_to((0.0, 1.0, 0.0), at.shape).copy()
+    away = _projected(surface, at)
+    result: Floats = surface.side * away / _distances("points", away)
+    return result
+
+
+def laid(surface: Surface, points: ArrayLike) -> Floats:
+    """The nearest points of the surface to points (..., 3); raises InvalidProblem likewise."""
+    at = np.array(points, float)
+    if surface.bends == PLANE:
+        at[..., 1] = 0.0
+        return at
+    away = _projected(surface, at)
+    return at + away * (surface.radius / _distances("points", away) - 1.0)
+
+
+def _projected(surface: Surface, points: Floats) -> Floats:
+    """P X."""
+    return points if surface.bends == SPHERE else points * (1.0, 1.0, 0.0)
+
+
+def _distances(name: str, away: Floats) -> Floats:
+    """|P X|, with an axis of length 1 to divide by."""
+    distances: Floats = np.linalg.norm(away, axis=-1, keepdims=True)
+    if not (distances > 0.0).all():
+        raise InvalidProblem(f"{name} = a point in the middle of the surface: must be apart from it, to have a normal")
+    return distances

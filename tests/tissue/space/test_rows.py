@@ -1,0 +1,61 @@
+"""Points in no general position: a single row, as in two dimensions, and lattices whose rows glide along each other."""
+
+import numpy as np
+import pytest
+
+from tests.tissue.space.invariants import check, edges_of
+from tissue.space import surface as s
+from tissue.space.network.follow import follow
+from tissue.space.network.halfedges import PRESENT
+from tissue.space.network.insert import insert
+from tissue.space.network.relax import relax
+from tissue.space.network.remove import SUM, remove
+from tissue.space.network.start import triangulated
+
+RING = s.plane(period_x=8.0)
+
+
+def row(capacity=8):
+    """Eight cells one behind the other, around a period."""
+    points = np.full((capacity, 3), np.nan)
+    points[:8] = 0.0
+    points[:8, 0] = np.arange(8) + 0.5
+    return triangulated(RING, points[:8], np.copy, capacity), np.array(points.T, order="C")
+
+
+def chain(*cells):
+    """The edges of a closed chain."""
+    return sorted([min(pair), max(pair)] for pair in zip(cells, cells[1:] + cells[:1], strict=True))
+
+
+def test_cells_of_a_row_that_pass_each_other_change_their_places_in_it():
+    network, columns = row()
+    columns[0, 3], columns[0, 4] = 4.6, 3.4
+    assert follow(RING, network, *columns, PRESENT) > 0
+    check(RING, network, columns.T)
+    assert sorted(edges_of(network).tolist()) == chain(0, 1, 2, 4, 3, 5, 6, 7)
+    assert relax(RING, network, *columns, 0.1, 3.0, PRESENT) == 0
+
+
+def test_cells_come_and_go_in_a_row():
+    network, columns = row(9)
+    assert insert(RING, network, *columns, 5, 8, 1.0, 0.0, 0.0, 0.2, 0.5) == 0.2
+    check(RING, network, columns.T)
+    assert sorted(edges_of(network).tolist()) == chain(0, 1, 2, 3, 4, 5, 8, 6, 7)
+    assert remove(RING, network, *columns, 2, SUM) == 1
+    check(RING, network, columns.T)
+    assert sorted(edges_of(network).tolist()) == chain(0, 1, 3, 4, 5, 8, 6, 7)
+
+
+@pytest.mark.parametrize("period_z", [4.0, np.inf])
+def test_rows_glide_along_each_other(period_z, rng):
+    points = np.array([(i + 0.5, 0.0, k + 0.5) for k in range(4) for i in range(6)])
+    surface, columns = s.plane(period_x=6.0, period_z=period_z), np.array(points.T, order="C")
+    network, exchanged = triangulated(surface, points, np.copy), 0
+    for _ in range(30):
+        columns[0] += np.repeat(rng.choice((-0.5, 0.0, 0.25, 0.5), 4), 6)
+        assert follow(surface, network, *columns, PRESENT) >= 0
+        check(surface, network, columns.T)
+        exchanged += relax(surface, network, *columns, 0.1, 2.0, PRESENT)
+        check(surface, network, columns.T)
+    assert exchanged > 20

@@ -1,0 +1,67 @@
+"""Points on every kind of surface, about a distance of 1 apart."""
+
+import math
+
+import numpy as np
+
+from tissue.space import surface as s
+
+# Number of points, surface, and how they are laid out: one of each kind of network.
+KINDS = {
+    "plane": s.plane(period_x=8.0, period_z=9.0),
+    "cylinder outside": s.cylinder(1.5, inside=False, period_z=9.0),
+    "cylinder inside": s.cylinder(1.6, inside=True, period_z=8.0),
+    "sphere outside": s.sphere(2.2, inside=False),
+    "sphere inside": s.sphere(2.5, inside=True),
+    "patch": s.plane(),
+    "patch of a cylinder": s.cylinder(5.0, inside=False),
+    "band along x": s.plane(period_x=9.0),
+    "band along z": s.plane(period_z=9.0),
+    "band around a cylinder": s.cylinder(1.8, inside=True),
+}
+CLOSED = [name for name in KINDS if "patch" not in name and "band" not in name]
+EULER = {name: 2 if name not in ("plane", "cylinder outside", "cylinder inside") else 0 for name in KINDS}
+
+
+def spread_points(name, n, rng):
+    """n points (n, 3) at random on a surface, none nearer to another than three quarters of the mean distance."""
+    surface = KINDS[name]
+    chosen = []
+    distance = 0.75 * math.sqrt(area(name) / n)
+    while len(chosen) < n:
+        candidate = one_point(name, rng)
+        d = np.array([s.differences(surface, *(candidate - other)) for other in chosen]).reshape(-1, 3)
+        if (np.linalg.norm(d, axis=1) > distance).all():
+            chosen.append(candidate)
+    points = np.array(chosen)
+    return points + s.normals(surface, points) * rng.uniform(0.0, 0.2, (n, 1))
+
+
+def area(name):
+    surface = KINDS[name]
+    if surface.bends == s.SPHERE:
+        return 4 * math.pi * surface.radius**2
+    return math.prod(size(name))
+
+
+def size(name):
+    """Lengths of the chart that points are spread on."""
+    surface = KINDS[name]
+    if surface.bends == s.PLANE:
+        first, second = surface.period_z, surface.period_x
+    else:
+        first, second = 2 * math.pi * surface.radius, surface.period_z
+    if name == "patch of a cylinder":
+        first = 6.0
+    return [6.0 if math.isinf(length) else length for length in (first, second)]
+
+
+def one_point(name, rng):
+    surface = KINDS[name]
+    if surface.bends == s.SPHERE:
+        return s.laid(surface, rng.normal(size=3))
+    u, v = rng.uniform(0.0, size(name))
+    if surface.bends == s.PLANE:
+        return np.array((v, 0.0, u))
+    angle = u / surface.radius
+    return np.array((surface.radius * math.cos(angle), surface.radius * math.sin(angle), v))
