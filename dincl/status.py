@@ -38,6 +38,10 @@ class Status(Enum):
         "The lumen of a tube closed: its apical points met. End the run earlier, or use a longer basal layer, lower or "
         "fewer cells."
     )
+    NETWORK_TORN = (
+        "A network of neighbouring cells could not follow its points: use a smaller dt or offset of daughters, or "
+        "end the run earlier."
+    )
     SINGULAR = (
         "dg/dX lost its full rank (5.5), so that y no longer determines the particles: start elsewhere, or end the run "
         "earlier."

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -65,13 +65,18 @@ def control_cells(n: int) -> Crowd:
     return Crowd(np.full(n, CONTROL), yes, yes.copy(), no, np.full((len(events()), n), np.inf))
 
 
-def crowd_of(groups: Sequence[CellGroup], n: int, random: Streams) -> Crowd:
-    """The types of n cells: each group at its place, then those that are scattered among the others, in their order."""
+def crowd_of(
+    groups: Sequence[CellGroup], n: int, random: Streams, nearest: Callable[[float], Integers] | None = None
+) -> Crowd:
+    """The types of n cells: each group at its place, then those that are scattered among the others, in their order.
+
+    In space ``nearest`` lists the cells by their distance from a place, and a group has the first ones that are free.
+    """
     crowd, draws = control_cells(n), drawn_for(groups, random)
     for scattered in (False, True):
         for kind, (group, draw) in enumerate(zip(groups, draws, strict=True), EMT):
             if scattered == (group.place is None):
-                give(crowd, _chosen(crowd, group, draw), kind, group, draw)
+                give(crowd, _chosen(crowd, group, draw, nearest), kind, group, draw)
     return crowd
 
 
@@ -81,9 +86,12 @@ def give(crowd: Crowd, cells: Integers, kind: int, group: CellGroup, draw: Draws
     crowd.may_leave[cells], crowd.times[:, cells] = group.may_leave, draw.times
 
 
-def _chosen(crowd: Crowd, group: CellGroup, draw: Draws) -> Integers:
+def _chosen(crowd: Crowd, group: CellGroup, draw: Draws, nearest: Callable[[float], Integers] | None) -> Integers:
     """The cells of a group, from left to right."""
     m = group.scenario.cells
     if group.place is None:
         return np.sort(draw.places.permutation(np.flatnonzero(crowd.kind == CONTROL))[:m])
+    if nearest is not None:
+        listed = nearest(group.place)
+        return np.sort(listed[crowd.kind[listed] == CONTROL][:m])
     return first_of(len(crowd.kind), m, group.place) + np.arange(m)

@@ -20,8 +20,11 @@ from tissue.kernels.store import CELLS, COUNTERS, NEXT_ID, Store, contents, copi
 from tissue.registry import registered
 from tissue.resume import checkpoint_of, resumed, steps_made
 from tissue.run import Run
+from tissue.space.group import SpaceGroup
+from tissue.space.mesh import kept
+from tissue.space.start import started_in_space
 from tissue.start import started
-from tissue.state.cells import COORDINATES, KINDS, Cells
+from tissue.state.cells import COORDINATES, DEPTHS, KINDS, Cells
 from tissue.state.checkpoint import Parted, TissueCheckpoint, generator_states
 from tissue.state.frame import Frame
 from tissue.state.streams import Streams, streams
@@ -31,7 +34,7 @@ from tissue.step.group import Group
 WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)
 RULES = UserFunction("a function of an event, a force or a rule", ("store", "..."), Status.FUNCTION_FAILED)
 # What the points of a cell do not tell of.
-LASTING = tuple(name for name in Cells._fields if name not in COORDINATES and name not in KINDS)
+LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *KINDS))
 
 
 class Lot:
@@ -47,10 +50,14 @@ class Lot:
             self._parted: Sequence[Parted] = [checkpoint_of(start).parted for start in starts]
         else:
             random = tuple(streams(seed) for seed in seeds)
-            held, self._parted = zip(*map(started, repeat(parameters), random), strict=True)
+            begin = started_in_space if parameters.in_space else started
+            held, self._parted = zip(*map(begin, repeat(parameters), random), strict=True)
         self._random = random
         rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
-        self._group = Group(held, parameters.numbers(), random, rule, forces, named)
+        # Of groups in space each has one tissue.
+        kind, size = (SpaceGroup, 1) if parameters.in_space else (Group, len(held))
+        parts = [slice(k, k + size) for k in range(0, len(held), size)]
+        self._groups = [kind(held[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
 
     def times(self) -> Iterator[float]:
         """The kept times [h], the first that of the start; when one is given, the runs are there."""
@@ -86,24 +93,29 @@ class Lot:
 
     def store(self, k: int) -> Store:
         """Run k at the present time."""
-        return self._group.stores[k]
+        group, lane = self._at(k)
+        return group.stores[lane]
 
     def goes_on(self, k: int) -> bool:
         """Whether run k did not fail."""
-        return bool(self._group.ended[k] == RUNNING)
+        group, lane = self._at(k)
+        return bool(group.ended[lane] == RUNNING)
 
     def frame(self, k: int, t: float) -> Frame:
         """A copy of run k at the present time t, or of the state that failed, at its time."""
         held, random = self.store(k), self._random[k]
         checkpoint = checkpoint_at(held, self.seeds[k], random, self._parted[k], self.parameters)
         time = t if self.goes_on(k) else self._stopped(k)
-        return Frame(time, *contents(held), self.parameters.curve(), checkpoint)
+        sheets = kept(held.space, int(held.sizes[CELLS])) if self.parameters.in_space else None
+        return Frame(time, *contents(held), self.parameters.curve(), checkpoint, sheets)
 
     def status(self, k: int) -> Status:
         """How run k ended, or goes on."""
         if self.goes_on(k):
             return Status.SUCCESS if self.fault is None else self.fault.status
-        return Status.NON_FINITE if find_lost(self.store(k)) >= 0 else Status.LUMEN_CLOSED
+        if find_lost(self.store(k)) >= 0:
+            return Status.NON_FINITE
+        return Status.NETWORK_TORN if self.store(k).space.torn[0] else Status.LUMEN_CLOSED
 
     def failure(self, k: int) -> str:
         """When and where run k failed, "" if it did not."""
@@ -112,6 +124,8 @@ class Lot:
         held = self.store(k)
         if self.status(k) is Status.LUMEN_CLOSED:
             return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
+        if self.status(k) is Status.NETWORK_TORN:
+            return f"t = {self._stopped(k):g} h: points of a layer coincide, or have no way past each other."
         lost = f"cell {held.cells.id[find_lost(held)]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
         return f"t = {self._stopped(k):g} h: {lost}."
 
@@ -124,12 +138,14 @@ class Lot:
 
     def _advance(self, made: int, step: int) -> None:
         """Make steps; where a function of a user fails in them, they did not end a run."""
-        before = self._group.ended.copy()
+        before = [group.ended.copy() for group in self._groups]
         try:
-            self._group.advance(made, step)
+            for group in self._groups:
+                group.advance(made, step)
             self._refuse_lost(step * self.parameters.numerics.dt.value)
         except FunctionFailed:
-            self._group.ended[:] = before
+            for group, ended in zip(self._groups, before, strict=True):
+                group.ended[:] = ended
             raise
 
     def _refuse_lost(self, t: float) -> None:
@@ -139,7 +155,8 @@ class Lot:
         """
         if not any(map(registered, (EmtEvent, DivisionRule, Force))):
             return
-        for k, held in enumerate(self._group.stores):
+        for k in range(len(self.seeds)):
+            held = self.store(k)
             n = held.sizes[CELLS]
             for name in LASTING if self.goes_on(k) else ():
                 if not np.isfinite(getattr(held.cells, name)[:n]).all():
@@ -148,7 +165,13 @@ class Lot:
 
     def _stopped(self, k: int) -> float:
         """When run k failed [h]."""
-        return float(self._group.ended[k] * self.parameters.numerics.dt.value)
+        group, lane = self._at(k)
+        return float(group.ended[lane] * self.parameters.numerics.dt.value)
+
+    def _at(self, k: int) -> tuple[Group, int]:
+        """The group of run k, and its place there."""
+        group = self._groups[k // len(self._groups[0].stores)]
+        return group, k % len(group.stores)
 
 
 def checkpoint_at(held: Store, seed: int, random: Streams, parted: Parted, parameters: Parameters) -> TissueCheckpoint:

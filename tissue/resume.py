@@ -15,8 +15,9 @@ from tissue.files.combinations import ROUNDING
 from tissue.files.frames import checked
 from tissue.kernels.board import LOST
 from tissue.kernels.curve import curve_numbers
-from tissue.kernels.store import Store, stored
+from tissue.kernels.store import IN_PLANE, Store, stored
 from tissue.resumed_types import typed
+from tissue.space.start import space_of
 from tissue.start import of_kinds
 from tissue.state.cells import Cells
 from tissue.state.checkpoint import TissueCheckpoint, resumed_streams
@@ -48,7 +49,9 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Str
     _stiffen(parameters, cells)
     _refuse_layer(parameters, start)
     curve = curve_numbers(parameters.curve())
-    held = stored(cells, start.layers, past.next_id, emt, capacity=2 * len(cells.x), curve=curve)
+    capacity = 2 * len(cells.x)
+    space = IN_PLANE if start.sheets is None else space_of(start.sheets, parameters.exchange(), capacity)
+    held = stored(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
     held.counts[:] = past.counts
     lost = find_lost(held)
     if lost >= 0:
@@ -61,6 +64,10 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Str
 
 def _refuse_layer(parameters: Parameters, start: Frame) -> None:
     """Refuse a basal layer on which the basal points of the start do not lie."""
+    if parameters.in_space != (start.sheets is not None):
+        raise InvalidProblem(f"tissue.dimension = {parameters.tissue.dimension}: must be that of the start")
+    if start.sheets is not None and start.sheets.surface != parameters.lattice().surface:
+        raise InvalidProblem("the basal surface of [layer], [space] and [tissue]: must be that of the start")
     mine, theirs = parameters.curve(), start.curve
     if not (mine.ring == theirs.ring and np.array_equal(mine.table, theirs.table)):
         raise InvalidProblem(f'layer.shape = "{parameters.layer.shape}": [layer] must be that of the start')
@@ -70,7 +77,7 @@ def checkpoint_of(start: Frame) -> TissueCheckpoint:
     """What a run is besides its cells; raises InvalidProblem if it is not there."""
     if not isinstance(start, Frame):
         raise InvalidProblem(f"start = {describe(start)}: must be {A_START}")
-    checked("start", (*start[:4], start.past))
+    checked("start", (*start[:4], start.past, start.sheets))
     return start.past
 
 

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.random import Generator
@@ -18,7 +18,7 @@ from tissue.kernels.store import Store, stored
 from tissue.model.cycle import set_phases
 from tissue.model.discs import part
 from tissue.state.basal_curve import LINE, BasalCurve
-from tissue.state.cells import Cells, Floats, Integers
+from tissue.state.cells import Cells, Floats, Integers, empty
 from tissue.state.checkpoint import Parted
 from tissue.state.numbers import Numbers, StartNumbers
 
@@ -68,28 +68,27 @@ def first_state(
         If the nuclei could not be parted: more cells than fit.
     """
     types = types or Types(control_cells(start.cells))
-    cells = _bent(_drawn(start, numbers, draws, types), curve)
+    cells = _bent(drawn_cells(start, numbers, draws, types, partial(_points, start)), curve)
     held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve_numbers(curve))
     set_phases(held, 0.0, handed_numbers(numbers, types.numbers))
     return held, _part(held, start.cells, numbers)
 
 
-def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator, types: Types) -> Cells:
-    """Cells with the drawn positions, ages and cycles: one number gives all types theirs."""
+def drawn_cells(
+    start: StartNumbers,
+    numbers: Numbers,
+    draws: Generator,
+    types: Types,
+    points: Callable[[Generator], Mapping[str, Floats]],
+) -> Cells:
+    """Cells with drawn ages, cycles and ``points``, coordinates by name: one number gives all types theirs."""
     n, crowd = start.cells, types.crowd
     own = partial(of_kinds, crowd.kind, (numbers, numbers, *types.numbers))
     rest = np.array([start.rest_length, *types.rest_lengths])[crowd.kind]
-    places: Floats = np.arange(n, dtype=np.float64) - (n - 1) / 2
-    apical, basal = start.apical_spacing * places, start.basal_spacing * places
     cycle = draws.uniform(own("min_cycle"), own("max_cycle"))
     age = draws.uniform(0.0, 1.0, n) * cycle
-    return Cells(
-        x=_columns(start, basal, draws),
-        y=draws.uniform(start.nuclei_low, start.nuclei_high, n),
-        ax=apical,
-        ay=np.full(n, start.height),
-        bx=basal,
-        by=np.zeros(n),
+    coordinates: Any = points(draws)
+    return empty(n)._replace(
         rest_ax=rest.copy(),
         rest_bx=rest.copy(),
         rest_aa=np.full(n, start.junction),
@@ -105,11 +104,18 @@ def _drawn(start: StartNumbers, numbers: Numbers, draws: Generator, types: Types
         id=np.arange(n),
         mother=np.full(n, -1),
         emt=crowd.numbers(),
-        events=np.zeros(n, np.int64),
-        chain=np.zeros(n, np.int64),
-        along=np.zeros(n),
         kind=crowd.kind,
+        **coordinates,
     )
+
+
+def _points(start: StartNumbers, draws: Generator) -> Mapping[str, Floats]:
+    """The coordinates of all points above a line, by the names of their arrays."""
+    n = start.cells
+    places: Floats = np.arange(n, dtype=np.float64) - (n - 1) / 2
+    apical, basal = start.apical_spacing * places, start.basal_spacing * places
+    x, y = _columns(start, basal, draws), draws.uniform(start.nuclei_low, start.nuclei_high, n)
+    return {"x": x, "y": y, "ax": apical, "ay": np.full(n, start.height), "bx": basal}
 
 
 def of_kinds(kind: Integers, kinds: Sequence[Numbers], name: str) -> Floats:

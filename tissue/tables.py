@@ -32,6 +32,10 @@ LENGTHS = {
 }
 
 
+# In three dimensions these, too.
+DEPTH_LENGTHS = {"nucleus_z_um": "z", "apical_z_um": "az", "basal_z_um": "bz"}
+
+
 class EventNames(Sequence[str]):
     """The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP", "Ac", ..."""
 
@@ -63,6 +67,7 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     ``hard_radius_um``                                      float64   R_hard at this time
     ``apical_rest_um``, ``basal_rest_um``                   float64   eta_ax (3.2), eta_bx (3.3), without R_soft
     ``junction_rest_um``                                    float64   eta_aa (3.6) of the junction to the next cell
+    ``nucleus_z_um``, ``apical_z_um``, ``basal_z_um``       float64   in three dimensions alone: their depths
     ``y_ab``                                                float64   position on the apical-basal scale (3.3.1)
     ``in_apical_layer``, ``in_basal_layer``                 bool      whether it has neighbours there
     ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
@@ -113,7 +118,8 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
         ),
     )
     yield from (("age_h", frame.t - cells.birth), ("cycle_h", cells.cycle))
-    yield from ((column, _um(parameters) * getattr(cells, name)) for column, name in LENGTHS.items())
+    lengths = LENGTHS | (DEPTH_LENGTHS if parameters.in_space else {})
+    yield from ((column, _um(parameters) * getattr(cells, name)) for column, name in lengths.items())
     yield "y_ab", ab_positions(frame)
     yield from (("in_apical_layer", np.isin(each, layers.apical)), ("in_basal_layer", np.isin(each, layers.basal)))
     yield from (("migrates", cells.moves), ("divides", cells.divides))

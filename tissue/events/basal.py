@@ -6,7 +6,9 @@ import math
 
 from tissue.events.event import EmtEvent
 from tissue.events.layer import find, remove
+from tissue.kernels.rules import call_leave
 from tissue.kernels.store import BASAL, Store
+from tissue.space.state import SPATIAL
 from tissue.state.numbers import Numbers
 
 
@@ -16,6 +18,8 @@ def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
     if k < 0:
         return
     store.sizes[BASAL] = remove(store.layers.basal, store.sizes[BASAL], k)
+    if store.space.dimension == SPATIAL:
+        call_leave(store.space.rules.leave_basal, store, i)
     store.motion.by_moves[i] = 1.0
     store.cells.stiff_bx[i] = numbers.alpha_bx * numbers.freed_stiffness
 

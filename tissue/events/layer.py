@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dincl.compile import inner
 from tissue.kernels.chains import chained_before, chained_behind
+from tissue.kernels.rules import call_leave
 from tissue.kernels.store import APICAL, CELLS, Store
+from tissue.space.state import SPATIAL
 from tissue.state.cells import Integers
 
 
@@ -27,9 +29,17 @@ def remove(layer: Integers, size: int, k: int) -> int:
 
 @inner
 def leave_apical(store: Store, i: int) -> tuple[bool, int, int]:
-    """Take cell i out of the apical layer, or of its chain: whether it was in one, and its neighbours, -1 for none."""
+    """Take cell i out of the apical layer, or of its chain: whether it was in one, and its neighbours, -1 for none.
+
+    In three dimensions its network closes the gap by itself, and there are no chains.
+    """
     layer, sizes = store.layers.apical, store.sizes
     k, n = find(layer, sizes[APICAL], i), sizes[APICAL]
+    if store.space.dimension == SPATIAL:
+        if k >= 0:
+            sizes[APICAL] = remove(layer, n, k)
+            call_leave(store.space.rules.leave_apical, store, i)
+        return k >= 0, -1, -1
     if k >= 0:
         left, right = layer[k - 1] if k > 0 else -1, layer[k + 1] if k < n - 1 else -1
         sizes[APICAL] = remove(layer, n, k)

@@ -5,8 +5,9 @@ from __future__ import annotations
 import math
 
 from tissue.events.event import EmtEvent
-from tissue.kernels.curve import height_of
 from tissue.kernels.store import Store
+from tissue.model.heights import height_above
+from tissue.model.springs import basal_length
 from tissue.state.numbers import Numbers
 
 
@@ -18,7 +19,7 @@ def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers)
     the line its rest length tends from that before this dt to 0.
     """
     cells, motion = store.cells, store.motion
-    height = height_of(store.curve, cells.bx[i], cells.by[i])
+    height = height_above(store, cells.bx[i], cells.by[i], cells.bz[i])
     running = height > -numbers.run_depth
     moves = 1.0 if not running and numbers.forced_below else 0.0
     motion.bx_moves[i] = motion.by_moves[i] = moves
@@ -29,7 +30,7 @@ def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers)
     elif numbers.spring_gives:
         cells.rest_bx[i] = rest_bx + numbers.run_speed * numbers.dt
     else:
-        cells.rest_bx[i] = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
+        cells.rest_bx[i] = basal_length(cells, i) - 1.0
         stiffness = 0.0
     cells.stiff_bx[i] = stiffness
 

@@ -7,14 +7,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
 from typing import Any
 
 from tissue.events.event import EmtEvent
 from tissue.events.known import events
 from tissue.files.layer import Points, curve_of
+from tissue.files.rule import Rule, show
+from tissue.files.space_rules import SPACE_RULES
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
+from tissue.space.state import FLAT
 from tissue.state.basal_curve import LINE, BasalCurve
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
@@ -23,17 +25,9 @@ ROUNDING = 1e-12
 MOST_STEPS = 1e9
 
 
-@dataclass(frozen=True)
-class Rule:
-    """``allowed(*values of keys)`` is None where they go together, else what the first of them must be."""
-
-    keys: tuple[str, ...]
-    allowed: Callable[..., str | None]
-
-
 def broken(values: Mapping[str, Any]) -> list[str]:
     """One line for each rule that the values break; ``values`` by keys such as "tissue.cells"."""
-    return broken_of((*RULES, *waiting()), values)
+    return broken_of((*RULES, *SPACE_RULES, *waiting()), values)
 
 
 def waiting() -> list[Rule]:
@@ -51,13 +45,6 @@ def broken_of(rules: Iterable[Rule], values: Mapping[str, Any]) -> list[str]:
         if allowed is not None:
             lines.append(f"{rule.keys[0]} = {show(values[rule.keys[0]])}: must be {allowed}")
     return lines
-
-
-def show(value: Any) -> str:
-    """A checked value as a file would give it."""
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(show, value))}]"
-    return f'"{value}"' if isinstance(value, (str, Measure, Timing)) else str(value)
 
 
 def _above(value: float, limit: float) -> bool:
@@ -104,14 +91,16 @@ def _before_the_end(keep: Measure | tuple[Measure, ...], end: Measure) -> str | 
     return None if ok else f"a list of times up to numerics.t_end = {show(end)}"
 
 
-def _fit(cells: int, shape: str, nuclei: str, part: tuple[float, float], *lengths: Measure) -> str | None:
+def _fit(
+    cells: int, dimension: int, shape: str, nuclei: str, part: tuple[float, float], *lengths: Measure
+) -> str | None:
     """Points of mutual distance d in a rectangle w x h: at most 1 + h/d + w (2 h/(sqrt(3) d^2) + 1/d)  (Oler, 1961).
 
     The rectangle is the box of the nuclei at the start; its width is (cells - 1) spacing where each nucleus begins
     above its own basal point. Fewer may fit, and cells that start in mitosis need more room; but above this number no
-    start without overlap exists. Where the layer bends, only drawing tells.
+    start without overlap exists. Where the layer bends, and in space, only drawing tells.
     """
-    if shape != "line":
+    if shape != "line" or dimension != FLAT:
         return None
     height, width, spacing, radius, _ = (reduced(length, lengths[-1]) for length in lengths)
     up, d = (part[1] - part[0]) * height, 2 * radius
@@ -146,8 +135,10 @@ def _bends(height: Measure, *layer: Any) -> str | None:
     return f"below {1 / largest:.4g} R_soft, the smallest curvature radius of the basal layer on the side of the tissue"
 
 
-def _spread(cells: int, largest: Measure, *layer: Any) -> str | None:
+def _spread(cells: int, dimension: int, largest: Measure, *layer: Any) -> str | None:
     """Of a ring the basal points are spread over its whole length."""
+    if dimension != FLAT:
+        return None
     curve, most = _curve_or_line(*layer), reduced(largest, layer[-1])
     if not curve.ring or cells * most >= curve.length * (1 - ROUNDING):
         return None
@@ -186,7 +177,7 @@ LAYER = (*SHAPE, "cell.soft_radius")
 RULES = (
     Rule(("layer.points", *LAYER), _curve),
     Rule(("tissue.height", *LAYER), _bends),
-    Rule(("tissue.cells", "tissue.max_basal_distance", *LAYER), _spread),
+    Rule(("tissue.cells", "tissue.dimension", "tissue.max_basal_distance", *LAYER), _spread),
     Rule(("emt.cells", "tissue.cells"), _in_the_middle),
     Rule(("cell.hard_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
     Rule(("cell.enlarged_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
@@ -203,6 +194,7 @@ RULES = (
     Rule(
         (
             "tissue.cells",
+            "tissue.dimension",
             "layer.shape",
             "start.nuclei",
             "start.nuclei_height",

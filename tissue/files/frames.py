@@ -16,12 +16,15 @@ from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.events.known import events as known
 from tissue.kernels.store import COUNTERS
+from tissue.space.mesh import Mesh, Sheets, as_arrays, of_arrays, wrong_mesh
+from tissue.space.network.state import GHOSTS
+from tissue.space.surface import CYLINDER, PLANE, SPHERE, Surface
 from tissue.state.basal_curve import ORDER, BasalCurve
-from tissue.state.cells import COORDINATES, KINDS, NAMED, CellLayers, Cells, Emt
+from tissue.state.cells import COORDINATES, DEPTHS, KINDS, NAMED, CellLayers, Cells, Emt
 from tissue.state.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
 
 # In each file; another number with other contents.
-FORMAT = "tissue frame 2"
+FORMAT = "tissue frame 3"
 TEXTS = ("format", "seed", "events", "types")
 # What archives and arrays raise that are damaged.
 UNREADABLE = (
@@ -30,7 +33,7 @@ UNREADABLE = (
 )
 Arrays = dict[str, Any]
 # The fields of a frame.
-Parts = tuple[float, Cells, CellLayers, BasalCurve, TissueCheckpoint]
+Parts = tuple[float, Cells, CellLayers, BasalCurve, TissueCheckpoint, Sheets | None]
 
 
 def save(parts: Parts, path: str | PathLike[str]) -> None:
@@ -45,7 +48,7 @@ def save(parts: Parts, path: str | PathLike[str]) -> None:
 
 def checked(name: str, parts: Parts) -> Arrays:
     """The fields of a frame as the arrays of a file; raises InvalidProblem where no run can have made them."""
-    _, cells, layers, curve, past = parts
+    _, cells, layers, curve, past, sheets = parts
     number(f"{name}.t", parts[0], non_negative=True)
     kinds = (cells, Cells), (layers, CellLayers), (curve, BasalCurve), (past, TissueCheckpoint)
     for value, kind in kinds:
@@ -53,20 +56,33 @@ def checked(name: str, parts: Parts) -> Arrays:
     for group, fields in (("cells", cells), ("layers", layers)):
         for field, array in fields._asdict().items():
             instance(f"{name}.{group}.{field}", array, np.ndarray, "an array of numpy")
+    if sheets is not None:
+        _check_sheets(f"{name}.sheets", sheets)
     arrays = {key: np.asarray(array) for key, array in _arrays(parts).items()}
     for wrong in _wrong(arrays):
         raise InvalidProblem(f"{name}: must be a kept state of a run: {wrong}")
     return arrays
 
 
+def _check_sheets(name: str, sheets: Any) -> None:
+    """Refuse what are no networks of arrays."""
+    instance(name, sheets, Sheets, "those of a kept state of a run in three dimensions")
+    instance(f"{name}.surface", sheets.surface, Surface, "a basal surface")
+    for sheet in ("apical", "basal"):
+        mesh = instance(f"{name}.{sheet}", getattr(sheets, sheet), Mesh, "a network of cells")
+        for field, array in mesh._asdict().items():
+            instance(f"{name}.{sheet}.{field}", array, np.ndarray, "an array of numpy")
+
+
 def _arrays(parts: Parts) -> Arrays:
     """What is in the file."""
-    t, cells, layers, curve, past = parts
+    t, cells, layers, curve, past, sheets = parts
     arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": str(past.seed), "next_id": past.next_id}
     arrays |= {"events": _events(), "types": " ".join(past.types)}
     arrays |= {"counts": past.counts, "generators": past.generators}
     arrays |= {"parted_sweeps": past.parted.sweeps, "parted_moved": past.parted.moved}
     arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
+    arrays |= {f"sheets.{name}": array for name, array in as_arrays(sheets).items()}
     for group, fields in (("cells", cells), ("layers", layers), ("emt", past.emt)):
         arrays |= {f"{group}.{name}": array for name, array in fields._asdict().items()}
     return arrays
@@ -104,7 +120,19 @@ def _parts(arrays: Arrays) -> Parts:
         (float(arrays[f"curve.{name}"]) for name in ("length", "origin")),
         (bool(arrays[f"curve.{name}"]) for name in ("around", "ring")),
     )
-    return float(arrays["t"]), cells, layers, BasalCurve(table, length, origin, around, ring), checkpoint
+    return (
+        float(arrays["t"]),
+        cells,
+        layers,
+        BasalCurve(table, length, origin, around, ring),
+        checkpoint,
+        _sheets(arrays),
+    )
+
+
+def _sheets(arrays: Mapping[str, Any]) -> Sheets | None:
+    """The networks of a tissue in space."""
+    return of_arrays({name.partition(".")[2]: array for name, array in arrays.items() if name.startswith("sheets.")})
 
 
 def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]:
@@ -125,7 +153,21 @@ def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]
     for name in CellLayers._fields:
         expected[f"layers.{name}"] = np.int64, (arrays[f"layers.{name}"].size if f"layers.{name}" in arrays else 0,)
     expected |= {f"emt.{name}": (np.int64 if name in ("side", "new") else np.float64, (m,)) for name in Emt._fields}
+    if "sheets.surface" in arrays:
+        expected |= _shapes_in_space(arrays, n)
     return expected | {"emt.at": (np.float64, (len(known()), m))}
+
+
+def _shapes_in_space(arrays: Mapping[str, Any], n: int) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    """Of the networks; how many triangles there are, is free."""
+    expected: dict[str, tuple[Any, tuple[int, ...]]] = {"sheets.surface": (np.float64, (len(Surface._fields),))}
+    for sheet in ("apical", "basal"):
+        half_edges = arrays[f"sheets.{sheet}.corner"].size if f"sheets.{sheet}.corner" in arrays else 0
+        for name in Mesh._fields:
+            kind = np.int64 if name in ("corner", "twin", "out") else np.float64
+            size = half_edges if name in ("corner", "twin", "rest") else n + GHOSTS
+            expected[f"sheets.{sheet}.{name}"] = kind, (size,)
+    return expected
 
 
 def _wrong(arrays: Arrays) -> Iterator[str]:
@@ -156,7 +198,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
         "curve.table",
         "curve.length",
         "curve.origin",
-        *(f"cells.{name}" for name in Cells._fields if name not in COORDINATES),
+        *(f"cells.{name}" for name in Cells._fields if name not in (*COORDINATES, *DEPTHS)),
     ):
         if not np.isfinite(arrays[name]).all():
             yield f"{name} is not finite"
@@ -181,4 +223,10 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
     for name in (f"layers.{layer}" for layer in CellLayers._fields):
         layer = arrays[name]
         checks[name] = bool((np.diff(layer) > 0).all() and layer.min(initial=0) >= 0 and layer.max(initial=-1) < n)
+    if sheets := _sheets(arrays):
+        checks |= {
+            "sheets.surface": sheets.surface.bends in (PLANE, CYLINDER, SPHERE)
+            and not np.isnan(arrays["sheets.surface"]).any()
+        }
+        checks |= {f"sheets.{name}.corner": not wrong_mesh(getattr(sheets, name), n) for name in ("apical", "basal")}
     yield from (f"{name} = {arrays[name]} is not possible" for name, fine in checks.items() if not fine)

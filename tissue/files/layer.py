@@ -24,7 +24,7 @@ def curve_of(
     ValueError
         If the points are none of a curve: fewer than four, or one twice in a row.
     """
-    if shape == "line":
+    if shape in ("line", "sphere"):
         return LINE
     inside = side == "inside"
     if shape in ("circle", "ellipse"):

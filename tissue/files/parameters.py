@@ -34,12 +34,16 @@ from tissue.files.sections import (
     NumericsSection,
     OwnSection,
     RulesSection,
+    SpaceSection,
     StartSection,
     TissueSection,
 )
+from tissue.files.space_numbers import to_exchange, to_lattice
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_types, wrong_names
-from tissue.state.basal_curve import BasalCurve
+from tissue.space.lattice import Lattice
+from tissue.space.state import SPATIAL, Exchange
+from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.numbers import Daha, Numbers, StartNumbers
 
 PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal")
@@ -67,6 +71,7 @@ class Parameters(BaseModel):
     forces: ForcesSection
     daha: DahaSection
     layer: LayerSection
+    space: SpaceSection
     types: TypesSection
 
     @model_validator(mode="before")
@@ -147,10 +152,25 @@ class Parameters(BaseModel):
         return (*UNNAMED, *self.types.named())
 
     def curve(self) -> BasalCurve:
-        """The basal layer."""
+        """The basal layer; in space it is a surface, and this the line."""
         layer = self.layer
+        if self.in_space:
+            return LINE
         shape = layer.shape, layer.perimeter, layer.aspect, layer.points, layer.side, layer.closed
         return curve_of(*shape, self.cell.soft_radius)
+
+    @property
+    def in_space(self) -> bool:
+        """Whether the tissue is in three dimensions."""
+        return self.tissue.dimension == SPATIAL
+
+    def lattice(self) -> Lattice:
+        """Where the basal points of a tissue in space are at the start, and the surface that holds them."""
+        return to_lattice(self.tissue, self.layer, self.space, self.cell.soft_radius)
+
+    def exchange(self) -> Exchange:
+        """How cells in space exchange neighbours."""
+        return to_exchange(self.tissue, self.space, self.events, self.cell.soft_radius)
 
     def start_numbers(self) -> StartNumbers:
         """What the first state is made from: lengths over R_soft. A ring of cells is spread evenly over its layer."""

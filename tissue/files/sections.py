@@ -42,6 +42,7 @@ TABLE_3 = "Table 3 of chapter 3"
 TABLE_4 = "Table 4 of chapter 3"
 TABLE_5 = "Table 5 of chapter 3"
 CURVED = "chapter 3 names curved layers as further work"
+SPATIAL = "chapter 3 names three dimensions as further work"
 
 
 class ParameterSection(BaseModel):
@@ -98,6 +99,9 @@ class TissueSection(ParameterSection):
         "Table 1 and section 2.2.5 of chapter 3",
     )
     diffusion: DiffusionOrZero = key("diffusion coefficient of the noise of nuclei", "D", f"{TABLE_1}, (3.17)")
+    dimension: Annotated[int, PlainValidator(OneOf((2, 3)))] = key(
+        "dimension: a slice of the tissue, or the tissue in space", "", SPATIAL, 2
+    )
 
 
 class CellSection(ParameterSection):
@@ -174,16 +178,42 @@ class RulesSection(ParameterSection):
 class LayerSection(ParameterSection):
     """[layer]: the basal layer, a line in the thesis."""
 
-    shape: Annotated[str, PlainValidator(OneOf(("line", "circle", "ellipse", "points")))] = key(
-        "shape of the basal layer", "", CURVED, "line"
+    shape: Annotated[str, PlainValidator(OneOf(("line", "circle", "ellipse", "points", "sphere")))] = key(
+        "shape of the basal layer; in space a line is a plane, a circle a cylinder", "", CURVED, "line"
     )
-    perimeter: Length = key("perimeter of the circle or ellipse", "", CURVED, "300 um")
+    perimeter: Length = key("perimeter of the circle, ellipse or sphere", "", CURVED, "300 um")
     aspect: Positive = key("vertical half axis of the ellipse over the horizontal one", "", CURVED, 1)
     side: Annotated[str, PlainValidator(OneOf(("inside", "outside")))] = key(
         "side of a closed curve on which the tissue is", "", CURVED, "inside"
     )
     closed: Flag = key("whether the tissue is a closed tube; else it is an arc, or an open curve", "", CURVED, False)
     points: Points = key("points of a smooth curve; if it is not closed, the tissue is on its left", "", CURVED, [])
+
+
+class SpaceSection(ParameterSection):
+    """[space]: what there is in three dimensions alone."""
+
+    rows: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
+        "rows of cells across the sheet or along the cylinder, an even number; 0: a sheet that is about square",
+        "",
+        SPATIAL,
+        0,
+    )
+    boundary: Annotated[str, PlainValidator(OneOf(("periodic", "open")))] = key(
+        "what is beyond the ends of a plane or of a cylinder: the tissue again, or nothing", "", SPATIAL, "periodic"
+    )
+    flip_margin: Probability = key(
+        "neighbours change where the other diagonal of four is shorter than theirs by more than this part of it",
+        "",
+        SPATIAL,
+        0.1,
+    )
+    new_rest: Annotated[str, PlainValidator(OneOf(("mean", "distance")))] = key(
+        "rest length of the junction of new neighbours: the mean of the four around, or their distance",
+        "",
+        SPATIAL,
+        "mean",
+    )
 
 
 class DivisionSection(ParameterSection):

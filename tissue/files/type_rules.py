@@ -8,7 +8,8 @@ from typing import Any
 
 from tissue.events.known import events
 from tissue.files.cell_types import MOST_TYPES, OWN_KEYS, SCATTERED, UNNAMED, TypeKeys, first_of
-from tissue.files.combinations import RULES, broken_of, show, waiting
+from tissue.files.combinations import RULES, broken_of, waiting
+from tissue.files.rule import show
 from tissue.files.timing import Timing
 
 _NAME = re.compile("[A-Za-z_][A-Za-z0-9_]*")

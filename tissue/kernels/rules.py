@@ -20,6 +20,10 @@ LAST: Any = types.void(STORE, types.int64, types.float64, types.float64, NUMBERS
 # splits(store, i, number, numbers) and place(store, i, numbers) of a rule of divisions.
 SPLITS: Any = types.int64(STORE, types.int64, types.float64, NUMBERS)
 PLACE: Any = types.void(STORE, types.int64, NUMBERS)
+# Rules of three dimensions: split(store, i, turn, numbers), leave(store, i) and position(store, i).
+SPLIT_IN_SPACE: Any = types.void(STORE, types.int64, types.float64, NUMBERS)
+LEAVE: Any = types.void(STORE, types.int64)
+POSITION: Any = types.float64(STORE, types.int64)
 
 
 class Rules(NamedTuple):
@@ -59,6 +63,24 @@ def call_splits(typing: Any, address: Any, store: Any, i: Any, number: Any, numb
 def call_place(typing: Any, address: Any, store: Any, i: Any, numbers: Any) -> Any:
     """Call a function ``place`` by its address."""
     return called(PLACE)
+
+
+@instruction
+def call_split_in_space(typing: Any, address: Any, store: Any, i: Any, turn: Any, numbers: Any) -> Any:
+    """Call a function ``split`` by its address."""
+    return called(SPLIT_IN_SPACE)
+
+
+@instruction
+def call_leave(typing: Any, address: Any, store: Any, i: Any) -> Any:
+    """Call a function ``leave`` by its address."""
+    return called(LEAVE)
+
+
+@instruction
+def call_position(typing: Any, address: Any, store: Any, i: Any) -> Any:
+    """Call a function ``position`` by its address."""
+    return called(POSITION)
 
 
 def called(signature: Any) -> Any:

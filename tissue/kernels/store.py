@@ -9,6 +9,7 @@ import numpy as np
 from dincl.kernels.handles import reader
 from tissue.kernels.curve import CurveNumbers, curve_numbers
 from tissue.kernels.handed import Handed, kind_of_handle
+from tissue.space.state import Space, no_space, with_room
 from tissue.state.basal_curve import LINE
 from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, first, no_emt
 from tissue.state.forces import Forces
@@ -18,7 +19,7 @@ CELLS, APICAL, BASAL, NEXT_ID = range(4)
 # What is counted, and where in Store.counts
 COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
-STRAIGHT = curve_numbers(LINE)
+STRAIGHT, IN_PLANE = curve_numbers(LINE), no_space()
 
 
 class BasalMotion(NamedTuple):
@@ -50,6 +51,7 @@ class StoreArrays(NamedTuple):
     counts: Integers  # one for each of COUNTERS
     curve: CurveNumbers  # the basal layer
     on: Forces  # what forces of users do in a substep, (capacity,)
+    space: Space  # what there is in three dimensions besides
 
 
 class Store(Handed):
@@ -68,6 +70,7 @@ class Store(Handed):
             self.counts,
             self.curve,
             self.on,
+            self.space,
         ) = parts
 
 
@@ -79,6 +82,7 @@ def stored(
     *,
     capacity: int,
     curve: CurveNumbers = STRAIGHT,
+    space: Space = IN_PLANE,
 ) -> Store:
     """A store with room for ``capacity`` cells at least, all cells in both layers if none are given.
 
@@ -86,7 +90,7 @@ def stored(
     """
     n, capacity = len(cells.x), max(2, capacity)
     layers = layers or CellLayers(np.arange(n), np.arange(n))
-    parts = _room(capacity, emt or no_emt(), curve)
+    parts = _room(capacity, emt or no_emt(), curve, with_room(space, capacity))
     for name, array in zip(Cells._fields, cells, strict=True):
         getattr(parts.cells, name)[:n] = array
     parts.layers.apical[: len(layers.apical)] = layers.apical
@@ -99,7 +103,7 @@ def stored(
     return Store(parts)
 
 
-def _room(capacity: int, emt: Emt, curve: CurveNumbers) -> StoreArrays:
+def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreArrays:
     """Empty arrays."""
     kinds: list[Any] = [KINDS.get(name, np.float64) for name in Cells._fields]
     made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
@@ -110,10 +114,10 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers) -> StoreArrays:
     motion = BasalMotion(*np.zeros((3, capacity)))
     sizes, key, counts = np.zeros(4, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
     on = Forces(*np.zeros((len(Forces._fields), capacity)))
-    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts, curve, on)
+    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts, curve, on, space)
 
 
-_EXAMPLE = _room(2, no_emt(), STRAIGHT)
+_EXAMPLE = _room(2, no_emt(), STRAIGHT, IN_PLANE)
 STORE = kind_of_handle(_EXAMPLE)
 # The store at an address, inside of kernels.
 store_at = reader(_EXAMPLE)
@@ -127,7 +131,12 @@ def copied(emt: Emt) -> Emt:
 def grown(held: Store) -> Store:
     """The same cells and counters with twice the room."""
     larger = stored(
-        *contents(held), int(held.sizes[NEXT_ID]), held.emt, capacity=2 * len(held.cells.x), curve=held.curve
+        *contents(held),
+        int(held.sizes[NEXT_ID]),
+        held.emt,
+        capacity=2 * len(held.cells.x),
+        curve=held.curve,
+        space=held.space,
     )
     larger.counts[:] = held.counts
     return larger

@@ -16,6 +16,7 @@ from tissue.kernels.rules import Rules
 from tissue.kernels.store import CELLS, Store
 from tissue.model.cytoskeleton import capped
 from tissue.model.emt import last_events
+from tissue.model.springs import apical_length, basal_length, cell_length
 from tissue.state.cells import Cells
 from tissue.state.numbers import Numbers
 
@@ -68,10 +69,10 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
         rest_ax, rest_bx = cells.rest_ax[i], cells.rest_bx[i]
         if cells.moves[i] and in_g2(cells, i, t, own):
             wanted_ax = 0.0
-            wanted_bx = math.hypot(cells.ax[i] - cells.bx[i], cells.ay[i] - cells.by[i]) - 2.0
+            wanted_bx = cell_length(cells, i) - 2.0
         else:
-            wanted_ax = math.hypot(cells.x[i] - cells.ax[i], cells.y[i] - cells.ay[i]) - 1.0
-            wanted_bx = math.hypot(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i]) - 1.0
+            wanted_ax = apical_length(cells, i) - 1.0
+            wanted_bx = basal_length(cells, i) - 1.0
         if own.floor_rest:
             wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
         wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], own.max_cytoskeleton)

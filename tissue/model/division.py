@@ -9,9 +9,10 @@ from numpy.random import Generator
 from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.kernels.handed import numbers_of
-from tissue.kernels.rules import Rules, call_place, call_splits
+from tissue.kernels.rules import Rules, call_place, call_split_in_space, call_splits
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cycle import draw_cycle
+from tissue.space.state import SPATIAL
 from tissue.state.cells import Cells, Integers
 from tissue.state.numbers import Numbers
 
@@ -45,11 +46,21 @@ def divide(store: Store, t: float, numbers: Numbers, rules: Rules, draws: Genera
             cells.birth[i] = t
             cells.cycle[i] = draw_cycle(own, draws)
             if two:
-                _split(store, i, own)
-                call_place(rules.place, store, i, own)
-                i += 1
-                cells.cycle[i] = draw_cycle(own, draws)
+                daughter = _part(store, i, own, rules, draws)
+                cells.cycle[daughter] = draw_cycle(own, draws)
         i += 1
+
+
+@inner
+def _part(store: Store, i: int, numbers: Numbers, rules: Rules, draws: Generator) -> int:
+    """Part cell i into two beside each other: the place of the second one."""
+    if store.space.dimension == SPATIAL:
+        call_split_in_space(store.space.rules.split, store, i, draws.random(), numbers)
+        last: int = store.sizes[CELLS] - 1
+        return last
+    _split(store, i, numbers)
+    call_place(rules.place, store, i, numbers)
+    return i + 1
 
 
 @inner

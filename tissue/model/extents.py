@@ -6,8 +6,8 @@ import math
 
 from dincl.compile import inner
 from tissue.kernels import kernel
-from tissue.kernels.curve import height_of
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
+from tissue.model.heights import height_above
 from tissue.state.cells import Cells, Floats
 
 
@@ -19,6 +19,8 @@ def is_closed(store: Store) -> bool:
     layer folds in crowds, above a line, too.
     """
     size = store.sizes[APICAL]
+    if store.space.torn[0]:
+        return True
     if not store.curve.hollow or size < 8:
         return False
     cells, layer, longest = store.cells, store.layers.apical, 0.0
@@ -60,7 +62,7 @@ def measure_extents(store: Store, extents: Floats) -> None:
     low, high, total = math.inf, -math.inf, 0.0
     for k in range(store.sizes[APICAL]):
         i = layers.apical[k]
-        height = height_of(store.curve, cells.ax[i], cells.ay[i])
+        height = height_above(store, cells.ax[i], cells.ay[i], cells.az[i])
         low, high, total = min(low, cells.ax[i]), max(high, cells.ax[i]), total + height
     extents[0], extents[2] = total / store.sizes[APICAL], high - low
     low, high = math.inf, -math.inf
@@ -70,6 +72,6 @@ def measure_extents(store: Store, extents: Floats) -> None:
     extents[3] = high - low
     low, high, total = math.inf, -math.inf, 0.0
     for i in range(n):
-        height = height_of(store.curve, cells.x[i], cells.y[i])
+        height = height_above(store, cells.x[i], cells.y[i], cells.z[i])
         low, high, total = min(low, cells.x[i]), max(high, cells.x[i]), total + height
     extents[1], extents[4] = total / n, high - low

@@ -9,6 +9,7 @@ from numpy.random import Generator
 from dincl.compile import inner
 from tissue.kernels.normals import WORDS
 from tissue.kernels.store import CELLS, Store
+from tissue.space.state import SPATIAL
 from tissue.state.cells import Integers
 
 
@@ -17,10 +18,12 @@ def add_noise(store: Store, variance: float, noise: Generator) -> None:
     """Add N(0, variance) to each coordinate of the nuclei, (3.35); draw nothing if there is no variance."""
     if variance == 0.0:
         return
-    deviation, x, y = math.sqrt(variance), store.cells.x, store.cells.y
+    deviation, x, y, z = math.sqrt(variance), store.cells.x, store.cells.y, store.cells.z
     for i in range(store.sizes[CELLS]):
         x[i] += deviation * noise.standard_normal()
         y[i] += deviation * noise.standard_normal()
+        if store.space.dimension == SPATIAL:
+            z[i] += deviation * noise.standard_normal()
 
 
 @inner

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -9,7 +10,8 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.errors import InvalidProblem
-from tissue.state.cells import CellLayers, Floats, Integers
+from tissue.space.measures import basal_area, positions_in_space
+from tissue.state.cells import COORDINATES, DEPTHS, CellLayers, Floats, Integers
 
 if TYPE_CHECKING:
     from tissue.state.frame import Frame
@@ -47,7 +49,7 @@ class Extruded(NamedTuple):
 def is_measurable(frame: Frame) -> bool:
     """Whether all coordinates are finite, and small enough for their squares to be so, too."""
     cells = frame.cells
-    return all(bounded(array) for array in (cells.x, cells.y, cells.ax, cells.ay, cells.bx, cells.by))
+    return all(bounded(getattr(cells, name)) for name in (*COORDINATES, *DEPTHS))
 
 
 def measurable(frames: Iterable[Frame]) -> list[Frame]:
@@ -63,12 +65,12 @@ def height(frame: Frame) -> float:
     Raises InvalidProblem if the layer is empty.
     """
     cells, apical = frame.cells, _inhabited("apical", frame.layers)
-    return float(frame.curve.heights(cells.ax[apical], cells.ay[apical]).mean())
+    return float(frame.heights(cells.ax[apical], cells.ay[apical], cells.az[apical]).mean())
 
 
 def nucleus_height(frame: Frame) -> float:
     """Mean of h(X_i) over all cells."""
-    return float(frame.curve.heights(frame.cells.x, frame.cells.y).mean())
+    return float(frame.heights(frame.cells.x, frame.cells.y, frame.cells.z).mean())
 
 
 def widths(frame: Frame) -> Widths:
@@ -85,9 +87,12 @@ def nuclear_layers(frame: Frame) -> float:
     """2 N / (max x - min x + 2): how many soft discs a vertical line crosses, on average over all that cross one.
 
     This counts the layers of nuclei, one above the other, that make the epithelium look stratified
-    (section 2.2.9 of chapter 3). Where the layer bends: how many a normal crosses, by the feet of the nuclei.
+    (section 2.2.9 of chapter 3). Where the layer bends: how many a normal crosses, by the feet of the nuclei. In space
+    it is pi N over the area of the basal network.
     """
     n, curve = len(frame.cells.x), frame.curve
+    if frame.sheets is not None:
+        return float(math.pi * n / basal_area(frame.cells, frame.sheets))
     if curve.ring:
         return SOFT_DIAMETER * n / curve.length
     feet = curve.feet(frame.cells.x, frame.cells.y)
@@ -134,6 +139,8 @@ def ab_positions(frame: Frame) -> Floats:
         If the apical layer is empty, or its point nearest to a nucleus lies on the basal line.
     """
     cells, apical = frame.cells, _inhabited("apical", frame.layers)
+    if frame.sheets is not None:
+        return positions_in_space(cells, frame.sheets)
     if frame.curve.ring:
         apical = np.append(apical, apical[0])
     path_x, path_y = cells.ax[apical], cells.ay[apical]

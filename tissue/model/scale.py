@@ -7,7 +7,9 @@ import math
 from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
+from tissue.kernels.rules import call_position
 from tissue.kernels.store import APICAL, CELLS, Store
+from tissue.space.state import SPATIAL
 from tissue.state.cells import Floats
 
 
@@ -17,6 +19,9 @@ def ab_position(store: Store, i: int) -> float:
 
     h is the height above the basal layer, y above a line.
     """
+    if store.space.dimension == SPATIAL:
+        in_space: float = call_position(store.space.rules.position, store, i)
+        return in_space
     cells, layer = store.cells, store.layers.apical
     x, y = cells.x[i], cells.y[i]
     nearest, reference, size = math.inf, (cells.ax[layer[0]], cells.ay[layer[0]]), store.sizes[APICAL]
@@ -40,7 +45,7 @@ def ab_position(store: Store, i: int) -> float:
 def apical_range(store: Store) -> tuple[float, float]:
     """The lowest and the highest y of the apical layer, between which A^ref lies; no bounds where the layer bends."""
     low, high = math.inf, -math.inf
-    if store.curve.bent:
+    if store.curve.bent or store.space.surface.bends:
         return -math.inf, math.inf
     for k in range(store.sizes[APICAL]):
         i = store.layers.apical[k]

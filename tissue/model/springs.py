@@ -5,10 +5,12 @@ W = alpha (d - l)^2 / l^p,  d the distance, l = 1 + eta,  with p = ``power``
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from dincl.compile import inner
 from tissue.kernels.lanes import fma
+from tissue.state.cells import Cells
 
 
 def energy(d: Any, rest: Any, alpha: Any, power: int) -> Any:
@@ -19,6 +21,31 @@ def energy(d: Any, rest: Any, alpha: Any, power: int) -> Any:
 def tension(d: Any, rest: Any, alpha: Any, power: int) -> Any:
     """dW/dd."""
     return 2 * alpha * (d - rest) / rest**power
+
+
+@inner
+def apical_length(cells: Cells, i: int) -> float:
+    """|X_i - A_i|."""
+    return _length(cells.x[i] - cells.ax[i], cells.y[i] - cells.ay[i], cells.z[i] - cells.az[i])
+
+
+@inner
+def basal_length(cells: Cells, i: int) -> float:
+    """|X_i - B_i|."""
+    return _length(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i], cells.z[i] - cells.bz[i])
+
+
+@inner
+def cell_length(cells: Cells, i: int) -> float:
+    """|A_i - B_i|."""
+    return _length(cells.ax[i] - cells.bx[i], cells.ay[i] - cells.by[i], cells.az[i] - cells.bz[i])
+
+
+@inner
+def _length(dx: float, dy: float, dz: float) -> float:
+    """The length of a vector, which in the plane has no third coordinate."""
+    in_plane = math.hypot(dx, dy)
+    return in_plane if dz == 0.0 else math.hypot(in_plane, dz)
 
 
 @inner

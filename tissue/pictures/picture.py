@@ -43,6 +43,7 @@ from tissue.pictures.sheet import (
     type_entries,
     write,
 )
+from tissue.space.section import section
 from tissue.state.cells import NAMED
 from tissue.state.frame import Frame
 from tissue.tables import EVENTS
@@ -114,10 +115,11 @@ def drawing(
     room
         Inches that stay free below the legend.
     """
+    frames = [section(frame) for frame in frames]
     of = parameters if isinstance(parameters, Sequence) else [parameters] * max(1, len(frames))
     box, look = box or box_of(frames, of[0]), look_of(frames)
     with style():
-        figure, panels = _sheet(len(frames), box, of[0], DPI, _second(frames, of[0], look), room)
+        figure, panels = _sheet(len(frames), box, frames[0].curve, of[0], DPI, _second(frames, of[0], look), room)
         for panel, frame, own in zip(panels, frames, of, strict=False):
             _draw(panel, frame, own, _decimals(frames), look)
     return figure
@@ -125,8 +127,9 @@ def drawing(
 
 def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
     """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
+    frame = section(frame)
     with style():
-        _axes(panel, box_of([frame], parameters), parameters, lowest=True, leftmost=True)
+        _axes(panel, box_of([frame], parameters), frame.curve, parameters, lowest=True, leftmost=True)
         _draw(panel, frame, parameters, _decimals([frame]), look_of([frame]))
 
 
@@ -135,9 +138,10 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
 
     Arguments and errors are those of ``picture``.
     """
+    frames = [section(frame) for frame in frames]
     box, look = box_of(frames, parameters), look_of(frames)
     with style():
-        figure, (panel,) = _sheet(1, box, parameters, MOVIE_DPI, _second(frames, parameters, look))
+        figure, (panel,) = _sheet(1, box, frames[0].curve, parameters, MOVIE_DPI, _second(frames, parameters, look))
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
@@ -175,7 +179,13 @@ def _second(frames: Sequence[Frame], parameters: Parameters, look: EmtLook) -> d
 
 
 def _sheet(
-    count: int, box: Box, parameters: Parameters, dpi: int, second: dict[str, Any], room: float = 0.0
+    count: int,
+    box: Box,
+    curve: BasalCurve,
+    parameters: Parameters,
+    dpi: int,
+    second: dict[str, Any],
+    room: float = 0.0,
 ) -> tuple[Figure, list[Axes]]:
     """A figure with ``count`` panels of one scale, and the legend below, further entries above the usual ones."""
     entries = list(second.items())
@@ -196,20 +206,20 @@ def _sheet(
         left = LEFT + column * (slot + GAP)
         low = below + (rows - 1 - row) * (tall + TOP + GAP)
         panels.append(figure.add_axes((left / WIDTH, low / total, wide / WIDTH, tall / total)))
-        _axes(panels[-1], box, parameters, lowest=k + columns >= count, leftmost=column == 0)
+        _axes(panels[-1], box, curve, parameters, lowest=k + columns >= count, leftmost=column == 0)
     for k, line in enumerate(lines):
         legend(figure, line, LEFT / WIDTH, (k * LEGEND + room) / total)
     return figure, panels
 
 
-def _axes(panel: Axes, box: Box, parameters: Parameters, *, lowest: bool, leftmost: bool) -> None:
+def _axes(panel: Axes, box: Box, curve: BasalCurve, parameters: Parameters, *, lowest: bool, leftmost: bool) -> None:
     panel.set(xlim=(box.left, box.right), ylim=(box.low, box.high), aspect="equal")
     panel.tick_params(labelbottom=lowest, labelleft=leftmost)
     if lowest:
         panel.set_xlabel("x [µm]")
     if leftmost:
         panel.set_ylabel("y [µm]")
-    _draw_basal_layer(panel, box, parameters.curve(), parameters.cell.soft_radius.value)
+    _draw_basal_layer(panel, box, curve, parameters.cell.soft_radius.value)
 
 
 def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> None:

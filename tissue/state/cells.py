@@ -44,12 +44,16 @@ class Cells(NamedTuple):
     chain: Integers  # 0, or the number of a chain of apical points apart from the layer: id + 1 of its first cell
     along: Floats  # arclength of the basal point, where the layer bends and holds it; on a line bx says it
     kind: Integers  # CONTROL, EMT, or the number of a named type from NAMED on
+    z: Floats  # in three dimensions the third coordinates of X, A and B; in the plane all are 0
+    az: Floats
+    bz: Floats
 
 
 # The types of cells, see ``Cells.kind``: the first named one has the number NAMED.
 CONTROL, EMT, NAMED = range(3)
-# The fields of Cells that are coordinates.
+# The fields of Cells that are coordinates in the plane, and the third ones.
 COORDINATES = Cells._fields[:6]
+DEPTHS = ("z", "az", "bz")
 
 
 class CellLayers(NamedTuple):

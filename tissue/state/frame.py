@@ -5,10 +5,14 @@ from __future__ import annotations
 from os import PathLike
 from typing import NamedTuple
 
+import numpy as np
+
 from dincl.checks import describe, instance
 from dincl.errors import InvalidProblem
+from tissue.space.mesh import Sheets
+from tissue.space.surface import heights
 from tissue.state.basal_curve import LINE, BasalCurve
-from tissue.state.cells import CellLayers, Cells
+from tissue.state.cells import CellLayers, Cells, Floats
 from tissue.state.checkpoint import TissueCheckpoint
 
 # What a run can be started from, in messages.
@@ -27,6 +31,7 @@ class Frame(NamedTuple):
     layers: CellLayers
     curve: BasalCurve = LINE  # the basal layer
     checkpoint: TissueCheckpoint | None = None
+    sheets: Sheets | None = None  # in three dimensions the basal surface and both networks
 
     @property
     def past(self) -> TissueCheckpoint:
@@ -36,6 +41,12 @@ class Frame(NamedTuple):
             raise InvalidProblem(f"a frame at t = {at} h that no run has made: must be {A_START}")
         instance("checkpoint", self.checkpoint, TissueCheckpoint, f"that of {A_START}")
         return self.checkpoint
+
+    def heights(self, x: Floats, y: Floats, z: Floats) -> Floats:
+        """The distance of points (m,) from the basal layer, along its normal; below 0 on the side without tissue."""
+        if self.sheets is None:
+            return self.curve.heights(x, y)
+        return heights(self.sheets.surface, np.column_stack((x, y, z)))
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the whole state, by convention to a file .npz, from which ``load`` reads the same bits.
@@ -47,7 +58,7 @@ class Frame(NamedTuple):
         """
         from tissue.files.frames import save
 
-        save((self.t, self.cells, self.layers, self.curve, self.past), path)
+        save((self.t, self.cells, self.layers, self.curve, self.past, self.sheets), path)
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Frame:

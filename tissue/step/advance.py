@@ -20,6 +20,7 @@ from tissue.model.emt import begin_events
 from tissue.model.extents import is_closed
 from tissue.model.noise import add_noise, draw_key
 from tissue.model.scale import watch_sides
+from tissue.space.state import SPATIAL
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers
 from tissue.step.copies import copy_in, copy_out
@@ -71,7 +72,12 @@ def advance(
 
 @kernel
 def make_substeps(stores: Integers, ended: Integers, how: Integers) -> int:
-    """All substeps of one dt, without the rules: the largest number of cells of the tissues that run."""
+    """All substeps of one dt, without the rules: the largest number of cells of the tissues that run.
+
+    In space they copy the tissue, which is alone, by themselves.
+    """
+    if store_at(stores[0]).space.dimension == SPATIAL:
+        return call_substeps(how[3], how[1], stores[0], 0) if ended[0] == RUNNING else 0
     numbers, flat = numbers_at(how[0]), board_at(how[1])
     n = copy_in(stores, ended, flat, numbers, numbers.dt / numbers.substeps / numbers.mu)
     if n > 0:
@@ -118,7 +124,7 @@ def find_lost(store: Store) -> int:
     cells = store.cells
     for i in range(store.sizes[CELLS]):
         nucleus, apical = abs(cells.x[i]) + abs(cells.y[i]), abs(cells.ax[i]) + abs(cells.ay[i])
-        basal = abs(cells.bx[i]) + abs(cells.by[i])
-        if not nucleus + apical + basal < LOST:  # nor if it is NaN
+        basal, deep = abs(cells.bx[i]) + abs(cells.by[i]), abs(cells.z[i]) + abs(cells.az[i]) + abs(cells.bz[i])
+        if not nucleus + apical + basal + deep < LOST:  # nor if it is NaN
             return i
     return -1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -91,7 +92,7 @@ class Group:
         if self.forces:
             self._own = handed_forces(self.forces, self._addresses, self._handed.address, scale)
             own = self._own.address
-        self._board = Boards(capacity, width, numbers, scale, self.stores[0].curve, own)
+        self._board: Any = Boards(capacity, width, numbers, scale, self.stores[0].curve, own)
         code, rules = substeps_address(width), self._rules.address
         how = self._handed.address, self._board.flat.address, self._board.wide.address, code, rules
         self._how = np.array(how, np.int64)

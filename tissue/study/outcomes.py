@@ -177,7 +177,7 @@ def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) ->
     """One row for each run; what was not measured, because it had failed, is null."""
     n, scale = len(replicates), lot.parameters.cell.soft_radius.value
     detail = [lot.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
-    states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED]
+    states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN]
     ended = [lot.status(k) if sound[k] or not lot.goes_on(k) else Status.NON_FINITE for k in range(n)]
     columns: dict[str, Any] = {
         "replicate": np.array(replicates, np.int64),

@@ -1,0 +1,48 @@
+"""What a file must say of a tissue in three dimensions, and what it must not."""
+
+import pytest
+
+from dincl.errors import InvalidProblem
+from tests.tissue.space.in_space import OF_CYLINDER, OF_SPHERE, parameters
+from tissue.files.parameters import preset
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"tissue.dimension": 4}, "tissue.dimension = 4: must be 2 or 3"),
+        ({"layer.shape": "ellipse"}, 'layer.shape = "ellipse": must be "line" or "circle" or "sphere" in three dim'),
+        (
+            {"tissue.dimension": 2, "layer.shape": "sphere"},
+            'must be "line" or "circle" or "ellipse" or "points" in a slice',
+        ),
+        ({"tissue.cells": 45}, "space.rows = 0: must be with a number of cells that fills rows"),
+        ({"space.rows": 7}, "space.rows = 7: must be 4 or 8 or 16, or 0"),
+        ({"tissue.apical_spacing": "0.6 R_soft"}, 'tissue.apical_spacing = "0.6 R_soft": must be tissue.basal_spacing'),
+        (
+            OF_CYLINDER | {"tissue.max_basal_distance": "1/3 R_soft"},
+            "tissue.cells = 208: must be at least 384: of fewer",
+        ),
+        (OF_SPHERE | {"tissue.cells": 50}, "tissue.cells = 50: must be at least 187: of fewer the basal points do not"),
+        (OF_SPHERE | {"layer.side": "inside", "tissue.height": "3 R_soft"}, "must be below 2.387 R_soft, the radius"),
+        ({"space.rows": 4}, "tissue.cells = 64: must be more, in more rows or columns: the sheet repeats after 2.309"),
+        ({"emt.cells": 2, "emt.ac": "1 h"}, 'emt.ac = "1 h": must be "never" in three dimensions'),
+        ({"space.flip_margin": 1.5}, "space.flip_margin = 1.5: must be a number from 0 to 1"),
+    ],
+)
+def test_what_does_not_go_together(changes, message):
+    with pytest.raises(InvalidProblem) as error:
+        parameters().changed(changes)
+    assert message in str(error.value)
+
+
+def test_a_slice_has_no_rows():
+    """Keys of [space] are without effect in a slice, where any number of cells is right."""
+    assert preset("published").changed({"tissue.cells": 47, "space.rows": 6}).curve().pieces == 0
+
+
+@pytest.mark.parametrize(("cells", "rows"), [(400, 20), (64, 8), (100, 10), (2000, 50)])
+def test_rows_of_a_square_sheet(cells, rows):
+    surface = parameters(tissue__cells=cells).lattice().surface
+    assert surface.period_z == pytest.approx(rows * 3**0.5 / 3)
+    assert surface.period_x == pytest.approx(cells / rows * 2 / 3)

@@ -1,0 +1,143 @@
+"""Runs in space: limits that are known, invariants at all kept times, the same bits however they are made."""
+
+import numpy as np
+import pytest
+
+import tissue
+from tests.tissue.space.in_space import SURFACES, of_surface, parameters, same
+from tissue.first_order import simulate
+from tissue.model.observables import ab_positions, height
+from tissue.space.measures import basal_area
+from tissue.state.frame import Frame
+
+EMT = {"emt__cells": 3, "emt__a": "0.5 h", "emt__b": "1 h", "emt__s": "1 h", "emt__p": "1.5 h"}
+# Neither noise nor a phase in which a cell is larger, and nuclei that do not touch at the start.
+CALM = {
+    "tissue__diffusion": "0 um^2/h",
+    "cell__g2": "0 h",
+    "cell__mitosis": "0 h",
+    "tissue__two_daughters": 0,
+    "tissue__apical_spacing": "0.8 R_soft",
+    "tissue__basal_spacing": "0.8 R_soft",
+    "tissue__max_basal_distance": "0.8 R_soft",
+    "start__nuclei": "own_basal",
+    "start__nuclei_height": [0.5, 0.5],
+}
+
+
+def test_a_symmetric_start_stays_symmetric():
+    """Each cell of a periodic lattice is as any other: springs, junctions and repulsion have no direction."""
+    cells = simulate(parameters(**CALM), 0).final.cells
+    start = simulate(parameters(**CALM, numerics__t_end="0.05 h"), 0).frames[0].cells
+    for name in ("y", "ay", "rest_ax"):
+        assert np.ptp(getattr(cells, name)) < 1e-9, name
+    for now, then in ((cells.x, start.bx), (cells.z, start.bz), (cells.ax, start.bx), (cells.az, start.bz)):
+        assert np.abs(now - then).max() < 1e-9
+    assert np.abs(cells.ay - start.ay).max() > 0.1
+
+
+def test_a_periodic_sheet_is_as_high_here_as_there():
+    """Of several seeds the difference between both halves is 0 within its error, across x and across z."""
+    given = parameters(numerics__t_end="6 h")
+    differences = []
+    for seed in range(12):
+        frame = simulate(given, seed).final
+        surface, cells = frame.sheets.surface, frame.cells
+        halves = [
+            (at - period * np.floor(at / period)) < period / 2
+            for at, period in ((cells.bx, surface.period_x), (cells.bz, surface.period_z))
+        ]
+        differences.append([cells.ay[half].mean() - cells.ay[~half].mean() for half in halves])
+    mean, error = np.mean(differences, axis=0), np.std(differences, axis=0, ddof=1) / np.sqrt(len(differences))
+    assert (np.abs(mean) < 4 * error).all(), (mean, error)
+    assert (error < 0.2).all()
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_basal_points_stay_on_their_surface(name):
+    run = simulate(of_surface(name, numerics__keep="0.5 h", **EMT), 1)
+    for frame in run.frames:
+        cells, held = frame.cells, frame.layers.basal
+        assert np.abs(frame.heights(cells.bx[held], cells.by[held], cells.bz[held])).max() < 1e-12
+    assert len(run.final.cells.x) > len(run.frames[0].cells.x)
+
+
+def test_the_triangles_of_a_periodic_network_cover_the_sheet_once():
+    """So no two edges cross, whatever moved, came or left."""
+    run = simulate(parameters(numerics__keep="0.1 h", **EMT), 2)
+    for frame in run.frames:
+        surface = frame.sheets.surface
+        assert basal_area(frame.cells, frame.sheets) == pytest.approx(surface.period_x * surface.period_z, rel=1e-12)
+        assert len(frame.sheets.basal.triangles) == 2 * len(frame.layers.basal)
+        assert len(frame.sheets.apical.triangles) == 2 * len(frame.layers.apical)
+
+
+def test_triangles_of_a_sphere():
+    """Euler characteristic 2, and less area than the sphere, of which they are chords."""
+    run = simulate(of_surface("sphere", numerics__keep="0.2 h", **EMT), 2)
+    radius = run.final.sheets.surface.radius
+    for frame in run.frames:
+        assert len(frame.sheets.basal.triangles) == 2 * len(frame.layers.basal) - 4
+        assert 0.9 < basal_area(frame.cells, frame.sheets) / (4 * np.pi * radius**2) < 1
+
+
+def test_cells_leave_their_layers():
+    run = simulate(parameters(**EMT), 3)
+    cells, layers = run.final.cells, run.final.layers
+    emt = np.flatnonzero(cells.emt >= 0)
+    assert len(emt) == 3
+    assert not np.isin(emt, layers.apical).any()
+    assert not np.isin(emt, layers.basal).any()
+    for mesh, layer in ((run.final.sheets.apical, layers.apical), (run.final.sheets.basal, layers.basal)):
+        assert np.array_equal(np.unique(mesh.triangles), layer)
+
+
+@pytest.mark.parametrize("name", SURFACES)
+def test_a_run_goes_on_with_the_same_bits(name, tmp_path):
+    given = of_surface(name, **EMT)
+    whole, half = simulate(given, 5), simulate(given.changed({"numerics.t_end": "1 h"}), 5)
+    half.final.save(tmp_path / "half.npz")
+    again = simulate(given, 5, Frame.load(tmp_path / "half.npz"))
+    assert same(again.final, whole.final)
+
+
+def test_runs_of_several_seeds_have_the_same_bits():
+    given = parameters()
+    for seed, run in enumerate(tissue.simulate_many(given, range(3))):
+        assert same(run.final, simulate(given, seed).final)
+
+
+@pytest.mark.parametrize("name", ["plane", "sphere"])
+def test_positions_against_a_dense_sample_of_the_apical_surface(name):
+    frame = simulate(of_surface(name), 6).final
+    positions, cells = ab_positions(frame), frame.cells
+    corners = np.column_stack((cells.ax, cells.ay, cells.az))[frame.sheets.apical.triangles]
+    u, v = (part.ravel() for part in np.meshgrid(np.linspace(0, 1, 21), np.linspace(0, 1, 21)))
+    u, v = u[u + v <= 1], v[u + v <= 1]
+    surface = frame.sheets.surface
+    for i in range(0, len(cells.x), 7):
+        arrow = corners - (cells.x[i], cells.y[i], cells.z[i])
+        for axis, period in ((0, surface.period_x), (2, surface.period_z)):
+            if np.isfinite(period):
+                arrow[..., axis] -= period * np.round(arrow[..., axis] / period)
+        sample = arrow[:, None, 0] + u[:, None] * (arrow[:, None, 1] - arrow[:, None, 0])
+        sample = (sample + v[:, None] * (arrow[:, None, 2] - arrow[:, None, 0])).reshape(-1, 3)
+        x, y, z = (sample[(sample**2).sum(axis=1).argmin()] + (cells.x[i], cells.y[i], cells.z[i]))[:, None]
+        found = frame.heights(cells.x[[i]], cells.y[[i]], cells.z[[i]]) / frame.heights(x, y, z)
+        assert positions[i] == pytest.approx(found[0], abs=0.05)
+    assert height(frame) > 0
+
+
+def test_a_failed_network_ends_the_run_with_its_status():
+    """Points of a layer in one place have no network to be put into."""
+    frame = simulate(parameters(numerics__t_end="0.1 h"), 0).final
+    frame.cells.ax[1], frame.cells.az[1] = frame.cells.ax[0], frame.cells.az[0]
+    frame.cells.ay[1] = frame.cells.ay[0]
+    run = simulate(
+        parameters(numerics__t_end="0.15 h", cell__alpha_ax=0, cell__alpha_axb=0, cell__alpha_aa=0),
+        0,
+        frame,
+        throw=False,
+    )
+    assert run.status.name == "NETWORK_TORN"
+    assert np.isfinite(run.final.cells.ax).all()

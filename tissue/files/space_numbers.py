@@ -1,0 +1,41 @@
+"""Plain numbers of the parameters of a file that there are in space alone."""
+
+from __future__ import annotations
+
+from tissue.files.emt_sections import EventsSection
+from tissue.files.sections import LayerSection, SpaceSection, TissueSection
+from tissue.files.units import Measure, reduced
+from tissue.space.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
+from tissue.space.network import halfedges, remove
+from tissue.space.state import Exchange
+
+# At the boundary of an open sheet neighbours are apart by so many times the largest distance of basal points at most.
+REACH = 2.0
+
+
+def to_lattice(tissue: TissueSection, layer: LayerSection, space: SpaceSection, soft_radius: Measure) -> Lattice:
+    """The basal points at the start.
+
+    Raises
+    ------
+    InvalidProblem
+        If the cells do not fill their rows.
+    """
+    cells, inside, periodic = tissue.cells, layer.side == "inside", space.boundary == "periodic"
+    around = reduced(layer.perimeter, soft_radius)
+    if layer.shape == "sphere":
+        return ball_lattice(cells, around, inside=inside)
+    rows = rows_of(cells, space.rows)
+    if layer.shape == "circle":
+        return round_lattice(cells, rows, around, inside=inside, periodic=periodic)
+    return flat_lattice(cells, rows, reduced(tissue.basal_spacing, soft_radius), periodic=periodic)
+
+
+def to_exchange(tissue: TissueSection, space: SpaceSection, events: EventsSection, soft_radius: Measure) -> Exchange:
+    """How cells exchange neighbours."""
+    return Exchange(
+        margin=space.flip_margin,
+        reach=REACH * reduced(tissue.max_basal_distance, soft_radius),
+        new_rest=halfedges.MEAN if space.new_rest == "mean" else halfedges.PRESENT,
+        bridge=remove.SUM if events.bridge == "sum" else remove.PRESENT,
+    )

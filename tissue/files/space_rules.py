@@ -1,0 +1,137 @@
+"""Which values go together in three dimensions, and which need them."""
+
+from __future__ import annotations
+
+import math
+
+from dincl.errors import InvalidProblem
+from tissue.division import BESIDE
+from tissue.files.rule import Rule, show
+from tissue.files.timing import Timing
+from tissue.files.units import Measure, reduced
+from tissue.space.lattice import ROW, rows_of
+from tissue.space.state import FLAT
+
+IN_SPACE = "in three dimensions"
+# Two descriptions of one length differ by rounding.
+ROUNDING = 1e-12
+# Period that a board takes, twice the diameter of soft balls [R_soft].
+SHORTEST = 4.0
+
+
+def _shape(shape: str, dimension: int) -> str | None:
+    """An ellipse and a curve are layers of a slice; a sphere is none."""
+    allowed = ("line", "circle", "ellipse", "points") if dimension == FLAT else ("line", "circle", "sphere")
+    if shape in allowed:
+        return None
+    return f"{' or '.join(map(show, allowed))} {'in a slice' if dimension == FLAT else IN_SPACE}"
+
+
+def _below_the_middle(
+    height: Measure, dimension: int, shape: str, side: str, around: Measure, soft: Measure
+) -> str | None:
+    """The apical points of a tissue inside a sphere have not come to its middle; see ``_bends`` for a cylinder."""
+    radius = reduced(around, soft) / (2.0 * math.pi)
+    if dimension == FLAT or shape != "sphere" or side == "outside" or reduced(height, soft) < radius:
+        return None
+    return f"below {radius:.4g} R_soft, the radius of the basal surface"
+
+
+def _rows(rows: int, cells: int, dimension: int, shape: str) -> str | None:
+    if dimension == FLAT or shape == "sphere":
+        return None
+    try:
+        rows_of(cells, rows)
+    except InvalidProblem as error:
+        return str(error).partition(": must be ")[2]
+    return None
+
+
+def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *lengths: Measure) -> str | None:
+    """In a period nuclei meet one image of each other; see ``tissue.space.step.board.period``."""
+    if dimension == FLAT or shape == "sphere" or boundary == "open":
+        return None
+    around, spacing = (reduced(length, lengths[-1]) for length in lengths[:-1])
+    try:
+        across = rows_of(cells, rows)
+    except InvalidProblem:
+        return None
+    if shape == "circle":
+        spacing = around * across / cells
+    periods = (across * ROW * spacing, cells / across * spacing if shape == "line" else around)
+    if min(periods) > SHORTEST:
+        return None
+    return (
+        f"more, in more rows or columns: the sheet repeats after {min(periods):.4g} R_soft, and must after more than "
+        f"{SHORTEST:g}, twice the range of nuclei"
+    )
+
+
+def _dense(
+    cells: int, dimension: int, shape: str, rows: int, around: Measure, largest: Measure, soft: Measure
+) -> str | None:
+    """The basal points go around a cylinder or a sphere within (C2)."""
+    if dimension == FLAT or shape == "line":
+        return None
+    length, most = reduced(around, soft), reduced(largest, soft)
+    if shape == "sphere":
+        least = length**2 / math.pi / (math.sqrt(3.0) / 2.0 * most**2)
+    else:
+        try:
+            least = length / most * rows_of(cells, rows)
+        except InvalidProblem:
+            return None
+    ok = cells >= least * (1.0 - ROUNDING)
+    return None if ok else f"at least {math.ceil(least)}: of fewer the basal points do not go around within (C2)"
+
+
+def _same_spacing(
+    apical: Measure, dimension: int, basal: Measure, shape: str, boundary: str, soft: Measure
+) -> str | None:
+    """A periodic sheet has one period."""
+    if dimension == FLAT or shape != "line" or boundary == "open":
+        return None
+    one, other = reduced(apical, soft), reduced(basal, soft)
+    return None if abs(one - other) <= ROUNDING * other else f"tissue.basal_spacing = {show(basal)} {IN_SPACE}"
+
+
+def _beside(rule: str, dimension: int) -> str | None:
+    """The places of daughters in space are chosen by a rule of its own."""
+    return None if dimension == FLAT or rule == BESIDE.name else f"{show(BESIDE.name)} {IN_SPACE}"
+
+
+def _no_chains(time: Timing, dimension: int) -> str | None:
+    return None if dimension == FLAT or not time.ever else f'"never" {IN_SPACE}: there are no chains'
+
+
+SPACE_RULES = (
+    Rule(("layer.shape", "tissue.dimension"), _shape),
+    Rule(
+        ("tissue.height", "tissue.dimension", "layer.shape", "layer.side", "layer.perimeter", "cell.soft_radius"),
+        _below_the_middle,
+    ),
+    Rule(("space.rows", "tissue.cells", "tissue.dimension", "layer.shape"), _rows),
+    Rule(
+        (
+            *("tissue.cells", "tissue.dimension", "layer.shape", "space.rows", "layer.perimeter"),
+            *("tissue.max_basal_distance", "cell.soft_radius"),
+        ),
+        _dense,
+    ),
+    Rule(
+        (
+            *("tissue.cells", "tissue.dimension", "layer.shape", "space.boundary", "space.rows", "layer.perimeter"),
+            *("tissue.basal_spacing", "cell.soft_radius"),
+        ),
+        _wide,
+    ),
+    Rule(
+        (
+            *("tissue.apical_spacing", "tissue.dimension", "tissue.basal_spacing", "layer.shape", "space.boundary"),
+            "cell.soft_radius",
+        ),
+        _same_spacing,
+    ),
+    Rule(("division.rule", "tissue.dimension"), _beside),
+    Rule(("emt.ac", "tissue.dimension"), _no_chains),
+)

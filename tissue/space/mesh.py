@@ -1,0 +1,115 @@
+"""The networks of a tissue as they are kept: without room to grow, and without what only kernels need."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from tissue.space.network.state import GHOSTS, Network, no_network
+from tissue.space.state import Space
+from tissue.space.surface import Surface
+from tissue.state.cells import Floats, Integers
+
+
+class Mesh(NamedTuple):
+    """A network of n cells with T triangles; see ``tissue.space.network.state.Network`` for its half-edges."""
+
+    corner: Integers  # (3 T,)
+    twin: Integers
+    rest: Floats
+    out: Integers  # (n + GHOSTS,), the last ones of the ghosts
+    u: Floats
+    v: Floats
+    w: Floats
+
+    @property
+    def triangles(self) -> Integers:
+        """Cells of the triangles without those to ghosts, (m, 3)."""
+        found = self.corner.reshape(-1, 3)
+        inside: Integers = found[found.min(axis=1) >= 0]
+        return inside
+
+    @property
+    def edges(self) -> Integers:
+        """Pairs of cells that are joined, (m, 2), each once."""
+        ends = np.column_stack((self.corner, self.corner.reshape(-1, 3)[:, [1, 2, 0]].ravel()))
+        once: Integers = ends[(np.arange(len(ends)) < self.twin) & (ends.min(axis=1) >= 0)]
+        return once
+
+
+class Sheets(NamedTuple):
+    """The surface that holds the basal points, and both networks."""
+
+    surface: Surface
+    apical: Mesh
+    basal: Mesh
+
+
+def kept(space: Space, n: int) -> Sheets:
+    """Copies of the networks of n cells as they are now."""
+    return Sheets(space.surface, _mesh(space.apical, n), _mesh(space.basal, n))
+
+
+def network_of(mesh: Mesh, capacity: int) -> Network:
+    """A network with room for so many cells that goes on from a mesh."""
+    network, used, n = no_network(capacity), len(mesh.corner), len(mesh.out) - GHOSTS
+    for name in ("corner", "twin", "rest"):
+        getattr(network, name)[:used] = getattr(mesh, name)
+    for name in ("out", "u", "v", "w"):
+        getattr(network, name)[:n] = getattr(mesh, name)[:n]
+        getattr(network, name)[-GHOSTS:] = getattr(mesh, name)[-GHOSTS:]
+    network.triangles[0] = used // 3
+    return network
+
+
+def _mesh(network: Network, n: int) -> Mesh:
+    used = 3 * int(network.triangles[0])
+    halves = (getattr(network, name)[:used].copy() for name in Mesh._fields[:3])
+    places = (
+        np.concatenate((getattr(network, name)[:n], getattr(network, name)[-GHOSTS:])) for name in Mesh._fields[3:]
+    )
+    return Mesh(*halves, *places)
+
+
+def as_arrays(sheets: Sheets | None) -> dict[str, Any]:
+    """The arrays of a file, by name; none in the plane."""
+    if sheets is None:
+        return {}
+    found: dict[str, Any] = {"surface": np.array(sheets.surface, np.float64)}
+    for name in ("apical", "basal"):
+        found |= {f"{name}.{field}": array for field, array in getattr(sheets, name)._asdict().items()}
+    return found
+
+
+def of_arrays(arrays: Mapping[str, Any]) -> Sheets | None:
+    """The sheets that the arrays of a file are."""
+    if "surface" not in arrays:
+        return None
+    bends, *numbers = arrays["surface"].tolist()
+    meshes = (Mesh(*(arrays[f"{name}.{field}"] for field in Mesh._fields)) for name in ("apical", "basal"))
+    return Sheets(Surface(int(bends), *numbers), *meshes)
+
+
+def wrong_mesh(mesh: Mesh, n: int) -> bool:
+    """Whether kernels would read or write elsewhere, or not end, with this mesh of n cells.
+
+    Twins are pairs with the same ends, each vertex that has a half-edge owns it, and the half-edges around each vertex
+    are all that begin there.
+    """
+    used = len(mesh.corner)
+    if used % 3 or len(mesh.out) != n + GHOSTS or not used:
+        return True
+    corner, twin, out = mesh.corner, mesh.twin, mesh.out
+    if corner.min() < -GHOSTS or corner.max() >= n or twin.min() < 0 or twin.max() >= used:
+        return True
+    ahead = corner.reshape(-1, 3)[:, [1, 2, 0]].ravel()
+    paired = (twin[twin] == np.arange(used)).all() and (corner[twin] == ahead).all() and (ahead[twin] == corner).all()
+    if not paired or out.min() < -1 or out.max() >= used:
+        return True
+    owners = np.flatnonzero(out >= 0)
+    owner = np.where(owners >= n, owners - n - GHOSTS, owners)
+    owned = (corner[out[owners]] == owner).all() and {*corner.tolist()} == {*owner.tolist()}
+    numbers = np.concatenate((mesh.rest, mesh.u, mesh.v, mesh.w))
+    return not (owned and np.isfinite(numbers).all() and (mesh.rest >= 0).all())

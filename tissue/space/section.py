@@ -1,0 +1,38 @@
+"""A section through a tissue in space, as a tissue in the plane: what one sees of a slice under a microscope."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tissue.space.surface import PLANE
+from tissue.state.basal_curve import LINE, ellipse
+from tissue.state.cells import CellLayers, Cells
+from tissue.state.frame import Frame
+
+
+def section(frame: Frame, z: float = 0.0) -> Frame:
+    """The cells whose nuclei, the hard balls, are cut by the plane z = const., from left to right, or around.
+
+    A frame of a tissue in the plane is its own section. The apical layer of a section joins the apical points in the
+    order of their cells: a drawing, not the junctions of the network. Nothing can be started from it.
+    """
+    if frame.sheets is None:
+        return frame
+    surface, cells = frame.sheets.surface, frame.cells
+    deep = cells.z - z
+    if math.isfinite(surface.period_z):
+        deep = deep - surface.period_z * np.round(deep / surface.period_z)
+    chosen = np.flatnonzero(np.abs(deep) <= cells.radius)
+    across = cells.bx if surface.bends == PLANE else np.arctan2(surface.side * cells.bx, surface.side * cells.by)
+    ordered = chosen[np.argsort(surface.side * across[chosen], kind="stable")]
+    kept = Cells._make(array[ordered] for array in cells)
+    layers = CellLayers(*(np.flatnonzero(np.isin(ordered, layer)) for layer in frame.layers))
+    if surface.bends == PLANE:
+        return Frame(frame.t, kept, layers, LINE)
+    # The circle has its point of arclength 0 at the origin.
+    down = surface.side * surface.radius
+    kept = kept._replace(y=kept.y - down, ay=kept.ay - down, by=kept.by - down)
+    around = 2.0 * math.pi * surface.radius
+    return Frame(frame.t, kept, layers, ellipse(around, 1.0, inside=surface.side < 0.0, ring=True))
