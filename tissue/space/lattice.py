@@ -120,6 +120,6 @@ def _sheet(cells: int, rows: int, spacing: float) -> tuple[Floats, Floats]:
     """A triangular lattice along s and z, centred, column by column."""
     columns = cells // rows
     column, row = (part.ravel() for part in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
-    s: Floats = spacing * (column - (columns - 1) / 2 + 0.5 * (row % 2) - 0.25)
-    z: Floats = ROW * spacing * (row - (rows - 1) / 2)
+    s: Floats = np.asarray(spacing * (column - (columns - 1) / 2 + 0.5 * (row % 2) - 0.25), np.float64)
+    z: Floats = np.asarray(ROW * spacing * (row - (rows - 1) / 2), np.float64)
     return s, z
