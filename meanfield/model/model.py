@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.checks import describe, integer, number
+from dincl.callables import fits
+from dincl.checks import describe, integer, number, shaped
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.model.functions import function
+from meanfield.model.functions import PARTICLE, SIGNATURES, function
 from meanfield.model.symbolic import Expressions, expressions, functions
 
 if TYPE_CHECKING:
@@ -51,8 +52,12 @@ class Model:
 
     Raises
     ------
+    FunctionFailed
+        at construction, if a function raises; the cause is what it raised.
     InvalidProblem
-        at construction, if a number or a function cannot be right.
+        at construction, if a number or a function cannot be right; by a method, if an argument cannot.
+    StepFailure
+        by a method, where the model has no finite value.
 
     Source: Section 2.1 of chapter 5, (5.4)-(5.8).
     """
@@ -146,7 +151,7 @@ class Model:
 
     def _evaluated(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
         """One of the functions; StepFailure where it has no finite value."""
-        arrays = [np.asarray(value, dtype=np.float64) for value in values]
+        arrays = [self._taken(*given) for given in zip(SIGNATURES[name][0], values, strict=False)]
         if name not in self._functions:
             self._functions[name] = function(self.expressions, name)
         found = self._functions[name](*arrays)
@@ -154,6 +159,13 @@ class Model:
             status = Status.SINGULAR if name in ("phi", "omega", "level", "jacobians") else Status.NON_FINITE
             raise StepFailure(status, f"{name} of the model has no finite value.")
         return found
+
+    def _taken(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
+        """An argument of a function as an array of its shape; what is one is passed on, for solvers call these too."""
+        shape = (None, self.nx) if name in PARTICLE else (self.ny,)
+        if type(value) is np.ndarray and value.dtype == np.float64 and fits(value.shape, shape):
+            return value
+        return shaped(name, value, shape)
 
     def _check_even(self) -> None:
         """V(-r) = V(r) and V(0) = 0, tried on points in general position."""

@@ -1,4 +1,4 @@
-"""Generated calls of meanfield: an answer without a NaN, or a documented error; never another one, a warning or a wait."""
+"""Generated calls of meanfield: an answer without a NaN, or a documented error; no other one, no warning, no wait."""
 
 import pytest
 
