@@ -244,8 +244,8 @@ class Density:
                 return np.concatenate(kept)[:n]
         found = sum(map(len, kept))
         raise InvalidProblem(
-            f"pdf: {MOST_ROUNDS} rounds of at most {MOST_TRIES} points gave {found} of {n} by rejection: must fill more "
-            "of its box, or come with a sampler"
+            f"pdf: {MOST_ROUNDS} rounds of at most {MOST_TRIES} points gave {found} of {n} by rejection: must fill "
+            "more of its box, or come with a sampler"
         )
 
 
