@@ -169,7 +169,8 @@ class Density:
         """
         rng, n = checks.generator("rng", rng), checks.integer("n", n, least=1, most=MOST_POINTS)
         if self.sampler is not None:
-            return SAMPLER.evaluated(self.sampler, rng, n, shape=(n, self.nx))
+            with np.errstate(all="ignore"):
+                return SAMPLER.evaluated(self.sampler, rng, n, shape=(n, self.nx))
         return self.panels.quantile(rng.random(n))[:, None] if self.nx == 1 else self._rejected(rng, n)
 
     def quantiles(self, n: int) -> Floats:
@@ -220,7 +221,8 @@ class Density:
         return [np.array([a, *self.breaks, b]) for a, b in zip(self.lower, self.upper, strict=True)]
 
     def _values(self, points: Floats) -> Floats:
-        values = PDF.evaluated(self.pdf, points, shape=(len(points),))
+        with np.errstate(all="ignore"):
+            values = PDF.evaluated(self.pdf, points, shape=(len(points),))
         if (values < 0).any():
             where = int(np.flatnonzero(values < 0)[0])
             PDF.refuse(f"returned {values[where]} at x = {points[where]}: must be >= 0.")

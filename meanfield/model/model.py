@@ -10,7 +10,7 @@ import numpy as np
 
 from dincl.callables import fits
 from dincl.checks import describe, integer, number, shaped
-from dincl.errors import InvalidProblem, StepFailure
+from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.model.functions import PARTICLE, SIGNATURES, function
 from meanfield.model.symbolic import Expressions, expressions, functions
@@ -53,11 +53,9 @@ class Model:
     Raises
     ------
     FunctionFailed
-        at construction, if a function raises; the cause is what it raised.
+        at construction, if a function raises, with what it raised as cause; by a method, where it is not finite.
     InvalidProblem
         at construction, if a number or a function cannot be right; by a method, if an argument cannot.
-    StepFailure
-        by a method, where the model has no finite value.
 
     Source: Section 2.1 of chapter 5, (5.4)-(5.8).
     """
@@ -150,14 +148,14 @@ class Model:
         return np.asarray(energy[:, 0])
 
     def _evaluated(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
-        """One of the functions; StepFailure where it has no finite value."""
+        """One of the functions; FunctionFailed where it has no finite value."""
         arrays = [self._taken(*given) for given in zip(SIGNATURES[name][0], values, strict=False)]
         if name not in self._functions:
             self._functions[name] = function(self.expressions, name)
         found = self._functions[name](*arrays)
         if not all(np.isfinite(part).all() for part in found):
             status = Status.SINGULAR if name in ("phi", "omega", "level", "jacobians") else Status.NON_FINITE
-            raise StepFailure(status, f"{name} of the model has no finite value.")
+            raise FunctionFailed(status, f"{name} of the model has no finite value.")
         return found
 
     def _taken(self, name: str, value: ArrayLike) -> NDArray[np.float64]:

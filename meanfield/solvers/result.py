@@ -37,7 +37,7 @@ class SolverResult(ABC):
 
     @abstractmethod
     def energy(self) -> NDArray[np.float64]:
-        """Total energy at each kept time, (K,)."""
+        """Total energy at each kept time, (K,); FunctionFailed where an energy of the model has no finite value."""
 
     def to_frame(self) -> Any:
         """A pandas DataFrame, a row for each kept time: t, y1, ..., v1, ..., the energy, and what else is measured."""
