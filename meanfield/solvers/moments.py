@@ -11,9 +11,10 @@ import numpy as np
 from dincl.checks import describe, flag, items, shaped
 from dincl.errors import InvalidProblem, StepFailure
 from meanfield import plotting
+from meanfield.density.weights import checked
 from meanfield.errors import NotClosed, SolveFailed
 from meanfield.forces.interaction import pair_energy
-from meanfield.forces.weights import checked, each
+from meanfield.forces.weights import each
 from meanfield.model.closure import closure, obstacle
 from meanfield.solvers.arguments import model_given, times, tolerance
 from meanfield.solvers.integrate import integrate

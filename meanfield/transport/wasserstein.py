@@ -12,10 +12,11 @@ from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from meanfield.density.density import Density
 from meanfield.density.panels import DEGREE, Panels
-from meanfield.forces.weights import checked
+from meanfield.density.weights import checked
 
 Floats = NDArray[np.float64]
 
+# What W1 is of, for messages.
 MEASURES = "finite points (n,) or (n, nx), Weighted points, a Density or Panels"
 # Exact for a distribution function on a panel, of degree DEGREE + 1, with one point to spare for signs.
 NODES, SHARES = np.polynomial.legendre.leggauss(DEGREE + 2)
