@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.callables import fits
 from dincl.checks import describe, integer, number, shaped
 from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
@@ -23,6 +22,7 @@ if TYPE_CHECKING:
 # Inverses of dg/dX are written out by minors, which is sensible for particles in space.
 MOST_DIMENSIONS = 3
 MOST_MACROSCOPIC = 12
+FLOAT = np.dtype(np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,10 +160,10 @@ class Model:
 
     def _taken(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
         """An argument of a function as an array of its shape; what is one is passed on, for solvers call these too."""
-        shape = (None, self.nx) if name in PARTICLE else (self.ny,)
-        if type(value) is np.ndarray and value.dtype == np.float64 and fits(value.shape, shape):
+        axes, n = (2, self.nx) if name in PARTICLE else (1, self.ny)
+        if type(value) is np.ndarray and value.dtype == FLOAT and value.ndim == axes and value.shape[-1] == n:
             return value
-        return shaped(name, value, shape)
+        return shaped(name, value, (None, n) if axes == 2 else (n,))
 
     def _check_even(self) -> None:
         """V(-r) = V(r) and V(0) = 0, tried on points in general position."""
