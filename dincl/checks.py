@@ -226,6 +226,12 @@ def instance(name: str, value: Any, kind: type[Any], allowed: str) -> Any:
     return value
 
 
+def generator(name: str, value: Any) -> np.random.Generator:
+    """A random generator of numpy."""
+    checked: np.random.Generator = instance(name, value, np.random.Generator, "a numpy.random.Generator")
+    return checked
+
+
 def items(name: str, value: Any, kind: type[Any] | tuple[type[Any], ...], allowed: str) -> tuple[Any, ...]:
     """The entries of a list, all of one class; ``allowed`` says which: "a list of constraints".
 

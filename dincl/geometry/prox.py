@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import array, describe, integer, number
+from dincl.checks import array, generator, integer, number
 from dincl.errors import InvalidProblem
 from dincl.geometry.active import checked, failures_told
 from dincl.geometry.normal import normal_cone
@@ -160,8 +160,7 @@ def _search(
     states = states[None] if states.ndim == 2 else states
     if states.ndim != 3 or not len(states):
         raise InvalidProblem(f"points of shape {states.shape}: must have shape (N, d) or (K, N, d), K >= 1")
-    if not isinstance(rng, np.random.Generator):
-        raise InvalidProblem(f"rng = {describe(rng)}: must be a numpy.random.Generator")
+    rng = generator("rng", rng)
     for x in states:
         time, _, closed = checked(problem, t, x, tol)
         normal_cone(problem, time, x, closed)

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from dincl.provenance import provenance
 from dincl.study.bar import progress
 from dincl.study.execute import carry_out
-from dincl.study.table import Row, Table
+from dincl.study.table import Row, Table, rounded, run_names
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -74,12 +74,12 @@ class Study:
             more = [f"and {len(changes) - MOST_DIFFERENCES} more"] if len(changes) > MOST_DIFFERENCES else []
             print("\n".join(f"  {line}" for line in changes[:MOST_DIFFERENCES] + more))
         done = table.done()
-        missing = [key for key in self.runs if self._name(key) not in done]
+        missing = [key for key in self.runs if self.name_of(key) not in done]
         if missing:
             self._make(missing, table, executor)
         rows = table.read()
-        wanted = {self._name(key) for key in self.runs}
-        mine = [name in wanted for name in rows[list(self.key)].itertuples(index=False, name=None)]
+        wanted = {self.name_of(key) for key in self.runs}
+        mine = [name in wanted for name in run_names(rows, self.key)]
         return rows.loc[mine].reset_index(drop=True)  # of no rows, too, all columns
 
     def _make(self, missing: list[Key], table: Table, executor: Executor) -> None:
@@ -95,5 +95,6 @@ class Study:
             watch(0)
             carry_out(missing, lambda key: executor.submit(self.run, key), keep, executor)
 
-    def _name(self, key: Key) -> tuple[Any, ...]:
-        return tuple(key[name] for name in self.key)
+    def name_of(self, key: Key) -> tuple[Any, ...]:
+        """The name of a run."""
+        return tuple(rounded(key[name]) for name in self.key)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -15,9 +15,22 @@ if TYPE_CHECKING:
     import pandas as pd
 
 MAKES_NO_NUMBERS = True
+# Settings that are powers differ in their last digit from processor to processor: one run has one name.
+DIGITS = 12
 Row = Mapping[str, Any]
 # In the attributes of a table, which Parquet keeps.
 ATTRIBUTE = "provenance"
+
+
+def rounded(value: Any) -> Any:
+    """A number that names a run, to DIGITS; anything else as it is."""
+    return float(f"{value:.{DIGITS}g}") if isinstance(value, float) else value
+
+
+def run_names(rows: pd.DataFrame, key: Sequence[str]) -> list[tuple[Any, ...]]:
+    """Of each row the name of its run, by the columns of a key."""
+    found = rows[list(key)].itertuples(index=False, name=None)
+    return [tuple(map(rounded, name)) for name in found]
 
 
 @dataclass(frozen=True)
@@ -70,7 +83,7 @@ class Table:
 
     def done(self) -> set[tuple[Any, ...]]:
         """The keys of the runs that the table has."""
-        return set(self.read()[list(self.key)].itertuples(index=False, name=None))
+        return set(run_names(self.read(), self.key))
 
     def append(self, rows: Iterable[Row]) -> None:
         """Add the rows of a run, so that the file holds either all of them or none, whatever happens meanwhile."""

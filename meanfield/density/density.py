@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dincl import checks
+from dincl.callables import UserFunction
 from dincl.errors import InvalidProblem
+from dincl.status import Status
 from meanfield.density.panels import Panels, resolved
 from meanfield.density.shapes import BumpShape, NormalShape, UniformShape
 
@@ -25,8 +27,12 @@ MOST_AXES = 3
 MASS_TOLERANCE, CHECK_NODES = 1e-10, 64
 # A normal density is cut at so many deviations: the mass outside, 1e-16 for each axis, is below rounding.
 CUT = 8.3
-# Rejection: room above the largest value at the Gauss points; the tries of one round, to stay in memory.
-HEADROOM, MOST_TRIES = 1.25, 1_000_000
+# Rejection: room above the largest value at the Gauss points; the tries of a round, to stay in memory; the rounds.
+HEADROOM, MOST_TRIES, MOST_ROUNDS = 1.25, 1_000_000, 200
+# Points of one call, to stay in memory; Gauss points per axis, whose making takes their number cubed.
+MOST_POINTS, MOST_NODES = 10_000_000, 2_048
+PDF = UserFunction("pdf", ("x",), Status.FUNCTION_FAILED)
+SAMPLER = UserFunction("sampler", ("rng", "n"), Status.FUNCTION_FAILED)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,9 +52,11 @@ class Density:
 
     Raises
     ------
+    FunctionFailed
+        If pdf or sampler, now or later, raises or returns what it must not; the cause is what it raised.
     InvalidProblem
-        If a value of f is negative or not finite, or the integral is not 1 to 1e-10. In two and three dimensions it is
-        that of 64 Gauss points per axis, so that a density that these do not resolve is refused, too.
+        If the integral is not 1 to 1e-10. In two and three dimensions it is that of 64 Gauss points per axis, so that a
+        density that these do not resolve is refused, too; in one that which more than 100 000 panels would resolve.
     """
 
     pdf: Pdf
@@ -59,8 +67,9 @@ class Density:
 
     def __post_init__(self) -> None:
         lower, upper = _corners(self.lower, self.upper)
-        if not callable(self.pdf):
-            raise InvalidProblem(f"pdf = {checks.describe(self.pdf)}: must be a function of points (n, nx)")
+        checks.function("pdf", self.pdf, "a function of points (n, nx)")
+        if self.sampler is not None:
+            checks.function("sampler", self.sampler, "a function of (rng, n)")
         for name, value in (("lower", lower), ("upper", upper), ("breaks", _breaks(self.breaks, lower, upper))):
             object.__setattr__(self, name, value)
         if self.nx == 1:
@@ -90,7 +99,7 @@ class Density:
         deviation
             > 0, of each component (nx,): they are independent; or the covariance L L^T (nx, nx).
         """
-        centre = checks.shaped("mean", np.atleast_1d(mean), (None,))
+        centre = _row("mean", mean, None)
         factor, deviations = _factor(deviation, len(centre))
         low, high = centre - CUT * deviations, centre + CUT * deviations
         shape = NormalShape(centre, factor, low, high)
@@ -107,8 +116,7 @@ class Density:
         radius
             r > 0 of each axis (nx,), or one for all.
         """
-        middle = checks.shaped("centre", np.atleast_1d(centre), (None,))
-        given = checks.shaped("radius", np.atleast_1d(radius), (None,))
+        middle, given = _row("centre", centre, None), _row("radius", radius, None)
         if len(given) not in (1, len(middle)) or (given <= 0).any():
             raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
         r = np.broadcast_to(given, middle.shape)
@@ -150,21 +158,46 @@ class Density:
         return values
 
     def sample(self, rng: np.random.Generator, n: int) -> Floats:
-        """Independent points (n, nx)."""
-        n = checks.integer("n", n, least=1)
+        """Independent points (n, nx).
+
+        Raises
+        ------
+        InvalidProblem
+            If rng or n, at most 10^7, cannot be right, or rejection keeps too few of 2 * 10^8 points.
+        FunctionFailed
+            If sampler or pdf fails.
+        """
+        rng, n = checks.generator("rng", rng), checks.integer("n", n, least=1, most=MOST_POINTS)
         if self.sampler is not None:
-            return self.sampler(rng, n)
+            with np.errstate(all="ignore"):
+                return SAMPLER.evaluated(self.sampler, rng, n, shape=(n, self.nx))
         return self.panels.quantile(rng.random(n))[:, None] if self.nx == 1 else self._rejected(rng, n)
 
     def quantiles(self, n: int) -> Floats:
-        """Points (n, 1) of the probabilities (i - 1/2) / n, i = 1 ... n: of all n points those with the least W1."""
-        n = checks.integer("n", n, least=1)
+        """Points (n, 1) of the probabilities (i - 1/2) / n, i = 1 ... n: of all n points those with the least W1.
+
+        Raises
+        ------
+        InvalidProblem
+            In more than one dimension, or if n is no integer from 1 to 10^7.
+        """
+        n = checks.integer("n", n, least=1, most=MOST_POINTS)
         self._needs_line("quantiles")
         return self.panels.quantile((np.arange(n) + 0.5) / n)[:, None]
 
     def nodes(self, n: int) -> tuple[Floats, Floats]:
-        """Gauss-Legendre points (Q, nx), n for each axis and smooth piece, and weights (Q,) with f, which sum to 1."""
-        points, volumes = _gauss(self._pieces(), checks.integer("n", n, least=1))
+        """Gauss-Legendre points (Q, nx), n for each axis and smooth piece, and weights (Q,) with f, which sum to 1.
+
+        Raises
+        ------
+        InvalidProblem
+            If n is no integer from 1 to 2048, Q would be more than 10^7, or f is 0 at all points.
+        """
+        n = checks.integer("n", n, least=1, most=MOST_NODES)
+        count = (n * (len(self.breaks) + 1)) ** self.nx
+        if count > MOST_POINTS:
+            raise InvalidProblem(f"n = {n}: gives {count} Gauss points: must be at most {MOST_POINTS}")
+        points, volumes = _gauss(self._pieces(), n)
         weights = volumes * self._values(points)
         total = weights.sum()
         if not total > 0.0:
@@ -188,16 +221,12 @@ class Density:
         return [np.array([a, *self.breaks, b]) for a, b in zip(self.lower, self.upper, strict=True)]
 
     def _values(self, points: Floats) -> Floats:
-        values = np.asarray(self.pdf(points))
-        if values.dtype.kind not in "fiu" or values.shape != (len(points),):
-            raise InvalidProblem(
-                f"pdf returned {checks.describe(values)} for points {points.shape}: must be numbers ({len(points)},)"
-            )
-        wrong = ~((values >= 0) & (values <= checks.LARGEST))
-        if wrong.any():
-            where = int(np.flatnonzero(wrong)[0])
-            raise InvalidProblem(f"pdf = {values[where]} at x = {points[where]}: must be finite and >= 0")
-        return values.astype(np.float64, copy=False)
+        with np.errstate(all="ignore"):
+            values = PDF.evaluated(self.pdf, points, shape=(len(points),))
+        if (values < 0).any():
+            where = int(np.flatnonzero(values < 0)[0])
+            PDF.refuse(f"returned {values[where]} at x = {points[where]}: must be >= 0.")
+        return values
 
     def _rejected(self, rng: np.random.Generator, n: int) -> Floats:
         """Points under the graph of f; where f is above the assumed bound, all begins anew with a higher one."""
@@ -205,7 +234,7 @@ class Density:
         bound = HEADROOM * float(self._values(points).max())
         volume = float(np.prod(self.upper - self.lower))
         kept: list[Floats] = []
-        while sum(map(len, kept)) < n:
+        for _ in range(MOST_ROUNDS):
             tries = min(MOST_TRIES, int(HEADROOM * (n - sum(map(len, kept))) * max(bound * volume, 1.0)) + 1)
             x = rng.uniform(self.lower, self.upper, (tries, self.nx))
             f = self._values(x)
@@ -213,12 +242,23 @@ class Density:
                 kept, bound = [], HEADROOM * float(f.max())
             else:
                 kept.append(x[rng.random(tries) * bound < f])
-        return np.concatenate(kept)[:n]
+            if sum(map(len, kept)) >= n:
+                return np.concatenate(kept)[:n]
+        found = sum(map(len, kept))
+        raise InvalidProblem(
+            f"pdf: {MOST_ROUNDS} rounds of at most {MOST_TRIES} points gave {found} of {n} by rejection: must fill "
+            "more of its box, or come with a sampler"
+        )
+
+
+def _row(name: str, value: ArrayLike, length: int | None) -> Floats:
+    """Numbers of shape (length,), None: any; a single one is a row of one."""
+    return checks.shaped(name, np.atleast_1d(checks.array(name, value)), (length,))
 
 
 def _corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
-    low = checks.shaped("lower", np.atleast_1d(lower), (None,))
-    high = checks.shaped("upper", np.atleast_1d(upper), (len(low),))
+    low = _row("lower", lower, None)
+    high = _row("upper", upper, len(low))
     if len(low) > MOST_AXES:
         raise InvalidProblem(f"lower = {checks.describe(low)}: must have 1, 2 or 3 components")
     if not (low < high).all():
@@ -228,7 +268,8 @@ def _corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
 
 def _breaks(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[float, ...]:
     """Breaks as increasing numbers inside the box."""
-    found = tuple(sorted({checks.number("breaks", value) for value in breaks}))
+    listed = checks.items("breaks", breaks, object, "a list of numbers")
+    found = tuple(sorted({checks.number("breaks", value) for value in listed}))
     if found and (len(lower) > 1 or not lower[0] < found[0] or not found[-1] < upper[0]):
         raise InvalidProblem(f"breaks = {found}: must lie inside the box, in one dimension")
     return found
@@ -236,8 +277,8 @@ def _breaks(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[fl
 
 def _factor(deviation: ArrayLike, nx: int) -> tuple[Floats, Floats]:
     """The Cholesky factor L of the covariance, and the deviation of each component."""
-    shape = (nx, nx) if np.ndim(deviation) == 2 else (nx,)
-    given = checks.shaped("deviation", np.atleast_1d(deviation), shape)
+    numbers = checks.array("deviation", deviation)
+    given = checks.shaped("deviation", numbers, (nx, nx)) if numbers.ndim == 2 else _row("deviation", numbers, nx)
     if given.ndim == 1:
         if (given <= 0).any():
             raise InvalidProblem(f"deviation = {checks.describe(given)}: must be > 0")

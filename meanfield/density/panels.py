@@ -25,6 +25,8 @@ PROJECTION = (legendre.legvander(NODES, DEGREE) * SHARES[:, None]).T * (np.arang
 # may add to the mass is: so a kink or a jump that was not announced ends up in a panel of no width.
 LAST, RESOLVED = 3, 1e-15
 MOST_HALVINGS = 60
+# Panels that are still too coarse at one level of halving: 16 values of the density on each.
+MOST_PANELS = 100_000
 # The mass of a grid density, which a time integration keeps to rounding, may be off by its first quadrature.
 MASS_TOLERANCE = 1e-8
 # Newton's method falls back on halving, so that it ends after at most the bits of a number.
@@ -70,7 +72,7 @@ class Panels:
     @classmethod
     def steps(cls, edges: ArrayLike, averages: ArrayLike) -> Panels:
         """A density that is constant on cells, from their edges (P + 1,) and averages (P,)."""
-        return cls(np.asarray(edges), checks.shaped("averages", averages, (None,))[:, None])
+        return cls(checks.array("edges", edges), checks.shaped("averages", averages, (None,))[:, None])
 
     @cached_property
     def _below(self) -> tuple[Floats, Floats]:
@@ -82,18 +84,26 @@ class Panels:
         inner[0] += at_edges[:-1]
         return at_edges, inner
 
-    def density(self, x: Floats) -> Floats:
+    def density(self, x: ArrayLike) -> Floats:
         """f at points (n,)."""
+        x = checks.shaped("x", x, (None,))
         inside = (self.edges[0] <= x) & (x <= self.edges[-1])
         values: Floats = np.where(inside, self._blockwise(x, self.coefficients.T), 0.0)
         return values
 
-    def distribution(self, x: Floats) -> Floats:
+    def distribution(self, x: ArrayLike) -> Floats:
         """F(x) = int_{-inf}^x f at points (n,)."""
-        return self._blockwise(x, self._below[1])
+        return self._blockwise(checks.shaped("x", x, (None,)), self._below[1])
 
-    def quantile(self, p: Floats) -> Floats:
-        """The x with F(x) = p for probabilities (n,): Newton's method, by halving where it leaves its bracket."""
+    def quantile(self, p: ArrayLike) -> Floats:
+        """The x with F(x) = p for probabilities (n,): Newton's method, by halving where it leaves its bracket.
+
+        Raises
+        ------
+        InvalidProblem
+            If one of them is none.
+        """
+        p = checks.shaped("p", p, (None,))
         if not ((p >= 0) & (p <= 1)).all():
             raise InvalidProblem(f"p = {checks.describe(p)}: must be probabilities, 0 to 1")
         below = self._below[0]
@@ -123,8 +133,6 @@ class Panels:
         return s - step, excess
 
     def _blockwise(self, x: Floats, coefficients: Floats) -> Floats:
-        if not np.isfinite(x).all():
-            raise InvalidProblem(f"x = {checks.describe(x)}: must be finite")
         panel = np.clip(np.searchsorted(self.edges, x, side="right") - 1, 0, len(self.edges) - 2)
         low, high = self.edges[panel], self.edges[panel + 1]
         return _series(np.clip((2 * x - low - high) / (high - low), -1.0, 1.0), coefficients, panel)
@@ -150,7 +158,7 @@ def resolved(pdf: Pdf, pieces: Floats) -> tuple[Floats, Floats]:
     Raises
     ------
     InvalidProblem
-        If halving does not end.
+        If halving does not end, or gives more than 100 000 panels at a time.
     """
     waiting, done, largest = [(pieces[:-1], pieces[1:])], [], 0.0
     for _ in range(MOST_HALVINGS):
@@ -167,5 +175,10 @@ def resolved(pdf: Pdf, pieces: Floats) -> tuple[Floats, Floats]:
             order = np.argsort(first)
             return np.append(first[order], last[order[-1]]), coefficients[order]
         low, middle, high = low[~fine], middle[~fine], high[~fine]
+        if 2 * len(low) > MOST_PANELS:
+            raise InvalidProblem(
+                f"pdf is not resolved by {MOST_PANELS} panels of {DEGREE + 1} values between {low[0]:.9g} and "
+                f"{high[-1]:.9g}: must be smooth there, except at breaks that are named"
+            )
         waiting.append((np.concatenate([low, middle]), np.concatenate([middle, high])))
     raise InvalidProblem(f"pdf is not resolved after {MOST_HALVINGS} halvings near {low[0]:.9g}: name its breaks")

@@ -12,6 +12,8 @@ from meanfield.model.model import Model
 from meanfield.model.symbolic import library
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
+
     from numpy.typing import ArrayLike
 
 # Where X + a sin(X) stops being one to one.
@@ -66,9 +68,9 @@ def TissueElement(*, m: float, k0: float, y_rest: ArrayLike, k1: float) -> Model
     return Model(g=constraint, W0=_spring(k0, rest), W1=_spring(k1, np.zeros(2)), m=m, nx=2, ny=3)
 
 
-def _spring(stiffness: float, rest: ArrayLike) -> Any:
+def _spring(stiffness: float, rest: Iterable[float]) -> Any:
     """The energy k |z - rest|^2 / 2."""
     k = number("k", stiffness, non_negative=True)
-    at = [number("y_rest", value) for value in np.asarray(rest, dtype=object)]
+    at = [number("y_rest", value) for value in rest]
     ca = library()
     return lambda z: k / 2 * ca.sumsqr(z - ca.DM(at))

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.checks import describe, integer, number
-from dincl.errors import InvalidProblem, StepFailure
+from dincl.checks import describe, integer, number, shaped
+from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.model.functions import function
+from meanfield.model.functions import PARTICLE, SIGNATURES, function
 from meanfield.model.symbolic import Expressions, expressions, functions
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 # Inverses of dg/dX are written out by minors, which is sensible for particles in space.
 MOST_DIMENSIONS = 3
 MOST_MACROSCOPIC = 12
+FLOAT = np.dtype(np.float64)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,8 +52,10 @@ class Model:
 
     Raises
     ------
+    FunctionFailed
+        at construction, if a function raises, with what it raised as cause; by a method, where it is not finite.
     InvalidProblem
-        at construction, if a number or a function cannot be right.
+        at construction, if a number or a function cannot be right; by a method, if an argument cannot.
 
     Source: Section 2.1 of chapter 5, (5.4)-(5.8).
     """
@@ -145,15 +148,22 @@ class Model:
         return np.asarray(energy[:, 0])
 
     def _evaluated(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
-        """One of the functions; StepFailure where it has no finite value."""
-        arrays = [np.asarray(value, dtype=np.float64) for value in values]
+        """One of the functions; FunctionFailed where it has no finite value."""
+        arrays = [self._taken(*given) for given in zip(SIGNATURES[name][0], values, strict=False)]
         if name not in self._functions:
             self._functions[name] = function(self.expressions, name)
         found = self._functions[name](*arrays)
         if not all(np.isfinite(part).all() for part in found):
             status = Status.SINGULAR if name in ("phi", "omega", "level", "jacobians") else Status.NON_FINITE
-            raise StepFailure(status, f"{name} of the model has no finite value.")
+            raise FunctionFailed(status, f"{name} of the model has no finite value.")
         return found
+
+    def _taken(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
+        """An argument of a function as an array of its shape; what is one is passed on, for solvers call these too."""
+        axes, n = (2, self.nx) if name in PARTICLE else (1, self.ny)
+        if type(value) is np.ndarray and value.dtype == FLOAT and value.ndim == axes and value.shape[-1] == n:
+            return value
+        return shaped(name, value, (None, n) if axes == 2 else (n,))
 
     def _check_even(self) -> None:
         """V(-r) = V(r) and V(0) = 0, tried on points in general position."""

@@ -5,13 +5,17 @@ from __future__ import annotations
 import re
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from dincl.checks import describe
-from dincl.errors import InvalidProblem
+import numpy as np
+
+from dincl.callables import UserFunction
+from dincl.checks import describe, plain
+from dincl.errors import FunctionFailed, InvalidProblem
 from dincl.extras import needs
+from dincl.status import Status
 from meanfield.model.translate import Instruction
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping, Sequence
+    from collections.abc import Callable, Mapping, Sequence
 
 
 def library() -> Any:
@@ -55,6 +59,8 @@ def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
 
     Raises
     ------
+    FunctionFailed
+        if a function of the model raises; the cause is what it raised.
     InvalidProblem
         if a function of the model is no expression of its arguments of the right shape.
     """
@@ -121,17 +127,42 @@ def _along(value: Any, symbols: tuple[Any, Any], direction: tuple[Any, Any]) -> 
 
 def _expression(name: str, given: Any, symbols: dict[str, Any]) -> Any:
     """A callable on symbols, or an expression in symbols of the names used here, as an expression in ours."""
-    ca = library()
-    signature = f"{name}({', '.join(symbols)})"
+    made = _called(name, given, symbols) if callable(given) else given
     try:
-        made = given(*symbols.values()) if callable(given) else _renamed(name, ca.SX(given), symbols)
-        return ca.SX(ca.vertcat(*made) if isinstance(made, (list, tuple)) else made)
-    except InvalidProblem:
+        found = _built(made)
+    except MemoryError:
         raise
-    except (TypeError, ValueError, AttributeError, NotImplementedError, RuntimeError, IndexError) as error:
-        raise InvalidProblem(
-            f"{signature} = {describe(given)}: must be built from CasADi operations ({error})"
-        ) from error
+    except Exception as error:
+        signature = f"{name}({', '.join(symbols)})"
+        raise InvalidProblem(f"{signature} = {describe(made)}: must be built from CasADi operations") from error
+    return found if callable(given) else _renamed(name, found, symbols)
+
+
+def _built(value: Any) -> Any:
+    """Expressions and numbers, or a list of these, as one expression; TypeError for anything else.
+
+    CasADi is given nothing else: it waits for the end of what has none, and three axes end the process.
+    """
+    ca = library()
+    if isinstance(value, (ca.SX, ca.DM)):
+        return ca.SX(value)
+    if isinstance(value, np.ndarray) and value.dtype.kind == "O":
+        value = list(value.flat)
+    if isinstance(value, (list, tuple)) and any(isinstance(part, ca.SX) for part in value):
+        return ca.vertcat(*(part if isinstance(part, ca.SX) else _built(part) for part in value))
+    numbers = plain(value)
+    if numbers is None or numbers.ndim > 2:
+        raise TypeError("no expression")
+    return ca.SX(ca.DM(numbers))
+
+
+def _called(name: str, given: Callable[..., Any], symbols: dict[str, Any]) -> Any:
+    """What a function of the user gives for symbols."""
+    try:
+        return UserFunction(name, tuple(symbols), Status.FUNCTION_FAILED).call(given, *symbols.values())
+    except FunctionFailed as failed:
+        detail = f"{failed.detail} It must be built from CasADi operations."
+        raise FunctionFailed(failed.status, detail) from failed.__cause__
 
 
 def _renamed(name: str, expression: Any, symbols: dict[str, Any]) -> Any:

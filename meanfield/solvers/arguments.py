@@ -8,16 +8,31 @@ import numpy as np
 
 from dincl import checks
 from dincl.errors import InvalidProblem
+from meanfield.density.density import Density
+from meanfield.model.model import Model
+from meanfield.model.state import State
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from meanfield.density.density import Density
-    from meanfield.model.model import Model
-
 
 # Tolerances of the integrators: below, rounding decides; above, nothing is computed.
 TIGHTEST, LOOSEST = 1e-13, 1e-1
+
+
+def model_given(value: Any) -> None:
+    """A Model, or InvalidProblem."""
+    checks.instance("model", value, Model, "a meanfield.Model")
+
+
+def state_given(value: Any) -> None:
+    """A State, or InvalidProblem."""
+    checks.instance("start", value, State, "a meanfield.State")
+
+
+def density_given(value: Any) -> None:
+    """A Density, or InvalidProblem."""
+    checks.instance("density", value, Density, "a meanfield.Density")
 
 
 def times(value: ArrayLike) -> NDArray[np.float64]:
@@ -46,6 +61,8 @@ def checked_start(
     InvalidProblem
         if one of them cannot be right.
     """
+    model_given(model)
+    density_given(density)
     if density.nx != model.nx:
         raise InvalidProblem(f"density has nx = {density.nx}: must be {model.nx}, that of the model")
     y, v = checks.shaped("y0", y0, (model.ny,)), checks.shaped("v0", v0, (model.ny,))

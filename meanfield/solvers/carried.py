@@ -10,6 +10,7 @@ import numpy as np
 from dincl.checks import shaped
 from dincl.errors import InvalidProblem
 from meanfield.density.density import Density
+from meanfield.solvers.arguments import density_given, model_given
 from meanfield.solvers.index import consistent
 
 if TYPE_CHECKING:
@@ -35,6 +36,8 @@ def carry_density(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -
 
     Source: (5.40), by the conservation of g(X, y) and of mass.
     """
+    model_given(model)
+    density_given(density)
     if model.nx != 1 or density.nx != 1:
         raise InvalidProblem(f"nx = {model.nx}, of the density {density.nx}: a density is carried in one dimension")
     before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))

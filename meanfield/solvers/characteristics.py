@@ -8,8 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.checks import flag
 from dincl.status import Status
 from meanfield import plotting
+from meanfield.density.density import MOST_NODES as MOST_PER_AXIS
 from meanfield.errors import SolveFailed
 from meanfield.model.state import State
 from meanfield.solvers.arguments import checked_start, tolerance
@@ -54,7 +56,13 @@ class Flow(Motion):
 
         g(X^t(x), y(t)) = g(x, y0) differentiates to  DX^t = dg/dX(X^t, y(t))^{-1} dg/dX(x, y0),  and mass is carried:
         f(X^t(x), t) = f0(x) / |det DX^t(x)|.
+
+        Raises
+        ------
+        InvalidProblem
+            if k is no index of a kept time, which may count from the end.
         """
+        k = self._kept(k)
         gX, _ = self.model.jacobians(self.X[k], self.y[k])
         return np.asarray(self.level_density * np.abs(np.linalg.det(gX)))
 
@@ -75,6 +83,7 @@ class Flow(Motion):
 
     def measure(self, k: int) -> Weighted:
         """The nodes at the kept time k and their weights, for ``w1``."""
+        k = self._kept(k)
         return Weighted(self.X[k], np.asarray(self.weights))
 
 
@@ -104,23 +113,24 @@ def solve_characteristics(
     InvalidProblem
         if an argument cannot be right.
     SolveFailed
-        as ``solve_ode``; NOT_CONVERGED if more than 200 000 nodes (10 000 with interaction) would be needed.
+        as ``solve_ode``; NOT_CONVERGED if more than 200 000 nodes (10 000 with interaction), or 2048 per axis and
+        smooth piece, would be needed.
 
     Source: (5.40), (5.41).
     """
     y, v, times = checked_start(model, density, y0, v0, t)
-    tolerance(tol)
+    tol, raises = tolerance(tol), flag("throw", throw)
     flow = _carried(model, density, y, v, times, tol, FEWEST_NODES, None)
     n, converged = FEWEST_NODES, False
     most = MOST_NODES if model.V is None else MOST_INTERACTING
-    while not converged and len(flow.level_density) * 2**model.nx <= most:
+    while not converged and 2 * n <= MOST_PER_AXIS and len(flow.level_density) * 2**model.nx <= most:
         n, before = 2 * n, len(flow.t)
         flow = _carried(model, density, y, v, times, tol, n, flow)
         converged = len(flow.t) == before and flow.quadrature_error <= tol * (1 + _size(flow))
     if not converged and flow.status:
         detail = f"{len(flow.level_density)} nodes give the integrals over the density to {flow.quadrature_error:.1e}."
         flow = replace(flow, status=Status.NOT_CONVERGED, detail=detail)
-    if throw and not flow.status:
+    if raises and not flow.status:
         raise SolveFailed(flow.status, flow.detail, flow)
     return flow
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from dincl.checks import describe
+from dincl.checks import describe, flag
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.errors import SolveFailed
 from meanfield.model.state import FullState, State, oriented
 from meanfield.model.symbolic import library
-from meanfield.solvers.arguments import times, tolerance
+from meanfield.solvers.arguments import model_given, state_given, times, tolerance
 from meanfield.solvers.index import accelerations, consistent, system
 from meanfield.solvers.motion import Motion, SolverWork
 
@@ -92,7 +92,9 @@ def solve_dae(model: Model, start: State, t: ArrayLike, tol: float, *, throw: bo
 
     Source: (5.6), (5.7); Mattsson and Soederlind, SIAM J. Sci. Comput. 14 (1993) 677.
     """
-    kept, tol = times(t), tolerance(tol)
+    model_given(model)
+    state_given(start)
+    kept, tol, raises = times(t), tolerance(tol), flag("throw", throw)
     gaps = np.diff(kept, prepend=0.0)
     if (gaps[gaps > 0] < CLOSEST * kept[-1]).any():
         raise InvalidProblem(f"t = {describe(kept)}: must be times at least {CLOSEST:g} of the last one apart")
@@ -101,7 +103,7 @@ def solve_dae(model: Model, start: State, t: ArrayLike, tol: float, *, throw: bo
     if model.V is not None and len(first.X) > most:
         raise InvalidProblem(f"N = {len(first.X)} particles with interaction: must be at most {most} here")
     motion = _solved(model, first, kept, tol)
-    if throw and not motion.status:
+    if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 

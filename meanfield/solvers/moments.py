@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from dincl.checks import describe, shaped
+from dincl.checks import describe, flag, items, shaped
 from dincl.errors import InvalidProblem, StepFailure
 from meanfield import plotting
+from meanfield.density.weights import checked
 from meanfield.errors import NotClosed, SolveFailed
 from meanfield.forces.interaction import pair_energy
 from meanfield.forces.weights import each
 from meanfield.model.closure import closure, obstacle
-from meanfield.solvers.arguments import times, tolerance
+from meanfield.solvers.arguments import model_given, times, tolerance
 from meanfield.solvers.integrate import integrate
 from meanfield.solvers.motion import SolverWork
 from meanfield.solvers.result import SolverResult
@@ -93,10 +94,17 @@ def points(moments: Moments) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     return np.vstack([mean + arms, mean - arms]), np.full(2 * len(mean), 1 / (2 * len(mean)))
 
 
-def sample_moments(X: NDArray[np.float64], weights: NDArray[np.float64] | None) -> Moments:
-    """The moments of particles (N, nx) of weights (N,) that sum to 1; None: 1/N each."""
-    w = each(weights, len(X))
-    return Moments(w @ X, (X * w[:, None]).T @ X)
+def sample_moments(X: ArrayLike, weights: ArrayLike | None) -> Moments:
+    """The moments of particles (N, nx) of weights (N,) that sum to 1; None: 1/N each.
+
+    Raises
+    ------
+    InvalidProblem
+        if X is of another shape or not finite, or weights are negative or do not sum to 1.
+    """
+    at = shaped("X", X, (None, None))
+    w = each(None if weights is None else checked("weights", weights, len(at)), len(at))
+    return Moments(w @ at, (at * w[:, None]).T @ at)
 
 
 def solve_moments(
@@ -129,6 +137,8 @@ def solve_moments(
 
     Source: Remark 5.20, (5.67)-(5.69).
     """
+    model_given(model)
+    raises = flag("throw", throw)
     closed = closure(model)
     if closed is None:
         raise NotClosed(f"the moment equations of the model do not close: {obstacle(model)}")
@@ -141,19 +151,18 @@ def solve_moments(
     )
     work = SolverWork(unknowns.start.size, result.steps, result.evaluations)
     motion = MomentMotion(model, kept[: len(y)], y, v, mean, second, result.status, result.detail, work)
-    if throw and not motion.status:
+    if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 
 
 def _checked(model: Model, moments: Moments) -> Moments:
     """Moments that some density has."""
-    try:
-        given_mean, given_second = moments
-    except (TypeError, ValueError) as error:
-        raise InvalidProblem(f"moments0 = {describe(moments)}: must be Moments(mean, second)") from error
-    mean = shaped("moments0.mean", given_mean, (model.nx,))
-    second = shaped("moments0.second", given_second, (model.nx, model.nx))
+    given = items("moments0", moments, object, "Moments(mean, second)")
+    if len(given) != len(Moments._fields):
+        raise InvalidProblem(f"moments0 = {describe(moments)}: must be Moments(mean, second)")
+    mean = shaped("moments0.mean", given[0], (model.nx,))
+    second = shaped("moments0.second", given[1], (model.nx, model.nx))
     least = np.linalg.eigvalsh(second - np.outer(mean, mean)).min()
     slack = ROUNDING * max(1.0, np.abs(second).max())
     if np.abs(second - second.T).max() > slack or least < -slack:

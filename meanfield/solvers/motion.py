@@ -94,7 +94,8 @@ class Motion(SolverResult):
         return len(self.t) > 0 and self.model.nx in (1, 2)
 
     def state(self, k: int) -> State:
-        """The state at the k-th kept time, for a run that goes on from there."""
+        """The state at the k-th kept time, for a run that goes on from there; InvalidProblem if there is none."""
+        k = self._kept(k)
         return State(X=self.X[k], y=self.y[k], v=self.v[k], U=self.U[k], level=self.level)
 
     def _energy(self, k: int) -> float:

@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
+from dincl import checks
 from meanfield.errors import SolveFailed
 from meanfield.forces.field import field
+from meanfield.model.model import Model
 from meanfield.model.state import FullState, State, oriented
-from meanfield.solvers.arguments import times, tolerance
+from meanfield.solvers.arguments import state_given, times, tolerance
 from meanfield.solvers.integrate import Integrand, Integrated, integrate
 from meanfield.solvers.motion import Motion, SolverWork, multipliers
 from meanfield.solvers.reduction import Reduction
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-    from meanfield.model.model import Model
 
 
 def solve_ode(model: Model | Reduction, start: State, t: ArrayLike, tol: float, *, throw: bool = True) -> Motion:
@@ -62,15 +62,17 @@ def solve_weighted(
     throw: bool = True,
 ) -> Motion:
     """As ``solve_ode``, for particles of given weights (N,) that sum to 1: the flow (5.40) of a measure of points."""
-    kept, tol = times(t), tolerance(tol)
     whole = model.model if isinstance(model, Reduction) else model
+    checks.instance("model", whole, Model, "a meanfield.Model, or reduce() of one")
+    state_given(start)
+    kept, tol, raises = times(t), tolerance(tol), checks.flag("throw", throw)
     first = start.checked(whole, tol)
     unknowns: _Unknowns = (
         model.unknowns(first, weights) if isinstance(model, Reduction) else _Transported(model, first, weights)
     )
     result = integrate(unknowns, kept, tol)
     motion = _motion(whole, first, weights, kept, unknowns, result)
-    if throw and not motion.status:
+    if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 

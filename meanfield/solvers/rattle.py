@@ -8,13 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.checks import describe, integer, number
+from dincl.checks import describe, flag, integer, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.errors import SolveFailed
 from meanfield.forces.interaction import forces
 from meanfield.model.state import FullState, State, oriented
-from meanfield.solvers.arguments import times
+from meanfield.solvers.arguments import model_given, state_given, times
 from meanfield.solvers.index import FINE, MOST_CORRECTIONS, accelerations, solved
 from meanfield.solvers.motion import Motion, SolverWork
 
@@ -94,6 +94,9 @@ def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int
 
     Source: (5.6); Andersen, J. Comput. Phys. 52 (1983) 24; Hairer, Lubich and Wanner, VII.1.4.
     """
+    model_given(model)
+    state_given(start)
+    raises = flag("throw", throw)
     kept, dt = times(t), number("dt", dt, positive=True)
     if integer("order", order, least=2, most=8) not in SUBSTEPS:
         raise InvalidProblem(f"order = {describe(order)}: must be one of {', '.join(map(str, SUBSTEPS))}")
@@ -108,7 +111,7 @@ def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int
     except StepFailure as error:
         status, detail = error.status, f"{error.detail.rstrip('.')}, after t = {run.time:.6g}."
     motion = run.motion(kept, status, detail)
-    if throw and not motion.status:
+    if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 

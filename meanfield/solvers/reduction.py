@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.errors import InvalidProblem
+from dincl.checks import integer
 from meanfield.errors import NotClosed
 from meanfield.forces.field import field
 from meanfield.model.closure import closure, obstacle
-from meanfield.model.model import Model
 from meanfield.model.state import oriented
 from meanfield.model.symbolic import library, program
 from meanfield.model.translate import vectorised
+from meanfield.solvers.arguments import model_given
 from meanfield.solvers.moments import points, sample_moments
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from meanfield.model.model import Model
     from meanfield.model.state import FullState
 
 
@@ -54,7 +55,8 @@ class Reduction:
         return Reduction, (self.model, self.positions, self.obstacle)
 
     def degrees_of_freedom(self, particles: int) -> int:
-        """Unknowns that ``solve_ode`` integrates for so many particles."""
+        """Unknowns that ``solve_ode`` integrates for so many particles, an integer >= 1."""
+        particles = integer("particles", particles, least=1)
         carried = particles * self.model.nx if self.positions is Positions.FLOW else 0
         return 2 * self.model.ny + carried
 
@@ -99,9 +101,13 @@ def reduce(model: Model) -> Reduction:
 
     The question is put to the expressions, so that a form in which something does not visibly cancel may be missed;
     what is found holds.
+
+    Raises
+    ------
+    InvalidProblem
+        if it is no Model.
     """
-    if not isinstance(model, Model):
-        raise InvalidProblem(f"model = {model!r}: must be a Model")
+    model_given(model)
     ca = library()
     e = model.expressions
     phi = ca.vec(e.phi)

@@ -7,6 +7,8 @@ from functools import partial
 from html import escape
 from typing import TYPE_CHECKING, Any
 
+from dincl.checks import describe, integer
+from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from meanfield import plotting
 
@@ -35,7 +37,7 @@ class SolverResult(ABC):
 
     @abstractmethod
     def energy(self) -> NDArray[np.float64]:
-        """Total energy at each kept time, (K,)."""
+        """Total energy at each kept time, (K,); FunctionFailed where an energy of the model has no finite value."""
 
     def to_frame(self) -> Any:
         """A pandas DataFrame, a row for each kept time: t, y1, ..., v1, ..., the energy, and what else is measured."""
@@ -76,6 +78,13 @@ class SolverResult(ABC):
         said = "" if self.status else f"<p>{escape(self.status.value)} {escape(self.detail)}</p>"
         table = frame.to_html(index=False, max_rows=SHOWN, float_format="{:.8g}".format)
         return f"<p><code>{escape(repr(self))}</code></p>{said}{table}"
+
+    def _kept(self, k: Any) -> int:
+        """An index of a kept time, which may count from the end; InvalidProblem if it is none."""
+        count = len(self.t)
+        if count == 0:
+            raise InvalidProblem(f"k = {describe(k)}: the run ended before its first kept time")
+        return integer("k", k, least=-count, most=count - 1)
 
     def _measures(self) -> dict[str, NDArray[np.float64]]:
         """Columns of the table besides y, v and the energy, each (K,)."""

@@ -12,11 +12,12 @@ from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from meanfield.density.density import Density
 from meanfield.density.panels import DEGREE, Panels
+from meanfield.density.weights import checked
 
 Floats = NDArray[np.float64]
 
-# Weights that come from a sum of many terms may miss 1 by this much; they are scaled.
-SUM_TOLERANCE = 1e-10
+# What W1 is of, for messages.
+MEASURES = "finite points (n,) or (n, nx), Weighted points, a Density or Panels"
 # Exact for a distribution function on a panel, of degree DEGREE + 1, with one point to spare for signs.
 NODES, SHARES = np.polynomial.legendre.leggauss(DEGREE + 2)
 # Values at the nodes -> Legendre coefficients.
@@ -94,16 +95,12 @@ def _measure(name: str, value: Measure) -> _Points | Panels:
             )
         return value.panels
     weighted = isinstance(value, Weighted)
-    raw = np.asarray(value.points if isinstance(value, Weighted) else value)
-    if raw.ndim == 1:
-        raw = raw[:, None]
-    points = checks.shaped(f"{name}.points" if weighted else name, raw, (None, None))
+    label = f"{name}.points" if weighted else name
+    raw = checks.array(label, value.points if isinstance(value, Weighted) else value, MEASURES)
+    points = checks.shaped(label, raw[:, None] if raw.ndim == 1 else raw, (None, None))
     if not isinstance(value, Weighted):
         return _Points(points, np.full(len(points), 1.0 / len(points)))
-    weights = checks.shaped(f"{name}.weights", value.weights, (len(points),))
-    if (weights < 0).any() or abs(weights.sum() - 1.0) > SUM_TOLERANCE:
-        found = f"least {weights.min():.3g}, sum {weights.sum():.12g}"
-        raise InvalidProblem(f"{name}.weights ({found}): must be >= 0 and sum to 1")
+    weights = checked(f"{name}.weights", value.weights, len(points))
     return _Points(points, weights / weights.sum())
 
 
@@ -140,7 +137,9 @@ def _points_from_panels(points: _Points, panels: Panels) -> float:
     below = panels.distribution(cuts)
     crossed = (below[:-1] < c) & (c < below[1:])
     low, high = cuts[:-1], cuts[1:].copy()
-    between = np.clip(panels.quantile(c[crossed]), low[crossed], high[crossed])
+    between = low[crossed]
+    if crossed.any():
+        between = np.clip(panels.quantile(c[crossed]), between, high[crossed])
     starts = np.concatenate([low, between])
     ends = np.concatenate([np.where(crossed, np.nan, high), high[crossed]])
     ends[np.flatnonzero(crossed)] = between

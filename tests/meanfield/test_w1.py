@@ -232,7 +232,7 @@ BAD = {
     "least -0.5": (Weighted([0.0, 1.0], [1.5, -0.5]), [0.0]),
     "sum 0.9": ([0.0], Weighted([0.0, 1.0], [0.4, 0.5])),
     "a.weights": (Weighted([0.0, 1.0], [1.0]), [0.0]),
-    "a = array.'text'": ("text", [0.0]),
+    "a = 'text'": ("text", [0.0]),
     "takes 200000 each": (np.arange(400_002.0).reshape(-1, 2), np.ones((1, 2))),
 }
 

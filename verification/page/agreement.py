@@ -10,7 +10,7 @@ import pandas as pd
 
 from dincl.provenance import differences
 from dincl.study import Study
-from dincl.study.table import ATTRIBUTE
+from dincl.study.table import ATTRIBUTE, rounded
 from verification.page.parts import cell
 
 MAKES_NO_NUMBERS = True
@@ -87,6 +87,7 @@ def _ended(table: pd.DataFrame) -> pd.DataFrame:
 
 def _indexed(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
     """By the names and the place among rows of the same names."""
+    table = table.assign(**{name: table[name].map(rounded) for name in names})
     place = table.groupby(names, sort=False, dropna=False).cumcount()
     return table.assign(place=place).set_index([*names, "place"])
 

@@ -88,8 +88,9 @@ class GridMotion(SolverResult):
         Raises
         ------
         InvalidProblem
-            in two dimensions.
+            in two dimensions, or if k is no index of a kept time, which may count from the end.
         """
+        k = self._kept(k)
         if len(self.edges) > 1:
             raise InvalidProblem("density(k) on a grid of two axes: must be of one; f holds the averages")
         return Panels.steps(self.edges[0], self.f[k])

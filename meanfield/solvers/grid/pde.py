@@ -10,7 +10,7 @@ from dincl import checks
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.errors import SolveFailed
-from meanfield.solvers.arguments import checked_start
+from meanfield.solvers.arguments import checked_start, model_given
 from meanfield.solvers.grid.bounds import swept_box
 from meanfield.solvers.grid.cells import CellGrid
 from meanfield.solvers.grid.motion import GridMotion
@@ -75,6 +75,8 @@ def solve_pde(
 
     Source: (5.42).
     """
+    model_given(model)
+    raises = checks.flag("throw", throw)
     checks.integer("model.nx", model.nx, least=1, most=len(MOST_CELLS))
     y, v, times = checked_start(model, density, y0, v0, t)
     n = checks.integer("cells", cells, least=FEWEST_CELLS, most=MOST_CELLS[model.nx - 1])
@@ -83,7 +85,7 @@ def solve_pde(
     grid = CellGrid(tuple(np.linspace(lower, upper, n + 1) for lower, upper in box.T))
     run = _begun(model, grid, GridState(_initial(grid, density), y, v), end)
     result = _followed(run, times)
-    if throw and not result.status:
+    if raises and not result.status:
         raise SolveFailed(result.status, result.detail, result)
     return result
 
@@ -131,8 +133,8 @@ def _result(run: GridRun, kept: list[GridState], t: NDArray[np.float64], status:
 
 def _box(bounds: ArrayLike, nx: int) -> NDArray[np.float64]:
     """Lower and upper corner of the grid, (2, nx)."""
-    shape = (2,) if nx == 1 and np.ndim(bounds) == 1 else (2, nx)
-    box = checks.shaped("bounds", bounds, shape).reshape(2, nx)
+    given = checks.array("bounds", bounds)
+    box = checks.shaped("bounds", given, (2,) if nx == 1 and given.ndim == 1 else (2, nx)).reshape(2, nx)
     if not (box[0] < box[1]).all():
         raise InvalidProblem(f"bounds = {checks.describe(bounds)}: the lower corner must be below the upper one")
     return box

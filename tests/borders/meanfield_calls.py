@@ -1,0 +1,185 @@
+"""The public functions, constructors and results of meanfield, with values that are right; small, so that runs are."""
+
+import warnings
+from functools import partial
+
+import numpy as np
+
+import meanfield
+from meanfield import Density, Model, Moments, Panels, State, Weighted
+from tests.borders.harness import Call
+
+NUMBER, POSITIVE, NATURAL, FLAG = (0.0, 0.5, -1.5, 2), (0.5, 1, 2.0), (1, 2, 3, 5), (True, False)
+FIBRE = {"m": POSITIVE, "k0": POSITIVE, "y_rest": (1.0,), "k1": POSITIVE}
+NAMES = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
+ELEMENT = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=[1.0, 1.0, 0.0], k1=0.5)
+WAVY = meanfield.WavyFibre(**NAMES)
+PULLED = Model(lambda X, y: X - y, lambda y: y**2, lambda X: X**2, lambda r: r**2, m=0.5)
+MODELS = (meanfield.StraightFibre(**NAMES), meanfield.LinearFibre(**NAMES), WAVY, PULLED)
+REDUCTIONS = tuple(map(meanfield.reduce, MODELS[:2]))
+STARTS = (State([[0.5], [1.0]], [1.2], [0.3]), State([[0.1], [0.2], [0.3]], [1.0], [0.0]))
+POINTS = ([[0.5], [1.0]], np.array([[0.1], [-0.2], [0.3]]))
+MACRO, VELOCITY = ([1.2], [1.0], (0.9,)), ([0.3], [0.0], (-0.1,))
+TIMES, TOL = ([0.1], [0.0, 0.2], [0.1, 0.3]), (1e-4, 1e-6)
+UNIFORM, BUMP = Density.uniform(0.0, 1.0), Density.bump(1.0, 0.5)
+PLANE = Density.uniform((0.0, 0.0), (1.0, 1.0))
+DENSITIES = (UNIFORM, BUMP, Density.normal(0.5, 0.1))
+PANELS = Panels.steps([0.0, 0.5, 1.0], [0.5, 1.5])
+MOMENTS = (Moments(np.array([1.0]), np.array([[1.5]])), Moments([0.5], [[0.5]]))
+RNG = (np.random.default_rng(0),)
+RUN = {"t": TIMES, "tol": TOL, "throw": FLAG}
+FLOW = {"y0": MACRO, "v0": VELOCITY, "t": TIMES, "throw": FLAG}
+MOTION = meanfield.solve_ode(MODELS[0], STARTS[0], [0.0, 0.1], 1e-4)
+G, W, V = (lambda X, y: X - y, lambda X, y: X / y), (lambda z: z**2, lambda z: 0.5 * z), (lambda r: r**2, None)
+PDFS = (lambda x: np.ones(len(x)), lambda x: 2.0 * x[:, 0])
+SAMPLERS = (lambda rng, n: rng.random((n, 1)), None)
+MEASURES = ([0.0, 1.0], POINTS[1], UNIFORM, PANELS, Weighted([0.0, 1.0], [0.25, 0.75]))
+PLACES = ([[0.0, 0.0], [1.0, 0.5]], Weighted([[0.0, 1.0]], [1.0]))
+
+
+def read(result):
+    """All that a result tells."""
+    told = [result.energy(), repr(result), result.y, result.v]
+    for name in ("constraint_drift", "velocity_drift", "mass", "mean", "second_moment"):
+        found = getattr(result, name, None)
+        told.append(found() if callable(found) else found)
+    return told
+
+
+def dae(model, start, t, tol, throw=True):
+    return read(meanfield.solve_dae(model, start, t, tol, throw=throw))
+
+
+def ode(model, start, t, tol, throw=True):
+    return read(meanfield.solve_ode(model, start, t, tol, throw=throw))
+
+
+def rattle(model, start, t, dt, order=2, throw=True):
+    return read(meanfield.solve_rattle(model, start, t, dt, order, throw=throw))
+
+
+def characteristics(model, density, y0, v0, t, tol, throw=True):
+    return read(meanfield.solve_characteristics(model, density, y0, v0, t, tol, throw=throw))
+
+
+def pde(model, density, y0, v0, t, cells, bounds=None, throw=True):
+    return read(meanfield.solve_pde(model, density, y0, v0, t, cells, bounds, throw=throw))
+
+
+def moments(model, moments0, y0, v0, t, tol, throw=True):
+    return read(meanfield.solve_moments(model, moments0, y0, v0, t, tol, throw=throw))
+
+
+def built(*arguments, **named):
+    """A model. CasADi warns whoever uses functions of NumPy on its symbols, which is for the user to hear."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", FutureWarning)
+        return Model(*arguments, **named)
+
+
+def made(g, W0, W1, V, m):
+    """A model of the user's functions, solved."""
+    return read(meanfield.solve_ode(built(g, W0, W1, V, m), STARTS[0], [0.1], 1e-4))
+
+
+def asked(model, X, y, v):
+    """All that a model tells."""
+    told = [model.level(X, y), *model.jacobians(X, y), model.phi(X, y), model.omega(X, y, v)]
+    told += [model.curvature(X, y, X, v), model.F0(y), model.F1(X), model.K(X), model.energy0(y)]
+    return [*told, model.energy1(X), model.pair_energy(X)]
+
+
+def drawn(density, n, rng, x):
+    """All that a density tells."""
+    told = [density.density(x), density.sample(rng, n), density.nodes(n), density.moments()]
+    return [*told, density.quantiles(n), density.panels]
+
+
+def own(pdf, sampler, n, rng):
+    """A density of the user's functions, drawn from."""
+    density = Density(pdf, 0.0, 1.0, sampler=sampler)
+    return [density.sample(rng, n), density.quantiles(n), density.nodes(n)]
+
+
+def own_plane(pdf, n, rng):
+    """The same in the plane."""
+    return Density(pdf, (0.0, 0.0), (1.0, 1.0)).sample(rng, n)
+
+
+def carried(model, density, y0, y):
+    """A density that is carried, and points of it."""
+    return meanfield.carry_density(model, density, y0, y).quantiles(3)
+
+
+def counted(model, particles):
+    """What a reduction tells."""
+    reduction = meanfield.reduce(model)
+    return [reduction.positions, reduction.degrees_of_freedom(particles), reduction.moment_unknowns()]
+
+
+CALLS = (
+    Call("Model", built, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE, "nx": (1,), "ny": (1,)}, ("V", "nx", "ny")),
+    *(Call(f.__name__, f, FIBRE) for f in (meanfield.StraightFibre, meanfield.LinearFibre)),
+    Call("WavyFibre", meanfield.WavyFibre, {**FIBRE, "amplitude": (0.5, 0.0)}, ("amplitude",)),
+    Call("TissueElement", meanfield.TissueElement, {**FIBRE, "y_rest": ([1.0, 1.0, 0.0],)}),
+    Call("State", State, {"X": POINTS, "y": MACRO, "v": VELOCITY, "U": POINTS, "level": POINTS}, ("U", "level")),
+    Call(
+        "Density",
+        Density,
+        {"pdf": PDFS, "lower": (0.0,), "upper": (1.0,), "breaks": ((), [0.5]), "sampler": SAMPLERS},
+        ("breaks", "sampler"),
+    ),
+    Call("uniform", Density.uniform, {"lower": (0.0, (0.0, -1.0)), "upper": (1.0, (1.0, 1.0))}),
+    Call("normal", Density.normal, {"mean": (0.0, (0.0, 1.0)), "deviation": (0.5, (0.5, 1.0), np.eye(2))}),
+    Call("bump", Density.bump, {"centre": (0.0, (0.0, 1.0)), "radius": (0.5, (0.5, 1.0))}),
+    Call("drawn", partial(drawn, BUMP), {"n": NATURAL, "rng": RNG, "x": POINTS}),
+    Call("own", own, {"pdf": PDFS, "sampler": SAMPLERS, "n": NATURAL, "rng": RNG}),
+    Call("own_plane", own_plane, {"pdf": PDFS[:1], "n": NATURAL, "rng": RNG}),
+    Call("sample", PLANE.sample, {"rng": RNG, "n": NATURAL}),
+    Call("nodes", PLANE.nodes, {"n": NATURAL}),
+    Call("Panels", Panels, {"edges": ([0.0, 1.0], [0.0, 0.5, 1.0]), "coefficients": ([[1.0]], [[1.0], [1.0]])}),
+    Call("steps", Panels.steps, {"edges": ([0.0, 0.5, 1.0],), "averages": ([1.0, 1.0], [0.5, 1.5])}),
+    *(Call(f.__name__, f, {"x": ([0.25, 0.5], [0.0])}) for f in (PANELS.density, PANELS.distribution)),
+    Call("panels.quantile", PANELS.quantile, {"p": ([0.25, 0.5], [0.0])}),
+    Call("w1", meanfield.w1, {"a": MEASURES, "b": MEASURES}),
+    Call("w1 in the plane", meanfield.w1, {"a": PLACES, "b": PLACES}),
+    Call(
+        "weighted", lambda p, w, b: meanfield.w1(Weighted(p, w), b), {"p": MEASURES[:2], "w": ([1.0],), "b": MEASURES}
+    ),
+    Call("sample_moments", meanfield.sample_moments, {"X": POINTS, "weights": (None, [0.25, 0.75])}),
+    Call("carry_density", carried, {"model": MODELS, "density": DENSITIES, "y0": MACRO, "y": MACRO}),
+    Call("reduce", counted, {"model": MODELS, "particles": NATURAL}),
+    *(Call("asked", partial(asked, model), {"X": POINTS, "y": MACRO, "v": VELOCITY}) for model in MODELS[2:]),
+    Call("made", made, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE}),
+    Call("state", MOTION.state, {"k": (0, 1, -1)}),
+    Call("solve_dae", dae, {"model": MODELS, "start": STARTS, **RUN}, ("throw",)),
+    Call("solve_ode", ode, {"model": (*MODELS, *REDUCTIONS), "start": STARTS, **RUN}, ("throw",)),
+    Call(
+        "solve_rattle",
+        rattle,
+        {"model": MODELS, "start": STARTS, "t": TIMES, "dt": (0.1, 0.05), "order": (2, 4), "throw": FLAG},
+        ("order", "throw"),
+    ),
+    Call(
+        "solve_characteristics",
+        characteristics,
+        {"model": MODELS[:2], "density": DENSITIES, **FLOW, "tol": TOL},
+        ("throw",),
+    ),
+    Call(
+        "solve_pde",
+        pde,
+        {
+            "model": MODELS[:2],
+            "density": DENSITIES,
+            **FLOW,
+            "cells": (8, 16),
+            "bounds": (None, [-1.0, 3.0], [[-1.0], [3.0]]),
+        },
+        ("bounds", "throw"),
+    ),
+    Call("solve_moments", moments, {"model": MODELS[:2], "moments0": MOMENTS, **FLOW, "tol": TOL}, ("throw",)),
+    Call(
+        "element", ode, {"model": (ELEMENT,), "start": (State([[0.5, 0.1]], [1.0, 1.0, 0.0], [0.1, 0.0, 0.0]),), **RUN}
+    ),
+)
