@@ -31,6 +31,8 @@ class Setting:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "parameters", self.first.changed(self.changes))
+        if self.parameters.in_space:
+            raise InvalidProblem("page: tissue.dimension = 3: must be 2 here, the page shows slices")
         before, now = flat(self.first.as_dict()), flat(self.parameters.as_dict())
         kept = {key: now[key] for key in self.changes if now[key] != before.get(key)}
         object.__setattr__(self, "changes", kept)

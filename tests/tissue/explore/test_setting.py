@@ -84,3 +84,10 @@ def test_files_of_python_cannot_be_named():
     with pytest.raises(InvalidProblem, match=r"own\.modules"):
         THESIS.with_values({CLOSED: ["/tmp/code.py"]})
     assert CLOSED in flat(THESIS.parameters.as_dict())
+
+
+def test_a_tissue_in_space_is_refused_at_its_key():
+    with pytest.raises(InvalidProblem) as found:
+        THESIS.with_values({"tissue.dimension": 3, "tissue.cells": 196})
+    faults, others = faults_of(found.value, ["tissue.dimension"])
+    assert (faults, others) == ({"tissue.dimension": "must be 2 here, the page shows slices"}, [])
