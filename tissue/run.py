@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.checks import instance, number
+from dincl.checks import describe, instance, number
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.model.observables import measurable
@@ -131,7 +131,8 @@ class Run:
         )
 
     def __repr__(self) -> str:
-        return f"Run({self.status.name}, t = {self.final.t:g} h, {len(self.final.cells.x)} cells, seed {self.seed})"
+        cells, seed = len(self.final.cells.x), describe(self.seed)
+        return f"Run({self.status.name}, t = {self.final.t:g} h, {cells} cells, seed {seed})"
 
 
 class RunFailed(RuntimeError):

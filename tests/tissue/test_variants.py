@@ -256,8 +256,15 @@ CHANGES = {
 }
 # Keys that no step depends on, those of the other solver, and times of events, which tests of the
 # events look at, and rules of divisions, as those of the modules of users and curved layers do.
-WHOLE = ("emt", "daha", "layer", "own", "types")
-ASIDE = ("cell.soft_radius", "numerics.t_end", "numerics.keep", "division.rule", *(f"{name}.*" for name in WHOLE))
+WHOLE = ("emt", "daha", "layer", "own", "space", "types")
+ASIDE = (
+    "tissue.dimension",
+    "cell.soft_radius",
+    "numerics.t_end",
+    "numerics.keep",
+    "division.rule",
+    *(f"{name}.*" for name in WHOLE),
+)
 
 
 def expected(name, changes):

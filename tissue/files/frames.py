@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 import zlib
 from collections.abc import Iterator, Mapping
@@ -25,6 +26,8 @@ from tissue.state.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
 
 # In each file; another number with other contents.
 FORMAT = "tissue frame 3"
+# A seed may have more decimals than Python writes.
+_HEXADECIMAL = re.compile("[0-9a-f]+")
 TEXTS = ("format", "seed", "events", "types")
 # What archives and arrays raise that are damaged.
 UNREADABLE = (
@@ -77,7 +80,7 @@ def _check_sheets(name: str, sheets: Any) -> None:
 def _arrays(parts: Parts) -> Arrays:
     """What is in the file."""
     t, cells, layers, curve, past, sheets = parts
-    arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": str(past.seed), "next_id": past.next_id}
+    arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": f"{past.seed:x}", "next_id": past.next_id}
     arrays |= {"events": _events(), "types": " ".join(past.types)}
     arrays |= {"counts": past.counts, "generators": past.generators}
     arrays |= {"parted_sweeps": past.parted.sweeps, "parted_moved": past.parted.moved}
@@ -112,7 +115,7 @@ def _parts(arrays: Arrays) -> Parts:
     layers = CellLayers(arrays["layers.apical"], arrays["layers.basal"])
     emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})
     parted = Parted(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
-    seed, next_id = int(str(arrays["seed"])), int(arrays["next_id"])
+    seed, next_id = int(str(arrays["seed"]), 16), int(arrays["next_id"])
     types = tuple(str(arrays["types"]).split())
     checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], parted, types)
     table, (length, origin), (around, ring) = (
@@ -184,7 +187,7 @@ def _wrong(arrays: Arrays) -> Iterator[str]:
     for name, (kind, shape) in expected.items():
         if arrays[name].dtype != kind or arrays[name].shape != shape:
             yield f"{name} is of kind {arrays[name].dtype} and shape {arrays[name].shape}"
-    if not str(arrays["seed"]).isdecimal():
+    if not _HEXADECIMAL.fullmatch(str(arrays["seed"])):
         yield f'seed = "{arrays["seed"]}"'
     yield from _impossible(arrays)
 
