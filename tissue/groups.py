@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.random import Generator, default_rng
 
 from tissue.events.known import events
-from tissue.files.cell_types import first_of
+from tissue.files.cell_types import APART, SCATTERED, first_of
 from tissue.files.scenario import CellGroup, drawn
 from tissue.state.cells import CONTROL, EMT, Emt, Flags, Floats, Integers, emt_cells
 
 if TYPE_CHECKING:
+    from tissue.space.lattice import Lattice
     from tissue.state.streams import Streams
 
 
@@ -65,18 +66,16 @@ def control_cells(n: int) -> Crowd:
     return Crowd(np.full(n, CONTROL), yes, yes.copy(), no, np.full((len(events()), n), np.inf))
 
 
-def crowd_of(
-    groups: Sequence[CellGroup], n: int, random: Streams, nearest: Callable[[float], Integers] | None = None
-) -> Crowd:
-    """The types of n cells: each group at its place, then those that are scattered among the others, in their order.
+def crowd_of(groups: Sequence[CellGroup], n: int, random: Streams, lattice: Lattice | None = None) -> Crowd:
+    """The types of n cells: each group at its place, then those that are apart or scattered, in their order.
 
-    In space ``nearest`` lists the cells by their distance from a place, and a group has the first ones that are free.
+    In space the lattice knows where the cells are, and a group has those nearest to its place that are free.
     """
     crowd, draws = control_cells(n), drawn_for(groups, random)
-    for scattered in (False, True):
+    for anywhere in (False, True):
         for kind, (group, draw) in enumerate(zip(groups, draws, strict=True), EMT):
-            if scattered == (group.place is None):
-                give(crowd, _chosen(crowd, group, draw, nearest), kind, group, draw)
+            if anywhere == isinstance(group.place, str):
+                give(crowd, _chosen(crowd, group, draw, lattice), kind, group, draw)
     return crowd
 
 
@@ -86,12 +85,19 @@ def give(crowd: Crowd, cells: Integers, kind: int, group: CellGroup, draw: Draws
     crowd.may_leave[cells], crowd.times[:, cells] = group.may_leave, draw.times
 
 
-def _chosen(crowd: Crowd, group: CellGroup, draw: Draws, nearest: Callable[[float], Integers] | None) -> Integers:
+def _chosen(crowd: Crowd, group: CellGroup, draw: Draws, lattice: Lattice | None) -> Integers:
     """The cells of a group, from left to right."""
-    m = group.scenario.cells
-    if group.place is None:
-        return np.sort(draw.places.permutation(np.flatnonzero(crowd.kind == CONTROL))[:m])
-    if nearest is not None:
-        listed = nearest(group.place)
+    m, free = group.scenario.cells, np.flatnonzero(crowd.kind == CONTROL)
+    if group.place == SCATTERED:
+        return np.sort(draw.places.permutation(free)[:m])
+    if group.place == APART:
+        return _middles(free, m) if lattice is None else lattice.apart(free, m)
+    if lattice is not None:
+        listed = lattice.by_distance(float(group.place))
         return np.sort(listed[crowd.kind[listed] == CONTROL][:m])
-    return first_of(len(crowd.kind), m, group.place) + np.arange(m)
+    return first_of(len(crowd.kind), m, float(group.place)) + np.arange(m)
+
+
+def _middles(row: Integers, m: int) -> Integers:
+    """The cells in the middle of m equal parts of a row."""
+    return row[len(row) * (2 * np.arange(m) + 1) // max(1, 2 * m)]

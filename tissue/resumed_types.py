@@ -12,6 +12,7 @@ from tissue.files.cell_types import UNNAMED
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_groups
 from tissue.groups import Crowd, control_cells, crowd_of, drawn_for, give
+from tissue.space.lattice import Lattice
 from tissue.state.cells import CONTROL, EMT, Cells, Emt, Integers
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def typed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -
     past, was = start.past, cells.emt.copy()
     cells.kind[:] = _kinds(parameters, cells, past)
     if (cells.kind == CONTROL).all() and (was < 0).all():
-        crowd = _placed(parameters, cells, random)
+        crowd = _placed(parameters, start, cells, random)
     else:
         crowd = _kept(parameters, cells, random)
     cells.kind[:], cells.moves[:], cells.divides[:] = crowd.kind, crowd.moves, crowd.divides
@@ -51,7 +52,7 @@ def _kinds(parameters: Parameters, cells: Cells, past: TissueCheckpoint) -> Inte
     return np.array([mine.index(name) if name in mine else CONTROL for name in names])[cells.kind]
 
 
-def _placed(parameters: Parameters, cells: Cells, random: Streams) -> Crowd:
+def _placed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Crowd:
     """The groups where the parameters have them."""
     groups, n = parameters.groups(), len(cells.x)
     if 0 < groups[0].scenario.cells > n - 2:
@@ -60,7 +61,10 @@ def _placed(parameters: Parameters, cells: Cells, random: Streams) -> Crowd:
         )
     if lines := broken_groups(parameters.types.named(), n, parameters.emt.cells):
         raise InvalidProblem("; ".join(lines))
-    crowd = crowd_of(groups, n, random)
+    lattice = None
+    if start.sheets is not None:
+        lattice = Lattice(start.sheets.surface, np.stack((cells.bx, cells.by, cells.bz)), spacing=0.0)
+    crowd = crowd_of(groups, n, random, lattice)
     others = crowd.kind == CONTROL
     crowd.moves[others], crowd.divides[others] = cells.moves[others], cells.divides[others]
     return crowd

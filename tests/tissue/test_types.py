@@ -223,3 +223,12 @@ def test_the_quasi_steady_model_has_types_without_events():
     assert (final.cells.stiff_ax == np.where(final.cells.kind == NAMED, 9.0, small.cell.alpha_ax)).all()
     with pytest.raises(InvalidProblem, match=r"types\.stiff\.cells = 3: must be 0, the quasi-steady model has no EMT"):
         simulate_quasi_steady(small.changed({"types.stiff.a": "1 h", "types.stiff.divides": False}))
+
+
+def test_a_group_that_is_apart_is_spread_evenly():
+    far = {"types.far.cells": 3, "types.far.place": "apart"}
+    held, _ = started(preset("published").changed(far), streams(1))
+    assert np.flatnonzero(held.cells.kind[:45] == NAMED).tolist() == [7, 22, 37]
+    after = preset("published").changed({"types.first.cells": 15, "types.first.place": 0} | far)
+    held, _ = started(after, streams(1))
+    assert np.flatnonzero(held.cells.kind[:45] == NAMED + 1).tolist() == [20, 30, 40]

@@ -24,7 +24,8 @@ from tissue.files.timing import Timing
 # The types that have no name in files, by their numbers.
 UNNAMED = ("control", "emt")
 MOST_TYPES = 8
-SCATTERED = "scattered"
+# Where a group is if not at a place: at random, or evenly over the tissue.
+SCATTERED, APART = "scattered", "apart"
 TYPESCRIPT = "the public TypeScript program"
 # The keys that a type may have of its own, and their sections: not those of a pair of cells, nor the unit of length.
 OWN_KEYS = {
@@ -37,12 +38,12 @@ OWN_KEYS = {
 class Place:
     """Where along the tissue a group is."""
 
-    allowed: str = f'a number from 0 to 1, without unit, or "{SCATTERED}"'
-    unit: str = f'0 to 1, or "{SCATTERED}"'
+    allowed: str = f'a number from 0 to 1, without unit, "{APART}" or "{SCATTERED}"'
+    unit: str = f'0 to 1, "{APART}" or "{SCATTERED}"'
 
     def __call__(self, raw: Any) -> float | str:
-        if isinstance(raw, str) and raw == SCATTERED:
-            return SCATTERED
+        if isinstance(raw, str) and raw in (APART, SCATTERED):
+            return raw
         try:
             return Number(zero=True, most=1.0)(raw)
         except ValueError as error:
@@ -65,7 +66,10 @@ class TypeKeys(ParameterSection):
         "cells of this type at the start", "", TYPESCRIPT
     )
     place: Annotated[float | str, PlainValidator(Place())] = key(
-        f"middle of the group, from left to right, or {SCATTERED} among control cells", "", TYPESCRIPT, 0.5
+        f"middle of the group, from left to right; {APART}: evenly over the tissue; {SCATTERED}: at random",
+        "",
+        TYPESCRIPT,
+        0.5,
     )
     inm: Probability = key(
         "probability that a cell of the start performs interkinetic nuclear movement",
@@ -93,8 +97,7 @@ class TypeKeys(ParameterSection):
     def group(self, name: str, rest_length: float) -> CellGroup:
         """The cells at the start; ``rest_length``: of their springs [R_soft]."""
         scenario = Scenario(self.cells, self.inm, self.times())
-        place = None if isinstance(self.place, str) else self.place
-        return CellGroup(name, scenario, place, self.divides, self.has_events, rest_length)
+        return CellGroup(name, scenario, self.place, self.divides, self.has_events, rest_length)
 
     @model_serializer(mode="wrap")
     def _as_given(self, write: Any) -> dict[str, Any]:

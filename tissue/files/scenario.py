@@ -25,7 +25,7 @@ class CellGroup(NamedTuple):
 
     name: str
     scenario: Scenario
-    place: float | None  # of the middle of the group, as a part of the tissue from left to right; None: scattered
+    place: float | str  # of the middle of the group, as a part of the tissue from left to right; or APART, SCATTERED
     divides: bool
     may_leave: bool  # whether its cells have events, and so are EMT cells
     rest_length: float  # eta of both cytoskeleton springs at the start, without the radius R_soft

@@ -16,6 +16,8 @@ from tissue.state.cells import Floats, Integers
 ROW = math.sqrt(3) / 2
 # In fewer rows, or columns, neighbours would meet twice.
 FEWEST = 4
+# Iterations that spread cells evenly, at most.
+LLOYD = 100
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +70,35 @@ class Lattice:
         turn = 2.0 * math.pi * (place - 0.5)
         goal = np.array([math.sin(turn), self.surface.side * math.cos(turn), 0.0]) * self.surface.radius
         return np.argsort(((at - goal[:, None]) ** 2).sum(axis=0), kind="stable")
+
+    def apart(self, among: Integers, m: int) -> Integers:
+        """m of these cells, evenly over the tissue: each is nearest to the mean of the cells that it is nearest to.
+
+        By Lloyd's iteration from points that are each as far as possible from those before.
+        """
+        from scipy.cluster.vq import kmeans2
+
+        points = self._folded()[among]
+        first = [int(np.argmin(((points - points.mean(axis=0)) ** 2).sum(axis=1)))] if m else []
+        away = np.full(len(among), math.inf)
+        while len(first) < m:
+            away = np.minimum(away, ((points - points[first[-1]]) ** 2).sum(axis=1))
+            first.append(int(np.argmax(away)))
+        if m < 2:
+            return among[first]
+        middles, part = kmeans2(points, points[first], iter=LLOYD, minit="matrix", missing="raise")
+        off = ((points - middles[part]) ** 2).sum(axis=1)
+        chosen = [min(np.flatnonzero(part == k).tolist(), key=off.__getitem__) for k in range(m)]
+        return np.sort(among[chosen])
+
+    def _folded(self) -> Floats:
+        """Points whose distances are those of the basal points, in the large over a half period, (n, 3 or more)."""
+        axes: list[Floats] = []
+        periods = (self.surface.period_x, math.inf, self.surface.period_z)
+        for x, period in zip(self.basal, periods, strict=True):
+            turn = 2.0 * math.pi / period
+            axes += [x] if turn == 0.0 else [np.cos(turn * x) / turn, np.sin(turn * x) / turn]
+        return np.stack(axes, axis=1)
 
 
 def rows_of(cells: int, wanted: int) -> int:

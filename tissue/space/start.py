@@ -45,7 +45,7 @@ def started_in_space(parameters: Parameters, random: Streams) -> tuple[Store, Pa
     """
     start, groups = parameters.start_numbers(), parameters.groups()
     lattice = parameters.lattice()
-    crowd = crowd_of(groups, start.cells, random, lattice.by_distance)
+    crowd = crowd_of(groups, start.cells, random, lattice)
     types = Types(crowd, parameters.named_numbers(), [one.rest_length for one in groups])
     numbers = parameters.numbers()
     cells = drawn_cells(start, numbers, random.start, types, lambda draws: _points(start, lattice, draws))

@@ -56,7 +56,7 @@ def test_a_type_has_what_it_says_and_else_what_all_cells_have(given):
     assert (emt.name, emt.scenario.cells, emt.may_leave) == ("emt", 0, True)
     assert one == ("soft", (10, 1.0, {}), 0.2, True, False, 1.5)
     timing = Timing(Measure(6.0, "h"), Measure(8.0, "h"), 50.0)
-    assert two == ("leaving", (3, 1.0, {"a": timing}), None, False, True, 1.5)
+    assert two == ("leaving", (3, 1.0, {"a": timing}), "scattered", False, True, 1.5)
     assert given.changed({"cell.alpha_bx": 7}).named_numbers()[0].alpha_bx == 7.0
 
 
@@ -215,11 +215,11 @@ def test_the_command_tells_of_a_key_of_any_type():
         ({"types.soft.enlarged_radius": "6 um"}, r'types\.soft\.enlarged_radius = "6 um": must be at most cell\.soft'),
         (
             {"types.soft.place": 1.5},
-            r'types\.soft\.place = 1\.5: must be a number from 0 to 1, without unit, or "scattered"',
+            r'types\.soft\.place = 1\.5: must be a number from 0 to 1, without unit, "apart" or "scattered"',
         ),
         (
             {"types.soft.place": "left"},
-            r"types\.soft\.place = \'left\': must be a number from 0 to 1, without unit, or",
+            r"types\.soft\.place = \'left\': must be a number from 0 to 1, without unit, \"apart\" or",
         ),
         ({"types.soft.cells": -1}, r"types\.soft\.cells = -1: must be a whole number from 0 to"),
         ({"types.soft.inm": 2}, r"types\.soft\.inm = 2: must be a number from 0 to 1"),
