@@ -7,6 +7,7 @@ import re
 from collections.abc import Iterator
 from functools import cache
 from importlib import import_module
+from importlib.util import find_spec
 
 import verification.thesis
 from verification.claims import Claim, stated_in
@@ -35,10 +36,14 @@ def chapter_of(claim: Claim) -> int:
 
 def modules() -> Iterator[str]:
     """The modules that state claims."""
-    for part in pkgutil.iter_modules(verification.thesis.__path__, "verification.thesis."):
-        if part.ispkg:
-            folder = import_module(f"{part.name}.claims").__path__
-            yield from (module.name for module in pkgutil.iter_modules(folder, f"{part.name}.claims."))
+    for part in filter(_has_claims, pkgutil.iter_modules(verification.thesis.__path__, "verification.thesis.")):
+        folder = import_module(f"{part.name}.claims").__path__
+        yield from (module.name for module in pkgutil.iter_modules(folder, f"{part.name}.claims."))
+
+
+def _has_claims(part: pkgutil.ModuleInfo) -> bool:
+    """Whether a folder is of a part of the thesis; what goes beyond it states no claim."""
+    return part.ispkg and find_spec(f"{part.name}.claims") is not None
 
 
 def _place(module: str) -> tuple[bool, list[int], str]:

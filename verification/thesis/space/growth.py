@@ -35,7 +35,7 @@ FREE: Mapping[str, object] = {**SHEET, "space.boundary": "open"}
 TUBE: Mapping[str, object] = {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "1000 um"}
 
 
-class Layer(NamedTuple):
+class GrowingLayer(NamedTuple):
     """A tissue at the start, and what makes it of the published preset."""
 
     layer: str
@@ -50,18 +50,18 @@ class Layer(NamedTuple):
 
 
 LAYERS = (
-    Layer("free sheet", 784, ALL, FREE),
-    Layer("free sheet", 400, ALL, FREE),
-    Layer("periodic sheet", 196, ALL, SHEET),
-    Layer("free sheet", 196, ALL, FREE),
-    Layer("free sheet", 400, SOME, FREE),
-    Layer("periodic sheet", 196, SOME, SHEET),
-    Layer("free sheet", 196, SOME, FREE),
-    Layer("slice", 180, ALL, {}),
-    Layer("slice", 45, ALL, {}),
-    Layer("slice", 180, SOME, {}),
-    Layer("slice", 45, SOME, {}),
-    Layer("tube", 600, SOME, TUBE),
+    GrowingLayer("free sheet", 784, ALL, FREE),
+    GrowingLayer("free sheet", 400, ALL, FREE),
+    GrowingLayer("periodic sheet", 196, ALL, SHEET),
+    GrowingLayer("free sheet", 196, ALL, FREE),
+    GrowingLayer("free sheet", 400, SOME, FREE),
+    GrowingLayer("periodic sheet", 196, SOME, SHEET),
+    GrowingLayer("free sheet", 196, SOME, FREE),
+    GrowingLayer("slice", 180, ALL, {}),
+    GrowingLayer("slice", 45, ALL, {}),
+    GrowingLayer("slice", 180, SOME, {}),
+    GrowingLayer("slice", 45, SOME, {}),
+    GrowingLayer("tube", 600, SOME, TUBE),
 )
 
 
@@ -71,7 +71,7 @@ def study() -> Study:
     return Study("space_growth", "Space: growth", ("layer", "cells", "both", "seed"), tuple(runs), grown)
 
 
-def name_of(layer: Layer) -> dict[str, object]:
+def name_of(layer: GrowingLayer) -> dict[str, object]:
     """The columns that name it."""
     return {"layer": layer.layer, "cells": layer.cells, "both": layer.both}
 
@@ -82,10 +82,10 @@ def grown(key: Key) -> list[Row]:
     run = simulate(layer.parameters(), key["seed"])
     first = run.frames[0]
     frames = run.frames if run.status else run.frames[:-1]
-    return [dict(key) | {"t": frame.t} | _measured(frame, first) for frame in frames]
+    return [{**key, "t": frame.t} | _measured(frame, first) for frame in frames]
 
 
-def _measured(frame: Frame, first: Frame) -> Row:
+def _measured(frame: Frame, first: Frame) -> dict[str, float]:
     """Height, number of cells and basal extent over those of the start; apical over basal extent; roughness."""
     apical, basal = _extents(frame)
     return {
