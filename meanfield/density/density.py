@@ -15,6 +15,7 @@ from dincl import checks
 from dincl.callables import UserFunction
 from dincl.errors import InvalidProblem
 from dincl.status import Status
+from meanfield.density.arguments import breaks_within, corners, factor_of, row
 from meanfield.density.panels import Panels, resolved
 from meanfield.density.shapes import BumpShape, NormalShape, UniformShape
 
@@ -22,7 +23,6 @@ Floats = NDArray[np.float64]
 Pdf = Callable[[Floats], Floats]
 Sampler = Callable[[np.random.Generator, int], Floats]
 
-MOST_AXES = 3
 # The integral must be 1 to this accuracy; in d >= 2 it is that of so many Gauss points per axis.
 MASS_TOLERANCE, CHECK_NODES = 1e-10, 64
 # A normal density is cut at so many deviations: the mass outside, 1e-16 for each axis, is below rounding.
@@ -66,11 +66,11 @@ class Density:
     sampler: Sampler | None = None
 
     def __post_init__(self) -> None:
-        lower, upper = _corners(self.lower, self.upper)
+        lower, upper = corners(self.lower, self.upper)
         checks.function("pdf", self.pdf, "a function of points (n, nx)")
         if self.sampler is not None:
             checks.function("sampler", self.sampler, "a function of (rng, n)")
-        for name, value in (("lower", lower), ("upper", upper), ("breaks", _breaks(self.breaks, lower, upper))):
+        for name, value in (("lower", lower), ("upper", upper), ("breaks", breaks_within(self.breaks, lower, upper))):
             object.__setattr__(self, name, value)
         if self.nx == 1:
             edges, coefficients = self._resolved
@@ -84,7 +84,7 @@ class Density:
     @classmethod
     def uniform(cls, lower: ArrayLike, upper: ArrayLike) -> Density:
         """f = 1 / volume on the box."""
-        low, high = _corners(lower, upper)
+        low, high = corners(lower, upper)
         shape = UniformShape(low, high)
         return cls(shape, low, high, sampler=shape.sample)
 
@@ -99,8 +99,8 @@ class Density:
         deviation
             > 0, of each component (nx,): they are independent; or the covariance L L^T (nx, nx).
         """
-        centre = _row("mean", mean, None)
-        factor, deviations = _factor(deviation, len(centre))
+        centre = row("mean", mean, None)
+        factor, deviations = factor_of(deviation, len(centre))
         low, high = centre - CUT * deviations, centre + CUT * deviations
         shape = NormalShape(centre, factor, low, high)
         return cls(shape, low, high, sampler=shape.sample)
@@ -116,7 +116,7 @@ class Density:
         radius
             r > 0 of each axis (nx,), or one for all.
         """
-        middle, given = _row("centre", centre, None), _row("radius", radius, None)
+        middle, given = row("centre", centre, None), row("radius", radius, None)
         if len(given) not in (1, len(middle)) or (given <= 0).any():
             raise InvalidProblem(f"radius = {checks.describe(given)}: must be > 0, one number or {len(middle)}")
         r = np.broadcast_to(given, middle.shape)
@@ -249,47 +249,6 @@ class Density:
             f"pdf: {MOST_ROUNDS} rounds of at most {MOST_TRIES} points gave {found} of {n} by rejection: must fill "
             "more of its box, or come with a sampler"
         )
-
-
-def _row(name: str, value: ArrayLike, length: int | None) -> Floats:
-    """Numbers of shape (length,), None: any; a single one is a row of one."""
-    return checks.shaped(name, np.atleast_1d(checks.array(name, value)), (length,))
-
-
-def _corners(lower: ArrayLike, upper: ArrayLike) -> tuple[Floats, Floats]:
-    low = _row("lower", lower, None)
-    high = _row("upper", upper, len(low))
-    if len(low) > MOST_AXES:
-        raise InvalidProblem(f"lower = {checks.describe(low)}: must have 1, 2 or 3 components")
-    if not (low < high).all():
-        raise InvalidProblem(f"upper = {checks.describe(high)}: must be > lower = {checks.describe(low)}")
-    return low, high
-
-
-def _breaks(breaks: tuple[float, ...], lower: Floats, upper: Floats) -> tuple[float, ...]:
-    """Breaks as increasing numbers inside the box."""
-    listed = checks.items("breaks", breaks, object, "a list of numbers")
-    found = tuple(sorted({checks.number("breaks", value) for value in listed}))
-    if found and (len(lower) > 1 or not lower[0] < found[0] or not found[-1] < upper[0]):
-        raise InvalidProblem(f"breaks = {found}: must lie inside the box, in one dimension")
-    return found
-
-
-def _factor(deviation: ArrayLike, nx: int) -> tuple[Floats, Floats]:
-    """The Cholesky factor L of the covariance, and the deviation of each component."""
-    numbers = checks.array("deviation", deviation)
-    given = checks.shaped("deviation", numbers, (nx, nx)) if numbers.ndim == 2 else _row("deviation", numbers, nx)
-    if given.ndim == 1:
-        if (given <= 0).any():
-            raise InvalidProblem(f"deviation = {checks.describe(given)}: must be > 0")
-        return np.diag(given), given
-    try:
-        factor: Floats = np.linalg.cholesky(given).astype(np.float64)
-    except np.linalg.LinAlgError:
-        factor = np.zeros((nx, nx))
-    if not np.array_equal(given, given.T) or not factor.any():
-        raise InvalidProblem(f"deviation = {checks.describe(given)}: must be symmetric and positive definite")
-    return factor, np.sqrt(np.diag(given))
 
 
 def _gauss(pieces: list[Floats], n: int) -> tuple[Floats, Floats]:

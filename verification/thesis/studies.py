@@ -21,7 +21,7 @@ from verification.thesis.kept import STUDIES
 
 MAKES_NO_NUMBERS = True
 # Those of EMT and of curved layers keep sums only, by commands of their own.
-NAMES = ("experiments", "speed", "failures", "geometry", "tissue", "meanfield")
+NAMES = ("experiments", "speed", "failures", "geometry", "tissue", "space", "meanfield")
 
 
 def main(folder: Path, names: Collection[str] = NAMES) -> None:

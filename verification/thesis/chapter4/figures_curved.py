@@ -41,14 +41,14 @@ def draw_ways_out(ways_out: pd.DataFrame, path: Path) -> Path:
     """For each set of events the ratio of cells that have left on either side, on each layer."""
     names = list(ways_out["events"].unique())
     rows = [(LABELS[layer], LOOKS[layer], mine) for layer, mine in ways_out.groupby("layer", sort=False)]
-    return _draw(rows, names, 3.6, path)
+    return draw_sides(rows, names, 3.6, path)
 
 
 def draw_tubes(ways_out: pd.DataFrame, tubes: pd.DataFrame, path: Path) -> Path:
     """The same on arcs and on closed tubes, which are filled."""
     names = list(tubes["events"].unique())
     rows = [(label, look, mine) for label, look, mine in _closed_or_not(ways_out, tubes) if len(mine)]
-    return _draw(rows, names, 4.8, path)
+    return draw_sides(rows, names, 4.8, path)
 
 
 def _closed_or_not(ways_out: pd.DataFrame, tubes: pd.DataFrame) -> Iterator[Series]:
@@ -64,7 +64,7 @@ def _closed_or_not(ways_out: pd.DataFrame, tubes: pd.DataFrame) -> Iterator[Seri
             yield label, (colour, shape, colour if closed else "white"), mine
 
 
-def _draw(series: Sequence[Series], names: Sequence[str], height: float, path: Path) -> Path:
+def draw_sides(series: Sequence[Series], names: Sequence[str], height: float, path: Path) -> Path:
     """A panel for each side; a row of marks with intervals for each set of events."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with style():

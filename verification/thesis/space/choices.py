@@ -1,30 +1,22 @@
-"""What the text leaves open in three dimensions, one choice at a time: what depends on it?
-
-``python -m verification.thesis.space.choices FOLDER`` makes the runs that are missing in FOLDER, in half an hour on two
-cores, and ``verification/thesis/data/space_choices.parquet``.
-"""
+"""What the text leaves open in three dimensions, one choice at a time: what depends on it?"""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
 
-from dincl.study import Key, Row, Study, workers
+from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
 from tissue.model.observables import height
 from tissue.study.outcomes import SIDES
-from tissue.study.ratios import ratio
 from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.kept import DATA, keep
+from verification.thesis.space.counted import counted, with_intervals
 from verification.thesis.space.growth import roughness
 
-FILE = DATA / "space_choices.parquet"
-SEEDS = 24
 # Beside those of the study ``space_published``: a sheet with a free edge, where those of one division in five stay.
 SHEET: Mapping[str, object] = {
     "tissue.dimension": 3,
@@ -49,9 +41,21 @@ CHOICES: Mapping[str, Mapping[str, object]] = {
 }
 
 
-def study() -> Study:
+@dataclass(frozen=True)
+class ChoicesForm:
+    """How far the study goes: number of seeds, and the choices."""
+
+    seeds: int = 24
+    choices: tuple[str, ...] = tuple(CHOICES)
+
+
+FULL = ChoicesForm()
+
+
+def study(form: ChoicesForm) -> Study:
     """One run for each choice, set of events and seed."""
-    runs = [{"choice": one, "events": two, "seed": k} for one in CHOICES for two in EVENTS for k in range(SEEDS)]
+    names = [(choice, events) for choice in form.choices for events in EVENTS]
+    runs = [{"choice": one, "events": two, "seed": seed} for one, two in names for seed in range(form.seeds)]
     return Study("space_choices", "Space: choices", ("choice", "events", "seed"), tuple(runs), run)
 
 
@@ -64,38 +68,31 @@ def run(key: Key) -> list[Row]:
     """One row for each EMT cell: where it has ended, beside the tissue; none of a run that is lost."""
     made = simulate(parameters(key["choice"], key["events"]), key["seed"])
     if not made.status:
-        return [dict(key) | {"side": "", "height": np.nan, "rough": np.nan, "cells": 0}]
+        return [{**key, "cell": 0, "side": "", "height": np.nan, "rough": np.nan, "cells": 0}]
     last, first = made.final, made.frames[0]
     about = {"height": height(last) / height(first), "rough": roughness(last), "cells": len(last.cells.x)}
-    return [dict(key) | {"side": SIDES[side + 1]} | about for side in last.past.emt.side]
+    return [{**key, "cell": k, "side": SIDES[side + 1], **about} for k, side in enumerate(last.past.emt.side)]
 
 
-def summed(table: pd.DataFrame) -> Iterator[dict[str, object]]:
-    """One row for each choice and set of events: ratios of cells that left, and means over the runs; with intervals."""
-    for (choice, events), every in table.groupby(["choice", "events"], sort=False):
-        mine = every[every["side"] != ""]
-        told: dict[str, object] = {"choice": choice, "events": events}
-        for side in (SIDES[0], SIDES[-1]):
-            found = ratio(mine["side"] == side, mine["seed"])
-            told |= {side: found.value} | dict(zip((f"{side}_low", f"{side}_high"), found.interval(), strict=True))
-        runs = mine.groupby("seed").first()
+def ratios(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each choice, set of events and side: cells that have left, with intervals."""
+    there = table[table["side"] != ""]
+    rows = [
+        {"choice": choice, "events": events, "side": side, **counted(mine["side"] == side, mine["seed"])}
+        for (choice, events), mine in there.groupby(["choice", "events"], sort=False)
+        for side in (SIDES[0], SIDES[-1])
+    ]
+    return with_intervals(pd.DataFrame(rows), "choice")
+
+
+def means(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each choice: height over that of the start and roughness, means over the runs with intervals."""
+    rows = []
+    for choice, mine in table.groupby("choice", sort=False):
+        runs = mine.groupby(["events", "seed"]).first()
+        told: dict[str, object] = {"choice": choice, "runs": len(runs), "lost": int((runs["side"] == "").sum())}
         for name in ("height", "rough"):
-            mean = over_seeds(runs[name])
+            mean = over_seeds(runs[name].dropna())
             told |= {name: mean.mean, f"{name}_low": mean.low, f"{name}_high": mean.high}
-        yield told | {"of": len(mine), "runs": len(runs), "lost": int((every["side"] == "").sum())}
-
-
-def table() -> pd.DataFrame:
-    """The kept table."""
-    return pd.read_parquet(FILE)
-
-
-def main(folder: Path) -> None:
-    """Complete the study, and keep its ratios and means."""
-    with workers() as executor:
-        rows = study().complete(folder, executor)
-    keep(pd.DataFrame(summed(rows)), FILE, main)
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+        rows.append(told)
+    return pd.DataFrame(rows)

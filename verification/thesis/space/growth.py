@@ -1,36 +1,29 @@
-"""Growth of the height of sheets and slices, in which all daughters stay or those of one division in five.
-
-``python -m verification.thesis.space.growth FOLDER`` makes the runs that are missing in FOLDER, in half an hour on two
-cores, and ``verification/thesis/data/space_growth.parquet``.
-"""
+"""Growth of the height of sheets and slices, in which all daughters stay or those of one division in five."""
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
-import pandas as pd
 
-from dincl.study import Key, Row, Study, workers
+from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
 from tissue.model.observables import height
 from tissue.space.measures import basal_area
+from tissue.space.section import section
 from tissue.state.cells import Floats, Integers
 from tissue.state.frame import Frame
-from verification.thesis.chapter3.intervals import over_seeds
-from verification.thesis.kept import DATA, keep
 
-FILE = DATA / "space_growth.parquet"
-SEEDS = 12
 # The probability that both daughters of a division stay: that of the slice, and that of a sheet.
 SOME, ALL = 0.2, 1.0
 END, EVERY = 48.0, 6.0  # h
 SHEET: Mapping[str, object] = {"tissue.dimension": 3}
 FREE: Mapping[str, object] = {**SHEET, "space.boundary": "open"}
+# A nucleus of a sheet begins among five times as many soft balls as soft discs in a slice of the same spacing.
+WEAK: Mapping[str, object] = {**FREE, "cell.alpha_xx": 0.2}
 # So large that the tissue is low over it.
 TUBE: Mapping[str, object] = {"layer.shape": "circle", "layer.closed": True, "layer.perimeter": "1000 um"}
 
@@ -54,6 +47,7 @@ LAYERS = (
     GrowingLayer("free sheet", 400, ALL, FREE),
     GrowingLayer("periodic sheet", 196, ALL, SHEET),
     GrowingLayer("free sheet", 196, ALL, FREE),
+    GrowingLayer("free sheet, weak repulsion", 196, ALL, WEAK),
     GrowingLayer("free sheet", 400, SOME, FREE),
     GrowingLayer("periodic sheet", 196, SOME, SHEET),
     GrowingLayer("free sheet", 196, SOME, FREE),
@@ -65,9 +59,20 @@ LAYERS = (
 )
 
 
-def study() -> Study:
+@dataclass(frozen=True)
+class SheetForm:
+    """How far the study goes: number of seeds, and the layers."""
+
+    seeds: int = 12
+    layers: tuple[GrowingLayer, ...] = LAYERS
+
+
+FULL = SheetForm()
+
+
+def study(form: SheetForm) -> Study:
     """One run for each layer and seed."""
-    runs = [{**name_of(layer), "seed": seed} for layer in LAYERS for seed in range(SEEDS)]
+    runs = [{**name_of(layer), "seed": seed} for layer in form.layers for seed in range(form.seeds)]
     return Study("space_growth", "Space: growth", ("layer", "cells", "both", "seed"), tuple(runs), grown)
 
 
@@ -86,11 +91,12 @@ def grown(key: Key) -> list[Row]:
 
 
 def _measured(frame: Frame, first: Frame) -> dict[str, float]:
-    """Height, number of cells and basal extent over those of the start; apical over basal extent; roughness."""
+    """Height, cells, cells in the section z = 0, basal extent over those of the start; apical over basal; roughness."""
     apical, basal = _extents(frame)
     return {
         "height": height(frame) / height(first),
         "number": len(frame.cells.x) / len(first.cells.x),
+        "section": len(section(frame).cells.x) / len(section(first).cells.x),
         "basal": basal / _extents(first)[1],
         "fan": apical / basal,
         "rough": roughness(frame),
@@ -129,30 +135,3 @@ def _junctions(frame: Frame) -> Integers:
         return frame.sheets.apical.edges
     layer = np.append(frame.layers.apical, frame.layers.apical[: frame.curve.ring])
     return np.column_stack((layer[:-1], layer[1:]))
-
-
-def summed(table: pd.DataFrame) -> Iterator[dict[str, object]]:
-    """One row for each layer and time: means over the seeds, that of the height with its interval."""
-    for name, mine in table.groupby(["layer", "cells", "both", "t"], sort=False):
-        mean, low, high = over_seeds(mine["height"])
-        about = dict(zip(("layer", "cells", "both", "t"), name, strict=True))
-        others = {column: mine[column].mean() for column in ("number", "basal", "fan", "rough")}
-        yield (
-            about | {"height": mean, "low": low, "high": high} | others | {"runs": len(mine), "lost": SEEDS - len(mine)}
-        )
-
-
-def table() -> pd.DataFrame:
-    """The kept table."""
-    return pd.read_parquet(FILE)
-
-
-def main(folder: Path) -> None:
-    """Complete the study, and keep its means."""
-    with workers() as executor:
-        rows = study().complete(folder, executor)
-    keep(pd.DataFrame(summed(rows)), FILE, main)
-
-
-if __name__ == "__main__":
-    main(Path(sys.argv[1]))

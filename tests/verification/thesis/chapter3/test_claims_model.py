@@ -19,6 +19,7 @@ from verification.thesis.chapter3.claims import (
     s2_2_9_parameters,
     s2_2_9_tables,
     s3_tissue,
+    s5_directions,
 )
 
 PARTS = (
@@ -30,9 +31,10 @@ PARTS = (
     s2_2_9_parameters,
     s2_2_9_tables,
     s3_tissue,
+    s5_directions,
 )
 CLAIMS = {claim.id: claim for part in PARTS for claim in stated_in(part)}
-MODEL, CYCLE, ENERGIES, FEASIBLE, QSS, PARAMETERS, TABLES, TISSUE = (
+MODEL, CYCLE, ENERGIES, FEASIBLE, QSS, PARAMETERS, TABLES, TISSUE, DIRECTIONS = (
     "chapter3." + part.__name__.rpartition(".")[2] for part in PARTS
 )
 HOLDS = Kind.HOLDS
@@ -66,6 +68,10 @@ def early(age: Any, cycle: float) -> Any:
     return age >= cycle - 1.0
 
 
+SHEETS = pd.DataFrame(
+    {"layer": "free sheet", "cells": 196, "t": 48.0, "height": 1.7, "height_low": 1.6, "height_high": 1.8, "runs": 3},
+    index=[0],
+)
 GROWTH = {"tissue_ratios": ratios(1.5, 1.2, 1.1)}
 CHANGES = {
     "c3.inm": Wrong(MODEL, "speed", times(-1.0)),
@@ -103,6 +109,13 @@ CHANGES = {
     "c3.mu-unit": Wrong(TISSUE, "decayed", lambda f: lambda dt, mu: f(dt, 1 / mu), HOLDS),
     "c3.larger-damping": Wrong(
         TISSUE, "growth_steps", lambda f: lambda table: f(table.assign(mu=-table["mu"])), HOLDS, GROWTH
+    ),
+    "c3.independent-rules": Wrong(DIRECTIONS, "overtaken", replaced(lambda *_: 0), HOLDS),
+    "c3.height-in-space": Wrong(
+        DIRECTIONS,
+        "least_grown",
+        lambda f: lambda table: f(table.assign(height=0.5, height_low=0.4, height_high=0.6)),
+        tables={"space_heights": SHEETS},
     ),
 }
 

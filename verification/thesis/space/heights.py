@@ -1,0 +1,37 @@
+"""What the study of growth comes to: means with intervals, and what part of the daughters stays in a section."""
+
+from __future__ import annotations
+
+import math
+
+import pandas as pd
+
+from verification.thesis.chapter3.intervals import over_seeds
+
+# Those with an interval, and without.
+TOLD, BESIDE = ("height", "section"), ("number", "basal", "fan", "rough")
+
+
+def means(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each layer and time: means over the seeds, with Student's 95 % intervals of TOLD; and ``stay``."""
+    rows = []
+    for name, mine in table.groupby(["layer", "cells", "both", "t"], sort=False):
+        told: dict[str, object] = dict(zip(("layer", "cells", "both", "t"), name, strict=True))
+        for column in TOLD:
+            mean = over_seeds(mine[column])
+            told |= {column: mean.mean, f"{column}_low": mean.low, f"{column}_high": mean.high}
+        told |= {column: mine[column].mean() for column in BESIDE}
+        number = float(mine["number"].mean())
+        for end in ("", "_low", "_high"):
+            told[f"stay{end}"] = part_that_stays(float(told[f"section{end}"]), number)  # type: ignore[arg-type]
+        rows.append(told | {"runs": len(mine)})
+    return pd.DataFrame(rows)
+
+
+def part_that_stays(section: float, number: float) -> float:
+    """p of (1 + p)^g = section, with g = log2(number) generations: which part of the second daughters is in a section.
+
+    p^div of section 2.2.5 of chapter 3, as a slice would need it; NaN before any division.
+    """
+    generations = math.log2(number)
+    return float(section ** (1.0 / generations) - 1.0) if generations > 0.0 else math.nan

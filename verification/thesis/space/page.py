@@ -1,0 +1,176 @@
+"""The third dimension: how sheets grow, whether isolated cells go where they go in slices, and what is left open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
+from verification.page.prose import fill
+from verification.page.report import Chapter, Finding
+from verification.thesis.space import choices, figures, growth, heights, isolated
+
+GROWTH, ISOLATED = "Does a sheet grow as its slice does?", "Do the answers for isolated cells survive?"
+PROSE = Path(__file__).parent / "prose"
+HEIGHTS = {"layer": "Tissue", "cells": "Cells", "both": "Both daughters stay", "height": "Height / at the start"} | {
+    "height_low": "from",
+    "height_high": "to",
+    "number": "Cells / at the start",
+    "section": "In the section / at the start",
+    "stay": "Daughters that stay in it",
+    "stay_low": "from ",
+    "stay_high": "to ",
+    "basal": "Basal extent / at the start",
+    "fan": "Apical / basal extent",
+    "rough": "Roughness [R_soft]",
+    "runs": "Runs",
+}
+RATIOS = {
+    "scenario": "Events",
+    "tissue": "Tissue",
+    "what": "Way out",
+    "value": "Ratio",
+    "low": "from",
+    "high": "to",
+} | {
+    "of": "Cells",
+    "effective": "Independent",
+}
+VERDICTS = {"says": "Finding", "side": "Way out", "compared": "More of", **{one: one for one in isolated.TISSUES}}
+CHOICES = {"choice": "Choice", "events": "Events", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
+    "of": "Cells"
+}
+MEANS = {"choice": "Choice", "height": "Height / at the start", "height_low": "from", "height_high": "to"} | {
+    "rough": "Roughness [R_soft]",
+    "rough_low": "from ",
+    "rough_high": "to ",
+    "runs": "Runs",
+    "lost": "Lost",
+}
+
+
+# Made again beside the complete studies.
+GROWN_AGAIN = growth.SheetForm(2, growth.LAYERS[-3:-1])
+CHOSEN_AGAIN = choices.ChoicesForm(1, (choices.AS_SHIPPED,))
+
+
+def run(context: Context) -> None:
+    """Take over the studies, and the kept ratios."""
+    grown = context.rows_of(growth.study(context.form(growth.FULL)), growth.study(GROWN_AGAIN), ("t",))
+    context.keep("space_heights", heights.means(grown))
+    chosen = context.rows_of(choices.study(context.form(choices.FULL)), choices.study(CHOSEN_AGAIN), ("cell",))
+    context.keep("space_choices_ratios", choices.ratios(chosen))
+    context.keep("space_choices_means", choices.means(chosen))
+    ratios = isolated.table()
+    context.keep("space_isolated", ratios)
+    context.keep("space_compared", isolated.compared(ratios))
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """Growth, isolated cells, and what the text leaves open."""
+    return [_growth(context), _isolated(context), _choices(context)]
+
+
+def _growth(context: Context) -> Section:
+    table = context.tables["space_heights"]
+    last = table[table["t"] == table["t"].max()]
+    said = fill(PROSE / "growth.html", **_heights(last))
+    chart = context.draw("space_growth", figures.draw_growth, table)
+    return Section(
+        GROWTH,
+        [
+            Text(said["answer"]),
+            Picture(chart, said["chart"]),
+            Grid(_named(last, HEIGHTS), said["table"], "space_heights"),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _heights(last: pd.DataFrame) -> dict[str, Any]:
+    """Height at the end by tissue, cells and part of the divisions, each with its interval; and the other means."""
+    rows = {(row.layer, row.cells, row.both): row for row in last.itertuples()}
+    return {"rows": rows, "some": growth.SOME, "all": growth.ALL, "seeds": int(last["runs"].max()), "end": growth.END}
+
+
+def _isolated(context: Context) -> Section:
+    ratios, compared = context.tables["space_isolated"], context.tables["space_compared"]
+    said = fill(PROSE / "isolated.html", **_facts(ratios, compared))
+    chart = context.draw("space_isolated", figures.draw_isolated, ratios)
+    return Section(
+        ISOLATED,
+        [
+            Text(said["answer"]),
+            Picture(chart, said["chart"]),
+            Grid(_named(compared, VERDICTS), said["verdicts"], "space_compared"),
+            Text(said["differs"]),
+            Grid(_named(ratios, RATIOS), said["table"], "space_isolated", folded=True),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _facts(ratios: pd.DataFrame, compared: pd.DataFrame) -> dict[str, Any]:
+    """How many comparisons hold in each tissue, and any ratio with its interval."""
+    parts = ratios.set_index(["tissue", "scenario", "what"])[["value", "low", "high"]]
+    counts = {one: compared[f"{one}_verdict"].value_counts().to_dict() for one in isolated.TISSUES}
+    reversed_ = {
+        one: list(compared.loc[compared[f"{one}_verdict"] == "does not hold", "compared"]) for one in isolated.TISSUES
+    }
+    effects = ratios.groupby("tissue")["effect"].first()
+    return {
+        "effects": [f"{effects[one]:.2f}" for one in isolated.SHEETS],
+        "sheets": isolated.SHEETS,
+        "ratio": lambda *name: tuple(parts.loc[name]),
+        "counts": counts,
+        "of": len(compared),
+        "reversed": reversed_,
+    }
+
+
+def _choices(context: Context) -> Section:
+    ratios, means = context.tables["space_choices_ratios"], context.tables["space_choices_means"]
+    parts = ratios.set_index(["choice", "events", "side"])[["value", "low", "high"]]
+    said = fill(
+        PROSE / "choices.html",
+        ratio=lambda *name: tuple(parts.loc[name]),
+        rows={row.choice: row for row in means.itertuples()},
+    )
+    return Section(
+        "What the text leaves open: what depends on it?",
+        [
+            Text(said["answer"]),
+            Grid(_named(means, MEANS), said["means"], "space_choices_means"),
+            Grid(_named(ratios, CHOICES), said["ratios"], "space_choices_ratios", folded=True),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
+    return table[list(headings)].rename(columns=headings)
+
+
+def findings(context: Context) -> Sequence[Finding]:
+    """How high a sheet grows, and how many findings for isolated cells hold in it."""
+    table = context.tables["space_heights"]
+    last = table[table["t"] == table["t"].max()]
+    facts = _facts(context.tables["space_isolated"], context.tables["space_compared"])
+    said = fill(PROSE / "learned.html", **_heights(last), **facts)
+    return [Finding(said["height"], GROWTH), Finding(said["isolated"], ISOLATED)]
+
+
+CHAPTER = Chapter(
+    "space",
+    "Third dimension",
+    "Does a tissue in three dimensions grow, and lose cells, as its slice does?",
+    run,
+    sections,
+    findings,
+    place=8,
+    tables=("space_",),
+)
