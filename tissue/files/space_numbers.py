@@ -25,7 +25,7 @@ def to_lattice(tissue: TissueSection, layer: LayerSection, space: SpaceSection, 
     around = reduced(layer.perimeter, soft_radius)
     if layer.shape == "sphere":
         return ball_lattice(cells, around, inside=inside)
-    rows = rows_of(cells, space.rows)
+    rows = rows_of(cells, space.rows, strip=layer.shape == "circle" and not periodic)
     if layer.shape == "circle":
         return round_lattice(cells, rows, around, inside=inside, periodic=periodic)
     return flat_lattice(cells, rows, reduced(tissue.basal_spacing, soft_radius), periodic=periodic)

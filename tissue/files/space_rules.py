@@ -37,14 +37,19 @@ def _below_the_middle(
     return f"below {radius:.4g} R_soft, the radius of the basal surface"
 
 
-def _rows(rows: int, cells: int, dimension: int, shape: str) -> str | None:
+def _rows(rows: int, cells: int, dimension: int, shape: str, boundary: str) -> str | None:
     if dimension == FLAT or shape == "sphere":
         return None
     try:
-        rows_of(cells, rows)
+        rows_of(cells, rows, strip=_may_be_strip(shape, boundary))
     except InvalidProblem as error:
         return str(error).partition(": must be ")[2]
     return None
+
+
+def _may_be_strip(shape: str, boundary: str) -> bool:
+    """One row of cells is around a cylinder, with nothing beside it."""
+    return shape == "circle" and boundary == "open"
 
 
 def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *lengths: Measure) -> str | None:
@@ -68,7 +73,7 @@ def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *len
 
 
 def _dense(
-    cells: int, dimension: int, shape: str, rows: int, around: Measure, largest: Measure, soft: Measure
+    cells: int, dimension: int, shape: str, boundary: str, rows: int, around: Measure, largest: Measure, soft: Measure
 ) -> str | None:
     """The basal points go around a cylinder or a sphere within (C2)."""
     if dimension == FLAT or shape == "line":
@@ -78,7 +83,7 @@ def _dense(
         least = length**2 / math.pi / (math.sqrt(3.0) / 2.0 * most**2)
     else:
         try:
-            least = length / most * rows_of(cells, rows)
+            least = length / most * rows_of(cells, rows, strip=_may_be_strip(shape, boundary))
         except InvalidProblem:
             return None
     ok = cells >= least * (1.0 - ROUNDING)
@@ -110,10 +115,10 @@ SPACE_RULES = (
         ("tissue.height", "tissue.dimension", "layer.shape", "layer.side", "layer.perimeter", "cell.soft_radius"),
         _below_the_middle,
     ),
-    Rule(("space.rows", "tissue.cells", "tissue.dimension", "layer.shape"), _rows),
+    Rule(("space.rows", "tissue.cells", "tissue.dimension", "layer.shape", "space.boundary"), _rows),
     Rule(
         (
-            *("tissue.cells", "tissue.dimension", "layer.shape", "space.rows", "layer.perimeter"),
+            *("tissue.cells", "tissue.dimension", "layer.shape", "space.boundary", "space.rows", "layer.perimeter"),
             *("tissue.max_basal_distance", "cell.soft_radius"),
         ),
         _dense,

@@ -10,7 +10,7 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.errors import InvalidProblem
-from tissue.space.measures import basal_area, positions_in_space
+from tissue.space.measures import basal_area, basal_length, positions_in_space
 from tissue.state.cells import COORDINATES, DEPTHS, CellLayers, Floats, Integers
 
 if TYPE_CHECKING:
@@ -88,10 +88,12 @@ def nuclear_layers(frame: Frame) -> float:
 
     This counts the layers of nuclei, one above the other, that make the epithelium look stratified
     (section 2.2.9 of chapter 3). Where the layer bends: how many a normal crosses, by the feet of the nuclei. In space
-    it is pi N over the area of the basal network.
+    it is pi N over the area of the basal network, in a strip 2 N over its length.
     """
     n, curve = len(frame.cells.x), frame.curve
     if frame.sheets is not None:
+        if not len(frame.sheets.basal.triangles):
+            return SOFT_DIAMETER * n / basal_length(frame.cells, frame.sheets)
         return float(math.pi * n / basal_area(frame.cells, frame.sheets))
     if curve.ring:
         return SOFT_DIAMETER * n / curve.length

@@ -22,7 +22,10 @@ LLOYD = 100
 
 @dataclass(frozen=True, eq=False)
 class Lattice:
-    """Basal points (3, n) on a surface: in columns across z, each from low to high z; on a sphere from pole to pole."""
+    """Basal points (3, n) on a surface: in columns across z, each from low to high z; on a sphere from pole to pole.
+
+    A strip is a single row around a cylinder, with z = 0.
+    """
 
     surface: Surface
     basal: Floats
@@ -37,12 +40,14 @@ class Lattice:
         """Nuclei at these heights: above their own basal points, or aside of them by up to the spacing, (3, n).
 
         In "own_basal" they are above them; in "even" and "box" both coordinates along the surface are shifted by
-        U(-spacing, spacing).
+        U(-spacing, spacing), in a strip that along it alone.
         """
         straight = self.above(heights)
         if rule == "own_basal":
             return straight
         shifts = draws.uniform(-self.spacing, self.spacing, (2, len(heights)))
+        if not self.basal[2].any():
+            shifts[1] = 0.0
         across, deep = self._tangents()
         shifted: Floats = straight + shifts[0] * across + shifts[1] * deep
         return shifted
@@ -101,10 +106,11 @@ class Lattice:
         return np.stack(axes, axis=1)
 
 
-def rows_of(cells: int, wanted: int) -> int:
+def rows_of(cells: int, wanted: int, *, strip: bool = False) -> int:
     """The number of rows of so many cells: the one that is wanted, or for 0 that of a sheet that is about square.
 
-    Rows are shifted by half of the spacing in turn, so that a periodic sheet has an even number.
+    Rows are shifted by half of the spacing in turn, so that a periodic sheet has an even number. Where a strip may be
+    there can be one.
 
     Raises
     ------
@@ -112,8 +118,11 @@ def rows_of(cells: int, wanted: int) -> int:
         If the cells do not fill rows of one length, or there are fewer than four of them, or in a row.
     """
     fitting = [k for k in range(FEWEST, cells // FEWEST + 1, 2) if cells % k == 0]
+    if strip and wanted == 1 and cells >= FEWEST:
+        return 1
     if not fitting or (wanted and wanted not in fitting):
-        allowed = f"{' or '.join(map(str, fitting))}, or 0" if fitting else "with a number of cells that fills rows"
+        known = [1, *fitting] if strip else fitting
+        allowed = f"{' or '.join(map(str, known))}, or 0" if known else "with a number of cells that fills rows"
         raise InvalidProblem(f"space.rows = {wanted}, with tissue.cells = {cells}: must be {allowed}")
     ideal = math.sqrt(cells / ROW)
     return wanted or min(fitting, key=lambda k: abs(math.log(k / ideal)))

@@ -35,3 +35,10 @@ def basal_area(cells: Cells, sheets: Sheets) -> float:
         if np.isfinite(period):
             sides[..., axis] -= period * np.round(sides[..., axis] / period)
     return float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
+
+
+def basal_length(cells: Cells, sheets: Sheets) -> float:
+    """The length of all edges of the basal network of a strip, which has no periods [R_soft]."""
+    i, j = sheets.basal.edges.T
+    points = np.column_stack((cells.bx, cells.by, cells.bz))
+    return float(np.linalg.norm(points[j] - points[i], axis=1).sum())

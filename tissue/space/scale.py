@@ -16,7 +16,8 @@ Point = tuple[float, float, float]
 def position_in_space(store: Store, i: int) -> float:
     """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical surface nearest to X_i (section 3.3.1 of chapter 4).
 
-    The apical surface is made of the triangles of the network. h is the height above the basal surface.
+    The apical surface is made of the triangles of the network; where there is none, in a row of cells, of its edges. h
+    is the height above the basal surface.
     """
     cells, network, surface = store.cells, store.space.apical, store.space.surface
     x, y, z = cells.x[i], cells.y[i], cells.z[i]
@@ -32,8 +33,25 @@ def position_in_space(store: Store, i: int) -> float:
         square = _dot(p, p)
         if square < nearest:
             nearest, reference = square, p
+    if nearest == math.inf:
+        reference = _nearest_of_row(store, (x, y, z))
     above = height(surface, x + reference[0], y + reference[1], z + reference[2])
     return height(surface, x, y, z) / above
+
+
+@inner
+def _nearest_of_row(store: Store, at: Point) -> Point:
+    """The arrow to the nearest point of the edges of the apical network."""
+    cells, network, surface = store.cells, store.space.apical, store.space.surface
+    nearest, reference = math.inf, (math.nan, math.nan, math.nan)
+    for h in range(3 * network.triangles[0]):
+        first, second = network.corner[h], network.corner[network.twin[h]]
+        if 0 <= first < second:
+            p = _nearest_on(_from(surface, cells, at, first), _from(surface, cells, at, second))
+            square = _dot(p, p)
+            if square < nearest:
+                nearest, reference = square, p
+    return reference
 
 
 @inner

@@ -1,4 +1,4 @@
-"""One dt in space: all substeps, then the networks follow the points, and cells exchange neighbours."""
+"""One dt in space: junctions shrink, all substeps are made, networks follow the points, cells exchange neighbours."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from tissue.space.network.follow import STUCK, follow
 from tissue.space.network.relax import relax
 from tissue.space.step.board import space_board_at
 from tissue.space.step.copies import copy_from_board, copy_to_board
+from tissue.space.step.shrink import shrink_junctions
 from tissue.step.advance import call_substeps
 
 _SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
@@ -41,7 +42,9 @@ def step_in_space(at: int, tissue: int, _: int) -> int:
     """
     desk, store = desk_at(at), store_at(tissue)
     board = space_board_at(desk.flat)
-    n = copy_to_board(store, board, numbers_at(desk.numbers), desk.scale)
+    numbers = numbers_at(desk.numbers)
+    shrink_junctions(store, numbers)
+    n = copy_to_board(store, board, numbers, desk.scale)
     call_substeps(desk.substeps, desk.flat, desk.wide, n)
     copy_from_board(board, store)
     cells, space, how = store.cells, store.space, store.space.exchange
