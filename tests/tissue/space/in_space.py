@@ -12,10 +12,10 @@ SMALL = {
     **dict.fromkeys(("tissue.apical_spacing", "tissue.basal_spacing", "tissue.max_basal_distance"), "2/3 R_soft"),
 }
 OF_CYLINDER = {
-    "tissue.cells": 208,
+    "tissue.cells": 256,
     "space.rows": 8,
     "layer.shape": "circle",
-    "layer.perimeter": "16 R_soft",
+    "layer.perimeter": "20 R_soft",
     "tissue.max_basal_distance": "2/3 R_soft",
     "tissue.height": "2 R_soft",
 }

@@ -21,7 +21,7 @@ from tissue.files.parameters import preset
         ({"tissue.apical_spacing": "0.6 R_soft"}, 'tissue.apical_spacing = "0.6 R_soft": must be tissue.basal_spacing'),
         (
             OF_CYLINDER | {"tissue.max_basal_distance": "1/3 R_soft"},
-            "tissue.cells = 208: must be at least 384: of fewer",
+            "tissue.cells = 256: must be at least 480: of fewer",
         ),
         (OF_SPHERE | {"tissue.cells": 50}, "tissue.cells = 50: must be at least 187: of fewer the basal points do not"),
         (OF_SPHERE | {"layer.side": "inside", "tissue.height": "3 R_soft"}, "must be below 2.387 R_soft, the radius"),

@@ -19,6 +19,7 @@ from tissue.space.network.chart import (
 )
 from tissue.space.network.exchange import IN_CHART, exchange
 from tissue.space.network.halfedges import around, following, preceding
+from tissue.space.network.row import is_row, sort_row
 from tissue.space.network.state import GHOSTS, Network, Place
 from tissue.space.surface import SPHERE, Surface, nearest_image
 from tissue.state.cells import Floats
@@ -65,6 +66,8 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
     if not _aim(surface, network, px, py, pz):
         return STUCK
     _come_near(surface, network)
+    if is_row(network):
+        return _sorted(surface, network)
     work, part, failures = 0, 1.0, 0
     for _ in range(PASSES):
         alone = _put_all(surface, network, part)
@@ -84,6 +87,16 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
         _set_out(network)
         part = min(1.0, 2.0 * part) if left == 0 else max(SHORTEST, 0.5 * part)
     return STUCK
+
+
+@inner
+def _sorted(surface: Surface, network: Network) -> int:
+    """Put the vertices of a row in their new places and in their order: how many changed, or STUCK."""
+    for i in range(network.out.size - GHOSTS):
+        if network.out[i] >= 0:
+            put(network, i, _goal(network, i, 1.0))
+    swaps = sort_row(surface, network)
+    return swaps if swaps >= 0 else STUCK
 
 
 @inner

@@ -1,0 +1,117 @@
+"""A strip one cell wide, around an open cylinder, is the ring of the plane, cell by cell."""
+
+import numpy as np
+import pytest
+
+import tissue
+from dincl import InvalidProblem
+from tests.tissue.space.invariants import check, edges_of
+from tissue.space import surface as s
+from tissue.space.network.follow import follow
+from tissue.space.network.halfedges import MEAN, PRESENT
+from tissue.space.network.start import triangulated
+
+COMMON = {
+    "layer.shape": "circle",
+    "layer.side": "outside",
+    "start.nuclei": "own_basal",
+    "tissue.diffusion": "0 um^2/h",
+    "numerics.keep": "0.5 h",
+}
+STRIP = {"tissue.dimension": 3, "space.boundary": "open", "space.rows": 1}
+EVENTS = ({}, {"emt.a": "1 h"}, {"emt.b": "1 h"}, {"emt.b": "1 h", "emt.p": "1.5 h"}, {"emt.s": "1 h", "emt.inm": 0})
+
+
+def both(**changes):
+    """A ring and a strip of 80 cells from the same start."""
+    given = tissue.preset("published").changed(COMMON | {"tissue.cells": 80, "layer.perimeter": "130 um"} | changes)
+    ring, strip = given.changed({"layer.closed": True}), given.changed(STRIP)
+    return tissue.simulate(ring, seed=1), tissue.simulate(strip, seed=1)
+
+
+def heights(frame):
+    cells = frame.cells
+    return np.array([frame.heights(*(getattr(cells, p + x) for x in "xyz")) for p in ("", "a", "b")])
+
+
+@pytest.mark.parametrize("events", EVENTS)
+def test_cell_by_cell_and_event_by_event(events):
+    """Up to what curvature makes of basal points in space, and a sweep in another order."""
+    twins = {"emt.cells": 2} if events else {}
+    ring, strip = both(**{"tissue.two_daughters": 0, "numerics.t_end": "3 h"}, **twins, **events)
+    for one, other in zip(ring.frames, strip.frames, strict=True):
+        assert heights(one) == pytest.approx(heights(other), abs=5e-3)
+        assert one.cells.rest_ax == pytest.approx(other.cells.rest_ax, abs=5e-3)
+        assert len(one.layers.apical) == len(other.layers.apical)
+    if "emt.b" in events:
+        assert not np.isclose(heights(ring.final)[2], 0.0, atol=1e-6).all()
+
+
+def test_the_difference_falls_with_curvature():
+    """In the plane basal points move along the layer, in space straight, and are then put on it."""
+    found = []
+    for factor in (1, 2):
+        more = {"tissue.cells": 80 * factor, "layer.perimeter": f"{130 * factor} um", "numerics.t_end": "0.05 h"}
+        ring, strip = both(**{"tissue.two_daughters": 0}, **more)
+        found.append(np.abs(heights(ring.final) - heights(strip.final)).max())
+    assert 1.5 < found[0] / found[1] < 2.5
+
+
+def test_it_stays_a_row_while_cells_divide_and_leave():
+    run = both(**{"tissue.two_daughters": 1, "numerics.t_end": "12 h", "emt.cells": 4, "emt.a": "3 h", "emt.b": "5 h"})[
+        1
+    ]
+    assert len(run.final.cells.x) > 120
+    for frame in run.frames:
+        cells = frame.cells
+        assert not np.any((cells.z, cells.az, cells.bz))
+        for mesh, layer in zip((frame.sheets.apical, frame.sheets.basal), frame.layers, strict=True):
+            assert len(mesh.triangles) == 0
+            assert (np.bincount(mesh.edges.ravel(), minlength=len(cells.x))[layer] == 2).all()
+            assert len(mesh.edges) == len(layer)
+
+
+def test_what_is_measured_of_a_strip():
+    ring, strip = both(**{"tissue.two_daughters": 0, "numerics.t_end": "0.5 h"})
+    one, other = (run.summary().iloc[-1] for run in (ring, strip))
+    for name in ("height_um", "nuclear_layers", "mean_y_ab"):
+        assert one[name] == pytest.approx(other[name], rel=1e-3)
+    inner = tissue.preset("published").changed(COMMON | STRIP | {"tissue.cells": 80, "layer.perimeter": "130 um"})
+    assert inner.lattice().basal[2].tolist() == [0.0] * 80
+
+
+@pytest.mark.parametrize("rule", [PRESENT, MEAN])
+def test_a_row_is_sorted_however_far_its_points_go(rule, rng):
+    """Junctions keep their places in the row."""
+    surface = s.cylinder(2.0, inside=False)
+    turn = 2.0 * np.pi * np.arange(9) / 9
+    network = triangulated(surface, ring_of(turn), np.copy)
+    rests = np.sort(network.rest[network.rest > 0])
+    for _ in range(20):
+        turn = turn + rng.uniform(-1.0, 1.0, 9)
+        points = ring_of(turn)
+        assert follow(surface, network, *np.array(points.T, order="C"), rule) >= 0
+        check(surface, network, points)
+        order = np.argsort(turn % (2.0 * np.pi))
+        chain = sorted(sorted(pair) for pair in zip(order.tolist(), np.roll(order, -1).tolist(), strict=True))
+        assert sorted(edges_of(network).tolist()) == chain
+        assert np.sort(network.rest[network.rest > 0]).tolist() == rests.tolist()
+
+
+def test_points_of_a_row_that_coincide_have_no_order():
+    surface = s.cylinder(2.0, inside=False)
+    turn = 2.0 * np.pi * np.arange(9) / 9
+    network = triangulated(surface, ring_of(turn), np.copy)
+    turn[4] = turn[5]
+    assert follow(surface, network, *np.array(ring_of(turn).T, order="C"), PRESENT) == -1
+
+
+def ring_of(turn):
+    return np.stack((2.0 * np.sin(turn), 2.0 * np.cos(turn), 0.0 * turn), axis=1)
+
+
+def test_only_an_open_cylinder_has_a_single_row():
+    given = tissue.preset("published").changed(COMMON | STRIP | {"tissue.cells": 80, "layer.perimeter": "130 um"})
+    for change in ({"space.boundary": "periodic"}, {"layer.shape": "line"}):
+        with pytest.raises(InvalidProblem, match="rows = 1"):
+            given.changed(change)

@@ -1,0 +1,98 @@
+"""A strip one cell wide, around an open cylinder, beside the ring in the plane: the third dimension taken away."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+from dincl.study import Key, Row, Study
+from tissue.files.parameters import Parameters, preset
+from tissue.first_order import simulate
+from tissue.model.observables import ab_positions, height, nucleus_height
+from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.space.growth import roughness
+
+COMMON: Mapping[str, object] = {
+    "tissue.cells": 80,
+    "layer.shape": "circle",
+    "layer.side": "outside",
+    "layer.perimeter": "130 um",
+    "start.nuclei": "own_basal",
+    "numerics.t_end": "36 h",
+    "numerics.keep": "36 h",
+    "types.isolated.cells": 4,
+    "types.isolated.place": "apart",
+    "types.isolated.divides": False,
+}
+RING, STRIP = "ring", "strip"
+TISSUES: Mapping[str, Mapping[str, object]] = {
+    RING: {"layer.closed": True},
+    STRIP: {"tissue.dimension": 3, "space.boundary": "open", "space.rows": 1},
+}
+EVENTS: Mapping[str, Mapping[str, object]] = {
+    "[A]": {"types.isolated.a": "12 h"},
+    "[B] no INM": {"types.isolated.b": "12 h", "types.isolated.inm": 0},
+    "[BP]": {"types.isolated.b": "12 h", "types.isolated.p": "18 h"},
+}
+# Without noise nothing moves along z. With it nuclei leave the plane, and meet less than in a slice.
+NOISE: Mapping[bool, Mapping[str, object]] = {False: {"tissue.diffusion": "0 um^2/h"}, True: {}}
+# Of one run; the last three are numbers of EMT cells.
+MEASURED = ("cells", "height", "nuclei", "y_ab", "spread", "rough", "basal", "apical")
+EMT = ("basal", "apical")
+
+
+@dataclass(frozen=True)
+class StripForm:
+    """How far the study goes: number of seeds, and sets of events."""
+
+    seeds: int = 96
+    events: tuple[str, ...] = tuple(EVENTS)
+
+
+FULL = StripForm()
+
+
+def study(form: StripForm) -> Study:
+    """One run for each tissue, with and without noise, set of events and seed."""
+    names = [(noise, events, tissue) for noise in NOISE for events in form.events for tissue in TISSUES]
+    runs = [{"noise": a, "events": b, "tissue": c, "seed": seed} for a, b, c in names for seed in range(form.seeds)]
+    return Study("space_strip", "Space: strip", ("noise", "events", "tissue", "seed"), tuple(runs), run)
+
+
+def parameters(noise: bool, events: str, tissue: str) -> Parameters:
+    """Those of a run."""
+    return preset("published").changed({**COMMON, **TISSUES[tissue], **NOISE[noise], **EVENTS[events]})
+
+
+def run(key: Key) -> list[Row]:
+    """One row: what is measured at the end, in R_soft, and parts of the EMT cells; NaN if the run is lost."""
+    given = parameters(key["noise"], key["events"], key["tissue"])
+    made = simulate(given, key["seed"], throw=False)
+    if not made.status:
+        return [{**key, **dict.fromkeys(MEASURED, np.nan)}]
+    frame, side = made.final, made.final.past.emt.side
+    positions = ab_positions(frame)
+    told = {"cells": len(frame.cells.x), "height": height(frame), "nuclei": nucleus_height(frame)}
+    told |= {"y_ab": float(positions.mean()), "spread": float(positions.std()), "rough": roughness(frame)}
+    return [{**key, **told, "basal": float((side < 0).mean()), "apical": float((side > 0).mean())}]
+
+
+def differences(table: pd.DataFrame) -> pd.DataFrame:
+    """One row for each number: its mean in rings, and strip less ring by the same seeds, with Student's 95 % interval.
+
+    EMT cells by their events, all else over all events.
+    """
+    rows = []
+    for noise, all_events in table.groupby("noise"):
+        for name in MEASURED:
+            parts = all_events.groupby("events") if name in EMT else [("all", all_events)]
+            for events, mine in parts:
+                wide = mine.pivot(index=["events", "seed"], columns="tissue", values=name).dropna()
+                away = over_seeds(wide[STRIP] - wide[RING])
+                told = {"noise": noise, "of": name, "events": events, "ring": wide[RING].mean()}
+                ends = {"difference": away.mean, "low": away.low, "high": away.high}
+                rows.append(told | ends | {"runs": len(wide), "lost": len(mine) // 2 - len(wide)})
+    return pd.DataFrame(rows)
