@@ -160,5 +160,5 @@ def test_a_basal_point_off_the_plane_is_refused():
 
 def test_a_frame_of_the_plane_is_refused():
     frame, numbers = grown()
-    with pytest.raises(dincl.InvalidProblem, match="frame.sheets = None"):
+    with pytest.raises(dincl.InvalidProblem, match=r"frame\.sheets = None"):
         frozen_problem_in_space(frame._replace(sheets=None), numbers)

@@ -1,0 +1,1 @@
+"""The tissue in three dimensions, measured."""
