@@ -5,9 +5,14 @@ from functools import cache
 import numpy as np
 import pandas as pd
 
+from tests.executors import Here
+from verification.page.context import Context
+from verification.page.parts import Text
 from verification.thesis.chapter3.catch_up import CatchUpForm
+from verification.thesis.kept import STUDIES
 from verification.thesis.space import catch_up, figures_catch_up
 from verification.thesis.space.frozen import open_sheet
+from verification.thesis.space.sections.catch_up import PART
 
 FORM = CatchUpForm(1, (20, 80, 320), (20, 40), 80)
 
@@ -46,3 +51,14 @@ def test_errors_are_medians_and_count_the_lost():
 
 def test_the_figure_is_drawn(tmp_path):
     assert figures_catch_up.catch_up(catch_up.errors(rows()), tmp_path / "figure.png").stat().st_size > 10_000
+
+
+def test_the_section_says_what_the_tables_say(tmp_path):
+    context = Context(tmp_path, False, Here(), complete=STUDIES)
+    PART.run(context)
+    section = PART.section(context)
+    said = " ".join(part.html for part in section.parts if isinstance(part, Text))
+    found = context.tables["space_catch_up_orders"].set_index("method")["order"]
+    assert set(found.index) == {"PBD", "LinearisedCatchUp", "MidpointCatchUp"}
+    assert all(f"{method} {order}" in said for method, order in found.items())
+    assert "nan" not in said.lower()
