@@ -1,0 +1,1 @@
+"""Claims of the thesis on three dimensions: it makes none that a number decides."""
