@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tissue.space.network.state import GHOSTS, Network, no_network
 from tissue.space.state import Space
@@ -34,9 +35,25 @@ class Mesh(NamedTuple):
     @property
     def edges(self) -> Integers:
         """Pairs of cells that are joined, (m, 2), each once."""
-        ends = np.column_stack((self.corner, self.corner.reshape(-1, 3)[:, [1, 2, 0]].ravel()))
-        once: Integers = ends[(np.arange(len(ends)) < self.twin) & (ends.min(axis=1) >= 0)]
-        return once
+        joined: Integers = self._ends[self._once]
+        return joined
+
+    @property
+    def edge_rests(self) -> Floats:
+        """The rest length of the junction along each of ``edges``, (m,)."""
+        rests: Floats = self.rest[self._once]
+        return rests
+
+    @property
+    def _ends(self) -> Integers:
+        """From which cell to which each half-edge goes, (3 T, 2)."""
+        return np.column_stack((self.corner, self.corner.reshape(-1, 3)[:, [1, 2, 0]].ravel()))
+
+    @property
+    def _once(self) -> NDArray[np.bool_]:
+        """Of each half-edge whether it is the first of its edge, and joins two cells, (3 T,)."""
+        first: NDArray[np.bool_] = (np.arange(len(self.corner)) < self.twin) & (self._ends.min(axis=1) >= 0)
+        return first
 
 
 class Sheets(NamedTuple):

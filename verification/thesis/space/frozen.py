@@ -1,0 +1,94 @@
+"""Frozen tissues in space: the state they begin from, substeps of it, and the limit of explicit Euler."""
+
+from __future__ import annotations
+
+import ctypes
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+import dincl
+import tissue
+from tissue.files.parameters import Parameters, preset
+from tissue.space.frozen import frozen_problem_in_space, made_feasible_in_space, particles_in_space, rates_of
+from tissue.space.step.board import PAIRS, SpaceBoards, SpaceNumbers
+from tissue.space.step.substeps import space_substeps_address
+from tissue.state.cells import Floats
+from tissue.state.frame import Frame
+from tissue.state.numbers import Numbers
+
+# Explicit Euler is stable for h lambda below it.
+LIMIT = 2.0
+# Of the central differences of the drift [R_soft].
+DIFFERENCE = 1e-6
+POINTS = ("", "a", "b")
+_SUBSTEPS = ctypes.CFUNCTYPE(*[ctypes.c_int64] * 4)
+
+
+class FrozenInSpace(NamedTuple):
+    """A tissue whose rules and neighbours stand still."""
+
+    frame: Frame
+    numbers: Numbers
+
+
+def open_sheet(cells: int, hours: float) -> Parameters:
+    """The published runs as an open sheet in space that grows for so long."""
+    end = f"{hours:g} h"
+    changes = {"tissue.dimension": 3, "tissue.cells": cells, "space.boundary": "open"}
+    return preset("published").changed(changes | {"numerics.t_end": end, "numerics.keep": end})
+
+
+def begun_in_space(parameters: Parameters, seed: int, tol: float) -> FrozenInSpace:
+    """The grown tissue of a seed, moved to a nearest state of S."""
+    numbers = parameters.numbers()
+    frame = tissue.simulate(parameters, seed=seed).final
+    return FrozenInSpace(made_feasible_in_space(frame, numbers, dincl.Ipopt(tol=tol)), numbers)
+
+
+def substepped_in_space(state: FrozenInSpace, steps: int) -> tuple[Floats, int]:
+    """The particles (3n, 3) after dt in so many substeps without noise, by the kernel, and how many pairs it saw."""
+    (frame, numbers), rates, n = state, rates_of(*state), len(state.frame.cells.x)
+    scale = numbers.dt / steps
+    boards = _board(state, steps)
+    board = boards.flat.parts
+    board.k_ax[:n], board.k_bx[:n], board.k_axb[:n] = scale * rates.k_ax, scale * rates.k_bx, scale * rates.k_axb
+    board.l_ax[:n], board.l_bx[:n] = rates.l_ax, rates.l_bx
+    board.b_moves[:n], board.radius[:n], board.id[:n] = 1.0, frame.cells.radius, np.arange(n)
+    board.held[rates.held] = 1.0
+    board.k_aa[: len(rates.rest)], board.rest[: len(rates.rest)] = scale * rates.k_aa, rates.rest
+    for letter, axis in ((letter, axis) for letter in POINTS for axis in "xyz"):
+        getattr(board, letter + axis)[:n] = getattr(frame.cells, letter + axis)
+    _SUBSTEPS(space_substeps_address())(boards.flat.address, boards.wide.address, n)
+    moved = [np.column_stack([getattr(board, letter + axis)[:n] for axis in "xyz"]) for letter in POINTS]
+    return np.concatenate(moved), int(board.counts[PAIRS])
+
+
+def _board(state: FrozenInSpace, steps: int) -> SpaceBoards:
+    """A board with the edges of both networks, and room for the cells."""
+    (frame, numbers), rates = state, rates_of(*state)
+    if frame.sheets is None:
+        raise RuntimeError("frame.sheets = None: must be those of a run in three dimensions")
+    near = frame.sheets.basal.edges
+    of_board = SpaceNumbers(steps, numbers.dt / steps * rates.repulsion, numbers.max_basal)
+    boards = SpaceBoards(len(frame.cells.x), max(len(rates.rest), len(near)), of_board, frame.sheets.surface)
+    board = boards.flat.parts
+    board.junctions[: len(rates.rest)], board.neighbours[: len(near)] = rates.junctions, near
+    board.sizes[:] = len(rates.rest), len(near)
+    return boards
+
+
+def least_steps(state: FrozenInSpace) -> float:
+    """Steps in dt at the linear limit of explicit Euler, if no projection is active."""
+    problem, x = frozen_problem_in_space(*state), particles_in_space(state.frame.cells)
+    slopes = np.empty((x.size, x.size))
+    for column, place in enumerate(np.ndindex(x.shape)):
+        ends = []
+        for side in (1, -1):
+            moved = x.copy()
+            moved[place] += side * DIFFERENCE
+            ends.append(problem.velocity(0.0, moved))
+        slopes[column] = ((ends[0] - ends[1]) / (2 * DIFFERENCE)).ravel()
+    largest = -float(np.linalg.eigvalsh((slopes + slopes.T) / 2)[0])
+    return state.numbers.dt * largest / LIMIT if math.isfinite(largest) else math.inf

@@ -1,0 +1,1 @@
+"""The sections of the chapter on the tissue in three dimensions."""
