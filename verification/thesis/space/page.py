@@ -12,7 +12,8 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.thesis.space import choices, figures, growth, heights, isolated
+from verification.thesis.space import choices, figures, growth, heights, isolated, strip
+from verification.thesis.space.sections import catch_up
 
 GROWTH, ISOLATED = "Does a sheet grow as its slice does?", "Do the answers for isolated cells survive?"
 PROSE = Path(__file__).parent / "prose"
@@ -44,6 +45,13 @@ VERDICTS = {"says": "Finding", "side": "Way out", "compared": "More of", **{one:
 CHOICES = {"choice": "Choice", "events": "Events", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
     "of": "Cells"
 }
+DIFFERENCES = {"noise": "Noise", "of": "Of", "events": "Events", "ring": "Ring"} | {
+    "difference": "Strip less ring",
+    "low": "from",
+    "high": "to",
+    "runs": "Pairs of runs",
+    "lost": "Lost",
+}
 MEANS = {"choice": "Choice", "height": "Height / at the start", "height_low": "from", "height_high": "to"} | {
     "rough": "Roughness [R_soft]",
     "rough_low": "from ",
@@ -56,6 +64,7 @@ MEANS = {"choice": "Choice", "height": "Height / at the start", "height_low": "f
 # Made again beside the complete studies.
 GROWN_AGAIN = growth.SheetForm(2, growth.LAYERS[-3:-1])
 CHOSEN_AGAIN = choices.ChoicesForm(1, (choices.AS_SHIPPED,))
+STRIPPED_AGAIN = strip.StripForm(2, ("[A]",))
 
 
 def run(context: Context) -> None:
@@ -65,14 +74,17 @@ def run(context: Context) -> None:
     chosen = context.rows_of(choices.study(context.form(choices.FULL)), choices.study(CHOSEN_AGAIN), ("cell",))
     context.keep("space_choices_ratios", choices.ratios(chosen))
     context.keep("space_choices_means", choices.means(chosen))
+    stripped = context.rows_of(strip.study(context.form(strip.FULL)), strip.study(STRIPPED_AGAIN))
+    context.keep("space_strip_differences", strip.differences(stripped))
+    catch_up.PART.run(context)
     ratios = isolated.table()
     context.keep("space_isolated", ratios)
     context.keep("space_compared", isolated.compared(ratios))
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """Growth, isolated cells, and what the text leaves open."""
-    return [_growth(context), _isolated(context), _choices(context)]
+    """Growth, isolated cells, what the text leaves open; then what the model in space is checked by."""
+    return [_growth(context), _isolated(context), _choices(context), _strip(context), catch_up.PART.section(context)]
 
 
 def _growth(context: Context) -> Section:
@@ -149,6 +161,28 @@ def _choices(context: Context) -> Section:
             Follows(said["follows"]),
         ],
     )
+
+
+def _strip(context: Context) -> Section:
+    table = context.tables["space_strip_differences"]
+    rows = {(row.noise, row.of, row.events): row for row in table.itertuples()}
+    said = fill(PROSE / "strip.html", rows=rows, away=_far(table[~table["noise"]]), noisy=_far(table[table["noise"]]))
+    return Section(
+        "A strip one cell wide is the slice",
+        [
+            Text(said["answer"]),
+            Grid(_named(table.replace({"of": strip.NAMES}), DIFFERENCES), said["table"], "space_strip_differences"),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _far(table: pd.DataFrame) -> list[str]:
+    """What differs between strip and ring beyond its interval."""
+    apart = table[(table["low"] > 0.0) | (table["high"] < 0.0)]
+    return [
+        f"{strip.NAMES[row.of]}{'' if row.events == 'all' else f' after {row.events}'}" for row in apart.itertuples()
+    ]
 
 
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:

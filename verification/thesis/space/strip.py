@@ -39,8 +39,18 @@ EVENTS: Mapping[str, Mapping[str, object]] = {
 }
 # Without noise nothing moves along z. With it nuclei leave the plane, and meet less than in a slice.
 NOISE: Mapping[bool, Mapping[str, object]] = {False: {"tissue.diffusion": "0 um^2/h"}, True: {}}
-# Of one run; the last three are numbers of EMT cells.
-MEASURED = ("cells", "height", "nuclei", "y_ab", "spread", "rough", "basal", "apical")
+# Of one run, with what they are called.
+NAMES: Mapping[str, str] = {
+    "cells": "cells",
+    "height": "height [R_soft]",
+    "nuclei": "mean height of nuclei [R_soft]",
+    "y_ab": "mean y_AB",
+    "spread": "standard deviation of y_AB",
+    "rough": "roughness [R_soft]",
+    "basal": "EMT cells basally",
+    "apical": "EMT cells apically",
+}
+MEASURED = tuple(NAMES)
 EMT = ("basal", "apical")
 
 

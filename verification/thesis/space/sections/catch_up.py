@@ -65,6 +65,7 @@ def _values(errors: pd.DataFrame, found: pd.DataFrame) -> dict[str, Any]:
         "fine": fine.to_dict(),
         "rival": rivals.iloc[0].to_dict() if len(rivals) else None,
         "orders": found.to_dict("records"),
+        "most": max(catch_up.FULL.steps),
     }
 
 
