@@ -63,7 +63,7 @@ LAYERS = (
 class SheetForm:
     """How far the study goes: number of seeds, and the layers."""
 
-    seeds: int = 12
+    seeds: int = 8
     layers: tuple[GrowingLayer, ...] = LAYERS
 
 

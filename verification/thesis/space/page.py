@@ -180,9 +180,8 @@ def _strip(context: Context) -> Section:
 def _far(table: pd.DataFrame) -> list[str]:
     """What differs between strip and ring beyond its interval."""
     apart = table[(table["low"] > 0.0) | (table["high"] < 0.0)]
-    return [
-        f"{strip.NAMES[row.of]}{'' if row.events == 'all' else f' after {row.events}'}" for row in apart.itertuples()
-    ]
+    after = apart["events"].map(lambda events: "" if events == "all" else f" after {events}")
+    return list(apart["of"].map(strip.NAMES) + after)
 
 
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
