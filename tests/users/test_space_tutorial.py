@@ -23,11 +23,10 @@ def test_the_page_runs(found):
 
 
 def test_tension_that_is_forgotten_makes_the_apical_layer_rough(found):
-    """The spread of its heights, of three seeds; that of a slice is below 0.6 R_soft then."""
-    given = found["parameters"].changed({"numerics.t_end": "12 h", "tissue.two_daughters": 0.2})
+    """The spread of its heights in a crowded sheet, of three seeds."""
+    given = found["parameters"].changed({"numerics.t_end": "12 h", "numerics.keep": "12 h"})
     mean, distance = (
         [tissue.simulate(given.changed({"space.new_rest": rule}), seed).final.cells.ay.std() for seed in range(3)]
         for rule in ("mean", "distance")
     )
-    assert max(mean) < 0.8
-    assert min(distance) > 1.5
+    assert max(mean) < 0.5 < 0.7 < min(distance)

@@ -13,9 +13,10 @@ from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
 from verification.thesis.space import choices, figures, growth, heights, isolated, strip
-from verification.thesis.space.sections import catch_up
+from verification.thesis.space.sections import catch_up, substeps
 
 GROWTH, ISOLATED = "Does a sheet grow as its slice does?", "Do the answers for isolated cells survive?"
+PARTS = (substeps.PART, catch_up.PART)
 PROSE = Path(__file__).parent / "prose"
 HEIGHTS = {"layer": "Tissue", "cells": "Cells", "both": "Both daughters stay", "height": "Height / at the start"} | {
     "height_low": "from",
@@ -76,7 +77,8 @@ def run(context: Context) -> None:
     context.keep("space_choices_means", choices.means(chosen))
     stripped = context.rows_of(strip.study(context.form(strip.FULL)), strip.study(STRIPPED_AGAIN))
     context.keep("space_strip_differences", strip.differences(stripped))
-    catch_up.PART.run(context)
+    for part in PARTS:
+        part.run(context)
     ratios = isolated.table()
     context.keep("space_isolated", ratios)
     context.keep("space_compared", isolated.compared(ratios))
@@ -84,7 +86,8 @@ def run(context: Context) -> None:
 
 def sections(context: Context) -> Sequence[Section]:
     """Growth, isolated cells, what the text leaves open; then what the model in space is checked by."""
-    return [_growth(context), _isolated(context), _choices(context), _strip(context), catch_up.PART.section(context)]
+    own = [section(context) for section in (_growth, _isolated, _choices, _strip)]
+    return own + [part.section(context) for part in PARTS]
 
 
 def _growth(context: Context) -> Section:
