@@ -12,7 +12,7 @@ from dincl.errors import InvalidProblem
 
 MAKES_NO_NUMBERS = True
 
-Extra = Literal["all", "meanfield", "report", "tissue", "yardsticks"]
+Extra = Literal["all", "meanfield", "report", "tissue", "views", "yardsticks"]
 # What is imported, and the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
@@ -32,6 +32,7 @@ PACKAGES = {
     "piqp": "piqp",
     "pyarrow": "pyarrow",
     "pydantic": "pydantic",
+    "pyvista": "pyvista",
     "qdldl": "qdldl",
     "rich": "rich",
     "scipy": "scipy",

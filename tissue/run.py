@@ -107,6 +107,27 @@ class Run:
 
         movie(measurable(self.frames), self.parameters, file)
 
+    def view(self, file: str | PathLike[str], *, t: float | None = None) -> None:
+        """Draw a tissue in three dimensions: nuclei below the apical surface, cells on it, and a section beside them.
+
+        Parameters
+        ----------
+        file
+            Where to write: .png for one kept state, .gif or .webp for a movie of those until then.
+        t
+            A kept time [h]; None: the last one with finite coordinates.
+
+        Raises
+        ------
+        InvalidProblem
+            For another ending, a slice, or if no state is kept at this time. MissingLibrary where PyVista is missing,
+            which the extra ``views`` brings.
+        """
+        from tissue.pictures.view import view
+
+        last = self._kept(t)
+        view([frame for frame in self.frames if frame.t <= last.t], self.parameters, file)
+
     def _kept(self, t: float | None) -> Frame:
         """The state kept at time t."""
         if t is None:

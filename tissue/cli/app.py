@@ -69,22 +69,28 @@ def movie(
     seed: Seed = 0,
     out: Annotated[Path, typer.Option(help="Where to write; .gif or .webp.")] = Path("movie.gif"),
     keep: Annotated[str | None, typer.Option(help="Time between two pictures.", show_default="as in FILE")] = None,
+    surface: Annotated[
+        bool, typer.Option("--surface", help="In three dimensions: nuclei and apical surface beside the section.")
+    ] = False,
 ) -> None:
     """Simulate, and write an animation of the kept states."""
     from tissue.model.observables import measurable
     from tissue.pictures import movie as film
+    from tissue.pictures.view import check_space, view
 
     with messages():
         film.ending(out)
         parameters = _parameters(file)
         if keep is not None:
             parameters = parameters.changed({"numerics.keep": keep})
+        if surface:
+            check_space(parameters)
         out.parent.mkdir(parents=True, exist_ok=True)
         out.open("ab").close()  # to find out before the work
         grown = _simulated(parameters, seed)
         frames = measurable(grown.frames)
         with progress("drawing", len(frames), "pictures") as watch:
-            film.movie(frames, parameters, out, watch)
+            (view if surface else film.movie)(frames, parameters, out, watch)
     print(f"{out}: {len(frames)} pictures, {out.stat().st_size / 1e6:.1f} MB")
     _stop_if_failed(grown)
 

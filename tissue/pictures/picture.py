@@ -16,14 +16,14 @@ from dincl.checks import instance, items
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.files.parameters import Parameters
-from tissue.model.observables import PHASES, height, is_measurable, phases
+from tissue.model.observables import height, is_measurable
+from tissue.pictures.colours import colours_of_cells
 from tissue.pictures.emt import EmtLook, chains, free_points, look_of
 from tissue.pictures.sheet import (
     APICAL,
     BASAL,
     BELOW,
     CHAIN,
-    COLOURS,
     CROSS,
     DOT,
     DOT_SIZE,
@@ -43,10 +43,9 @@ from tissue.pictures.sheet import (
     type_entries,
     write,
 )
-from tissue.space.section import section
+from tissue.space.section import cut_of, section
 from tissue.state.cells import NAMED
 from tissue.state.frame import Frame
-from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
     from tissue.state.basal_curve import BasalCurve
@@ -115,22 +114,22 @@ def drawing(
     room
         Inches that stay free below the legend.
     """
-    frames = [section(frame) for frame in frames]
+    cuts, frames = [cut_of(frame) for frame in frames], [section(frame) for frame in frames]
     of = parameters if isinstance(parameters, Sequence) else [parameters] * max(1, len(frames))
     box, look = box or box_of(frames, of[0]), look_of(frames)
     with style():
         figure, panels = _sheet(len(frames), box, frames[0].curve, of[0], DPI, _second(frames, of[0], look), room)
-        for panel, frame, own in zip(panels, frames, of, strict=False):
-            _draw(panel, frame, own, _decimals(frames), look)
+        for panel, frame, own, cut in zip(panels, frames, of, cuts, strict=False):
+            _draw(panel, frame, own, _decimals(frames), look, cut)
     return figure
 
 
 def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
     """Draw one state into axes of your own, without a legend; arguments and errors are those of ``picture``."""
-    frame = section(frame)
+    cut, frame = cut_of(frame), section(frame)
     with style():
         _axes(panel, box_of([frame], parameters), frame.curve, parameters, lowest=True, leftmost=True)
-        _draw(panel, frame, parameters, _decimals([frame]), look_of([frame]))
+        _draw(panel, frame, parameters, _decimals([frame]), look_of([frame]), cut)
 
 
 def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
@@ -138,17 +137,17 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
 
     Arguments and errors are those of ``picture``.
     """
-    frames = [section(frame) for frame in frames]
+    cuts, frames = [cut_of(frame) for frame in frames], [section(frame) for frame in frames]
     box, look = box_of(frames, parameters), look_of(frames)
     with style():
         figure, (panel,) = _sheet(1, box, frames[0].curve, parameters, MOVIE_DPI, _second(frames, parameters, look))
         canvas: Any = FigureCanvasAgg(figure)
         canvas.draw()
     background, decimals = canvas.copy_from_bbox(figure.bbox), _decimals(frames)
-    for frame in frames:
+    for frame, cut in zip(frames, cuts, strict=True):
         canvas.restore_region(background)
         with style():
-            for artist in _draw(panel, frame, parameters, decimals, look):
+            for artist in _draw(panel, frame, parameters, decimals, look, cut):
                 panel.draw_artist(artist)
                 artist.remove()
         yield np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
@@ -236,11 +235,13 @@ def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> No
         panel.fill(x, y, color="white" if inside else BELOW, linewidth=0, zorder=0.5)
 
 
-def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int, look: EmtLook) -> list[Artist]:
-    """Everything that belongs to one state, from below to above."""
+def _draw(
+    panel: Axes, frame: Frame, parameters: Parameters, decimals: int, look: EmtLook, cut: Floats | None
+) -> list[Artist]:
+    """Everything that belongs to one state, from below to above; ``cut``: of the apical layer of a tissue in space."""
     um, cells = parameters.cell.soft_radius.value, frame.cells
     nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
-    colours, edges = _colours(frame, parameters, look)
+    colours, edges = colours_of_cells(frame, parameters, look)
     soft, hard = np.full(len(nuclei), um), um * cells.radius
     widths = np.where(cells.kind < NAMED, 0.4, 1.2)
     thin = _thinner(panel)
@@ -254,31 +255,23 @@ def _draw(panel: Axes, frame: Frame, parameters: Parameters, decimals: int, look
     ]
     if joined := [apical[members] for members in chains(frame)]:
         collections.append(LineCollection(joined, colors=APICAL, zorder=5, **CHAIN))
+    if cut is not None:
+        collections.append(LineCollection(list(um * cut), colors=APICAL, linewidths=1.5 * thin, zorder=5))
     for collection in collections:
         panel.add_collection(collection)
     dots = DOT | {"markersize": DOT_SIZE * thin, "zorder": 5}
     crosses = CROSS | {"markersize": CROSS["markersize"] * max(thin, LEAST_CROSS)}
     free_apical, free_basal = free_points(frame)
     layer = frame.layers.apical
-    lines = panel.plot(
-        *apical[np.append(layer, layer[: frame.curve.ring])].T, color=APICAL, linewidth=1.5 * thin, **dots
-    )
+    path = apical[np.append(layer, layer[: frame.curve.ring])]
+    line = {"linewidth": 1.5 * thin} if cut is None else {"linestyle": "none"}
+    lines = panel.plot(*path.T, color=APICAL, **line, **dots)
     lines += panel.plot(*basal[~free_basal].T, color=BASAL, linestyle="none", **dots)
     for points, colour in ((apical[free_apical], APICAL), (basal[free_basal], BASAL)):
         lines += panel.plot(*points.T, color=colour, zorder=6, **crosses) if len(points) else []
     count = f"{len(cells.x)} cell{'s' * (len(cells.x) != 1)}"
     title = f"t = {frame.t:.{decimals}f} h  ·  {count}  ·  height {um * height(frame):.3g} µm"
     return [*collections, *lines, panel.annotate(title, (0, 1), (0, 6), "axes fraction", "offset points", size=9.5)]
-
-
-def _colours(frame: Frame, parameters: Parameters, look: EmtLook) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
-    """Of the discs of each cell, and of the edge of its hard disc."""
-    cells, is_emt = frame.cells, frame.cells.emt >= 0
-    phase = phases(frame, parameters.numbers(), parameters.named_numbers())
-    of_phase = np.array([COLOURS[name] for name in PHASES])[phase]
-    of_events = np.array([look.colours[EVENTS[k]] if own else "" for k, own in zip(cells.events, is_emt, strict=True)])
-    of_type = np.array(("", "", *TYPE_COLOURS))[cells.kind]
-    return np.where(is_emt, of_events, of_phase), np.where(of_type == "", np.where(is_emt, "black", "white"), of_type)
 
 
 def _thinner(panel: Axes) -> float:

@@ -6,17 +6,18 @@ import math
 
 import numpy as np
 
-from tissue.space.surface import PLANE
+from tissue.space.cut import cut
+from tissue.space.surface import PLANE, Surface
 from tissue.state.basal_curve import LINE, ellipse
-from tissue.state.cells import CellLayers, Cells
+from tissue.state.cells import CellLayers, Cells, Floats
 from tissue.state.frame import Frame
 
 
 def section(frame: Frame, z: float = 0.0) -> Frame:
     """The cells whose nuclei, the hard balls, are cut by the plane z = const., from left to right, or around.
 
-    A frame of a tissue in the plane is its own section. The apical layer of a section joins the apical points in the
-    order of their cells: a drawing, not the junctions of the network. Nothing can be started from it.
+    A frame of a tissue in the plane is its own section. The layers of a section are these cells in their order, not the
+    neighbours of the networks; ``cut_of`` is the apical layer. Nothing can be started from it.
     """
     if frame.sheets is None:
         return frame
@@ -31,8 +32,23 @@ def section(frame: Frame, z: float = 0.0) -> Frame:
     layers = CellLayers(*(np.flatnonzero(np.isin(ordered, layer)) for layer in frame.layers))
     if surface.bends == PLANE:
         return Frame(frame.t, kept, layers, LINE)
-    # The circle has its point of arclength 0 at the origin.
-    down = surface.side * surface.radius
+    down = _down(surface)
     kept = kept._replace(y=kept.y - down, ay=kept.ay - down, by=kept.by - down)
     around = 2.0 * math.pi * surface.radius
     return Frame(frame.t, kept, layers, ellipse(around, 1.0, inside=surface.side < 0.0, ring=True))
+
+
+def cut_of(frame: Frame, z: float = 0.0) -> Floats | None:
+    """The pieces of the apical layer that the plane cuts, (m, 2, 2), beside ``section``; None in a slice."""
+    if frame.sheets is None:
+        return None
+    cells, surface = frame.cells, frame.sheets.surface
+    pieces = cut(surface, frame.sheets.apical, np.column_stack((cells.ax, cells.ay, cells.az)), z)
+    if surface.bends != PLANE:
+        pieces[..., 1] -= _down(surface)
+    return pieces
+
+
+def _down(surface: Surface) -> float:
+    """The circle of a section has its point of arclength 0 at the origin."""
+    return surface.side * surface.radius

@@ -1,0 +1,133 @@
+"""A tissue in space as a scene of PyVista, which renders it without a display. Only here is PyVista."""
+
+from __future__ import annotations
+
+import os
+from ctypes.util import find_library
+from typing import Any
+
+import numpy as np
+from matplotlib.colors import to_rgb
+from numpy.typing import NDArray
+
+from dincl.errors import InvalidProblem
+from dincl.extras import needs
+from tissue.files.parameters import Parameters
+from tissue.pictures.cells_on_surface import in_one_period, polygons
+from tissue.pictures.colours import colours_of_cells
+from tissue.pictures.emt import EmtLook
+from tissue.pictures.sheet import APICAL, BASAL
+from tissue.space.cut import cut
+from tissue.space.mesh import Sheets
+from tissue.space.surface import PLANE
+from tissue.state.cells import Flags, Floats
+from tissue.state.frame import Frame
+
+MAKES_NO_NUMBERS = True
+
+# Rendered by VTK itself, so that a picture has the same dots with and without a display.
+RENDERER = ("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
+SIZE = (800, 840)
+GLASS, EDGE, TUBE = 0.35, "#4a4a4a", 0.06  # opacity of the surface over nuclei; its edges; radius of the cut [R_soft]
+ROOM = 1.03  # around what is shown
+UP = (0.0, 1.0, 0.0)
+Image = NDArray[np.uint8]
+
+
+def load_library() -> Any:
+    """PyVista; MissingLibrary where it is not installed, InvalidProblem where nothing renders."""
+    if find_library("EGL") is None:
+        raise InvalidProblem("a view of a tissue in space needs EGL, not installed here; on Debian: apt install libegl1")
+    os.environ.setdefault(*RENDERER)
+    with needs("a view of a tissue in space", "views"):
+        import pyvista
+    return pyvista
+
+
+class Scene:
+    """Renders states of one tissue, from above and from the side, in one scale; ``close`` it."""
+
+    def __init__(self, last: Frame, sheets: Sheets) -> None:
+        self._pyvista = load_library()
+        self._plotter: Any = self._pyvista.Plotter(off_screen=True, window_size=list(SIZE), lighting="light kit")
+        self._plotter.enable_anti_aliasing("ssaa")
+        points = np.concatenate([in_one_period(sheets.surface, _points(last, letter)) for letter in ("", "a", "b")])
+        self._low, self._high = points.min(axis=0) - 0.5, points.max(axis=0) + 0.5
+        self._bent = sheets.surface.bends != PLANE
+
+    def render(self, frame: Frame, sheets: Sheets, parameters: Parameters, look: EmtLook) -> tuple[Image, Image]:
+        """The nuclei below the apical surface as if it were of glass, and the cells on it from above.
+
+        Of a tissue inside of a surface that bends the half behind the section is shown.
+        """
+        colours = np.array([to_rgb(one) for one in colours_of_cells(frame, parameters, look)[0]])
+        shown = np.ones(len(colours), np.bool_) if sheets.surface.side > 0.0 else frame.cells.az <= 0.0
+        self._plotter.clear_actors()
+        self._add_surface(frame, sheets, colours, shown, GLASS)
+        self._add_nuclei(frame, sheets, colours, shown)
+        self._add_cut(frame, sheets)
+        oblique = self._shot((0.5, 0.55, 1.0), UP)
+        self._plotter.clear_actors()
+        self._add_surface(frame, sheets, colours, shown, 1.0)
+        self._add_cut(frame, sheets)
+        return oblique, self._shot(*((0.0, 0.0, 1.0), UP) if self._bent else (UP, (0.0, 0.0, -1.0)))
+
+    def close(self) -> None:
+        """Free what the window holds."""
+        self._plotter.close()
+
+    def _add_surface(self, frame: Frame, sheets: Sheets, colours: Floats, shown: Flags, opacity: float) -> None:
+        """The cells on the apical surface, and the basal layer below."""
+        found = [(k, ring) for k, ring in polygons(sheets.surface, sheets.apical, _points(frame, "a")) if shown[k]]
+        if found:
+            mesh = self._faces([ring for _, ring in found])
+            mesh.cell_data["colour"] = (255 * colours[[k for k, _ in found]]).astype(np.uint8)
+            look = {"scalars": "colour", "rgb": True, "show_edges": True, "edge_color": EDGE, "ambient": 0.35}
+            self._plotter.add_mesh(mesh, opacity=opacity, **look)
+        below = [ring for k, ring in polygons(sheets.surface, sheets.basal, _points(frame, "b")) if shown[k]]
+        if below:
+            self._plotter.add_mesh(self._faces(below), color=BASAL, opacity=0.15)
+
+    def _faces(self, rings: list[Floats]) -> Any:
+        """A mesh of polygons."""
+        ends = np.cumsum([0, *(len(ring) for ring in rings)])
+        faces = [np.r_[len(ring), np.arange(end, end + len(ring))] for ring, end in zip(rings, ends, strict=False)]
+        return self._pyvista.PolyData(np.concatenate(rings), faces=np.concatenate(faces))
+
+    def _add_nuclei(self, frame: Frame, sheets: Sheets, colours: Floats, shown: Flags) -> None:
+        """Hard balls."""
+        balls = self._pyvista.PolyData(in_one_period(sheets.surface, _points(frame, ""))[shown])
+        balls.point_data["size"] = frame.cells.radius[shown]
+        balls.point_data["colour"] = (255 * colours[shown]).astype(np.uint8)
+        ball = self._pyvista.Sphere(radius=1.0, theta_resolution=20, phi_resolution=20)
+        made = balls.glyph(geom=ball, scale="size", orient=False)
+        self._plotter.add_mesh(made, scalars="colour", rgb=True, smooth_shading=True)
+
+    def _add_cut(self, frame: Frame, sheets: Sheets) -> None:
+        """Where the section goes through the apical layer."""
+        pieces = cut(sheets.surface, sheets.apical, _points(frame, "a"))
+        if len(pieces):
+            deep = np.concatenate((pieces, np.zeros((*pieces.shape[:2], 1))), axis=2).reshape(-1, 3)
+            lines = self._pyvista.line_segments_from_points(deep)
+            self._plotter.add_mesh(lines.tube(radius=TUBE), color=APICAL)
+
+    def _shot(self, direction: tuple[float, float, float], up: tuple[float, float, float]) -> Image:
+        """A picture from this side of the middle, at right angles to it."""
+        away = np.array(direction) / np.linalg.norm(direction)
+        right = np.cross(up, away) / np.linalg.norm(np.cross(up, away))
+        corners = np.stack(np.meshgrid(*zip(self._low, self._high, strict=True)), axis=-1).reshape(-1, 3)
+        wide, tall = (float(np.ptp(corners @ axis)) for axis in (right, np.cross(away, right)))
+        middle, size = corners.mean(axis=0), float(np.linalg.norm(self._high - self._low))
+        camera = self._plotter.camera
+        camera.position, camera.focal_point, camera.up = middle + 2.0 * size * away, middle, up
+        camera.parallel_projection = True
+        camera.parallel_scale = 0.5 * ROOM * max(tall, wide * SIZE[1] / SIZE[0])
+        camera.clipping_range = (0.5 * size, 4.0 * size)
+        self._plotter.render()
+        shot: Image = self._plotter.screenshot(return_img=True)
+        return shot[:, :, :3].copy()
+
+
+def _points(frame: Frame, letter: str) -> Floats:
+    """Nuclei, apical ("a") or basal points ("b"), (n, 3)."""
+    return np.column_stack([getattr(frame.cells, letter + axis) for axis in "xyz"])
