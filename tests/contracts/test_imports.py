@@ -42,7 +42,7 @@ HEAVY = (
 SERVED = {
     "meanfield": ("meanfield", ()),
     "report": ("verification", ("verification/thesis/",)),
-    "tissue": ("tissue", ("tissue/quasi_steady/judge.py",)),
+    "tissue": ("tissue", ("tissue/quasi_steady/judge.py", "tissue/pictures/scene.py")),
 }
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")
 

@@ -7,6 +7,7 @@ from os import PathLike
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from dincl.checks import path as checked_path
@@ -59,9 +60,21 @@ def movie(
     if kind == ".gif":
         palette = _palette(frames, parameters)
         images = (image.quantize(palette=palette, dither=Image.Dither.NONE) for image in images)
-    first = next(images)
-    shown = [EACH] * (len(frames) - 1) + [LAST]
-    first.save(path, kind[1:], save_all=True, append_images=images, duration=shown, loop=0, quality=QUALITY)
+    _save(images, len(frames), path)
+
+
+def write_images(images: Iterator[NDArray[np.uint8]], count: int, path: str | PathLike[str]) -> None:
+    """Write ``count`` images (h, w, 3) by the ending of the path: .png for one, or a movie as ``movie`` does."""
+    _save(map(Image.fromarray, images), count, path)
+
+
+def _save(images: Iterator[Image.Image], count: int, path: str | PathLike[str]) -> None:
+    first, kind = next(images), checked_path("path", path).suffix.lower()[1:]
+    if count == 1 and kind == "png":
+        first.save(path)
+        return
+    shown = [EACH] * (count - 1) + [LAST]
+    first.save(path, kind, save_all=True, append_images=images, duration=shown, loop=0, quality=QUALITY)
 
 
 def ending(path: str | PathLike[str]) -> str:

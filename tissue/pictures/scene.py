@@ -7,7 +7,6 @@ from ctypes.util import find_library
 from typing import Any
 
 import numpy as np
-from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from dincl.errors import InvalidProblem
@@ -16,7 +15,7 @@ from tissue.files.parameters import Parameters
 from tissue.pictures.cells_on_surface import in_one_period, polygons
 from tissue.pictures.colours import colours_of_cells
 from tissue.pictures.emt import EmtLook
-from tissue.pictures.sheet import APICAL, BASAL
+from tissue.pictures.sheet import APICAL, BASAL, shades
 from tissue.space.cut import cut
 from tissue.space.mesh import Sheets
 from tissue.space.surface import PLANE
@@ -37,14 +36,16 @@ Image = NDArray[np.uint8]
 def load_library() -> Any:
     """PyVista; MissingLibrary where it is not installed, InvalidProblem where nothing renders."""
     if find_library("EGL") is None:
-        raise InvalidProblem("a view of a tissue in space needs EGL, not installed here; on Debian: apt install libegl1")
+        raise InvalidProblem(
+            "a view of a tissue in space needs EGL, not installed here: apt install libegl1, on Debian"
+        )
     os.environ.setdefault(*RENDERER)
     with needs("a view of a tissue in space", "views"):
         import pyvista
     return pyvista
 
 
-class Scene:
+class TissueScene:
     """Renders states of one tissue, from above and from the side, in one scale; ``close`` it."""
 
     def __init__(self, last: Frame, sheets: Sheets) -> None:
@@ -60,7 +61,7 @@ class Scene:
 
         Of a tissue inside of a surface that bends the half behind the section is shown.
         """
-        colours = np.array([to_rgb(one) for one in colours_of_cells(frame, parameters, look)[0]])
+        colours = shades(colours_of_cells(frame, parameters, look)[0].tolist())[: len(frame.cells.x)]
         shown = np.ones(len(colours), np.bool_) if sheets.surface.side > 0.0 else frame.cells.az <= 0.0
         self._plotter.clear_actors()
         self._add_surface(frame, sheets, colours, shown, GLASS)
@@ -76,12 +77,12 @@ class Scene:
         """Free what the window holds."""
         self._plotter.close()
 
-    def _add_surface(self, frame: Frame, sheets: Sheets, colours: Floats, shown: Flags, opacity: float) -> None:
+    def _add_surface(self, frame: Frame, sheets: Sheets, colours: Image, shown: Flags, opacity: float) -> None:
         """The cells on the apical surface, and the basal layer below."""
         found = [(k, ring) for k, ring in polygons(sheets.surface, sheets.apical, _points(frame, "a")) if shown[k]]
         if found:
             mesh = self._faces([ring for _, ring in found])
-            mesh.cell_data["colour"] = (255 * colours[[k for k, _ in found]]).astype(np.uint8)
+            mesh.cell_data["colour"] = colours[[k for k, _ in found]]
             look = {"scalars": "colour", "rgb": True, "show_edges": True, "edge_color": EDGE, "ambient": 0.35}
             self._plotter.add_mesh(mesh, opacity=opacity, **look)
         below = [ring for k, ring in polygons(sheets.surface, sheets.basal, _points(frame, "b")) if shown[k]]
@@ -94,11 +95,11 @@ class Scene:
         faces = [np.r_[len(ring), np.arange(end, end + len(ring))] for ring, end in zip(rings, ends, strict=False)]
         return self._pyvista.PolyData(np.concatenate(rings), faces=np.concatenate(faces))
 
-    def _add_nuclei(self, frame: Frame, sheets: Sheets, colours: Floats, shown: Flags) -> None:
+    def _add_nuclei(self, frame: Frame, sheets: Sheets, colours: Image, shown: Flags) -> None:
         """Hard balls."""
         balls = self._pyvista.PolyData(in_one_period(sheets.surface, _points(frame, ""))[shown])
         balls.point_data["size"] = frame.cells.radius[shown]
-        balls.point_data["colour"] = (255 * colours[shown]).astype(np.uint8)
+        balls.point_data["colour"] = colours[shown]
         ball = self._pyvista.Sphere(radius=1.0, theta_resolution=20, phi_resolution=20)
         made = balls.glyph(geom=ball, scale="size", orient=False)
         self._plotter.add_mesh(made, scalars="colour", rgb=True, smooth_shading=True)

@@ -7,7 +7,6 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from dincl.checks import instance, items
 from dincl.checks import path as checked_path
@@ -15,9 +14,9 @@ from dincl.errors import InvalidProblem
 from tissue.files.parameters import Parameters
 from tissue.model.observables import is_measurable
 from tissue.pictures.emt import look_of
-from tissue.pictures.movie import EACH, LAST, QUALITY
+from tissue.pictures.movie import write_images
 from tissue.pictures.picture import draw_frame
-from tissue.pictures.scene import Scene, load_library
+from tissue.pictures.scene import TissueScene, load_library
 from tissue.pictures.sheet import Figure, FigureCanvasAgg, control_entries, emt_entries, legend, style
 from tissue.space.mesh import Sheets
 from tissue.state.frame import Frame
@@ -61,13 +60,8 @@ def view(
         raise InvalidProblem(f"path = {str(path)!r}: must end in {', '.join(ENDINGS)}")
     if not frames:
         raise InvalidProblem("frames is empty: must have one, to be drawn")
-    images = map(Image.fromarray, pictures(frames[-1:] if kind == ".png" else frames, parameters, watch))
-    first = next(images)
-    if kind == ".png":
-        first.save(path)
-        return
-    shown = [EACH] * (len(frames) - 1) + [LAST]
-    first.save(path, kind[1:], save_all=True, append_images=images, duration=shown, loop=0, quality=QUALITY)
+    chosen = frames[-1:] if kind == ".png" else frames
+    write_images(pictures(chosen, parameters, watch), len(chosen), path)
 
 
 def pictures(
@@ -75,7 +69,7 @@ def pictures(
 ) -> Iterator[Any]:
     """Red, green, blue (h, w, 3) of the views of each frame, one after the other in one scale."""
     sheets = [_sheets_of(frame) for frame in frames]
-    scene, look = Scene(frames[-1], sheets[-1]), look_of(frames)
+    scene, look = TissueScene(frames[-1], sheets[-1]), look_of(frames)
     try:
         for k, (frame, own) in enumerate(zip(frames, sheets, strict=True), 1):
             yield _drawn(frame, parameters, scene.render(frame, own, parameters, look), emt_entries(look))

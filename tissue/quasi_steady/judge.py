@@ -14,16 +14,17 @@ from dincl.rows.distance import DistanceRows
 from dincl.rows.pairs import near_pairs
 from dincl.rows.together import RowsTogether
 from dincl.status import Status
+from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.energy import energy, forces
 from tissue.model.repulsion import SOFT
 from tissue.quasi_steady.frozen import cells_at, constraints, of_a_frame, particles
-from tissue.quasi_steady.symbols import Ends, arrows, cell_energy, distances, pair_energy, row
 from tissue.state.cells import CellLayers, Cells, Floats, Integers
 from tissue.state.numbers import Numbers
 
+Ends = tuple[Integers, Integers]
+
 # How far a disc reaches beyond its radius when pairs are listed [R_soft], and how often the lists may be completed.
-REACH = 0.5
-MOST_ROUNDS = 20
+REACH, MOST_ROUNDS = 0.5, 20
 # Tolerance of grad W - J^T multipliers; with less, searches that end at the kink of W stop for want of digits of W.
 SLOPE = 1e-10
 # Tolerance of gaps and of multipliers times gaps: min(multiplier, gap) is its root where both are small.
@@ -230,10 +231,10 @@ class _Program:
         points = casadi.MX.zeros(6 * n)
         points[self._free.tolist()] = z
         x, a, b = casadi.horzsplit(casadi.reshape(points, 2, 3 * n), n)
-        gaps = distances(x, hard) - row(cells.radius[hard[0]] + cells.radius[hard[1]])
-        steps = arrows(b[0, :], (layers.basal[:-1], layers.basal[1:]))
+        gaps = _lengths(x, hard) - _row(cells.radius[hard[0]] + cells.radius[hard[1]])
+        steps = _arrows(b[0, :], (layers.basal[:-1], layers.basal[1:]))
         along = casadi.sum2((x + a + b)[0, :])
-        w = cell_energy(cells, numbers, x, a, b) + pair_energy(cells, layers, numbers, x, a, soft)
+        w = _cell_energy(cells, numbers, x, a, b) + _pair_energy(cells, layers, numbers, x, a, soft)
         self._program = {"x": z, "f": w, "g": casadi.horzcat(gaps, steps, along).T}
         self._high = np.repeat([math.inf, numbers.max_basal], [gaps.numel(), steps.numel()])
         self._discs = gaps.numel()
@@ -262,3 +263,38 @@ class _Program:
         signed = np.array(answer["lam_g"]).ravel()[:-1]
         multipliers = np.maximum(np.concatenate((-signed, signed[self._discs :])), 0.0)
         return _Found(x, multipliers, iterations, before.starts + 1, word)
+
+
+def _cell_energy(cells: Cells, numbers: Numbers, x: Any, a: Any, b: Any) -> Any:
+    """(3.9), (3.10), (3.12), for symbols x, a, b of shape (2, n)."""
+    d_ax, d_bx, power = _norms(a - x), _norms(b - x), numbers.power
+    cosine = casadi.sum1((a - x) * (b - x)) / (d_ax * d_bx)
+    each = springs.energy(d_ax, _row(1 + cells.rest_ax), _row(cells.stiff_ax), power)
+    each += springs.energy(d_bx, _row(1 + cells.rest_bx), _row(cells.stiff_bx), power)
+    return casadi.sum2(each + bending.energy(cosine, _row(cells.stiff_axb)))
+
+
+def _pair_energy(cells: Cells, layers: CellLayers, numbers: Numbers, x: Any, a: Any, soft: Ends) -> Any:
+    """(3.11) and, of the pairs ``soft``, (3.13)."""
+    ends = junctions.pairs(cells, layers, closed=False)
+    stiffness = _row(junctions.stiffness(cells, ends, numbers.junction_factor))
+    apical = junctions.energy(_lengths(a, ends), _row(cells.rest_aa[ends[0]]), stiffness)
+    nuclei = repulsion.energy(casadi.fmin(SOFT, _lengths(x, soft)), numbers.repulsion)
+    return casadi.sum2(apical) + casadi.sum2(nuclei)
+
+
+def _arrows(points: Any, ends: Ends) -> Any:
+    """From the first ends to the second ones, one column each."""
+    return points[:, ends[1].tolist()] - points[:, ends[0].tolist()]
+
+
+def _lengths(points: Any, ends: Ends) -> Any:
+    return _norms(_arrows(points, ends))
+
+
+def _norms(arrows: Any) -> Any:
+    return casadi.sqrt(casadi.sum1(arrows * arrows))
+
+
+def _row(values: Floats) -> Any:
+    return casadi.DM(values).T

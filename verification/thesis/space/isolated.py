@@ -39,7 +39,7 @@ SLICES = {
 }
 
 
-class Comparison(NamedTuple):
+class EmtComparison(NamedTuple):
     """A finding of chapter 4: more cells leave on this side after the first events than after the second."""
 
     says: str
@@ -49,19 +49,19 @@ class Comparison(NamedTuple):
 
 
 COMPARISONS = (
-    Comparison("[P] almost guarantees basal extrusion (4.1.1)", "basal", "[BP]", "[A]"),
-    Comparison("[A] drives cells out (4.1.2)", "basal", "[A]", "[S]"),
-    Comparison("[A] drives cells out (4.1.2)", "apical", "[A]", "[S]"),
-    Comparison("[A] more than [B] (4.1)", "basal", "[A]", "[B]"),
-    Comparison("stopped INM: more basal extrusion (4.2.1)", "basal", "[A] no INM", "[A]"),
-    Comparison("stopped INM: more basal extrusion (4.2.1)", "basal", "[B] no INM", "[B]"),
-    Comparison("stopped INM: less apical extrusion (4.2.1)", "apical", "[A]", "[A] no INM"),
-    Comparison("stopped INM: less apical extrusion (4.2.1)", "apical", "[B]", "[B] no INM"),
-    Comparison("without INM [B] more than [A] (Figure 12)", "basal", "[B] no INM", "[A] no INM"),
-    Comparison("[AxB] most of the orders (Figure 14)", "basal", "[AxB]", "[AB]"),
-    Comparison("[AxB] most of the orders (Figure 14)", "basal", "[AxB]", "[BxA]"),
-    Comparison("[B] after [A] adds to it (Figure 14)", "basal", "[AxB]", "[A]"),
-    Comparison("[A] adds to [BP] (Figure 15)", "basal", "[ABP]", "[BP]"),
+    EmtComparison("[P] almost guarantees basal extrusion (4.1.1)", "basal", "[BP]", "[A]"),
+    EmtComparison("[A] drives cells out (4.1.2)", "basal", "[A]", "[S]"),
+    EmtComparison("[A] drives cells out (4.1.2)", "apical", "[A]", "[S]"),
+    EmtComparison("[A] more than [B] (4.1)", "basal", "[A]", "[B]"),
+    EmtComparison("stopped INM: more basal extrusion (4.2.1)", "basal", "[A] no INM", "[A]"),
+    EmtComparison("stopped INM: more basal extrusion (4.2.1)", "basal", "[B] no INM", "[B]"),
+    EmtComparison("stopped INM: less apical extrusion (4.2.1)", "apical", "[A]", "[A] no INM"),
+    EmtComparison("stopped INM: less apical extrusion (4.2.1)", "apical", "[B]", "[B] no INM"),
+    EmtComparison("without INM [B] more than [A] (Figure 12)", "basal", "[B] no INM", "[A] no INM"),
+    EmtComparison("[AxB] most of the orders (Figure 14)", "basal", "[AxB]", "[AB]"),
+    EmtComparison("[AxB] most of the orders (Figure 14)", "basal", "[AxB]", "[BxA]"),
+    EmtComparison("[B] after [A] adds to it (Figure 14)", "basal", "[AxB]", "[A]"),
+    EmtComparison("[A] adds to [BP] (Figure 15)", "basal", "[ABP]", "[BP]"),
 )
 
 
