@@ -5,12 +5,14 @@ from __future__ import annotations
 from tissue.files.emt_sections import EventsSection
 from tissue.files.sections import LayerSection, SpaceSection, TissueSection
 from tissue.files.units import Measure, reduced
+from tissue.model.repulsion import SOFT
 from tissue.space.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
 from tissue.space.network import halfedges, remove
 from tissue.space.state import Exchange
 
-# At the boundary of an open sheet neighbours are apart by so many times the largest distance of basal points at most.
-REACH = 2.0
+# At the boundary of an open sheet neighbours are apart by the range of nuclei at most, or by twice the largest distance
+# of basal points. With 2/3 R_soft the edge of a sheet frays into fingers: its junctions grow longer than that.
+LEAST_REACH, REACH = SOFT, 2.0
 
 
 def to_lattice(tissue: TissueSection, layer: LayerSection, space: SpaceSection, soft_radius: Measure) -> Lattice:
@@ -35,7 +37,7 @@ def to_exchange(tissue: TissueSection, space: SpaceSection, events: EventsSectio
     """How cells exchange neighbours."""
     return Exchange(
         margin=space.flip_margin,
-        reach=REACH * reduced(tissue.max_basal_distance, soft_radius),
+        reach=max(LEAST_REACH, REACH * reduced(tissue.max_basal_distance, soft_radius)),
         new_rest=halfedges.MEAN if space.new_rest == "mean" else halfedges.PRESENT,
         bridge=remove.SUM if events.bridge == "sum" else remove.PRESENT,
     )

@@ -22,10 +22,9 @@ LINES = {45: ":", 180: "-", 196: "-", 400: "--", 784: ":", 600: "-"}
 LABELS = {
     "slice": "slice, 20 % stay",
     "growing": "free sheet, all stay",
-    "free": "free sheet, 20 % stay",
     "periodic": "periodic sheet, 20 % stay",
 }
-WAYS = {"slice": ("0.25", "o"), "growing": ("#2e78b7", "^"), "free": ("#7fb3d8", "v"), "periodic": ("#d1495b", "s")}
+WAYS = {"slice": ("0.25", "o"), "growing": ("#2e78b7", "^"), "periodic": ("#d1495b", "s")}
 
 
 def draw_growth(growth: pd.DataFrame, path: Path) -> Path:

@@ -43,7 +43,6 @@ class GrowingLayer(NamedTuple):
 
 
 LAYERS = (
-    GrowingLayer("free sheet", 784, ALL, FREE),
     GrowingLayer("free sheet", 400, ALL, FREE),
     GrowingLayer("periodic sheet", 196, ALL, SHEET),
     GrowingLayer("free sheet", 196, ALL, FREE),
@@ -63,7 +62,7 @@ LAYERS = (
 class SheetForm:
     """How far the study goes: number of seeds, and the layers."""
 
-    seeds: int = 8
+    seeds: int = 4
     layers: tuple[GrowingLayer, ...] = LAYERS
 
 
