@@ -10,6 +10,14 @@ from tissue.model.observables import ab_positions, height
 from tissue.space.measures import basal_area
 from tissue.state.frame import Frame
 
+FREE = {
+    "tissue.dimension": 3,
+    "tissue.cells": 100,
+    "space.boundary": "open",
+    "tissue.two_daughters": 1,
+    "numerics.t_end": "8 h",
+}
+
 EMT = {"emt__cells": 3, "emt__a": "0.5 h", "emt__b": "1 h", "emt__s": "1 h", "emt__p": "1.5 h"}
 # Neither noise nor a phase in which a cell is larger, and nuclei that do not touch at the start.
 CALM = {
@@ -141,3 +149,15 @@ def test_a_failed_network_ends_the_run_with_its_status():
     )
     assert run.status.name == "NETWORK_TORN"
     assert np.isfinite(run.final.cells.ax).all()
+
+
+def test_the_edge_of_a_sheet_does_not_fray():
+    """It stays about a circle, whose squared perimeter is 4 pi areas; with fingers it was 72 areas."""
+    final = simulate(tissue.preset("published").changed(FREE), 0).final
+    points, corners = np.column_stack((final.cells.ax, final.cells.az)), final.sheets.apical.triangles
+    sides = np.sort(np.concatenate([corners[:, [k, (k + 1) % 3]] for k in range(3)]), axis=1)
+    edges, count = np.unique(sides, axis=0, return_counts=True)
+    perimeter = np.linalg.norm(np.diff(points[edges[count == 1]], axis=1), axis=2).sum()
+    a, b = (points[corners[:, k]] - points[corners[:, 0]] for k in (1, 2))
+    area = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() / 2
+    assert perimeter**2 < 14.0 * area
