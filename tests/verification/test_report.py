@@ -68,6 +68,13 @@ SECTIONS = [
     "Does curvature matter?",
     "Does it matter that a tube is closed?",
     "A large circle becomes the line",
+    "Does a sheet grow as its slice does?",
+    "Do the answers for isolated cells survive?",
+    "What the text leaves open: what depends on it?",
+    "A strip one cell wide is the slice",
+    "Speed against accuracy of a growing sheet",
+    "PBD against catch-up on frozen tissues in space",
+    AGAIN,
     *MEANFIELD_SECTIONS,
     AGAIN,
     "How the statements came out",
@@ -76,7 +83,7 @@ SECTIONS = [
     "All statements, to be searched",
     *TITLES.values(),
 ]
-IMAGES = 52 + MEANFIELD_PICTURES
+IMAGES = 56 + MEANFIELD_PICTURES
 LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 

@@ -8,6 +8,7 @@ import pytest
 
 from tests.verification.thesis.shortened_emt import FEWEST, emt_form, shorten_command
 from tests.verification.thesis.shortened_meanfield import MEANFIELD
+from tests.verification.thesis.shortened_space import SPACE, shorten_space
 from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
 from tissue.study.figures import style
 from verification.budget import CpuSeconds
@@ -71,6 +72,7 @@ FORMS = (
     WORK_PRECISION,
     *TISSUE,
     *DAHA,
+    *SPACE,
     emt_form(FEWEST),
     *MEANFIELD,
 )
@@ -81,6 +83,7 @@ def shorten(patch: pytest.MonkeyPatch) -> None:
     patch.setattr(page_context, "Context", short_context)
     patch.setattr(sheet, "DPI", 50)
     shorten_tissue(patch)
+    shorten_space(patch)
     shorten_command(patch)
     patch.setattr(style, "DPI", 50)
     for module in (register, page):

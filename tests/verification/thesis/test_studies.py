@@ -8,6 +8,7 @@ import pytest
 from dincl.study import workers
 from tests.executors import Here, Nowhere
 from tests.verification.thesis.shortened import FORMS
+from tests.verification.thesis.shortened_space import shorten_space
 from verification.page.context import Context
 from verification.thesis import studies
 from verification.thesis.chapters import CHAPTERS
@@ -35,9 +36,10 @@ def test_an_unknown_chapter_is_refused(tmp_path: Path) -> None:
         studies.main(tmp_path, ["emt"])
 
 
-@pytest.mark.parametrize("name", ["experiments", "geometry", "meanfield"])
-def test_a_chapter_makes_its_studies_once(name: str, tmp_path: Path) -> None:
+@pytest.mark.parametrize("name", ["experiments", "geometry", "meanfield", "space"])
+def test_a_chapter_makes_its_studies_once(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With few, coarse steps; the other chapters have files of their own for it."""
+    shorten_space(monkeypatch)
     (chapter,) = (chapter for chapter in CHAPTERS if chapter.name == name)
     first, again = Context(tmp_path, False, Here(), FORMS), Context(tmp_path, False, Nowhere(), FORMS)
     chapter.run(first)

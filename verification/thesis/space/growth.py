@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -72,7 +73,14 @@ FULL = SheetForm()
 def study(form: SheetForm) -> Study:
     """One run for each layer and seed."""
     runs = [{**name_of(layer), "seed": seed} for layer in form.layers for seed in range(form.seeds)]
-    return Study("space_growth", "Space: growth", ("layer", "cells", "both", "seed"), tuple(runs), grown)
+    return Study(
+        name="space_growth",
+        title="Space: growth",
+        key=("layer", "cells", "both", "seed"),
+        runs=tuple(runs),
+        run=partial(grown, layers=form.layers),
+        settings={"end": END, "every": EVERY},  # more layers are more runs
+    )
 
 
 def name_of(layer: GrowingLayer) -> dict[str, object]:
@@ -80,9 +88,9 @@ def name_of(layer: GrowingLayer) -> dict[str, object]:
     return {"layer": layer.layer, "cells": layer.cells, "both": layer.both}
 
 
-def grown(key: Key) -> list[Row]:
+def grown(key: Key, layers: Sequence[GrowingLayer]) -> list[Row]:
     """One row for each kept time; none from where a run is lost."""
-    (layer,) = [one for one in LAYERS if all(key[name] == value for name, value in name_of(one).items())]
+    (layer,) = [one for one in layers if all(key[name] == value for name, value in name_of(one).items())]
     run = simulate(layer.parameters(), key["seed"])
     first = run.frames[0]
     frames = run.frames if run.status else run.frames[:-1]
