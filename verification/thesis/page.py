@@ -135,5 +135,5 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=9,
+    place=10,
 )

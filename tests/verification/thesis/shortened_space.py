@@ -9,7 +9,7 @@ SPACE = (
     growth.SheetForm(2, (growth.GrowingLayer("free sheet", 36, growth.SOME, growth.FREE),)),
     choices.ChoicesForm(2, (choices.AS_SHIPPED,)),
     strip.StripForm(2, ("[A]",)),
-    substeps.SheetSubstepsForm((5, 10, 15, 20, 30), 60, 2),
+    substeps.SheetSubstepsForm((4, 5, 10, 15, 20), 60, 2),
 )
 
 

@@ -42,6 +42,6 @@ CHAPTER = Chapter(
     run,
     sections,
     findings,
-    place=8,
+    place=9,
     tables=("meanfield_",),
 )

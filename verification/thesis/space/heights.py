@@ -31,7 +31,8 @@ def means(table: pd.DataFrame) -> pd.DataFrame:
 def part_that_stays(section: float, number: float) -> float:
     """p of (1 + p)^g = section, with g = log2(number) generations: which part of the second daughters is in a section.
 
-    p^div of section 2.2.5 of chapter 3, as a slice would need it; NaN before any division.
+    p^div of section 2.2.5 of chapter 3, as a slice would need it; NaN before any division, -1 for an end of an interval
+    below 0.
     """
     generations = math.log2(number)
-    return float(section ** (1.0 / generations) - 1.0) if generations > 0.0 else math.nan
+    return float(max(0.0, section) ** (1.0 / generations) - 1.0) if generations > 0.0 else math.nan
