@@ -27,7 +27,7 @@ CELLS, AGE = 64, 2.0
 # Of the start, which is the same for all methods: Ipopt does not get nearer to S for each seed.
 START_TOL = 1e-9
 SUBSTEPS = (1, 2, 5, 10, 20, 40, 80, 160, 320, 640, 1280, 2560)
-FULL = CatchUpForm(5, SUBSTEPS, (10, 20, 40, 80, 160), 640)
+FULL = CatchUpForm(5, SUBSTEPS, (15, 30, 60, 120, 240), 960)
 
 
 def study(form: CatchUpForm) -> Study:

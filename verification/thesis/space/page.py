@@ -9,8 +9,8 @@ from typing import Any
 import pandas as pd
 
 from verification.page.context import Context
-from verification.page.parts import Follows, Grid, Picture, Section, Text
-from verification.page.prose import fill
+from verification.page.parts import Follows, Grid, Picture, Section, Text, number
+from verification.page.prose import fill, interval, percents
 from verification.page.report import Chapter, Finding
 from verification.thesis.space import choices, figures, growth, heights, isolated, strip
 from verification.thesis.space.sections import catch_up, substeps
@@ -46,7 +46,7 @@ VERDICTS = {"says": "Finding", "side": "Way out", "compared": "More of", **{one:
 CHOICES = {"choice": "Choice", "events": "Events", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
     "of": "Cells"
 }
-DIFFERENCES = {"noise": "Noise", "of": "Of", "events": "Events", "ring": "Ring"} | {
+DIFFERENCES = {"of": "Of", "events": "Events", "ring": "Ring"} | {
     "difference": "Strip less ring",
     "low": "from",
     "high": "to",
@@ -109,7 +109,17 @@ def _growth(context: Context) -> Section:
 def _heights(last: pd.DataFrame) -> dict[str, Any]:
     """Height at the end by tissue, cells and part of the divisions, each with its interval; and the other means."""
     rows = {(row.layer, row.cells, row.both): row for row in last.itertuples()}
-    return {"rows": rows, "some": growth.SOME, "all": growth.ALL, "seeds": int(last["runs"].max()), "end": growth.END}
+
+    def height_of(*name: Any) -> str:
+        row = rows[name]
+        return told(row.height, row.height_low, row.height_high)
+
+    def stay(*name: Any) -> str:
+        row = rows[name]
+        return percents((row.stay, row.stay_low, row.stay_high))
+
+    known = {"some": growth.SOME, "all": growth.ALL, "seeds": int(last["runs"].max()), "end": growth.END}
+    return {"rows": rows, "tall": height_of, "stay": stay} | known
 
 
 def _isolated(context: Context) -> Section:
@@ -142,6 +152,8 @@ def _facts(ratios: pd.DataFrame, compared: pd.DataFrame) -> dict[str, Any]:
         "sheets": isolated.SHEETS,
         "ratio": lambda *name: tuple(parts.loc[name]),
         "counts": counts,
+        "held": lambda tissue: counts[tissue].get("holds", 0),
+        "opposite": lambda tissue: counts[tissue].get("does not hold", 0),
         "of": len(compared),
         "reversed": reversed_,
     }
@@ -150,11 +162,15 @@ def _facts(ratios: pd.DataFrame, compared: pd.DataFrame) -> dict[str, Any]:
 def _choices(context: Context) -> Section:
     ratios, means = context.tables["space_choices_ratios"], context.tables["space_choices_means"]
     parts = ratios.set_index(["choice", "events", "side"])[["value", "low", "high"]]
-    said = fill(
-        PROSE / "choices.html",
-        ratio=lambda *name: tuple(parts.loc[name]),
-        rows={row.choice: row for row in means.itertuples()},
-    )
+    rows = {row.choice: row for row in means.itertuples()}
+
+    def tall(choice: str) -> str:
+        return told(rows[choice].height, rows[choice].height_low, rows[choice].height_high)
+
+    def ends(choice: str, events: str, side: str = "basal") -> str:
+        return percents(tuple(parts.loc[(choice, events, side)]))
+
+    said = fill(PROSE / "choices.html", rows=rows, tall=tall, ends=ends)
     return Section(
         "What the text leaves open: what depends on it?",
         [
@@ -168,8 +184,13 @@ def _choices(context: Context) -> Section:
 
 def _strip(context: Context) -> Section:
     table = context.tables["space_strip_differences"]
-    rows = {(row.noise, row.of, row.events): row for row in table.itertuples()}
-    said = fill(PROSE / "strip.html", rows=rows, away=_far(table[~table["noise"]]), noisy=_far(table[table["noise"]]))
+    rows = {(row.of, row.events): row for row in table.itertuples()}
+
+    def away(of: str, events: str = "all") -> str:
+        row = rows[(of, events)]
+        return told(row.difference, row.low, row.high)
+
+    said = fill(PROSE / "strip.html", rows=rows, away=away, far=_far(table), compared=len(table))
     return Section(
         "A strip one cell wide is the slice",
         [
@@ -185,6 +206,11 @@ def _far(table: pd.DataFrame) -> list[str]:
     apart = table[(table["low"] > 0.0) | (table["high"] < 0.0)]
     after = apart["events"].map(lambda events: "" if events == "all" else f" after {events}")
     return list(apart["of"].map(strip.NAMES) + after)
+
+
+def told(value: float, low: float, high: float) -> str:
+    """A number with its interval."""
+    return f"{number(value)} {interval((low, high))}"
 
 
 def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:

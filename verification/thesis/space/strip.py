@@ -21,6 +21,7 @@ COMMON: Mapping[str, object] = {
     "layer.side": "outside",
     "layer.perimeter": "130 um",
     "start.nuclei": "own_basal",
+    "tissue.diffusion": "0 um^2/h",  # noise would take nuclei out of the plane
     "numerics.t_end": "36 h",
     "numerics.keep": "36 h",
     "types.isolated.cells": 4,
@@ -37,8 +38,6 @@ EVENTS: Mapping[str, Mapping[str, object]] = {
     "[B] no INM": {"types.isolated.b": "12 h", "types.isolated.inm": 0},
     "[BP]": {"types.isolated.b": "12 h", "types.isolated.p": "18 h"},
 }
-# Without noise nothing moves along z. With it nuclei leave the plane, and meet less than in a slice.
-NOISE: Mapping[bool, Mapping[str, object]] = {False: {"tissue.diffusion": "0 um^2/h"}, True: {}}
 # Of one run, with what they are called.
 NAMES: Mapping[str, str] = {
     "cells": "cells",
@@ -66,20 +65,20 @@ FULL = StripForm()
 
 
 def study(form: StripForm) -> Study:
-    """One run for each tissue, with and without noise, set of events and seed."""
-    names = [(noise, events, tissue) for noise in NOISE for events in form.events for tissue in TISSUES]
-    runs = [{"noise": a, "events": b, "tissue": c, "seed": seed} for a, b, c in names for seed in range(form.seeds)]
-    return Study("space_strip", "Space: strip", ("noise", "events", "tissue", "seed"), tuple(runs), run)
+    """One run for each tissue, set of events and seed."""
+    names = [(events, tissue) for events in form.events for tissue in TISSUES]
+    runs = [{"events": one, "tissue": two, "seed": seed} for one, two in names for seed in range(form.seeds)]
+    return Study("space_strip", "Space: strip", ("events", "tissue", "seed"), tuple(runs), run)
 
 
-def parameters(noise: bool, events: str, tissue: str) -> Parameters:
+def parameters(events: str, tissue: str) -> Parameters:
     """Those of a run."""
-    return preset("published").changed({**COMMON, **TISSUES[tissue], **NOISE[noise], **EVENTS[events]})
+    return preset("published").changed({**COMMON, **TISSUES[tissue], **EVENTS[events]})
 
 
 def run(key: Key) -> list[Row]:
     """One row: what is measured at the end, in R_soft, and parts of the EMT cells; NaN if the run is lost."""
-    given = parameters(key["noise"], key["events"], key["tissue"])
+    given = parameters(key["events"], key["tissue"])
     made = simulate(given, key["seed"], throw=False)
     if not made.status:
         return [{**key, **dict.fromkeys(MEASURED, np.nan)}]
@@ -96,13 +95,12 @@ def differences(table: pd.DataFrame) -> pd.DataFrame:
     EMT cells by their events, all else over all events.
     """
     rows = []
-    for noise, all_events in table.groupby("noise"):
-        for name in MEASURED:
-            parts = all_events.groupby("events") if name in EMT else [("all", all_events)]
-            for events, mine in parts:
-                wide = mine.pivot(index=["events", "seed"], columns="tissue", values=name).dropna()
-                away = over_seeds(wide[STRIP] - wide[RING])
-                told = {"noise": noise, "of": name, "events": events, "ring": wide[RING].mean()}
-                ends = {"difference": away.mean, "low": away.low, "high": away.high}
-                rows.append(told | ends | {"runs": len(wide), "lost": len(mine) // 2 - len(wide)})
+    for name in MEASURED:
+        for events, mine in table.groupby("events") if name in EMT else [("all", table)]:
+            wide = mine.pivot(index=["events", "seed"], columns="tissue", values=name).dropna()
+            away = over_seeds(wide[STRIP] - wide[RING])
+            told = {"of": name, "events": events, "ring": wide[RING].mean(), "difference": away.mean}
+            rows.append(
+                told | {"low": away.low, "high": away.high, "runs": len(wide), "lost": len(mine) // 2 - len(wide)}
+            )
     return pd.DataFrame(rows)
