@@ -46,6 +46,9 @@ def substeps(made: pd.DataFrame, path: Path) -> Path:
             right.errorbar(last["substeps"], 100 * last["height"], yerr=ends, color=colour, fmt="D-", label=tissue)
         right.axhspan(-1.0, 1.0, color="0.93", zorder=0)
         right.set_xscale("log")
+        for panel in (left, right):
+            panel.minorticks_off()
+            panel.set_xticks(made["substeps"].unique(), made["substeps"].unique())
         left.set(xlabel="substeps in dt", ylabel="error of the nuclei [R_soft]", title="Nuclei")
         right.set(xlabel="substeps in dt", ylabel="height off by [%]", title=f"Height at {made['t'].max():g} h")
         handles, labels = left.get_legend_handles_labels()
