@@ -41,7 +41,8 @@ def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
                 panel.fill_between(
                     mine["t"], mine["height_low"], mine["height_high"], color=colour, alpha=0.2, linewidth=0
                 )
-            panel.set(xlabel="time [h]", title="both daughters stay: " + ("always" if both == ALL else f"{100 * both:.0f} %"))
+            part = "always" if both == ALL else f"{100 * both:.0f} %"
+            panel.set(xlabel="time [h]", title=f"both daughters stay: {part}")
             panel.grid(color="0.92")
             panel.legend(loc="upper left", frameon=False)
         panels[0].set_ylabel("height / height at the start")
