@@ -218,12 +218,9 @@ def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
 
 
 def findings(context: Context) -> Sequence[Finding]:
-    """How high a sheet grows, and how many findings for isolated cells hold in it."""
-    table = context.tables["space_heights"]
-    last = table[table["t"] == table["t"].max()]
+    """How many findings for isolated cells hold in a sheet."""
     facts = _facts(context.tables["space_isolated"], context.tables["space_compared"])
-    said = fill(PROSE / "learned.html", **_heights(last), **facts)
-    return [Finding(said["height"], GROWTH), Finding(said["isolated"], ISOLATED)]
+    return [Finding(fill(PROSE / "learned.html", **facts)["isolated"], ISOLATED)]
 
 
 CHAPTER = Chapter(
