@@ -52,6 +52,11 @@ def _may_be_strip(shape: str, boundary: str) -> bool:
     return shape == "circle" and boundary == "open"
 
 
+def _calm(noise: Measure, dimension: int, rows: int) -> str | None:
+    """Noise takes the nuclei of a strip out of its plane, and its row tears."""
+    return None if dimension == FLAT or rows != 1 or noise.value == 0.0 else '"0 um^2/h" with space.rows = 1'
+
+
 def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *lengths: Measure) -> str | None:
     """In a period nuclei meet one image of each other; see ``tissue.space.step.board.period``."""
     if dimension == FLAT or shape == "sphere" or boundary == "open":
@@ -137,6 +142,7 @@ SPACE_RULES = (
         ),
         _same_spacing,
     ),
+    Rule(("tissue.diffusion", "tissue.dimension", "space.rows"), _calm),
     Rule(("division.rule", "tissue.dimension"), _beside),
     Rule(("emt.ac", "tissue.dimension"), _no_chains),
 )

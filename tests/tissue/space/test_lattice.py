@@ -43,7 +43,10 @@ def test_a_tissue_that_goes_on_gets_groups_where_its_cells_are():
     types = {"types.far.cells": 4, "types.far.place": "apart"}
     after = tissue.preset("published").changed(short | types | {"numerics.t_end": "0.25 h"})
     cells = tissue.simulate(after, 1, start=first.final).final.cells
-    far = cells.kind == 2
-    assert far.sum() == 4
-    assert set(zip(np.sign(cells.bx[far]), np.sign(cells.bz[far]), strict=True)) == {(1, 1), (1, -1), (-1, 1), (-1, -1)}
+    far = np.flatnonzero(cells.kind == 2)
+    assert len(far) == 4
+    points = np.column_stack((cells.bx, cells.bz))
+    shares = np.bincount(np.linalg.norm(points[:, None] - points[far], axis=2).argmin(axis=1))
+    assert shares.min() > 0.6 * len(points) / 4
+    assert shares.max() < 1.6 * len(points) / 4
     assert first.final.sheets.surface == s.plane()

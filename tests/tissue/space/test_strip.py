@@ -115,3 +115,5 @@ def test_only_an_open_cylinder_has_a_single_row():
     for change in ({"space.boundary": "periodic"}, {"layer.shape": "line"}):
         with pytest.raises(InvalidProblem, match="rows = 1"):
             given.changed(change)
+    with pytest.raises(InvalidProblem, match=r'tissue.diffusion = .*: must be "0 um\^2/h" with space.rows = 1'):
+        given.changed({"tissue.diffusion": "1 um^2/h"})

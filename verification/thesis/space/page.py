@@ -50,7 +50,7 @@ DIFFERENCES = {"of": "Of", "events": "Events", "ring": "Ring"} | {
     "difference": "Strip less ring",
     "low": "from",
     "high": "to",
-    "runs": "Pairs of runs",
+    "seeds": "Seeds",
     "lost": "Lost",
 }
 MEANS = {"choice": "Choice", "height": "Height / at the start", "height_low": "from", "height_high": "to"} | {

@@ -92,15 +92,14 @@ def run(key: Key) -> list[Row]:
 def differences(table: pd.DataFrame) -> pd.DataFrame:
     """One row for each number: its mean in rings, and strip less ring by the same seeds, with Student's 95 % interval.
 
-    EMT cells by their events, all else over all events.
+    EMT cells by their events, all else over all events: runs of one seed share a start, so their mean counts once.
     """
     rows = []
     for name in MEASURED:
         for events, mine in table.groupby("events") if name in EMT else [("all", table)]:
             wide = mine.pivot(index=["events", "seed"], columns="tissue", values=name).dropna()
-            away = over_seeds(wide[STRIP] - wide[RING])
+            away = over_seeds((wide[STRIP] - wide[RING]).groupby("seed").mean())
             told = {"of": name, "events": events, "ring": wide[RING].mean(), "difference": away.mean}
-            rows.append(
-                told | {"low": away.low, "high": away.high, "runs": len(wide), "lost": len(mine) // 2 - len(wide)}
-            )
+            counts = {"seeds": wide.index.get_level_values("seed").nunique(), "lost": len(mine) // 2 - len(wide)}
+            rows.append(told | {"low": away.low, "high": away.high} | counts)
     return pd.DataFrame(rows)
