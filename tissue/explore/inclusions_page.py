@@ -17,6 +17,7 @@ from tissue.explore.inclusion_runs import InclusionRun
 from tissue.explore.inclusion_work import InclusionWork
 from tissue.explore.inclusions import METHODS, SCENES, Inclusion, checked_end, from_file, scene
 from tissue.explore.player import Player
+from tissue.explore.sliders import QuickSlider
 
 if TYPE_CHECKING:
     from tissue.explore.streams import PictureStreams
@@ -80,7 +81,7 @@ class InclusionsPage:
         self._dt = ui.label().classes("dt").props('data-is="dt"')
         with ui.element("div").classes("steps"):
             # To the right dt grows.
-            self._steps = ui.slider(min=-FINEST, max=-COARSEST, value=-STEPS, step=1, on_change=self._changed)
+            self._steps = QuickSlider(min=-FINEST, max=-COARSEST, value=-STEPS, step=1, on_change=self._changed)
             self._steps.props('snap markers aria-label="dt"')
         self._last = ui.number("end time", value=self._end, format="%g").props('dense outlined aria-label="end time"')
         self._last.classes("short").on("change", self._set_end)

@@ -9,6 +9,7 @@ from nicegui import ui
 
 from tissue.explore.knobs import is_timing, number_of, scale_of
 from tissue.explore.setting import text_of, value_of
+from tissue.explore.sliders import QuickRange, QuickSlider
 from tissue.files.keys import KeyFacts
 from tissue.files.timing import NEVER, Timing, timing
 from tissue.files.units import Measure
@@ -17,18 +18,6 @@ MAKES_NO_NUMBERS = True
 
 Changed = Callable[[Mapping[str, Any]], None]
 SPAN = 1 / 8, 1 / 2  # of the run, between which an event begins that is switched on: 6 h to 24 h of 48 h
-
-
-class _Slider(ui.slider):
-    """Moves in the browser at once, not when the server has answered: else quick steps of the keyboard are lost."""
-
-    LOOPBACK = False
-
-
-class _Range(ui.range):
-    """The same with two ends."""
-
-    LOOPBACK = False
 
 
 class Knob:
@@ -107,7 +96,9 @@ class Knob:
             if int(to) != place(self._value):
                 self._tell(scale.value_at(int(to)))
 
-        slider = _Slider(min=0, max=len(scale.values) - 1, value=place(self._first), on_change=lambda e: moved(e.value))
+        slider = QuickSlider(
+            min=0, max=len(scale.values) - 1, value=place(self._first), on_change=lambda e: moved(e.value)
+        )
         slider.props(f'dense aria-label="slide {self.key}"')
         return lambda value: None if (to := place(value)) is None else slider.set_value(to)
 
@@ -120,9 +111,9 @@ class Knob:
 
         on = ui.switch(on_change=tell).props(f'dense aria-label="whether {self.key}"')
         with ui.element("div").classes("timing") as more:
-            span = _Range(min=0, max=end, step=0.5, on_change=tell)
+            span = QuickRange(min=0, max=end, step=0.5, on_change=tell)
             span.props(f'dense label aria-label="slide {self.key}"')
-            share = _Slider(min=0, max=100, value=100, on_change=tell)
+            share = QuickSlider(min=0, max=100, value=100, on_change=tell)
             share.props(f'dense label aria-label="share {self.key}"')
 
         def show(value: Any) -> None:

@@ -243,6 +243,7 @@ def test_a_hundred_quick_moves_leave_no_work_behind(page, site):
     knob(page, "emt.inm").locator(".q-slider [tabindex]").focus()
     for _ in range(100):
         page.keyboard.press("ArrowLeft")
+    page.wait_for_function("told => told.value === '0.0'", arg=field(page, "emt.inm").element_handle())
     wait_for_runs(page, RUNS)
     ended = [0, cpu_ticks(site[1].pid)]
     while ended[-1] > ended[-2]:
