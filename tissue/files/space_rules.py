@@ -11,12 +11,11 @@ from tissue.files.timing import Timing
 from tissue.files.units import Measure, reduced
 from tissue.space.lattice import ROW, rows_of
 from tissue.space.state import FLAT
+from tissue.space.step.board import SHORTEST_PERIOD
 
 IN_SPACE = "in three dimensions"
 # Two descriptions of one length differ by rounding.
 ROUNDING = 1e-12
-# Period that a board takes, twice the diameter of soft balls [R_soft].
-SHORTEST = 4.0
 
 
 def _shape(shape: str, dimension: int) -> str | None:
@@ -69,11 +68,11 @@ def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *len
     if shape == "circle":
         spacing = around * across / cells
     periods = (across * ROW * spacing, cells / across * spacing if shape == "line" else around)
-    if min(periods) > SHORTEST:
+    if min(periods) > SHORTEST_PERIOD:
         return None
     return (
         f"more, in more rows or columns: the sheet repeats after {min(periods):.4g} R_soft, and must after more than "
-        f"{SHORTEST:g}, twice the range of nuclei"
+        f"{SHORTEST_PERIOD:g}, twice the range of nuclei"
     )
 
 

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.space.network.state import GHOSTS, Network, no_network
+from tissue.space.network.state import GHOSTS, OF_HALF_EDGES, OF_VERTICES, Network, with_room
 from tissue.space.state import Space
 from tissue.space.surface import Surface
 from tissue.state.cells import Floats, Integers
@@ -71,23 +71,16 @@ def kept(space: Space, n: int) -> Sheets:
 
 def network_of(mesh: Mesh, capacity: int) -> Network:
     """A network with room for so many cells that goes on from a mesh."""
-    network, used, n = no_network(capacity), len(mesh.corner), len(mesh.out) - GHOSTS
-    for name in ("corner", "twin", "rest"):
-        getattr(network, name)[:used] = getattr(mesh, name)
-    for name in ("out", "u", "v", "w"):
-        getattr(network, name)[:n] = getattr(mesh, name)[:n]
-        getattr(network, name)[-GHOSTS:] = getattr(mesh, name)[-GHOSTS:]
-    network.triangles[0] = used // 3
-    return network
+    return with_room(capacity, mesh, len(mesh.corner) // 3)
 
 
 def _mesh(network: Network, n: int) -> Mesh:
     used = 3 * int(network.triangles[0])
-    halves = (getattr(network, name)[:used].copy() for name in Mesh._fields[:3])
-    places = (
-        np.concatenate((getattr(network, name)[:n], getattr(network, name)[-GHOSTS:])) for name in Mesh._fields[3:]
-    )
-    return Mesh(*halves, *places)
+    halves = {name: getattr(network, name)[:used].copy() for name in OF_HALF_EDGES}
+    places = {
+        name: np.concatenate((getattr(network, name)[:n], getattr(network, name)[-GHOSTS:])) for name in OF_VERTICES
+    }
+    return Mesh(**halves, **places)
 
 
 def as_arrays(sheets: Sheets | None) -> dict[str, Any]:

@@ -8,9 +8,8 @@ import pytest
 from dincl import InvalidProblem
 from tests.tissue.space.invariants import chart_of, check, edges_of, euler, nearest, triangles_of
 from tests.tissue.space.tissues import EULER, KINDS, spread_points
-from tests.twins.tissue.space.network import lengths_of
 from tissue.space import surface as s
-from tissue.space.network.edges import list_edges
+from tissue.space.network.halfedges import begins_edge
 from tissue.space.network.start import triangulated
 from tissue.space.network.state import grown, no_network
 
@@ -32,13 +31,12 @@ def test_it_is_a_network(name, rng):
 
 
 @every
-def test_edges_as_lists(name, rng):
+def test_each_edge_begins_once(name, rng):
     network = triangulated(KINDS[name], spread_points(name, 40, rng), np.copy)
-    i, j, rest = np.empty(130, np.int64), np.empty(130, np.int64), np.empty(130)
-    count = list_edges(network, i, j, rest)
-    pairs = np.column_stack((i, j))[:count]
-    assert pairs.tolist() == edges_of(network).tolist()
-    assert rest[:count].tolist() == [lengths_of(network)[pair] for pair in map(tuple, pairs.tolist())]
+    begun = [h for h in range(3 * network.triangles[0]) if begins_edge(network, h)]
+    pairs = [sorted((network.corner[h], network.corner[network.twin[h]])) for h in begun]
+    assert sorted(pairs) == sorted(edges_of(network).tolist())
+    assert not set(begun) & set(network.twin[begun].tolist())
 
 
 @pytest.mark.parametrize("name", [name for name in KINDS if "sphere" not in name and "band" not in name])

@@ -34,6 +34,14 @@ def around(network: Network, h: int) -> int:
 
 
 @inner
+def begins_edge(network: Network, h: int) -> bool:
+    """Whether h, of both half-edges of an edge that joins two cells, is the first: so loops meet each edge once."""
+    g = network.twin[h]
+    begins: bool = h < g and min(network.corner[h], network.corner[g]) >= 0
+    return begins
+
+
+@inner
 def degree(network: Network, i: int) -> int:
     """How many neighbours vertex i has, ghosts among them."""
     h, count = network.out[i], 1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -14,7 +14,8 @@ from tissue.state.cells import Floats, Integers
 GHOSTS = 2
 # Flips of a single move of a vertex, at most: it crosses a few edges. Beyond, the move is cut in half.
 LONGEST_LOG = 128
-
+# What there is of a network besides its desk and the number of triangles, by half-edges and by vertices.
+OF_HALF_EDGES, OF_VERTICES = ("corner", "twin", "rest"), ("out", "u", "v", "w")
 
 # On the chart, see ``tissue.space.network.chart``.
 Place = tuple[float, float, float]
@@ -77,12 +78,16 @@ def grown(network: Network, capacity: int) -> Network:
     """The same network with room for more cells; raises InvalidProblem for less room than it has."""
     if checks.integer("capacity", capacity, least=0) < network.capacity:
         raise InvalidProblem(f"capacity = {capacity}: must be at least {network.capacity}, what the network has")
-    larger = no_network(capacity)
-    used, cells = 3 * int(network.triangles[0]), network.capacity
-    for name in ("corner", "twin", "rest"):
-        getattr(larger, name)[:used] = getattr(network, name)[:used]
-    for name in ("out", "u", "v", "w"):
-        getattr(larger, name)[:cells] = getattr(network, name)[:cells]
-        getattr(larger, name)[-GHOSTS:] = getattr(network, name)[-GHOSTS:]
-    larger.triangles[:] = network.triangles
-    return larger
+    return with_room(capacity, network, int(network.triangles[0]))
+
+
+def with_room(capacity: int, given: Any, triangles: int) -> Network:
+    """A network with room for so many cells, with the first triangles and all vertices of the arrays of ``given``."""
+    network, used, cells = no_network(capacity), 3 * triangles, len(given.out) - GHOSTS
+    for name in OF_HALF_EDGES:
+        getattr(network, name)[:used] = getattr(given, name)[:used]
+    for name in OF_VERTICES:
+        getattr(network, name)[:cells] = getattr(given, name)[:cells]
+        getattr(network, name)[-GHOSTS:] = getattr(given, name)[-GHOSTS:]
+    network.triangles[0] = triangles
+    return network

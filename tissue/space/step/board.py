@@ -32,6 +32,8 @@ FRESH, STRAYS, WHOLE, FOUND, ALL, THROWN, MANY = range(7)
 SOFT_ROOM, HARD_ROOM = 64, 24
 # The most ranges of cells near one bin.
 NEAR = 27
+# A period is longer, so that a nucleus meets one image of each other: twice their range.
+SHORTEST_PERIOD = 2.0 * SOFT
 
 Short = NDArray[np.int32]
 
@@ -138,7 +140,7 @@ class SpaceBoards:
     """A board of two forms on the same memory: ``flat``, (n,) numbers, and ``wide``, (n / WIDTH, WIDTH).
 
     There is room for ``capacity`` cells, ``edges`` junctions and as many basal neighbours. Raises InvalidProblem for a
-    period that is not above 4.
+    period that is not above SHORTEST_PERIOD.
     """
 
     def __init__(self, capacity: int, edges: int, numbers: SpaceNumbers, surface: Surface = FLAT_SURFACE) -> None:
@@ -156,9 +158,9 @@ class SpaceBoards:
 
 def period(name: str, length: float) -> Period:
     """What kernels know of a period; raises InvalidProblem for one in which a nucleus meets two images of another."""
-    if not length > 2.0 * SOFT:
+    if not length > SHORTEST_PERIOD:
         raise InvalidProblem(
-            f"surface.{name} = {length}: must be above {2.0 * SOFT:g}, twice the range of nuclei, or inf"
+            f"surface.{name} = {length}: must be above {SHORTEST_PERIOD:g}, twice the range of nuclei, or inf"
         )
     return Period(length, 1.0 / length) if math.isfinite(length) else Period(0.0, 0.0)
 

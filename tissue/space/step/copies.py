@@ -5,7 +5,7 @@ from __future__ import annotations
 from dincl.compile import inner
 from tissue.kernels.store import BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store
 from tissue.model.springs import coefficient
-from tissue.space.network.halfedges import following
+from tissue.space.network.halfedges import begins_edge
 from tissue.space.network.state import Network
 from tissue.space.step import board as on_board
 from tissue.space.step.board import JUNCTIONS, NEIGHBOURS, SpaceBoard
@@ -44,8 +44,8 @@ def _list_junctions(store: Store, board: SpaceBoard, scale: float) -> None:
     """The junctions of the apical network, each once, with k = scale (alpha_i + alpha_j) / 2."""
     network, alpha, count = store.space.apical, store.cells.stiff_aa, 0
     for h in range(3 * network.triangles[0]):
-        i, j = network.corner[h], network.corner[following(h)]
-        if h < network.twin[h] and min(i, j) >= 0:
+        if begins_edge(network, h):
+            i, j = network.corner[h], network.corner[network.twin[h]]
             board.junctions[count, 0], board.junctions[count, 1] = i, j
             board.rest[count] = network.rest[h]
             board.k_aa[count] = scale * (0.5 * (alpha[i] + alpha[j]))
@@ -58,9 +58,8 @@ def _list_neighbours(network: Network, board: SpaceBoard) -> None:
     """The edges of the basal network, each once."""
     count = 0
     for h in range(3 * network.triangles[0]):
-        i, j = network.corner[h], network.corner[following(h)]
-        if h < network.twin[h] and min(i, j) >= 0:
-            board.neighbours[count, 0], board.neighbours[count, 1] = i, j
+        if begins_edge(network, h):
+            board.neighbours[count, 0], board.neighbours[count, 1] = network.corner[h], network.corner[network.twin[h]]
             count += 1
     board.sizes[NEIGHBOURS] = count
 
