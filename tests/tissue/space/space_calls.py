@@ -54,7 +54,7 @@ def board_of(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None
     for name, edges in (("junctions", state.junctions), ("neighbours", state.neighbours)):
         getattr(board, name)[: len(edges)] = edges
     board.rest[: len(state.rest)], board.k_aa[: len(state.rest)] = state.rest, scale * state.k_aa
-    board.sizes[:] = len(state.junctions), len(state.neighbours)
+    board.sizes[:] = len(state.junctions), len(state.neighbours), steps.ordered
     return boards
 
 

@@ -71,6 +71,29 @@ def test_a_whole_dt(name, variance):
     assert counts["corrections"] > 0
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_basal_points_of_a_row_keep_their_order(side, rng):
+    """Some have passed others: fewer after one sweep, none after many, forward on both sides of the surface."""
+    n, surface = 40, SURFACES["open cylinder"]._replace(side=side)
+    turn = side * 2.0 * np.pi * (np.arange(n) + rng.uniform(0.0, 1.2, n)) / n
+    b = 9.0 * np.vstack((np.cos(turn), np.sin(turn), 0.0 * turn))
+    row = np.column_stack((np.arange(n), np.roll(np.arange(n), -1)))
+    state = still(random_tissue(n, 3, surface, b=b, held=np.ones(n), neighbours=row, radius=np.zeros(n)))
+    steps = Steps(repulsion=0.0, max_basal=9.0, surface=surface, ordered=True)
+    made, counts = counted(state, steps)
+    assert distance(made, twins.make_substeps(state, steps)) < SUBSTEP
+    assert counts["basal_corrections"] >= out_of_order(b, side) > out_of_order(made.b, side)
+    for _ in range(60):
+        made = kernels.make_substeps(made, steps)
+    assert out_of_order(made.b, side) == 0
+
+
+def out_of_order(b, side):
+    """How many points of a row around a cylinder the next one has passed."""
+    after = np.roll(b, -1, axis=1)
+    return int((side * (b[0] * after[1] - b[1] * after[0]) < 0.0).sum())
+
+
 def test_noise_is_that_of_the_section_and_a_third_coordinate():
     """N(0, variance h) on each coordinate of the nuclei, independent, other numbers in each substep."""
     n, steps = 2000, Steps(repulsion=0.0, variance=0.2, substeps=2)

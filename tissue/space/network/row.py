@@ -8,6 +8,8 @@ from tissue.space.network.halfedges import around, following, preceding
 from tissue.space.network.state import Network
 from tissue.space.surface import Surface
 
+LEFT = -1  # the ghost on the left of a row
+
 
 @inner
 def is_row(network: Network) -> bool:

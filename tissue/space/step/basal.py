@@ -1,4 +1,4 @@
-"""The basal points: neighbours at most max_basal apart (C2), and on the surface those that it holds (C3)."""
+"""The basal points: those of a row in order (C4), neighbours at most max_basal apart (C2), on the surface (C3)."""
 
 from __future__ import annotations
 
@@ -6,9 +6,30 @@ import math
 
 from dincl.compile import inner
 from tissue.kernels.lanes import either, fma, load, root, store
-from tissue.space.step.board import BASAL_CORRECTIONS, NEIGHBOURS, SpaceBoard
+from tissue.space.step.board import BASAL_CORRECTIONS, NEIGHBOURS, ORDERED, SpaceBoard
 from tissue.space.step.images import nearest, periods
 from tissue.space.surface import PLANE, SPHERE
+
+# How far apart basal points of a row are put that have passed each other [R_soft]: points that coincide have no order.
+LEAST_GAP = 1e-6
+
+
+@inner
+def keep_order(board: SpaceBoard) -> None:
+    """Around a cylinder B_i comes before B_j (C4), neighbours of a row, one after the other: each by half of the gap.
+
+    Forward is the direction side (-y, x). Sheets have no order.
+    """
+    x, y, ends, side, corrections = board.bx, board.by, board.neighbours, board.surface.side, 0
+    for edge in range(board.sizes[NEIGHBOURS] if board.sizes[ORDERED] > 0 else 0):
+        i, j = ends[edge, 0], ends[edge, 1]
+        if side * (x[i] * y[j] - y[i] * x[j]) < 0.0:
+            mx, my = 0.5 * (x[i] + x[j]), 0.5 * (y[i] + y[j])
+            part = 0.5 * LEAST_GAP * side / math.sqrt(mx * mx + my * my)
+            x[i], y[i] = mx + part * my, my - part * mx
+            x[j], y[j] = mx - part * my, my + part * mx
+            corrections += 1
+    board.counts[BASAL_CORRECTIONS] += corrections
 
 
 @inner

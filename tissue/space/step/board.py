@@ -21,8 +21,8 @@ from tissue.state.cells import Floats, Integers
 # What is counted, and where in SpaceBoard.counts: pairs looked at for the repulsion, lists of pairs made.
 SPACE_COUNTERS = ("substeps", "corrections", "basal_corrections", "pairs", "lists")
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, PAIRS, LISTS = range(len(SPACE_COUNTERS))
-# Places in SpaceBoard.sizes: how many edges there are.
-JUNCTIONS, NEIGHBOURS = range(2)
+# Places in SpaceBoard.sizes: how many edges there are, and whether basal neighbours have an order: a row's.
+JUNCTIONS, NEIGHBOURS, ORDERED = range(3)
 # Places in SpaceBoard.state. FRESH: whether there are lists; STRAYS: how many nuclei went farther than these allow;
 # WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls were found for the list, then of
 # strays; ALL: whether these found no room, and each meets each; THROWN: how many nuclei meet all in a sweep; MANY: how
@@ -168,7 +168,7 @@ def period(name: str, length: float) -> Period:
 def _common(m: int, edges: int) -> dict[str, Any]:
     """The arrays that are the same in both forms."""
     pairs, soft = HARD_ROOM * m, (SOFT_ROOM + 1) * m + 2 * QUAD_WIDTH
-    whole = {"junctions": (edges, 2), "neighbours": (edges, 2), "sizes": 2, "order": m, "bin": m, "start": 2 * m + 1}
+    whole = {"junctions": (edges, 2), "neighbours": (edges, 2), "sizes": 3, "order": m, "bin": m, "start": 2 * m + 1}
     whole |= {"begin": NEAR, "end": NEAR, "row": m, "row_end": m, "found": (pairs, 2), "hard_row": m + 1, "hard": pairs}
     whole |= {"strays": m, "far": m, "thrown": m, "state": MANY + 3, "counts": len(SPACE_COUNTERS)}
     floats = {"rest": edges, "k_aa": edges, "reach": 1, "at": 4 * (m + 1), "pushed": 4 * (m + 1)}

@@ -5,10 +5,11 @@ from __future__ import annotations
 from dincl.compile import inner
 from tissue.kernels.store import BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store
 from tissue.model.springs import coefficient
-from tissue.space.network.halfedges import begins_edge
+from tissue.space.network.halfedges import begins_edge, preceding
+from tissue.space.network.row import LEFT, is_row
 from tissue.space.network.state import Network
 from tissue.space.step import board as on_board
-from tissue.space.step.board import JUNCTIONS, NEIGHBOURS, SpaceBoard
+from tissue.space.step.board import JUNCTIONS, NEIGHBOURS, ORDERED, SpaceBoard
 from tissue.state.numbers import Numbers
 
 
@@ -55,13 +56,15 @@ def _list_junctions(store: Store, board: SpaceBoard, scale: float) -> None:
 
 @inner
 def _list_neighbours(network: Network, board: SpaceBoard) -> None:
-    """The edges of the basal network, each once."""
-    count = 0
+    """The edges of the basal network, each once; those of a row of cells forward, with its left side on the left."""
+    count, ordered = 0, is_row(network)
     for h in range(3 * network.triangles[0]):
         if begins_edge(network, h):
-            board.neighbours[count, 0], board.neighbours[count, 1] = network.corner[h], network.corner[network.twin[h]]
+            first = network.twin[h] if ordered and network.corner[preceding(h)] != LEFT else h
+            ends = network.corner[first], network.corner[network.twin[first]]
+            board.neighbours[count, 0], board.neighbours[count, 1] = ends
             count += 1
-    board.sizes[NEIGHBOURS] = count
+    board.sizes[NEIGHBOURS], board.sizes[ORDERED] = count, ordered
 
 
 @inner

@@ -10,7 +10,7 @@ from numba import types
 from dincl.compile import c_function, inner
 from tissue.kernels.lanes import WIDTH
 from tissue.space.step.balls import separate_balls
-from tissue.space.step.basal import hold_together, put_on_surface
+from tissue.space.step.basal import hold_together, keep_order, put_on_surface
 from tissue.space.step.board import FRESH, SUBSTEPS, SpaceBoard, space_board_at, wide_space_board_at
 from tissue.space.step.junctions import pull_along_edges
 from tissue.space.step.lists import refresh_lists
@@ -35,6 +35,7 @@ def make_space_substep(board: SpaceBoard, n: int, wide: SpaceBoard, rows: int, n
     pull_along_edges(board, n)
     move_points(wide, rows)
     separate_balls(board, n, wide, rows)
+    keep_order(board)
     hold_together(board)
     put_on_surface(wide, rows)
 

@@ -45,7 +45,7 @@ CHOICES: Mapping[str, Mapping[str, object]] = {
 class ChoicesForm:
     """How far the study goes: number of seeds, and the choices."""
 
-    seeds: int = 4
+    seeds: int = 8
     choices: tuple[str, ...] = tuple(CHOICES)
 
 

@@ -44,6 +44,7 @@ class GrowingLayer(NamedTuple):
 
 
 LAYERS = (
+    GrowingLayer("free sheet", 2304, ALL, FREE),
     GrowingLayer("free sheet", 400, ALL, FREE),
     GrowingLayer("periodic sheet", 196, ALL, SHEET),
     GrowingLayer("free sheet", 196, ALL, FREE),

@@ -57,7 +57,7 @@ EMT = ("basal", "apical")
 class StripForm:
     """How far the study goes: number of seeds, and sets of events."""
 
-    seeds: int = 24
+    seeds: int = 48
     events: tuple[str, ...] = tuple(EVENTS)
 
 

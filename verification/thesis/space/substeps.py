@@ -35,7 +35,7 @@ class SheetSubstepsForm:
 
     substeps: tuple[int, ...] = (5, 10, 20, 40, 80)
     reference: int = 320
-    seeds: int = 4
+    seeds: int = 8
 
 
 FULL = SheetSubstepsForm()

@@ -41,6 +41,7 @@ class Steps(NamedTuple):
     variance: float = 0.0  # of the noise per coordinate and hour, in substeps
     key: tuple[int, int] = (7, 8)
     surface: Surface = FLAT_SURFACE
+    ordered: bool = False  # whether neighbours are a row around a cylinder, in this order
 
 
 def still(state: SpaceTissue) -> SpaceTissue:
