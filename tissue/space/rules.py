@@ -12,10 +12,9 @@ from typing import Any
 from dincl.compile import c_function, inner
 from tissue.kernels.rules import LEAVE, POSITION, SPLIT_IN_SPACE
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
-from tissue.space.network.halfedges import around, following, preceding
 from tissue.space.network.insert import insert
 from tissue.space.network.remove import remove
-from tissue.space.network.state import Network
+from tissue.space.network.row import is_row
 from tissue.space.scale import position_in_space
 from tissue.space.state import SpaceRules
 from tissue.space.surface import PLANE, Surface, normal, onto
@@ -33,7 +32,7 @@ def split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
     """
     cells, space, j = store.cells, store.space, store.sizes[CELLS]
     _copy(store, i, j)
-    t = direction(space.surface, 0.0 if in_row(space.apical, i) else turn, cells.bx[i], cells.by[i], cells.bz[i])
+    t = direction(space.surface, 0.0 if is_row(space.apical) else turn, cells.bx[i], cells.by[i], cells.bz[i])
     distance = 2.0 * numbers.division_offset
     x, y, z = along(space.surface, t, cells.x[i], cells.y[i], cells.z[i])
     _step(store, i, -numbers.division_offset, x, y, z)
@@ -48,20 +47,6 @@ def split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
         cells.bx[k], cells.by[k], cells.bz[k] = onto(space.surface, cells.bx[k], cells.by[k], cells.bz[k])
     if apical == 0.0 or basal == 0.0:
         space.torn[0] = 1
-
-
-@inner
-def in_row(network: Network, i: int) -> bool:
-    """Whether all triangles of vertex i have ghosts: it is in a row of cells, a band one cell wide."""
-    h = network.out[i]
-    if h < 0:
-        return False
-    while True:
-        if network.corner[following(h)] >= 0 and network.corner[preceding(h)] >= 0:
-            return False
-        h = around(network, h)
-        if h == network.out[i]:
-            return True
 
 
 @inner

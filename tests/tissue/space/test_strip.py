@@ -5,11 +5,6 @@ import pytest
 
 import tissue
 from dincl import InvalidProblem
-from tests.tissue.space.invariants import check, edges_of
-from tissue.space import surface as s
-from tissue.space.network.follow import follow
-from tissue.space.network.halfedges import MEAN, PRESENT
-from tissue.space.network.start import triangulated
 
 COMMON = {
     "layer.shape": "circle",
@@ -78,36 +73,6 @@ def test_what_is_measured_of_a_strip():
         assert one[name] == pytest.approx(other[name], rel=1e-3)
     inner = tissue.preset("published").changed(COMMON | STRIP | {"tissue.cells": 80, "layer.perimeter": "130 um"})
     assert inner.lattice().basal[2].tolist() == [0.0] * 80
-
-
-@pytest.mark.parametrize("rule", [PRESENT, MEAN])
-def test_a_row_is_sorted_however_far_its_points_go(rule, rng):
-    """Junctions keep their places in the row."""
-    surface = s.cylinder(2.0, inside=False)
-    turn = 2.0 * np.pi * np.arange(9) / 9
-    network = triangulated(surface, ring_of(turn), np.copy)
-    rests = np.sort(network.rest[network.rest > 0])
-    for _ in range(20):
-        turn = turn + rng.uniform(-1.0, 1.0, 9)
-        points = ring_of(turn)
-        assert follow(surface, network, *np.array(points.T, order="C"), rule) >= 0
-        check(surface, network, points)
-        order = np.argsort(turn % (2.0 * np.pi))
-        chain = sorted(sorted(pair) for pair in zip(order.tolist(), np.roll(order, -1).tolist(), strict=True))
-        assert sorted(edges_of(network).tolist()) == chain
-        assert np.sort(network.rest[network.rest > 0]).tolist() == rests.tolist()
-
-
-def test_points_of_a_row_that_coincide_have_no_order():
-    surface = s.cylinder(2.0, inside=False)
-    turn = 2.0 * np.pi * np.arange(9) / 9
-    network = triangulated(surface, ring_of(turn), np.copy)
-    turn[4] = turn[5]
-    assert follow(surface, network, *np.array(ring_of(turn).T, order="C"), PRESENT) == -1
-
-
-def ring_of(turn):
-    return np.stack((2.0 * np.sin(turn), 2.0 * np.cos(turn), 0.0 * turn), axis=1)
 
 
 def test_only_an_open_cylinder_has_a_single_row():

@@ -19,7 +19,7 @@ from tissue.space.network.chart import (
 )
 from tissue.space.network.exchange import IN_CHART, exchange
 from tissue.space.network.halfedges import around, following, preceding
-from tissue.space.network.row import is_row, sort_row
+from tissue.space.network.row import is_row
 from tissue.space.network.state import GHOSTS, Network, Place
 from tissue.space.surface import SPHERE, Surface, nearest_image
 from tissue.state.cells import Floats
@@ -47,7 +47,7 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
     parts, between which edges become the other diagonal if that is shorter in the chart.
 
     Edges must remain shorter than half of a period, and a patch must leave half of a cylinder empty: a triangle that
-    goes further around turns left with nobody.
+    goes further around turns left with nobody. A row of cells keeps its order wherever the points go, as in the plane.
 
     Parameters
     ----------
@@ -67,7 +67,7 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
         return STUCK
     _come_near(surface, network)
     if is_row(network):
-        return _sorted(surface, network)
+        return _put_row(network)
     work, part, failures = 0, 1.0, 0
     for _ in range(PASSES):
         alone = _put_all(surface, network, part)
@@ -90,13 +90,12 @@ def follow(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
 
 
 @inner
-def _sorted(surface: Surface, network: Network) -> int:
-    """Put the vertices of a row in their new places and in their order: how many changed, or STUCK."""
+def _put_row(network: Network) -> int:
+    """Put the vertices of a row in their new places: none was moved alone."""
     for i in range(network.out.size - GHOSTS):
         if network.out[i] >= 0:
             put(network, i, _goal(network, i, 1.0))
-    swaps = sort_row(surface, network)
-    return swaps if swaps >= 0 else STUCK
+    return 0
 
 
 @inner

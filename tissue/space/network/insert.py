@@ -8,6 +8,7 @@ from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.space.network.chart import between, chart_of, place_of, put, turn
 from tissue.space.network.halfedges import around, following, preceding, set_rest
+from tissue.space.network.row import is_row
 from tissue.space.network.state import Network, Place
 from tissue.space.surface import CYLINDER, SPHERE, Surface
 from tissue.state.cells import Floats
@@ -35,7 +36,8 @@ def insert(
 
     The neighbours ahead of the line across t are the daughter's, those behind it the mother's; the one that is most
     across on each side is neighbour of both, with the same rest length: so both have at least three. d is the distance
-    given, or what is left of it after as many halvings as it takes for all triangles to turn left.
+    given, or what is left of it after as many halvings as it takes for all triangles to turn left, which those of a row
+    need not.
 
     Parameters
     ----------
@@ -57,11 +59,11 @@ def insert(
     ahead, behind = _across(surface, network, mother, _along(surface, x, y, z, tx, ty, tz))
     if ahead < 0 or behind < 0:
         return 0.0
-    half = 0.5 * distance
+    half, ordered = 0.5 * distance, is_row(network)
     for _ in range(HALVINGS):
         place = chart_of(surface, x - half * tx, y - half * ty, z - half * tz)
         put(network, daughter, chart_of(surface, x + half * tx, y + half * ty, z + half * tz))
-        if _fits(surface, network, mother, daughter, place, ahead, behind):
+        if ordered or _fits(surface, network, mother, daughter, place, ahead, behind):
             put(network, mother, place)
             _split(network, mother, daughter, ahead, behind, rest)
             px[mother], py[mother], pz[mother] = x - half * tx, y - half * ty, z - half * tz

@@ -8,6 +8,7 @@ from dincl.compile import inner
 from tissue.kernels import kernel
 from tissue.space.network.chart import squared_distance, turn
 from tissue.space.network.halfedges import around, degree, distance_along, find, following, preceding, set_rest
+from tissue.space.network.row import is_row
 from tissue.space.network.state import LONGEST_LOG, Network
 from tissue.space.network.undo import flip_noted, undo
 from tissue.space.surface import Surface
@@ -24,7 +25,8 @@ def remove(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
 
     A new edge goes from one neighbour to the next but one and cuts off an ear: a triangle that turns left and has no
     other neighbour in it. What is left remains a simple polygon, so there is always a next ear. Edges to a ghost come
-    last, so that what was the boundary is filled; ``relax`` gives up what is too long then.
+    last, so that what was the boundary is filled; ``relax`` gives up what is too long then. In a row both neighbours
+    join each other, wherever they are.
 
     Returns
     -------
@@ -32,16 +34,16 @@ def remove(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
         The number of new edges; -1 if the vertex cannot leave, and nothing was changed: the network would have two
         edges with the same ends, or the vertex has more neighbours than LONGEST_LOG.
     """
-    edges = degree(network, i) - 3
+    edges, ordered = degree(network, i) - 3, is_row(network)
     if edges > LONGEST_LOG:
         return -1
     for made in range(edges):
-        h = _shortest_ear(surface, network, px, py, pz, i)
+        h = _shortest_ear(surface, network, px, py, pz, i, ordered)
         if h < 0:
             undo(network, made)
             return -1
         _cut(surface, network, px, py, pz, h, rule, made)
-    if not _leaves_a_triangle(surface, network, i):
+    if not _leaves_a_triangle(surface, network, i, ordered):
         undo(network, edges)
         return -1
     _delete(network, i)
@@ -49,7 +51,7 @@ def remove(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
 
 
 @inner
-def _shortest_ear(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, i: int) -> int:
+def _shortest_ear(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, i: int, ordered: bool) -> int:
     """The half-edge from i to the tip of the ear with the shortest new edge; -1 if there is no ear."""
     best, shortest, h = -1, math.inf, network.out[i]
     while True:
@@ -57,7 +59,7 @@ def _shortest_ear(surface: Surface, network: Network, px: Floats, py: Floats, pz
         squared = 1e300  # of an edge to a ghost
         if min(before, after) >= 0:
             squared = squared_distance(surface, px, py, pz, before, after)
-        if squared < shortest and _is_ear(surface, network, h):
+        if squared < shortest and _is_ear(surface, network, h, ordered):
             best, shortest = h, squared
         h = around(network, h)
         if h == network.out[i]:
@@ -71,11 +73,15 @@ def _beside(network: Network, h: int) -> tuple[int, int]:
 
 
 @inner
-def _is_ear(surface: Surface, network: Network, h: int) -> bool:
+def _is_ear(surface: Surface, network: Network, h: int, ordered: bool) -> bool:
     """Whether the neighbours at h and beside it are an ear of all neighbours, and may be joined."""
     before, after = _beside(network, h)
     tip = network.corner[following(h)]
-    if before == after or find(network, before, after) >= 0 or not turn(surface, network, before, tip, after) > 0.0:
+    if before == after or find(network, before, after) >= 0:
+        return False
+    if ordered:
+        return min(before, after) >= 0
+    if not turn(surface, network, before, tip, after) > 0.0:
         return False
     g = around(network, around(network, h))
     while network.corner[following(g)] != before:
@@ -99,12 +105,12 @@ def _cut(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats,
 
 
 @inner
-def _leaves_a_triangle(surface: Surface, network: Network, i: int) -> bool:
-    """Whether the three neighbours that i has by now turn left, and are not a triangle already."""
+def _leaves_a_triangle(surface: Surface, network: Network, i: int, ordered: bool) -> bool:
+    """Whether the three neighbours that i has by now turn left, or need not, and are not a triangle already."""
     h = network.out[i]
     j, k, m = network.corner[following(h)], network.corner[preceding(h)], network.corner[preceding(network.twin[h])]
     beyond = network.twin[following(h)]
-    return turn(surface, network, j, k, m) > 0.0 and network.corner[preceding(beyond)] != m
+    return (ordered or turn(surface, network, j, k, m) > 0.0) and network.corner[preceding(beyond)] != m
 
 
 @inner

@@ -15,7 +15,7 @@ from tissue.model.observables import height
 from tissue.study.outcomes import SIDES
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.space.counted import counted, with_intervals
-from verification.thesis.space.growth import roughness
+from verification.thesis.space.growth import basal_extent, roughness
 
 # Beside those of the study ``space_published``: a sheet with a free edge, where those of one division in five stay.
 SHEET: Mapping[str, object] = {
@@ -31,6 +31,7 @@ EVENTS: Mapping[str, Mapping[str, object]] = {
     "[A]": {"types.isolated.a": "12 h"},
     "[B] no INM": {"types.isolated.b": "12 h", "types.isolated.inm": 0},
 }
+MEASURED = ("height", "basal", "rough")
 AS_SHIPPED = "as shipped"
 CHOICES: Mapping[str, Mapping[str, object]] = {
     AS_SHIPPED: {},
@@ -38,6 +39,7 @@ CHOICES: Mapping[str, Mapping[str, object]] = {
     "margin 0.3": {"space.flip_margin": 0.3},
     "rests at the distance": {"space.new_rest": "distance"},
     "no edge": {"space.boundary": "periodic"},
+    "basal neighbours farther": {"tissue.max_basal_distance": "1/2 R_soft"},
 }
 
 
@@ -68,9 +70,10 @@ def run(key: Key) -> list[Row]:
     """One row for each EMT cell: where it has ended, beside the tissue; none of a run that is lost."""
     made = simulate(parameters(key["choice"], key["events"]), key["seed"])
     if not made.status:
-        return [{**key, "cell": 0, "side": "", "height": np.nan, "rough": np.nan, "cells": 0}]
+        return [{**key, "cell": 0, "side": "", **dict.fromkeys(MEASURED, np.nan), "cells": 0}]
     last, first = made.final, made.frames[0]
-    about = {"height": height(last) / height(first), "rough": roughness(last), "cells": len(last.cells.x)}
+    about = {"height": height(last) / height(first), "basal": basal_extent(last) / basal_extent(first)}
+    about |= {"rough": roughness(last), "cells": len(last.cells.x)}
     return [{**key, "cell": k, "side": SIDES[side + 1], **about} for k, side in enumerate(last.past.emt.side)]
 
 
@@ -86,12 +89,12 @@ def ratios(table: pd.DataFrame) -> pd.DataFrame:
 
 
 def means(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each choice: height over that of the start and roughness, means over the runs with intervals."""
+    """One row for each choice: height and basal extent over those of the start, roughness; means with intervals."""
     rows = []
     for choice, mine in table.groupby("choice", sort=False):
         runs = mine.groupby(["events", "seed"]).first()
         told: dict[str, object] = {"choice": choice, "runs": len(runs), "lost": int((runs["side"] == "").sum())}
-        for name in ("height", "rough"):
+        for name in MEASURED:
             mean = over_seeds(runs[name].dropna())
             told |= {name: mean.mean, f"{name}_low": mean.low, f"{name}_high": mean.high}
         rows.append(told)

@@ -18,7 +18,7 @@ LOOKS = {
     "free sheet, weak repulsion": ("#8e6bbf", "v"),
     "periodic sheet": ("#d1495b", "s"),
 }
-LINES = {45: ":", 180: "-", 196: "-", 400: "--", 784: ":", 600: "-"}
+LINES = {45: ":", 180: "-", 196: "-", 400: "--", 2304: ":", 600: "-"}
 LABELS = {
     "slice": "slice, 20 % stay",
     "growing": "free sheet, all stay",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
@@ -100,26 +101,34 @@ def grown(key: Key, layers: Sequence[GrowingLayer]) -> list[Row]:
 
 def _measured(frame: Frame, first: Frame) -> dict[str, float]:
     """Height, cells, cells in the section z = 0, basal extent over those of the start; apical over basal; roughness."""
-    apical, basal = _extents(frame)
+    apical, basal = _apical_extent(frame), basal_extent(frame)
     return {
         "height": height(frame) / height(first),
         "number": len(frame.cells.x) / len(first.cells.x),
         "section": len(section(frame).cells.x) / len(section(first).cells.x),
-        "basal": basal / _extents(first)[1],
+        "basal": basal / basal_extent(first),
         "fan": apical / basal,
         "rough": roughness(frame),
     }
 
 
-def _extents(frame: Frame) -> tuple[float, float]:
-    """Of the apical and of the basal layer: lengths of paths, in space the roots of areas."""
+def _apical_extent(frame: Frame) -> float:
+    """Of the apical layer: the length of a path, in space the root of an area [R_soft]."""
     cells = frame.cells
     if frame.sheets is None:
-        apical, basal = (np.append(layer, layer[: frame.curve.ring]) for layer in frame.layers)
-        return _length(cells.ax[apical], cells.ay[apical]), _length(cells.bx[basal], cells.by[basal])
+        layer = np.append(frame.layers.apical, frame.layers.apical[: frame.curve.ring])
+        return _length(cells.ax[layer], cells.ay[layer])
     over = cells._replace(bx=cells.ax, by=cells.ay, bz=cells.az)
-    area = basal_area(over, frame.sheets._replace(basal=frame.sheets.apical))
-    return float(np.sqrt(area)), float(np.sqrt(basal_area(cells, frame.sheets)))
+    return math.sqrt(basal_area(over, frame.sheets._replace(basal=frame.sheets.apical)))
+
+
+def basal_extent(frame: Frame) -> float:
+    """Of the basal layer: likewise [R_soft]."""
+    cells = frame.cells
+    if frame.sheets is None:
+        layer = np.append(frame.layers.basal, frame.layers.basal[: frame.curve.ring])
+        return _length(cells.bx[layer], cells.by[layer])
+    return math.sqrt(basal_area(cells, frame.sheets))
 
 
 def _length(x: Floats, y: Floats) -> float:

@@ -54,9 +54,12 @@ DIFFERENCES = {"of": "Of", "events": "Events", "ring": "Ring"} | {
     "lost": "Lost",
 }
 MEANS = {"choice": "Choice", "height": "Height / at the start", "height_low": "from", "height_high": "to"} | {
+    "basal": "Basal extent / at the start",
+    "basal_low": "from ",
+    "basal_high": "to ",
     "rough": "Roughness [R_soft]",
-    "rough_low": "from ",
-    "rough_high": "to ",
+    "rough_low": "from  ",
+    "rough_high": "to  ",
     "runs": "Runs",
     "lost": "Lost",
 }
@@ -167,10 +170,13 @@ def _choices(context: Context) -> Section:
     def tall(choice: str) -> str:
         return told(rows[choice].height, rows[choice].height_low, rows[choice].height_high)
 
+    def wide(choice: str) -> str:
+        return told(rows[choice].basal, rows[choice].basal_low, rows[choice].basal_high)
+
     def ends(choice: str, events: str, side: str = "basal") -> str:
         return percents(tuple(parts.loc[(choice, events, side)]))
 
-    said = fill(PROSE / "choices.html", rows=rows, tall=tall, ends=ends)
+    said = fill(PROSE / "choices.html", rows=rows, tall=tall, wide=wide, ends=ends)
     return Section(
         "What the text leaves open: what depends on it?",
         [

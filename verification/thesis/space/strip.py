@@ -57,7 +57,7 @@ EMT = ("basal", "apical")
 class StripForm:
     """How far the study goes: number of seeds, and sets of events."""
 
-    seeds: int = 48
+    seeds: int = 200
     events: tuple[str, ...] = tuple(EVENTS)
 
 
