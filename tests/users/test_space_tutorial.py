@@ -1,9 +1,11 @@
 """The tutorial of the tissue in three dimensions: its Python runs, and what its text says is so."""
 
+import numpy as np
 import pytest
 
 import tissue
 from tests.pages import ROOT, play
+from tissue.space.measures import basal_area
 
 PAGE = ROOT / "docs" / "tutorials" / "space.md"
 
@@ -30,3 +32,12 @@ def test_tension_that_is_forgotten_makes_the_apical_layer_rough(found):
         for rule in ("mean", "distance")
     )
     assert max(mean) < 0.5 < 0.7 < min(distance)
+
+
+@pytest.mark.parametrize(("most", "least", "largest"), [("1/3 R_soft", 0.5, 0.65), ("1/2 R_soft", 0.75, 0.95)])
+def test_a_free_basal_layer_draws_together(found, most, least, largest):
+    """How far its basal neighbours may be apart says how far; the root of its area after an hour."""
+    short = {"numerics.t_end": "1 h", "space.boundary": "open", "tissue.max_basal_distance": most}
+    frames = tissue.simulate(found["parameters"].changed(short), 1).frames
+    first, last = (np.sqrt(basal_area(frame.cells, frame.sheets)) for frame in (frames[0], frames[-1]))
+    assert least < last / first < largest
