@@ -42,6 +42,13 @@ def test_cell_by_cell_and_event_by_event(events):
         assert not np.isclose(heights(ring.final)[2], 0.0, atol=1e-6).all()
 
 
+def test_inside_of_a_cylinder():
+    """The order of basal points goes the other way round there."""
+    inside = {"layer.side": "inside", "tissue.cells": 160, "layer.perimeter": "260 um"}
+    ring, strip = both(**inside, **{"tissue.two_daughters": 0, "numerics.t_end": "0.5 h"})
+    assert heights(ring.final) == pytest.approx(heights(strip.final), abs=1e-2)
+
+
 def test_the_difference_falls_with_curvature():
     """In the plane basal points move along the layer, in space straight, and are then put on it."""
     found = []
