@@ -84,10 +84,14 @@ class TissueScene:
             mesh = self._faces([ring for _, ring in found])
             mesh.cell_data["colour"] = colours[[k for k, _ in found]]
             look = {"scalars": "colour", "rgb": True, "show_edges": True, "edge_color": EDGE, "ambient": 0.35}
-            self._plotter.add_mesh(mesh, opacity=opacity, **look)
+            self._add(mesh, opacity=opacity, **look)
         below = [ring for k, ring in polygons(sheets.surface, sheets.basal, _points(frame, "b")) if shown[k]]
         if below:
-            self._plotter.add_mesh(self._faces(below), color=BASAL, opacity=0.15)
+            self._add(self._faces(below), color=BASAL, opacity=0.15)
+
+    def _add(self, mesh: Any, **look: Any) -> None:
+        """Add what is rendered later: PyVista would do it each time."""
+        self._plotter.add_mesh(mesh, render=False, **look)
 
     def _faces(self, rings: list[Floats]) -> Any:
         """A mesh of polygons."""
@@ -102,7 +106,7 @@ class TissueScene:
         balls.point_data["colour"] = colours[shown]
         ball = self._pyvista.Sphere(radius=1.0, theta_resolution=20, phi_resolution=20)
         made = balls.glyph(geom=ball, scale="size", orient=False)
-        self._plotter.add_mesh(made, scalars="colour", rgb=True, smooth_shading=True)
+        self._add(made, scalars="colour", rgb=True, smooth_shading=True)
 
     def _add_cut(self, frame: Frame, sheets: Sheets) -> None:
         """Where the section goes through the apical layer."""
@@ -110,7 +114,7 @@ class TissueScene:
         if len(pieces):
             deep = np.concatenate((pieces, np.zeros((*pieces.shape[:2], 1))), axis=2).reshape(-1, 3)
             lines = self._pyvista.line_segments_from_points(deep)
-            self._plotter.add_mesh(lines.tube(radius=TUBE), color=APICAL)
+            self._add(lines.tube(radius=TUBE), color=APICAL)
 
     def _shot(self, direction: tuple[float, float, float], up: tuple[float, float, float]) -> Image:
         """A picture from this side of the middle, at right angles to it."""
