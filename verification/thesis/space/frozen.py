@@ -75,7 +75,7 @@ def _board(state: FrozenInSpace, steps: int) -> SpaceBoards:
     boards = SpaceBoards(len(frame.cells.x), max(len(rates.rest), len(near)), of_board, frame.sheets.surface)
     board = boards.flat.parts
     board.junctions[: len(rates.rest)], board.neighbours[: len(near)] = rates.junctions, near
-    board.sizes[:] = len(rates.rest), len(near)
+    board.sizes[:] = len(rates.rest), len(near), 0  # a sheet has no order
     return boards
 
 
