@@ -36,8 +36,9 @@ def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
         for panel, both in zip(panels, (SOME, ALL), strict=True):
             for (layer, cells), mine in growth[growth["both"] == both].groupby(["layer", "cells"], sort=False):
                 colour, marker = LOOKS[layer]
+                name, *more = layer.split(", ")
                 look = {"color": colour, "marker": marker, "linestyle": LINES[cells], "markersize": 4}
-                panel.plot(mine["t"], mine["height"], label=f"{layer} of {cells}", **look)
+                panel.plot(mine["t"], mine["height"], label=", ".join((f"{name} of {cells}", *more)), **look)
                 panel.fill_between(
                     mine["t"], mine["height_low"], mine["height_high"], color=colour, alpha=0.2, linewidth=0
                 )
