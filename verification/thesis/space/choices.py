@@ -40,6 +40,7 @@ CHOICES: Mapping[str, Mapping[str, object]] = {
     "rests at the distance": {"space.new_rest": "distance"},
     "no edge": {"space.boundary": "periodic"},
     "basal neighbours farther": {"tissue.max_basal_distance": "1/2 R_soft"},
+    "784 cells": {"tissue.cells": 784, "types.isolated.cells": 36},
 }
 
 

@@ -181,6 +181,7 @@ def _choices(context: Context) -> Section:
         "What the text leaves open: what depends on it?",
         [
             Text(said["answer"]),
+            Text(said["room"]),
             Grid(_named(means, MEANS), said["means"], "space_choices_means"),
             Grid(_named(ratios, CHOICES), said["ratios"], "space_choices_ratios", folded=True),
             Follows(said["follows"]),
