@@ -216,7 +216,7 @@ def test_every_study_that_comes_with_the_package():
         preset = tissue.preset("published" if "published" in name else "thesis")
         for parameters in study.scenarios.values():
             assert parameters.t_end == preset.t_end
-            cells = {1: 51, 10: 45}.get(parameters.emt.cells, 196) if "published" in name else 60
+            cells = {1: 51, 10: 45}.get(parameters.emt.cells, 784) if "published" in name else 60
             assert parameters.tissue.cells == cells
-            assert parameters.in_space == (cells == 196)
+            assert parameters.in_space == (cells == 784)
     assert Path(tissue.__file__).parent.joinpath("studies").is_dir()
