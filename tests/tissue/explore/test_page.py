@@ -47,6 +47,7 @@ def site(folder):
 def page(browser_of_all, site):
     """One visitor for most tests: loading a page takes longest."""
     with visit(browser_of_all, site[0]) as found:
+        wait_for_runs(found, RUNS)  # the server has answered: what is done before it hears is lost
         for group in ("Basal layer", "Numerics"):
             found.get_by_text(group, exact=True).click()
         yield found
