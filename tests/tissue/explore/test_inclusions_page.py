@@ -89,6 +89,7 @@ class TestTab:
 
     def test_wrong_values_are_said_and_change_nothing(self, browser: "Browser", site: str, folder: Path) -> None:
         with visit(browser, site) as page:
+            rest(page)
             before = row(page, "PBD")
             choose(page, "problem", "wrong.py")
             says(page, "problem-fault", "wrong.py: problem = 3: must be a dincl.Problem")
@@ -110,6 +111,7 @@ class TestTab:
 
     def test_on_a_telephone_a_run_that_fails_says_so(self, browser: "Browser", site: str) -> None:
         with visit(browser, site, min(WIDTHS)) as page:
+            says(page, "dt", "dt = 3/64 = 0.0469")
             choose(page, "problem", "A pile of 30 discs")
             choose(page, "method in the picture", "catch-up")
             page.locator(SLIDER).press("PageUp")
