@@ -9,6 +9,7 @@ from dincl import InvalidProblem
 from tests.tissue.space.invariants import chart_of, check, edges_of, euler, nearest, triangles_of
 from tests.tissue.space.tissues import EULER, KINDS, spread_points
 from tissue.space import surface as s
+from tissue.space.lattice import flat_lattice, rows_of
 from tissue.space.network.halfedges import begins_edge
 from tissue.space.network.start import triangulated
 from tissue.space.network.state import grown, no_network
@@ -96,6 +97,16 @@ def test_a_square_lattice_has_no_triangle_without_area(periods):
     check(surface, network, points)
     lengths = np.unique(np.round(network.rest[: 3 * network.triangles[0]], 9))
     np.testing.assert_allclose(lengths[lengths > 0], (1.0, math.sqrt(2)))
+
+
+@pytest.mark.parametrize("cells", [160, 430, 1302, 1764])
+def test_nudges_of_a_straight_boundary_leave_no_triangle_without_area(cells):
+    """Flat triangles lie one upon another there: in these sheets some have all vertices on it."""
+    sheet = flat_lattice(cells, rows_of(cells, 0), 1.0, periodic=False)
+    network = triangulated(sheet.surface, sheet.basal.T, np.copy)
+    check(sheet.surface, network, sheet.basal.T, crossings=False)
+    lengths = np.unique(np.round(network.rest[: 3 * network.triangles[0]], 9))
+    np.testing.assert_allclose(lengths[lengths > 0], (1.0, math.sqrt(3)))
 
 
 def test_a_single_row_is_a_band():

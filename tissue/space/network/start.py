@@ -121,8 +121,8 @@ def _delaunay(flat: Floats) -> Triangles:
         found = Delaunay(flat.T).simplices.astype(np.int64)
     except (QhullError, ValueError):
         raise InvalidProblem("points = points in a line, or fewer than 3: must span a surface") from None
-    (ax, ay), (bx, by), (cx, cy) = (flat[:, found[:, k]] for k in range(3))
-    left = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax) > 0.0
+    a, b, c = (flat[:, found[:, k]] for k in range(3))
+    left = _turn(b - a, c - a) > 0.0
     turned: Triangles = np.where(left[:, None], found, found[:, ::-1])
     return turned
 
@@ -156,17 +156,32 @@ def _patch(network: Network, chart: Floats, surface: Surface) -> Triangles:
 
 
 def _peeled(flat: Floats, triangles: Triangles) -> Triangles:
-    """Without flat triangles at the boundary, as long as there are some."""
-    while True:
+    """Without flat triangles at the boundary, as long as there are some.
+
+    Points of a straight boundary are nudged out of line: flat triangles lie on it, one upon another. No point is lost
+    with them: one that only a flat triangle has would be inside of the circle around the triangle below.
+    """
+    while len(triangles):
         edges, others = _boundary(triangles)
         corners = np.column_stack((edges, others))
-        (ax, ay), (bx, by), (cx, cy) = (flat[:, corners[:, k]] for k in range(3))
-        area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax)
-        flat_ones = (area <= FLATTEST * ((bx - ax) ** 2 + (by - ay) ** 2)) & ~np.isin(others, edges)
+        a, b, c = (flat[:, corners[:, k]] for k in range(3))
+        longest = np.maximum(np.maximum(_squared(b - a), _squared(c - b)), _squared(a - c))
+        flat_ones = _turn(b - a, c - a) <= FLATTEST * longest
         if not flat_ones.any():
             return triangles
         gone = {tuple(sorted(corner)) for corner in corners[flat_ones].tolist()}
         triangles = np.array([t for t in triangles.tolist() if tuple(sorted(t)) not in gone])
+    raise InvalidProblem("points = points in a line, or fewer than 3: must span a surface")
+
+
+def _squared(v: Floats) -> Floats:
+    length: Floats = v[0] ** 2 + v[1] ** 2
+    return length
+
+
+def _turn(v: Floats, w: Floats) -> Floats:
+    turn: Floats = v[0] * w[1] - v[1] * w[0]
+    return turn
 
 
 def _boundary(triangles: Triangles) -> tuple[Integers, Integers]:
