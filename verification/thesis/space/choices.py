@@ -15,6 +15,7 @@ from tissue.model.observables import height
 from tissue.study.outcomes import SIDES
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.space.counted import counted, with_intervals
+from verification.thesis.space.edge import are_inner
 from verification.thesis.space.growth import basal_extent, roughness
 
 # Beside those of the study ``space_published``: a sheet with a free edge, where those of one division in five stay.
@@ -33,6 +34,7 @@ EVENTS: Mapping[str, Mapping[str, object]] = {
 }
 MEASURED = ("height", "basal", "rough")
 AS_SHIPPED = "as shipped"
+ALL, INNER = "all", "inner"
 CHOICES: Mapping[str, Mapping[str, object]] = {
     AS_SHIPPED: {},
     "margin 0": {"space.flip_margin": 0},
@@ -41,6 +43,7 @@ CHOICES: Mapping[str, Mapping[str, object]] = {
     "no edge": {"space.boundary": "periodic"},
     "basal neighbours farther": {"tissue.max_basal_distance": "1/2 R_soft"},
     "784 cells": {"tissue.cells": 784, "types.isolated.cells": 36},
+    "1,764 cells": {"tissue.cells": 1764, "types.isolated.cells": 81},
 }
 
 
@@ -68,31 +71,40 @@ def parameters(choice: str, events: str) -> Parameters:
 
 
 def run(key: Key) -> list[Row]:
-    """One row for each EMT cell: where it has ended, beside the tissue; none of a run that is lost."""
-    made = simulate(parameters(key["choice"], key["events"]), key["seed"])
+    """One row for each EMT cell: where it has begun and ended, beside the tissue; none of a run that is lost."""
+    given = parameters(key["choice"], key["events"])
+    made = simulate(given, key["seed"])
     if not made.status:
-        return [{**key, "cell": 0, "side": "", **dict.fromkeys(MEASURED, np.nan), "cells": 0}]
+        return [{**key, "cell": 0, "side": "", "inner": False, **dict.fromkeys(MEASURED, np.nan), "cells": 0}]
     last, first = made.final, made.frames[0]
     about = {"height": height(last) / height(first), "basal": basal_extent(last) / basal_extent(first)}
     about |= {"rough": roughness(last), "cells": len(last.cells.x)}
-    return [{**key, "cell": k, "side": SIDES[side + 1], **about} for k, side in enumerate(last.past.emt.side)]
+    return [
+        {**key, "cell": k, "side": SIDES[side + 1], "inner": bool(inner), **about}
+        for k, (side, inner) in enumerate(zip(last.past.emt.side, are_inner(given), strict=True))
+    ]
 
 
 def ratios(table: pd.DataFrame) -> pd.DataFrame:
-    """One row for each choice, set of events and side: cells that have left, with intervals."""
-    there = table[table["side"] != ""]
-    rows = [
-        {"choice": choice, "events": events, "side": side, **counted(mine["side"] == side, mine["seed"])}
-        for (choice, events), mine in there.groupby(["choice", "events"], sort=False)
-        for side in (SIDES[0], SIDES[-1])
-    ]
-    return with_intervals(pd.DataFrame(rows), "choice")
+    """One row for each choice, set of events, part of the cells and side: cells that have left, with intervals.
+
+    The parts are all cells, and those that begin away from the edge if there are some.
+    """
+    there = _in_order(table[table["side"] != ""])
+    rows = []
+    for (choice, events), mine in there.groupby(["choice", "events"], observed=True):
+        inner = mine[mine["inner"]]
+        for part, cells in ({ALL: mine} | ({INNER: inner} if len(inner) else {})).items():
+            for side in (SIDES[0], SIDES[-1]):
+                told = {"choice": choice, "events": events, "part": part, "side": side}
+                rows.append(told | counted(cells["side"] == side, cells["seed"]))
+    return with_intervals(pd.DataFrame(rows), ["choice", "part"])
 
 
 def means(table: pd.DataFrame) -> pd.DataFrame:
     """One row for each choice: height and basal extent over those of the start, roughness; means with intervals."""
     rows = []
-    for choice, mine in table.groupby("choice", sort=False):
+    for choice, mine in _in_order(table).groupby("choice", observed=True):
         runs = mine.groupby(["events", "seed"]).first()
         told: dict[str, object] = {"choice": choice, "runs": len(runs), "lost": int((runs["side"] == "").sum())}
         for name in MEASURED:
@@ -100,3 +112,8 @@ def means(table: pd.DataFrame) -> pd.DataFrame:
             told |= {name: mean.mean, f"{name}_low": mean.low, f"{name}_high": mean.high}
         rows.append(told)
     return pd.DataFrame(rows)
+
+
+def _in_order(table: pd.DataFrame) -> pd.DataFrame:
+    """Groups of choices come in the order of ``CHOICES``."""
+    return table.assign(choice=pd.Categorical(table["choice"], list(CHOICES)))

@@ -19,11 +19,11 @@ def counted(hits: pd.Series, replicate: pd.Series) -> dict[str, float]:
     return {"count": count, "of": of, "runs": replicates, "squares": squares, "expected": count * (1 - count / of)}
 
 
-def with_intervals(rows: pd.DataFrame, together: str) -> pd.DataFrame:
+def with_intervals(rows: pd.DataFrame, together: str | list[str]) -> pd.DataFrame:
     """Counts with their ratio, its design effect, its effective number of cells, and Wilson's 95 % interval.
 
-    The design effect, sum of squares over sum of expected ones and at least 1, is taken of all rows with one value in
-    the column ``together``: for p = 0 or 1 a single row says nothing about it.
+    The design effect, sum of squares over sum of expected ones and at least 1, is taken of all rows with the same
+    values in the columns ``together``: for p = 0 or 1 a single row says nothing about it.
 
     Source
     ------

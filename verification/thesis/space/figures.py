@@ -22,9 +22,15 @@ LINES = {45: ":", 180: "-", 196: "-", 400: "--", 2304: ":", 600: "-"}
 LABELS = {
     "slice": "slice, 20 % stay",
     "growing": "free sheet, all stay",
+    "inner": "away from its edge",
     "periodic": "periodic sheet, 20 % stay",
 }
-WAYS = {"slice": ("0.25", "o"), "growing": ("#2e78b7", "^"), "periodic": ("#d1495b", "s")}
+WAYS = {
+    "slice": ("0.25", "o"),
+    "growing": ("#2e78b7", "^"),
+    "inner": ("#2e78b7", "^", "white"),
+    "periodic": ("#d1495b", "s"),
+}
 
 
 def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
@@ -56,4 +62,4 @@ def draw_isolated(ratios: pd.DataFrame, path: Path) -> Path:
     names = list(SLICES)
     named = ratios.rename(columns={"scenario": "events", "what": "side"})
     series = [(LABELS[one], WAYS[one], named[named["tissue"] == one]) for one in TISSUES]
-    return draw_sides(series, names, 6.0, path)
+    return draw_sides(series, names, 7.2, path)

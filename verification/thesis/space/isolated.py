@@ -16,18 +16,21 @@ import pandas as pd
 from dincl.study import workers
 from tissue.study.categories import What, kept_times, outcome
 from tissue.study.comparisons import Difference, more
+from tissue.study.plan import load_study
 from tissue.study.ratios import as_ratio
 from tissue.study.read import Results
 from tissue.study.run import run_study
 from verification.thesis.chapter4.kept import read
 from verification.thesis.kept import DATA, keep
 from verification.thesis.space.counted import counted, with_intervals
+from verification.thesis.space.edge import are_inner
 
 FILE = DATA / "space_isolated.parquet"
 STUDY = "space_published"
-SLICE = "slice"
-SHEETS = ("growing", "periodic")
-TISSUES = (SLICE, *SHEETS)
+SLICE, GROWING, INNER, PERIODIC = "slice", "growing", "inner", "periodic"
+SHEETS = (GROWING, PERIODIC)
+# "inner": those cells of the growing sheets that begin away from the edge.
+TISSUES = (SLICE, GROWING, INNER, PERIODIC)
 # Where "below all control cells" is left out: the lowest of many cells of a sheet is lower than that of a slice.
 SIDES: tuple[What, ...] = ("basal", "apical")
 # Of the slices, the study of each scenario.
@@ -74,12 +77,16 @@ def main(folder: Path) -> None:
 
 def _counted(results: Results) -> Iterator[dict[str, object]]:
     """One row for each set of events, tissue and side: how many cells have left at the end."""
-    for name in results.study.scenarios:
+    for name, parameters in load_study(STUDY).scenarios.items():
         scenario, tissue = name.rsplit(", ", 1)
         cells = results.cells(name)
-        for side in SIDES:
-            hits = outcome(cells, side, kept_times(cells)[-1])
-            yield {"scenario": scenario, "tissue": tissue, "what": side, **counted(hits, cells["replicate"])}
+        tables = {tissue: cells}
+        if tissue == GROWING:
+            tables[INNER] = cells[are_inner(parameters)[cells["cell"]]]
+        for of, mine in tables.items():
+            for side in SIDES:
+                hits = outcome(mine, side, kept_times(mine)[-1])
+                yield {"scenario": scenario, "tissue": of, "what": side, **counted(hits, mine["replicate"])}
 
 
 def table() -> pd.DataFrame:

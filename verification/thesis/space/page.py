@@ -12,7 +12,7 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text, number
 from verification.page.prose import fill, interval, percents
 from verification.page.report import Chapter, Finding
-from verification.thesis.space import choices, figures, growth, heights, isolated, strip
+from verification.thesis.space import choices, edge, figures, growth, heights, isolated, strip
 from verification.thesis.space.sections import catch_up, substeps
 
 GROWTH, ISOLATED = "Does a sheet grow as its slice does?", "Do the answers for isolated cells survive?"
@@ -43,8 +43,10 @@ RATIOS = {
     "effective": "Independent",
 }
 VERDICTS = {"says": "Finding", "side": "Way out", "compared": "More of", **{one: one for one in isolated.TISSUES}}
-CHOICES = {"choice": "Choice", "events": "Events", "side": "Way out", "value": "Ratio", "low": "from", "high": "to"} | {
-    "of": "Cells"
+CHOICES = {"choice": "Choice", "events": "Events", "part": "Cells", "side": "Way out", "value": "Ratio"} | {
+    "low": "from",
+    "high": "to",
+    "of": "Number",
 }
 DIFFERENCES = {"of": "Of", "events": "Events", "ring": "Ring"} | {
     "difference": "Strip less ring",
@@ -136,6 +138,7 @@ def _isolated(context: Context) -> Section:
             Picture(chart, said["chart"]),
             Grid(_named(compared, VERDICTS), said["verdicts"], "space_compared"),
             Text(said["differs"]),
+            Text(said["periodic"]),
             Grid(_named(ratios, RATIOS), said["table"], "space_isolated", folded=True),
             Follows(said["follows"]),
         ],
@@ -146,25 +149,22 @@ def _facts(ratios: pd.DataFrame, compared: pd.DataFrame) -> dict[str, Any]:
     """How many comparisons hold in each tissue, and any ratio with its interval."""
     parts = ratios.set_index(["tissue", "scenario", "what"])[["value", "low", "high"]]
     counts = {one: compared[f"{one}_verdict"].value_counts().to_dict() for one in isolated.TISSUES}
-    reversed_ = {
-        one: list(compared.loc[compared[f"{one}_verdict"] == "does not hold", "compared"]) for one in isolated.TISSUES
-    }
     effects = ratios.groupby("tissue")["effect"].first()
     return {
-        "effects": [f"{effects[one]:.2f}" for one in isolated.SHEETS],
-        "sheets": isolated.SHEETS,
+        "effects": [f"{effects[one]:.2f}" for one in isolated.TISSUES[1:]],
+        "sheets": isolated.TISSUES[1:],
         "ratio": lambda *name: tuple(parts.loc[name]),
         "counts": counts,
         "held": lambda tissue: counts[tissue].get("holds", 0),
         "opposite": lambda tissue: counts[tissue].get("does not hold", 0),
         "of": len(compared),
-        "reversed": reversed_,
+        "edge": edge.EDGE,
     }
 
 
 def _choices(context: Context) -> Section:
     ratios, means = context.tables["space_choices_ratios"], context.tables["space_choices_means"]
-    parts = ratios.set_index(["choice", "events", "side"])[["value", "low", "high"]]
+    parts = ratios.set_index(["choice", "events", "part", "side"])[["value", "low", "high"]]
     rows = {row.choice: row for row in means.itertuples()}
 
     def tall(choice: str) -> str:
@@ -173,15 +173,16 @@ def _choices(context: Context) -> Section:
     def wide(choice: str) -> str:
         return told(rows[choice].basal, rows[choice].basal_low, rows[choice].basal_high)
 
-    def ends(choice: str, events: str, side: str = "basal") -> str:
-        return percents(tuple(parts.loc[(choice, events, side)]))
+    def ends(choice: str, events: str, side: str = "basal", part: str = choices.ALL) -> str:
+        return percents(tuple(parts.loc[(choice, events, part, side)]))
 
-    said = fill(PROSE / "choices.html", rows=rows, tall=tall, wide=wide, ends=ends)
+    said = fill(PROSE / "choices.html", rows=rows, tall=tall, wide=wide, ends=ends, edge=edge.EDGE)
     return Section(
         "What the text leaves open: what depends on it?",
         [
             Text(said["answer"]),
             Text(said["room"]),
+            Text(said["size"]),
             Grid(_named(means, MEANS), said["means"], "space_choices_means"),
             Grid(_named(ratios, CHOICES), said["ratios"], "space_choices_ratios", folded=True),
             Follows(said["follows"]),
@@ -197,7 +198,9 @@ def _strip(context: Context) -> Section:
         row = rows[(of, events)]
         return told(row.difference, row.low, row.high)
 
-    said = fill(PROSE / "strip.html", rows=rows, away=away, far=_far(table), compared=len(table))
+    said = fill(
+        PROSE / "strip.html", rows=rows, away=away, far=_far(table), compared=len(table), first=strip.FIRST_SEED
+    )
     return Section(
         "A strip one cell wide is the slice",
         [

@@ -51,13 +51,15 @@ NAMES: Mapping[str, str] = {
 }
 MEASURED = tuple(NAMES)
 EMT = ("basal", "apical")
+# Seeds below this one were looked at while the step was being corrected.
+FIRST_SEED = 500
 
 
 @dataclass(frozen=True)
 class StripForm:
     """How far the study goes: number of seeds, and sets of events."""
 
-    seeds: int = 200
+    seeds: int = 300
     events: tuple[str, ...] = tuple(EVENTS)
 
 
@@ -67,7 +69,8 @@ FULL = StripForm()
 def study(form: StripForm) -> Study:
     """One run for each tissue, set of events and seed."""
     names = [(events, tissue) for events in form.events for tissue in TISSUES]
-    runs = [{"events": one, "tissue": two, "seed": seed} for one, two in names for seed in range(form.seeds)]
+    seeds = range(FIRST_SEED, FIRST_SEED + form.seeds)
+    runs = [{"events": one, "tissue": two, "seed": seed} for one, two in names for seed in seeds]
     return Study("space_strip", "Space: strip", ("events", "tissue", "seed"), tuple(runs), run)
 
 

@@ -5,9 +5,11 @@ import pandas as pd
 import pytest
 
 import tissue
+from tissue.state.cells import CONTROL
 from tissue.study.plan import load_study
 from verification.thesis.space import choices, growth, isolated
 from verification.thesis.space.counted import counted, with_intervals
+from verification.thesis.space.edge import are_inner
 from verification.thesis.space.growth import roughness
 
 
@@ -86,6 +88,33 @@ def test_a_run_of_choices_has_a_row_for_each_cell(monkeypatch):
     assert (mean.runs, mean.lost) == (2, 0)
     assert mean.height_low < mean.height < mean.height_high
     assert choices.ratios(table)["of"].tolist() == [8, 8]
+
+
+def test_inner_cells_begin_away_from_the_edge():
+    given = load_study(isolated.STUDY).scenarios["[A], growing"]
+    first = tissue.simulate(given.changed({"numerics.t_end": "0.05 h", "numerics.keep": "0.05 h"}), 3).frames[0]
+    bx, bz = first.cells.bx, first.cells.bz
+    far = 3 * given.lattice().spacing
+    around = [
+        all((side * (axis - axis[i]) > far).any() for axis in (bx, bz) for side in (1, -1))
+        for i in np.flatnonzero(first.cells.kind != CONTROL)
+    ]
+    assert are_inner(given).tolist() == around
+    assert sum(around) == 17
+
+
+def test_without_an_edge_all_cells_are_inner_ones():
+    assert are_inner(choices.parameters("no edge", "[A]")).all()
+
+
+def test_ratios_of_choices_are_of_all_cells_and_of_inner_ones():
+    names = [(seed, cell) for seed in (0, 1) for cell in range(9)]
+    table = pd.DataFrame(names, columns=["seed", "cell"]).assign(choice="784 cells", events="[A]")
+    table["inner"] = table["cell"] > 5
+    table["side"] = np.where(table["inner"], "basal", "no")
+    told = choices.ratios(table).set_index(["part", "side"])
+    assert told["of"].tolist() == [18, 18, 6, 6]
+    assert told["value"].tolist() == pytest.approx([1 / 3, 0.0, 1.0, 0.0])
 
 
 def test_cells_that_share_a_fate_count_as_one():
