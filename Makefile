@@ -1,7 +1,7 @@
 # Needs Python >= 3.11 and make, nothing else. The environment .venv is made by the first target that wants it.
 #
 #   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
-#   make test             run the tests                                    (ARGS="--slow -k order": more for pytest)
+#   make test             run the tests                                    (ARGS=--slow: all but those of minutes)
 #   make lint             check style, format and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make bench            measure the time per disc and step, and of the tissue

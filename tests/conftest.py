@@ -1,4 +1,4 @@
-"""The test room: floating-point faults raise, randomness is seeded, slow tests wait for a flag."""
+"""The test room: floating-point faults raise, randomness is seeded, slow tests wait for their flags."""
 
 import gc
 import os
@@ -7,6 +7,8 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
+from itertools import compress
+from operator import not_
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -29,6 +31,8 @@ COMPILED = "TISSUE_KERNELS_COMPILED"
 # These files come first: begun near the end, a long one would leave the other process with nothing to do.
 # Contracts need no kernels of the tissue, which are being compiled then.
 FIRST = ("test_report.py", "contracts", "test_studies.py", "test_chapter.py")
+# Marks of tests that are run with a flag only, as SciPy names them. The last flag means all of them.
+LEFT_OUT = {"slow": "tests that take more than a second", "xslow": "tests that take minutes"}
 COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
 
 # What is read before the first test stays to the end: looking for garbage among it takes half of the time to read it.
@@ -44,8 +48,9 @@ hypothesis.settings.load_profile("ci")
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    """Add the flag --slow."""
-    parser.addoption("--slow", action="store_true", help="run the tests marked slow, too")
+    """Add the flags of the marks in ``LEFT_OUT``."""
+    for mark, tests in LEFT_OUT.items():
+        parser.addoption(f"--{mark}", action="store_true", help=f"run {tests}, too")
 
 
 @pytest.hookimpl(tryfirst=True)  # before the processes are counted
@@ -100,13 +105,25 @@ def pytest_runtest_setup(item: pytest.Item) -> None:
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Begin with what takes longest, and skip the tests marked slow, unless the flag is given."""
+    """Begin with what takes longest, and leave out what waits for a flag."""
     items.sort(key=lambda item: next((k for k, part in enumerate(FIRST) if part in item.path.parts), len(FIRST)))
-    if config.getoption("--slow"):
-        return
-    for item in items:
-        if item.get_closest_marker("slow"):
-            item.add_marker(pytest.mark.skip(reason="slow: run with --slow"))
+    marks = left_out(config)
+    waits = [any(item.get_closest_marker(mark) for mark in marks) for item in items]
+    config.hook.pytest_deselected(items=list(compress(items, waits)))
+    items[:] = compress(items, map(not_, waits))
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
+    """Say what was left out; deselected tests are not counted where several processes run."""
+    for mark in left_out(config):
+        terminalreporter.write_line(f"Without --{mark} {LEFT_OUT[mark]} are left out.")
+
+
+def left_out(config: pytest.Config) -> list[str]:
+    """The marks of the tests that are not run."""
+    marks = list(LEFT_OUT)
+    given = [k for k, mark in enumerate(marks) if config.getoption(mark)]
+    return marks[max(given) + 1 :] if given else marks
 
 
 @pytest.fixture(autouse=True)

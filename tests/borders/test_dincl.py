@@ -10,11 +10,12 @@ ALLOWED = (dincl.InvalidProblem, dincl.StepFailed, dincl.ProjectionFailed, dincl
 SEED = 20260101
 
 
+@pytest.mark.slow
 def test_generated_calls():
     assert complaints(CALLS, ALLOWED, SEED, 1000) == []
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 def test_many_generated_calls():
     assert complaints(CALLS, ALLOWED, SEED + 1, 10_000) == []
 

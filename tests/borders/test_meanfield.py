@@ -15,11 +15,12 @@ ALLOWED = (meanfield.InvalidModel, meanfield.SolveFailed)
 SEED = 20260105
 
 
+@pytest.mark.slow
 def test_generated_calls():
     assert complaints(CALLS, ALLOWED, SEED, 1000) == []
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 def test_many_generated_calls():
     assert complaints(CALLS, ALLOWED, SEED + 1, 10_000) == []
 

@@ -51,10 +51,11 @@ def wrong(count):
     return found
 
 
+@pytest.mark.slow
 def test_success_means_feasible_at_every_size():
     assert wrong(200) == []
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 def test_success_means_feasible_at_every_size_often():
     assert wrong(8000) == []

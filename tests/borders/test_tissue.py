@@ -28,13 +28,14 @@ def aside(tmp_path, monkeypatch):
         yield
 
 
+@pytest.mark.slow
 def test_generated_calls():
     before = [dict(shelf(kind)) for kind in KINDS]
     assert complaints(CALLS, ALLOWED, SEED, 1000) == []
     assert [dict(shelf(kind)) for kind in KINDS] == before
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 def test_many_generated_calls():
     assert complaints(CALLS, ALLOWED, SEED + 1, 10_000) == []
 

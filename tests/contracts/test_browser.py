@@ -32,6 +32,6 @@ def test_ci_installs_a_browser_if_there_is_none_and_needs_it(there: bool, tmp_pa
     (tmp_path / "dirname").symlink_to(shutil.which("dirname"))
     env = {key: value for key, value in os.environ.items() if key != NEEDED} | {"PATH": str(tmp_path)}
     said = subprocess.run([shutil.which("bash"), CI], env=env, capture_output=True, text=True, check=True).stdout
-    apt, tests = "apt-get install -qy --no-install-recommends chromium", "make test 1"
+    apt, tests = "apt-get install -qy --no-install-recommends chromium", "make test ARGS=--slow 1"
     assert tests in said
     assert (apt in said[: said.index(tests)]) is not there

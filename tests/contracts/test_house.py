@@ -74,6 +74,7 @@ def circles() -> list[list[str]]:
     return found
 
 
+@pytest.mark.slow
 def test_no_module_imports_itself_through_others() -> None:
     assert circles() == []
 
@@ -93,6 +94,7 @@ def test_arrows_inside_a_package(package: str) -> None:
     assert wrong == []
 
 
+@pytest.mark.slow
 def test_no_two_public_classes_share_a_name() -> None:
     places = defaultdict(list)
     for name, path in modules().items():

@@ -30,6 +30,7 @@ def test_it_is_short():
     assert len(README.splitlines()) <= LONGEST
 
 
+@pytest.mark.slow
 def test_the_first_problem_has_the_chart_that_is_shown(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     found = run(PAGE)
@@ -48,6 +49,7 @@ def test_make_commands_exist(command):
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", [command for command in COMMANDS if not command.startswith("make ")])
 def test_other_commands_run(command, tmp_path, monkeypatch):
     """With few claims, studies shortened, and of the report the last chapter: tests/verification has them all."""

@@ -122,7 +122,7 @@ def test_a_cell_that_fails_is_an_error(block, message, tmp_path):
     assert not hasattr(sys.modules["__main__"], "get_ipython")
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 def test_the_site_is_built_without_warnings_and_loads_nothing_from_elsewhere(tmp_path):
     """The pages of the repository with the tutorials, all of which run; ``make docs`` does the same."""
     site = tmp_path / "site"

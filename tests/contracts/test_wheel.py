@@ -107,6 +107,7 @@ def size(folder):
     return sum(file.stat().st_blocks for file in folder.rglob("*") if not file.is_symlink()) * 512 / 2**20
 
 
+@pytest.mark.slow
 def test_the_wheel_has_every_file_of_the_packages(wheel):
     files = {file for name in PACKAGES for file in (ROOT / name).rglob("*") if file.is_file()}
     wanted = {file.relative_to(ROOT).as_posix() for file in files if "__pycache__" not in file.parts}
@@ -126,7 +127,7 @@ def test_the_wheel_says_what_it_is(wheel):
     assert {f"Programming Language :: Python :: {version}" for version in PYTHONS} <= set(said.get_all("Classifier"))
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
 def test_the_core_is_small_and_runs_outside_of_the_tree(version, wheel, tmp_path):
     commands, megabytes = installed(version, "", wheel, tmp_path)
@@ -136,7 +137,7 @@ def test_the_core_is_small_and_runs_outside_of_the_tree(version, wheel, tmp_path
     assert (said.returncode, "pip install 'dincl-testbed[tissue]'" in said.stderr) == (2, True)
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 @pytest.mark.parametrize("version", PYTHONS)
 def test_every_package_and_command_runs_outside_of_the_tree(version, wheel, tmp_path):
     commands, _ = installed(version, "[all]", wheel, tmp_path)

@@ -215,11 +215,13 @@ def test_centres_driven_to_coincide():
     assert path.final == pytest.approx(together.x0)
 
 
+@pytest.mark.slow
 def test_a_crowd_on_one_point_is_refused():
     with pytest.raises(dincl.InvalidProblem, match="constraints: More than 50,000,000 pairs"):
         dincl.Problem(np.zeros((20_000, 2)), rest, [dincl.NonOverlap(0.5)])
 
 
+@pytest.mark.slow
 def test_a_crowd_driven_onto_one_point_ends_with_its_status():
     x0 = 1.1 * np.stack(np.unravel_index(np.arange(20_000), (200, 100)), axis=1)
     for scheme in (dincl.PBD(1.0), dincl.LinearisedCatchUp(1.0, dincl.Piqp(1e-6))):
@@ -272,6 +274,7 @@ SCHEMES = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=1000)
 @given(POSITIONS, st.lists(SETS, max_size=3), DRIFTS, SCHEMES, st.lists(NUMBERS, min_size=1, max_size=3))
 def test_any_input_gives_a_clear_error_or_finite_numbers(x0, sets, drift, scheme, times):

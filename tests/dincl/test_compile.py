@@ -79,6 +79,7 @@ def replace(folder: Path, name: str, old: str, new: str) -> None:
     path.write_text(path.read_text().replace(old, new))
 
 
+@pytest.mark.slow
 def test_change_of_what_a_kernel_calls_gives_the_new_result(folder: Path) -> None:
     assert called(folder) == (21.0, 1)
     assert called(folder) == (21.0, 0)
@@ -89,6 +90,7 @@ def test_change_of_what_a_kernel_calls_gives_the_new_result(folder: Path) -> Non
     assert called(folder) == (35.0, 0)
 
 
+@pytest.mark.slow
 def test_nothing_else_is_compiled_again(folder: Path) -> None:
     assert called(folder) == (21.0, 1)
     replace(folder, "caller", '"""Doc."""', '"""Another text\n\n    of more lines.\n    """')
@@ -98,6 +100,7 @@ def test_nothing_else_is_compiled_again(folder: Path) -> None:
     assert called(folder) == (21.0, 0)
 
 
+@pytest.mark.slow
 def test_functions_of_one_name_are_told_apart(folder: Path) -> None:
     text = "@kernel\ndef same() -> float:\n    return {}\n\n\nfirst = same()\n"
     both = "from dincl.compile import kernel\n\n\n" + text.format(1.0) + text.format(2.0).replace("first", "second")
@@ -109,6 +112,7 @@ def test_functions_of_one_name_are_told_apart(folder: Path) -> None:
         assert float(run.stdout) == 21.0
 
 
+@pytest.mark.slow
 def test_what_was_kept_for_a_type_that_is_gone_is_not_read(folder: Path) -> None:
     """The files of numba hold the types of arguments, which it cannot make of a class that was renamed."""
     (folder / "called" / "kinds.py").write_text(KINDS)

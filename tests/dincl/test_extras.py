@@ -93,6 +93,7 @@ def test_all_takes_every_extra_but_that_of_developers():
     assert itself.extras == EXTRAS.keys() - {"all", "dev"}
 
 
+@pytest.mark.slow
 def test_the_core_works_alone_and_says_what_is_missing():
     done = run(CORE)
     assert done.returncode == 0, done.stderr

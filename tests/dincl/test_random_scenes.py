@@ -1,6 +1,6 @@
 """Random scenes, each run certified from its problem: none is lost without a Status, and no Status is wrong.
 
-``--slow`` runs a thousand of them, and more in plain Python; without it, those of a few seeds.
+``--xslow`` runs a thousand of them, and more in plain Python; without it, those of a few seeds.
 """
 
 import numpy as np
@@ -13,7 +13,7 @@ from tests.twins.events.scheme import PlainEventDriven
 TIMES = np.linspace(0, 1, 5)
 STEP = 1 / 32
 STEPS = [dincl.CatchUp, dincl.LinearisedCatchUp, dincl.MidpointCatchUp]
-FEW, MANY = range(10), [pytest.param(range(k, k + 50), marks=pytest.mark.slow) for k in range(0, 1000, 50)]
+FEW, MANY = range(10), [pytest.param(range(k, k + 50), marks=pytest.mark.xslow) for k in range(0, 1000, 50)]
 # In these a moving set leaves no place at all, for the plain forms as well.
 EMPTY = {3, 460, 518, 547, 617, 733, 836, 859}
 
@@ -54,6 +54,7 @@ def certify_steps(scene, scheme):
         assert run.normal_cone_residual()[1:].max() <= 1e-7, scene.words
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seeds", [FEW, *MANY], ids=lambda seeds: f"{seeds[0]} to {seeds[-1]}")
 def test_event_driven_runs(seeds):
     for seed in seeds:
@@ -68,9 +69,10 @@ def test_catch_up_runs(scheme, seeds):
 
 
 # Discs with many contacts and releases, in all kinds of company.
-BUSY = (13, 77, 81, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (83, 98)))
+BUSY = (13, 77, 81, *(pytest.param(seed, marks=pytest.mark.xslow) for seed in (83, 98)))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", BUSY)
 def test_events_as_in_plain_python(seed):
     """The same events in the same order; a push that vanishes linearly leaves its time known to a threshold."""

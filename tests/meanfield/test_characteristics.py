@@ -91,6 +91,7 @@ def test_attraction_stiffens_the_fibre() -> None:
     assert np.ptp(grid.energy()) < 1e-4
 
 
+@pytest.mark.slow
 def test_measure_meets_the_density_of_the_grid() -> None:
     flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], TIMES, 1e-11)
     grid = solve_pde(WAVY, BUMP, [0.2], [0.5], TIMES, cells=100)

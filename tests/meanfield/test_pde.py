@@ -148,6 +148,7 @@ def test_wavy_fibre_meets_its_characteristics_with_second_order() -> None:
         assert slope(cells, errors[name]) == pytest.approx(2.0, abs=0.2)
 
 
+@pytest.mark.slow
 def test_density_comes_back_with_second_order() -> None:
     cells, errors = [60, 120, 240], []
     for n in cells:
@@ -175,6 +176,7 @@ def test_a_jump_stays_non_negative_within_bounds_found_beforehand(n: int) -> Non
         assert w1(grid.density(k), Density.uniform(y, 1 + y)) < 0.7 * np.diff(grid.edges[0])[0] ** (4 / 3)
 
 
+@pytest.mark.slow
 def test_element_in_the_plane() -> None:
     element = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=(1.0, 1.0, 0.0), k1=0.5)
     density, start, velocity, t = Density.bump((0.3, 0.1), 1.0), [1.0, 1.2, 0.1], [0.4, -0.2, 0.3], 1.0

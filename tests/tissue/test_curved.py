@@ -89,6 +89,7 @@ def test_substeps_on_a_circle(closed, seed):
     assert distance(contents(group.stores[0])[0], expected) < 1e-10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("changes", [{}, {"layer.side": "outside"}, {"layer.closed": False, "tissue.cells": 100}])
 def test_alone_and_in_company_same_bits(changes):
     """With divisions, and two EMT cells that lose both adhesions and run."""

@@ -182,6 +182,7 @@ def test_p_at_its_depth(model, given, way):
         assert steps_of(model, free(-1.9999), given).cells.by[0] == pytest.approx(-2.0999, abs=1e-10)
 
 
+@pytest.mark.slow
 @both
 @pytest.mark.parametrize("given", [STILL, PUBLISHED._replace(rate_ax=0.0, rate_bx=0.0)])
 def test_p_pulls_a_lonely_cell_out(model, given):

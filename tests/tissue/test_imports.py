@@ -26,6 +26,7 @@ def test_importing_loads_nothing_heavy(code):
     assert loaded(code).isdisjoint(heavy)
 
 
+@pytest.mark.slow
 def test_simulating_draws_nothing_and_makes_no_tables():
     code = "import tissue; tissue.simulate(tissue.preset('thesis').changed({'numerics.t_end': '1 h'}))"
     assert loaded(code).isdisjoint({"matplotlib", "PIL", "casadi", "cvxpy", "pandas"})

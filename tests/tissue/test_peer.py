@@ -1,6 +1,7 @@
 """The tissue against an independent program of the same model, at its parameters: mean heights of a control tissue."""
 
 import numpy as np
+import pytest
 
 from tissue.files.parameters import preset
 from tissue.study.outcomes import outcomes
@@ -32,11 +33,13 @@ def differences(changes):
     return found
 
 
+@pytest.mark.slow
 def test_heights_are_those_of_an_independent_program():
     found = differences({})
     assert max(map(abs, found.values())) < FAR, found
 
 
+@pytest.mark.slow
 def test_the_comparison_sees_five_per_cent_of_damping():
     """Whether junctions stiffen in G2 it does not see: this moves a height by two errors. See test_tissue_variants."""
     found = differences({"numerics.mu": "0.21 h"})

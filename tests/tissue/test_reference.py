@@ -47,6 +47,7 @@ def differences(cells, others):
         return [float(difference) for difference in found]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_the_step_against_thirty_digits(seed):
     """The reference itself is off by 1e-28 at most: with ten digits more it is the same."""
@@ -77,6 +78,7 @@ def test_the_step_on_a_circle_against_thirty_digits(seed, side):
     assert rest < 10 * REST
 
 
+@pytest.mark.slow
 def test_the_reference_tends_to_the_line_on_larger_and_larger_circles():
     """With distance 1 / R, so that half the curvature is half the difference."""
     run = simulate(PARAMETERS, SEEDS[0])

@@ -129,6 +129,7 @@ def test_parameters_are_written_and_pickled_with_their_modules(own):
     assert changed.own.modules == (file,)
 
 
+@pytest.mark.slow
 def test_studies_on_other_processes(own, tmp_path):
     """A fresh process imports the module again; the identity of the study has its text; tables have its columns."""
     study = own.parent / "study.toml"

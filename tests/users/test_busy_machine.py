@@ -25,7 +25,7 @@ def verdicts():
     return chart.cheapest()["cheapest"].tolist()
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 def test_load_changes_no_winner():
     quiet = verdicts()
     loops = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(2)]

@@ -10,6 +10,8 @@ from tests.pages import ROOT, blocks, play
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.registry import shelf
 
+pytestmark = pytest.mark.slow
+
 PAGE = ROOT / "docs" / "tutorials" / "own_force.md"
 TEXT = PAGE.read_text("utf-8")
 

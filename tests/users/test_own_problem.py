@@ -11,6 +11,8 @@ import verification as v
 from dincl.projection import FeasibleSet, QpAnswer, QpSolver
 from tests.browser import draw_all, fits, visit
 
+pytestmark = pytest.mark.slow
+
 
 def pressed(pull):
     """Three discs in a triangle whose floor rises, drawn to its middle and stirred."""

@@ -5,6 +5,8 @@ import pytest
 
 from tests.pages import ROOT, play
 
+pytestmark = pytest.mark.slow
+
 PAGE = ROOT / "docs" / "tutorials" / "own_problem.md"
 
 

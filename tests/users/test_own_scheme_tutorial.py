@@ -6,6 +6,8 @@ import pytest
 import dincl
 from tests.pages import ROOT, play
 
+pytestmark = pytest.mark.slow
+
 PAGE = ROOT / "docs" / "tutorials" / "own_scheme.md"
 
 

@@ -16,6 +16,7 @@ def found(tmp_path_factory):
     return play(PAGE, folder) | {"folder": folder}
 
 
+@pytest.mark.slow
 def test_the_page_runs(found):
     run = found["run"]
     assert (found["folder"] / "section.png").exists()
@@ -24,6 +25,7 @@ def test_the_page_runs(found):
     assert f"{2 * len(run.final.layers.apical)} triangles of" in found["printed"]
 
 
+@pytest.mark.slow
 def test_tension_that_is_forgotten_makes_the_apical_layer_rough(found):
     """The spread of its heights in a crowded sheet, of three seeds."""
     given = found["parameters"].changed({"numerics.t_end": "12 h", "numerics.keep": "12 h"})

@@ -19,6 +19,7 @@ def test_every_tutorial_is_run():
     assert {path.name for path in PAGES.iterdir()} == HERE | APART
 
 
+@pytest.mark.slow
 def test_a_kernel_of_jupyter_runs_a_notebook(tmp_path, monkeypatch):
     """Of all the one with libraries that no other has; the others are run by IPython in this process."""
     for variable in ("JUPYTER_RUNTIME_DIR", "IPYTHONDIR"):
@@ -29,6 +30,7 @@ def test_a_kernel_of_jupyter_runs_a_notebook(tmp_path, monkeypatch):
     assert [word for word in ("g is affine in X", "Work(") if word not in words] == []
 
 
+@pytest.mark.slow
 def test_five_minutes(tmp_path):
     found = play(PAGES / "first_steps.md", tmp_path)
     costs = found["chart"].costs([1e-2, 1e-4])
@@ -39,12 +41,14 @@ def test_five_minutes(tmp_path):
     assert found["path"].error.max() < 1e-8
 
 
+@pytest.mark.slow
 def test_tissue(tmp_path):
     found = play(PAGES / "tissue.md", tmp_path)
     assert [word for word in ("SUCCESS", "height_um", "damping") if word not in found["printed"]] == []
     assert (tmp_path / "results" / "tissue.gif").exists()
 
 
+@pytest.mark.slow
 def test_the_study_has_the_answer_of_the_text(tmp_path):
     """To what another processor may change: a few of 32 cells."""
     page = PAGES / "emt_study.md"
@@ -59,6 +63,7 @@ def test_the_study_has_the_answer_of_the_text(tmp_path):
     assert (tmp_path / "results" / "leave" / "figures" / "ratios.svg").exists()
 
 
+@pytest.mark.slow
 def test_claims_of_ones_own(tmp_path):
     found = play(PAGES / "claims.md", tmp_path)
     assert "2 passed" in found["printed"]

@@ -38,6 +38,7 @@ def chart():
 # Orders
 
 
+@pytest.mark.slow
 def test_order_study_reads_the_orders_of_any_methods():
     found = v.order_study(SLIDE, METHODS, STEPS, T, v.reference(SLIDE, 1e-11))
     fits = found.fits.set_index(["method", "error"])
@@ -183,6 +184,7 @@ def test_a_parameter_of_a_map_may_belong_to_the_problem():
 # References
 
 
+@pytest.mark.slow
 def test_references_agree_within_what_they_state():
     four = dincl.scenes.four_disks()
     events = v.reference(four, 1e-11)(T)
@@ -201,6 +203,7 @@ def test_a_tolerance_that_steps_do_not_reach_is_said():
 # Results
 
 
+@pytest.mark.slow
 def test_results_show_and_keep_themselves(chart, tmp_path):
     orders = v.order_study(SLIDE, METHODS, STEPS, T, SLIDE.exact)
     both = v.save([orders, chart, orders], tmp_path)

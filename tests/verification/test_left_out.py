@@ -65,6 +65,7 @@ def test_a_program_of_ones_own_whose_library_is_missing_is_left_out():
     assert set(table.loc["PBD", "status"]) == {"SUCCESS"}
 
 
+@pytest.mark.slow
 def test_a_comparison_says_it_on_its_page(tmp_path):
     file = tmp_path / "mine.py"
     file.write_text(FILE, "utf-8")

@@ -14,6 +14,8 @@ from dincl import InvalidProblem
 from verification.lines import slope, weighted_line
 from verification.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, mean_of, summarised
 
+pytestmark = pytest.mark.slow
+
 LAW = mf.Density.bump(1.0, 0.6)
 SQUARE = mf.Density.uniform([0.0, 0.0], [1.0, 1.0])
 FIBRE = mf.StraightFibre(m=1.0, k0=1.0, y_rest=1.5, k1=0.5)

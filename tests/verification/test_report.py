@@ -35,6 +35,8 @@ from verification.thesis.chapters import CHAPTERS
 from verification.thesis.kept import STUDIES
 from verification.thesis.page import TITLES, corrections
 
+pytestmark = pytest.mark.slow
+
 SECTIONS = [
     "Two scenes in time",
     "The reference",

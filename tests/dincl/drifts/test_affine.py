@@ -165,6 +165,7 @@ def test_only_drifts_are_added():
         attraction(0) + 1.0
 
 
+@pytest.mark.slow
 def test_the_machine_code_is_kept(tmp_path):
     program = (
         "import dincl, sys\n"

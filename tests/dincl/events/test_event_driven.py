@@ -83,6 +83,7 @@ def test_random_scenes_with_many_releases(n, d, kind, seed):
     assert kind != "shaken" or sum(event.kind == "release" for event in fine.events) >= 15
 
 
+@pytest.mark.slow
 def test_catch_up_converges_to_it():
     """Independent of all that is shared by two event-driven runs; events keep the error from being c h exactly."""
     problem, t = random_discs(12, 2, "shaken", 4), [0.5, 1.0, 2.0]
@@ -150,6 +151,7 @@ def test_a_graze_is_no_trouble(height):
     assert len(path.events) == (2 if height < 0 else 0)
 
 
+@pytest.mark.slow
 def test_brief_contact_after_a_release_is_seen(monkeypatch):
     """The gaps are found also when they dip below zero between two nodes: plain Python with denser nodes finds none."""
     problem, t = random_discs(20, 3, "shaken", 2), [1.5]
@@ -178,6 +180,7 @@ def test_moving_set_with_a_kink_in_its_path():
     assert np.abs(path.x[:, 0, 0] - [0.5, 1.0, 1.0]).max() <= 1e-9
 
 
+@pytest.mark.slow
 def test_start_that_violates_within_its_tolerance_is_put_right():
     problem = dincl.Problem([[0.0, 0.0], [1 - 5e-10, 0.0]], lambda t, x: 0 * x, [dincl.NonOverlap(0.5)])
     path = dincl.solve(problem, dincl.EventDriven(tol=1e-11), [0.0, 1.0])

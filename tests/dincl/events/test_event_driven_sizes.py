@@ -65,6 +65,7 @@ def test_a_trajectory_says_the_same_twice_and_so_do_its_copies():
         assert np.array_equal(again.normal_cone_residual(), path.normal_cone_residual())
 
 
+@pytest.mark.slow
 def test_a_finer_run_passes_what_stops_a_coarse_one():
     """With a local tolerance of 1e-2 contacts of a crowd change back and forth at one time."""
     scene = dincl.scenes.pile(50)

@@ -65,6 +65,7 @@ def test_straight_rows_attain_their_constant(count, rng):
     assert search(prox_regularity, discs(row(count)), rng).eta == pytest.approx(chain_constant(count, RADIUS), rel=3e-4)
 
 
+@pytest.mark.slow
 def test_the_search_straightens_a_bent_row(rng):
     bent = np.array([[0.0, 0.0], [1.0, 0.0], [1.0 + math.cos(0.3), math.sin(0.3)]])
     found = search(prox_regularity, discs(bent), rng, samples=300)

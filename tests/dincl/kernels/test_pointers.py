@@ -97,6 +97,7 @@ def test_a_drift_that_does_not_answer_is_seen(returned, code):
     assert asked(address(function), 0.0, np.zeros((3, 2)), out, 3, 2, np.zeros(1)) == code
 
 
+@pytest.mark.slow
 def test_one_machine_code_serves_any_address_in_any_process(tmp_path):
     (tmp_path / "caller.py").write_text(CALLER)
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(tmp_path), *sys.path])}

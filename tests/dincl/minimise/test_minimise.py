@@ -85,6 +85,7 @@ def test_free_minimum(method):
     assert found.multipliers.shape == found.families.shape == (0,)
 
 
+@pytest.mark.slow
 def test_stack_with_its_multipliers():
     """Packed at c: the contact below interval i carries sum_{k >= i} c_k, the wall all of them."""
     centres = np.array([0.5, 1.25, 1.875, 2.75, 3.5, 4.125])
@@ -111,6 +112,7 @@ def test_four_discs_reach_the_energy_of_the_long_run(squared):
     assert scene.violation(0.0, found.x) <= TOL
 
 
+@pytest.mark.slow
 def test_uzawa_converges_up_to_its_limit(rng):
     problem, x, lam, limit = program(rng)
     found = minimise(problem, Uzawa(0.95 * limit, STOP, 800))
@@ -128,6 +130,7 @@ def test_uzawa_lets_go_of_rows_that_do_not_hold(rng):
     assert found.reactions() == {(1, "particle 0"): pytest.approx(1.0, abs=1e-8)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("alpha", "k"), [(0.1, 1.0), (0.5, 1.0), (0.3, 3.0)])
 def test_arrow_hurwicz_converges_up_to_its_limit(alpha, k):
     """The iteration matrix ((1 - a k, a), (-b (1 - a k), 1 - a b)) has its eigenvalues inside for a (2 k + b) < 4."""
@@ -136,6 +139,7 @@ def test_arrow_hurwicz_converges_up_to_its_limit(alpha, k):
     assert not minimise(on_wall(k), ArrowHurwicz(alpha, 1.02 * beta, STOP, 5000), throw=False).status
 
 
+@pytest.mark.slow
 def test_a_weight_swings_for_ever_without_damping():
     """W has no curvature, so x'' = -alpha beta x about the floor: the oscillation neither grows nor dies."""
     early, late = (minimise(weight(1.0), ArrowHurwicz(0.1, 0.1, STOP, n), throw=False) for n in (500, 5000))
@@ -146,6 +150,7 @@ def test_a_weight_swings_for_ever_without_damping():
     assert found.multipliers == pytest.approx([1.0], abs=1e-8)
 
 
+@pytest.mark.slow
 def test_a_weight_that_is_too_light_does_not_come_to_rest():
     """With c dtau = 2: alpha beta dtau < gamma lambda*, here lambda* > 0.025."""
     for force, ends in ((0.02, False), (0.1, True)):
@@ -154,6 +159,7 @@ def test_a_weight_that_is_too_light_does_not_come_to_rest():
     assert found.multipliers == pytest.approx([0.1], abs=1e-8)
 
 
+@pytest.mark.slow
 def test_squared_distances_stop_arrow_hurwicz_and_damping_mends_it():
     """Two discs drawn to one point: squared, the curvature of the Lagrangian across the contact is zero."""
     problem = towards_origin()
@@ -164,6 +170,7 @@ def test_squared_distances_stop_arrow_hurwicz_and_damping_mends_it():
     assert minimise(problem, damped(squared=True, limit=5000)).status
 
 
+@pytest.mark.slow
 def test_concave_energy_needs_the_damping_of_the_constraint():
     """W = x - x^2/4 on x >= 0: a strict local minimum at 0, where alpha h < 0 drives Arrow-Hurwicz away."""
     problem = dincl.Problem([[0.05]], lambda t, x: x / 2 - 1, [WALL])
@@ -172,6 +179,7 @@ def test_concave_energy_needs_the_damping_of_the_constraint():
     assert found.x[0, 0] == pytest.approx(0, abs=TOL)
 
 
+@pytest.mark.slow
 def test_four_discs_cycle_without_damping():
     found = minimise(dincl.scenes.four_disks(), ArrowHurwicz(0.1, 0.1, STOP, 5000), throw=False)
     assert found.status is dincl.Status.NOT_CONVERGED
@@ -179,6 +187,7 @@ def test_four_discs_cycle_without_damping():
     assert np.abs(found.x).max() < 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("damping", [0.5, 2.0, 20.0])
 @pytest.mark.parametrize("dtau", [0.5, 1.0])
 def test_free_limit_of_the_damped_method_does_not_depend_on_damping(damping, dtau):
@@ -189,6 +198,7 @@ def test_free_limit_of_the_damped_method_does_not_depend_on_damping(damping, dta
         assert bool(minimise(problem, method, throw=False).status) is ends
 
 
+@pytest.mark.slow
 def test_relative_move_stops_at_twice_eps_over_alpha():
     """Remark 3.6 with the step alpha/2 that c dtau = 2 leaves."""
     rest = np.array([3.0, -4.0])

@@ -25,6 +25,7 @@ def compiled(monkeypatch):
     return made
 
 
+@pytest.mark.slow
 def test_a_program_serves_many_steps(compiled):
     run = dincl.solve(dincl.scenes.ten_disks_corner(), dincl.CatchUp(0.005, dincl.Ipopt(TOL)), t=[3.0])
     assert run.stats.solver_calls > 400

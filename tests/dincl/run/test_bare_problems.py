@@ -61,6 +61,7 @@ def final(scheme):
     return dincl.solve(problem, scheme, 1.0).final
 
 
+@pytest.mark.slow
 def test_another_process_gives_the_same_bits():
     schemes = [*STEPPING.values(), MIDPOINT, EVENTS]
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as other:

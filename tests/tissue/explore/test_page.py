@@ -25,6 +25,8 @@ from tissue.study.answers import scenario_ratios
 from tissue.study.figures.style import OUTCOMES
 from tissue.study.run import run_study
 
+pytestmark = pytest.mark.slow
+
 RUNS = 400
 QUIET = 0.3  # seconds in which a process without work uses no tick
 BEGIN = Setting("thesis", tissue.preset("thesis")).with_values(SMALL)

@@ -1,5 +1,7 @@
 """A page comes back with its setting when its server does; its button ends the server."""
 
+import pytest
+
 import tissue
 from tests.browser import PATIENCE, launched
 from tests.tissue.explore.site import change, numbers, served, wait_for_runs, write_base
@@ -9,6 +11,7 @@ from tissue.explore.setting import Setting
 RUNS = 400
 
 
+@pytest.mark.slow
 def test_a_page_comes_back_when_its_server_does(tmp_path):
     write_base(tmp_path, Setting("thesis", tissue.preset("thesis")).with_values(SMALL))
     with launched() as browser, browser.new_page() as page:

@@ -52,6 +52,7 @@ def test_the_same_bytes_for_the_same_state(frame, file, tmp_path):
     assert (tmp_path / "again").read_bytes() == file.read_bytes()
 
 
+@pytest.mark.slow
 def test_no_damage_goes_unseen(frame, file, tmp_path):
     """A bit is turned in every ninth byte, and the file cut off: refused, or it was in no number."""
     raw, bad = file.read_bytes(), tmp_path / "bad"

@@ -281,6 +281,7 @@ ANYTHING = st.one_of(
 )
 
 
+@pytest.mark.slow
 @settings(max_examples=300)
 @given(key=st.sampled_from(known_keys(Parameters)) | st.text(max_size=5), value=ANYTHING)
 def test_any_value_gives_finite_numbers_or_invalid_problem(key, value):

@@ -270,6 +270,7 @@ def test_unknown_preset(name):
         preset(name)
 
 
+@pytest.mark.slow
 def test_units_are_loaded_on_use():
     code = (
         "import sys, tissue, tissue.files.parameters as p; "

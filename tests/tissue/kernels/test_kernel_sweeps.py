@@ -29,6 +29,7 @@ def assert_swept(states, given_numbers):
             np.testing.assert_array_equal(getattr(found, name), getattr(expected, name))
 
 
+@pytest.mark.slow
 @settings(max_examples=50)
 @given(seeds, st.integers(1, 30), st.floats(0.3, 8.0), st.sampled_from(KINDS))
 def test_sweep_of_heaps_overlooks_no_contact(seed, n, size, kind):
@@ -80,6 +81,7 @@ def test_sweep_stays_in_its_arrays(n):
         assert np.isnan(getattr(board, name)[n:].view(np.float64)).all(), name
 
 
+@pytest.mark.slow
 @settings(max_examples=40)
 @given(seeds, st.sampled_from([1, 2, 7, 8, 9, 60, 200]), st.floats(0.0, 3.0))
 def test_sweep_after_nuclei_ran(seed, n, speed):
@@ -92,6 +94,7 @@ def test_sweep_after_nuclei_ran(seed, n, speed):
         assert_swept([Tissue(state, layers(n), n)], numbers())
 
 
+@pytest.mark.slow
 @given(seeds, st.floats(0.05, 1.0))
 def test_basal_sweeps(seed, largest):
     """Alone and side by side, where cells have left the layer, one or all of them."""

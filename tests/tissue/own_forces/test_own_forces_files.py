@@ -96,6 +96,7 @@ def test_what_cannot_be_registered_is_named(make, message):
         make()
 
 
+@pytest.mark.slow
 def test_studies_on_other_processes(own, tmp_path):
     """A fresh process knows the force; the identity of the study has its text; a strength is a value like others."""
     (tmp_path / "base.toml").write_text(published(own, **{"numerics.t_end": "2 h"}).as_toml(), "utf-8")

@@ -19,6 +19,7 @@ def run():
     return two_hours()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("ending", ["gif", "webp"])
 def test_a_movie_shows_every_state_once(run, tmp_path, ending):
     path, seen = tmp_path / f"movie.{ending}", []

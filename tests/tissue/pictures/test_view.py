@@ -22,6 +22,7 @@ def run():
     return tissue.simulate(of_surface("plane", numerics__t_end="0.2 h", numerics__keep="0.1 h"), 1)
 
 
+@pytest.mark.slow
 @renders
 @pytest.mark.parametrize("name", SURFACES)
 def test_each_surface_is_drawn(name, tmp_path):
@@ -33,6 +34,7 @@ def test_each_surface_is_drawn(name, tmp_path):
         assert 0.02 < (part < 250).any(axis=2).mean() < 0.9
 
 
+@pytest.mark.slow
 @renders
 def test_the_same_state_has_the_same_dots_and_a_moved_cell_others(run):
     (one,), (again,) = (list(pictures([run.final], run.parameters)) for _ in range(2))
@@ -43,6 +45,7 @@ def test_the_same_state_has_the_same_dots_and_a_moved_cell_others(run):
     assert not np.array_equal(one, other)
 
 
+@pytest.mark.slow
 @renders
 @pytest.mark.parametrize("kind", ["gif", "webp"])
 def test_a_movie_has_all_states(run, kind, tmp_path):

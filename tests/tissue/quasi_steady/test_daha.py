@@ -104,6 +104,7 @@ def test_the_kernel_is_the_method(case, rng):
     assert reached.energy == pytest.approx(energy(expected, network, given), rel=1e-11)
 
 
+@pytest.mark.slow
 def test_daughters_fly_apart_and_keep_their_multiplier():
     """So hard a push takes a pair out of the list of near ones while its multiplier pulls it back."""
     state, given = divided(cells(20, 1), 7), numbers()

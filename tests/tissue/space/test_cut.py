@@ -34,6 +34,7 @@ def test_the_cut_of_a_flat_sheet_goes_once_through_it(z, rng):
     assert total(cut(KINDS["plane"], mesh, away, z)) == pytest.approx(8.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["sphere outside", "sphere inside", "cylinder outside"])
 def test_the_cut_of_a_round_surface_is_a_circle(name, rng):
     radius = KINDS[name].radius

@@ -171,6 +171,7 @@ def test_the_same_bits_again():
         assert (getattr(first, name) == getattr(second, name)).all()
 
 
+@pytest.mark.slow
 def test_work_is_that_of_what_moved():
     # A motion of a twentieth of an edge concerns few, whatever the number.
     work = []

@@ -44,6 +44,7 @@ def test_a_symmetric_start_stays_symmetric():
     assert np.abs(cells.ay - start.ay).max() > 0.1
 
 
+@pytest.mark.slow
 def test_a_periodic_sheet_is_as_high_here_as_there():
     """Of several seeds the difference between both halves is 0 within its error, across x and across z."""
     given = parameters(numerics__t_end="6 h")

@@ -44,6 +44,7 @@ def _listed(flat, n, pairs):
     return soft, -1 if board.state[ALL] else board.state[FOUND]
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(seeds, st.integers(1, 90), st.floats(0.1, 12.0), surfaces)
 def test_lists_are_those_of_all_pairs(seed, n, size, name):
@@ -116,6 +117,7 @@ def _substep(flat, wide, n):
     make_space_substep(space_board_at(flat), n, wide_space_board_at(wide), (n + 7) // 8, 0)
 
 
+@pytest.mark.slow
 @settings(max_examples=60)
 @given(seeds, st.integers(20, 90), st.integers(0, 24), st.floats(0.0, 6.0), surfaces, st.sampled_from([0.0, 1.0]))
 def test_strays_meet_all_others(seed, n, many, far, name, repulsion):

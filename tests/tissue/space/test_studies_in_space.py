@@ -76,6 +76,7 @@ def test_tables_are_those_of_single_runs(whole):
     assert np.ptp(trajectory["nucleus_z_um"]) > 10.0
 
 
+@pytest.mark.slow
 def test_stopped_and_taken_up_by_other_processes(whole, tmp_path):
     def stop(runs):
         if runs:
@@ -92,6 +93,7 @@ def test_stopped_and_taken_up_by_other_processes(whole, tmp_path):
     assert stored(tmp_path / "out") == stored(whole.folder)
 
 
+@pytest.mark.slow
 def test_on_a_dask_cluster(whole, tmp_path):
     dask = Dask(tmp_path / "scheduler.json")
     try:

@@ -40,7 +40,7 @@ def test_a_short_walk(name):
     assert removed >= 3
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 @pytest.mark.parametrize("name", KINDS)
 def test_long_walks(name):
     # 2,400 checked steps of each of ten kinds.

@@ -69,6 +69,7 @@ def prepare(dask, count):
         client.run(use_stand_in)
 
 
+@pytest.mark.slow
 def test_a_cluster_without_workers_is_refused_and_a_worker_that_dies_loses_nothing(dask, tmp_path, whole, monkeypatch):
     # In a process of its own: what is left of the client that found nobody may hold up the next one for long.
     code = f"from tissue.study.cluster import cluster\nwith cluster({dask.address!r}): pass"
@@ -99,6 +100,7 @@ def test_a_cluster_without_workers_is_refused_and_a_worker_that_dies_loses_nothi
     assert stored(tmp_path / "out") == whole
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_goes_away_stops_the_study_which_goes_on_here(dask, tmp_path, whole):
     dask.add(1)
     prepare(dask, 1)

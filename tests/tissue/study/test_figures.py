@@ -60,6 +60,7 @@ def both(sources, results):
     return sources | {"published": FigureSource(results)}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "names"),
     [
@@ -278,6 +279,7 @@ def test_two_presets_stand_beside_each_other(sources, both, number):
         assert {panel.get_subplotspec().colspan.start for panel in beside.axes[::2]} == {0}
 
 
+@pytest.mark.slow
 def test_kept_tables_come_first_and_the_runs_are_laid_over_them(results):
     rows = pd.concat([scenario_ratios(results[name]).assign(study=name) for name in ("figure10", "figure12")])
     kept = {"ratios": rows.assign(value=0.5, low=0.4, high=0.6)}

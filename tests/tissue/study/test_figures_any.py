@@ -64,6 +64,7 @@ def test_the_command_names_each_file_and_the_scenario_in_its_words():
     }
 
 
+@pytest.mark.slow
 def test_names_of_scenarios_are_written_as_they_are():
     texts = []
     results = study(NAMES)
@@ -101,6 +102,7 @@ def test_ratios_at_the_end_are_those_of_the_cells():
     assert "n = 12 runs of each scenario" in caption(figure)
 
 
+@pytest.mark.slow
 def test_many_scenarios_have_a_panel_each_and_none_covers_another():
     results = study([f"number {k}" for k in range(MANY)])
     figure = figure_of(results, "positions")

@@ -27,6 +27,7 @@ def quick(monkeypatch, tmp_path):
     return written(monkeypatch)
 
 
+@pytest.mark.slow
 def test_the_command_draws_what_it_can_and_says_what_the_others_need(quick, monkeypatch):
     monkeypatch.setattr(
         catalogue, "write", lambda figure, path: write(figure, path) if "figure12." in str(path) else None
@@ -56,6 +57,7 @@ def test_a_figure_of_the_published_model_alone_says_so(quick):
     assert caption(quick["figure12.svg"]).startswith("In the published model. Isolated EMT cell")
 
 
+@pytest.mark.slow
 def test_the_folder_of_one_study_whatever_its_name(quick):
     made(["figure10"], "results", trajectories=())
     Path("results/figure10").rename("results/mine")
@@ -67,6 +69,7 @@ def test_the_folder_of_one_study_whatever_its_name(quick):
     assert one["figure13"].told == "is made after: tissue study figure12 --out results/figure12"
 
 
+@pytest.mark.slow
 def test_a_study_that_is_not_complete_is_drawn_as_far_as_it_can(quick):
     made(["figure12"], "results", trajectories=(), runs=136)
     parts = sorted(Path("results/figure12").glob("parts/*5BS*/*"))

@@ -42,6 +42,7 @@ def _run_until_killed(folder, seed, begun):
     tissue.run_study(Path(folder) / "small.toml", Path(folder) / "out")
 
 
+@pytest.mark.slow
 def test_killed_at_random_moments_and_resumed_the_tables_are_those_of_one_run(tmp_path, monkeypatch):
     study_file(tmp_path, REPLICATES)
     original = PROCESSES.Process(target=str)  # starts what the others are copies of

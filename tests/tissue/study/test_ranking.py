@@ -88,6 +88,7 @@ def test_only_cells_with_an_event_exchange_its_times(cells):
             ).all()
 
 
+@pytest.mark.slow
 def test_importance_finds_what_made_the_outcome(cells, hits, monkeypatch):
     monkeypatch.setattr(ranking, "SHUFFLES", 2)
     found = by_importance(cells, hits, END, seed=0)
@@ -112,6 +113,7 @@ def test_importance_is_a_function_of_table_and_seed(cells, hits, monkeypatch):
     assert not one.table.equals(other.table)
 
 
+@pytest.mark.slow
 def test_importance_knows_of_common_fates(cells, hits, monkeypatch):
     """Each cell four times in its replicate tells no more than once; on their own they would halve the interval."""
     monkeypatch.setattr(ranking, "SHUFFLES", 1)
@@ -123,6 +125,7 @@ def test_importance_knows_of_common_fates(cells, hits, monkeypatch):
     assert widths[1] > 0.55 * widths[0]
 
 
+@pytest.mark.slow
 def test_coefficients_have_direction_and_cover_zero_where_nothing_is(cells, hits):
     found = by_coefficient(cells, hits, END, seed=0)
     rows = found.table.set_index("factor")
@@ -213,6 +216,7 @@ def found():
         return {sign: answers(tables(sign)) for sign in (1, -1)}
 
 
+@pytest.mark.slow
 def test_answers_where_the_thesis_is_right(found):
     assert list(found[1]) == [f"Q{k}" for k in range(1, 9)]
     verdicts = {name: answer.verdict for name, answer in found[1].items()}

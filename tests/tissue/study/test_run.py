@@ -174,6 +174,7 @@ def test_results_refuse_what_is_not_there():
         results.cells("[A]")
 
 
+@pytest.mark.slow
 def test_the_simulation_gives_the_same_rows_whatever_runs_beside_it(monkeypatch, tmp_path):
     monkeypatch.undo()
     monkeypatch.chdir(tmp_path)

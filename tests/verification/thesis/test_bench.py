@@ -26,6 +26,7 @@ def test_growth_is_the_exponent():
     assert timing.growth(table, "pile") == pytest.approx(1.25)
 
 
+@pytest.mark.slow
 def test_every_projection_is_timed_with_its_residual():
     table = timing.projection_table((4,))
     assert sorted(table["back_end"].unique()) == sorted(timing.PROJECTIONS)

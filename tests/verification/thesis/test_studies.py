@@ -36,6 +36,7 @@ def test_an_unknown_chapter_is_refused(tmp_path: Path) -> None:
         studies.main(tmp_path, ["emt"])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["experiments", "geometry", "meanfield", "space"])
 def test_a_chapter_makes_its_studies_once(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With few, coarse steps; the other chapters have files of their own for it."""
@@ -49,7 +50,7 @@ def test_a_chapter_makes_its_studies_once(name: str, tmp_path: Path, monkeypatch
         pd.testing.assert_frame_equal(rows, again.tables[table])
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 @pytest.mark.parametrize("name", REPEATABLE)
 def test_parts_come_out_again(name: str, tmp_path: Path) -> None:
     (chapter,) = (chapter for chapter in CHAPTERS if chapter.name == name)

@@ -19,6 +19,7 @@ def shipped(name, key):
     return pd.read_parquet(STUDIES / f"{name}.parquet").set_index(key)
 
 
+@pytest.mark.slow
 def test_what_ships_is_what_the_search_finds(constants):
     with np.errstate(all="raise", under="ignore"):
         (row,) = prox_regularity.constants(prox_regularity.FULL).run({"count": 2})

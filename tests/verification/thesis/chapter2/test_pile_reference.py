@@ -15,6 +15,7 @@ def distance(x, y):
     return np.sqrt(((x - y) ** 2).sum(axis=-1)).max()
 
 
+@pytest.mark.slow
 def test_enclosed_jumps_give_what_the_event_driven_scheme_gives():
     scene = dincl.scenes.pile(12)
     exact = dincl.solve(scene, dincl.EventDriven(1e-10), t=FEW)

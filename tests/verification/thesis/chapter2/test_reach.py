@@ -1,6 +1,7 @@
 """How far the event-driven scheme pays: the error from which on it is the cheapest, and one pile measured anew."""
 
 import pandas as pd
+import pytest
 
 from verification.budget import CpuSeconds
 from verification.thesis.chapter2 import reach
@@ -21,6 +22,7 @@ def test_it_is_the_cheapest_from_where_nobody_is_cheaper_at_any_finer_error():
     assert found["target"].isna().tolist() == [False, True]
 
 
+@pytest.mark.slow
 def test_a_pile_of_ten_comes_out_as_kept():
     """Who is the cheapest is told at errors where the ratio is twenty and more."""
     kept, anew = reach.table(), reach.measure(reach.DISCS[0], CpuSeconds(0.1))

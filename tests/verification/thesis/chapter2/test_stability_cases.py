@@ -45,7 +45,7 @@ def test_case(case):
     assert found.agrees, found
 
 
-@pytest.mark.slow
+@pytest.mark.xslow
 @pytest.mark.parametrize("case", [case for case in CASES if case.id in LONG], ids=lambda case: case.id)
 def test_long_case(case):
     found = case.find()

@@ -196,6 +196,7 @@ def test_what_is_made_again_is_of_the_complete_chart():
 # The chapter
 
 
+@pytest.mark.slow
 def test_chapter_writes_its_charts_from_its_tables(tmp_path, monkeypatch):
     monkeypatch.setattr(sheet, "DPI", 50)
     context = Context(tmp_path, False, Here(), [WORK_PRECISION])

@@ -135,6 +135,7 @@ def test_chipmunk_converges_on_the_sliding_disc():
     assert errors[1] < errors[0] / 5
 
 
+@pytest.mark.slow
 def test_chipmunk_converges_with_pairs_and_walls():
     for scene in (dincl.scenes.ten_disks_corner(), dincl.scenes.stack()):
         exact = dincl.solve(scene, dincl.LinearisedCatchUp(1e-3, dincl.Daqp(1e-10)), t=scene.times).x

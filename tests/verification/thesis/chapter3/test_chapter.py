@@ -16,6 +16,8 @@ from verification.thesis.chapter3 import page as chapter
 from verification.thesis.chapter3.growing import SUCCESS
 from verification.thesis.chapter3.sections import foretold, growth, kernel, stability, substeps
 
+pytestmark = pytest.mark.slow
+
 NAMES = [
     "Substeps: how exact, how fast",
     "How long nuclei can be foretold",

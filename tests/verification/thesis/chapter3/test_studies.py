@@ -233,6 +233,7 @@ def test_what_the_text_says_of_growth():
 # Bench
 
 
+@pytest.mark.slow
 def test_the_bench_measures_all_it_says(monkeypatch):
     monkeypatch.setattr(bench, "CELL_SUBSTEPS", 5_000)
     monkeypatch.setattr(bench, "REPEATS", 2)

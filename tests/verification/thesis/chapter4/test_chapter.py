@@ -16,6 +16,8 @@ from verification.thesis.chapter4 import bench, kept, printed, sensitivity, stud
 from verification.thesis.chapter4 import page as chapter
 from verification.thesis.chapter4.claims import s3_1_counts
 
+pytestmark = pytest.mark.slow
+
 FORM = emt_form(FEW)
 
 

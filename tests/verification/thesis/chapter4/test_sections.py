@@ -29,6 +29,7 @@ class Noted(Nowhere):
         self.drawn.append(arguments)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("full", [False, True])
 def test_figures_are_drawn_of_complete_tables_where_those_have_what_is_needed(tmp_path, full):
     context = Context(tmp_path, full, Noted(), tables=kept.tables())
@@ -49,6 +50,7 @@ def test_figures_are_drawn_of_complete_tables_where_those_have_what_is_needed(tm
     assert full or "from 256 runs of this page" in captions[0]
 
 
+@pytest.mark.slow
 def test_each_section_ends_with_what_follows(tmp_path):
     context = Context(tmp_path, False, Noted(), tables=kept.tables())
     ratios = TABLES["ratios"]

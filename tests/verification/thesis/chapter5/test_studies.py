@@ -123,6 +123,7 @@ def test_quantiles_find_the_limit_fast():
     assert table["end_w1"].to_numpy() == pytest.approx(0.3 * stretch / table["N"].to_numpy(), rel=1e-3)
 
 
+@pytest.mark.slow
 def test_kept_flow_is_what_the_study_makes(monkeypatch):
     """The first repeats at small N, of each model and kind of start."""
     monkeypatch.setattr(flow_rates, "REPEATS", ({100: 2}, {30: 2}))
@@ -191,6 +192,7 @@ def test_the_printed_estimate_is_refuted():
     assert table["ratio"].to_numpy() == pytest.approx(table["stretch"].to_numpy(), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_orders_in_the_grid_tell_jumps_from_smooth():
     rows = [row for n in (30, 38, 48, 60, 75) for name in ("straight", "uniform") for row in _grid(name, n)]
     orders = grid_order.orders(pd.DataFrame(rows)).set_index("model")
