@@ -7,8 +7,6 @@ import sys
 import tempfile
 import time
 from collections.abc import Iterator
-from itertools import compress
-from operator import not_
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -31,7 +29,7 @@ COMPILED = "TISSUE_KERNELS_COMPILED"
 # These files come first: begun near the end, a long one would leave the other process with nothing to do.
 # Contracts need no kernels of the tissue, which are being compiled then.
 FIRST = ("test_report.py", "contracts", "test_studies.py", "test_chapter.py")
-# Marks of tests that are run with a flag only, as SciPy names them. The last flag means all of them.
+# Marks of tests that are run with a flag only, as SciPy names them; --xslow means all of them.
 LEFT_OUT = {"slow": "tests that take more than a second", "xslow": "tests that take minutes"}
 COMPILER = pytest.StashKey[subprocess.Popen[bytes]]()
 
@@ -108,9 +106,9 @@ def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item
     """Begin with what takes longest, and leave out what waits for a flag."""
     items.sort(key=lambda item: next((k for k, part in enumerate(FIRST) if part in item.path.parts), len(FIRST)))
     marks = left_out(config)
-    waits = [any(item.get_closest_marker(mark) for mark in marks) for item in items]
-    config.hook.pytest_deselected(items=list(compress(items, waits)))
-    items[:] = compress(items, map(not_, waits))
+    out = [item for item in items if any(map(item.get_closest_marker, marks))]
+    config.hook.pytest_deselected(items=out)
+    items[:] = [item for item in items if not any(map(item.get_closest_marker, marks))]
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: pytest.Config) -> None:
@@ -121,9 +119,7 @@ def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter, config: p
 
 def left_out(config: pytest.Config) -> list[str]:
     """The marks of the tests that are not run."""
-    marks = list(LEFT_OUT)
-    given = [k for k, mark in enumerate(marks) if config.getoption(mark)]
-    return marks[max(given) + 1 :] if given else marks
+    return [mark for mark in LEFT_OUT if not (config.getoption(mark) or config.getoption("xslow"))]
 
 
 @pytest.fixture(autouse=True)

@@ -134,6 +134,7 @@ def test_a_larger_capacity_changes_nothing_else(rng):
     [
         (s.plane(), [[0, 0, 0], [1, 0, 0]], "in a line, or fewer than 3"),
         (s.plane(), [[0, 0, 0], [1, 0, 0], [2, 0, 0]], "in a line"),
+        (s.plane(), [[0, 0, 0], [1, 0, 1e-7], [2, 0, 0], [3, 0, 1e-7]], "in a line"),
         (s.plane(), [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 0, 1]], "must be apart"),
         (s.plane(period_x=2.0, period_z=2.0), lattice(2, 2), "must be apart, and more than two around each period"),
         (s.plane(period_x=2.0), lattice(2, 1), "more than two around each period"),

@@ -24,6 +24,7 @@ from tissue.state.cells import Floats, Integers
 NUDGE = 1e-7
 # A triangle at the boundary of a patch that is flatter than this, its height over its longest side, is none.
 FLATTEST = 1e-6
+NO_SURFACE = "points = points in a line, or fewer than 3: must span a surface"
 
 Triangles = Integers  # (m, 3)
 
@@ -120,7 +121,7 @@ def _delaunay(flat: Floats) -> Triangles:
     try:
         found = Delaunay(flat.T).simplices.astype(np.int64)
     except (QhullError, ValueError):
-        raise InvalidProblem("points = points in a line, or fewer than 3: must span a surface") from None
+        raise InvalidProblem(NO_SURFACE) from None
     a, b, c = (flat[:, found[:, k]] for k in range(3))
     left = _turn(b - a, c - a) > 0.0
     turned: Triangles = np.where(left[:, None], found, found[:, ::-1])
@@ -165,18 +166,13 @@ def _peeled(flat: Floats, triangles: Triangles) -> Triangles:
         edges, others = _boundary(triangles)
         corners = np.column_stack((edges, others))
         a, b, c = (flat[:, corners[:, k]] for k in range(3))
-        longest = np.maximum(np.maximum(_squared(b - a), _squared(c - b)), _squared(a - c))
-        flat_ones = _turn(b - a, c - a) <= FLATTEST * longest
+        sides = np.stack((b - a, c - b, a - c))
+        flat_ones = _turn(b - a, c - a) <= FLATTEST * (sides**2).sum(axis=1).max(axis=0)
         if not flat_ones.any():
             return triangles
         gone = {tuple(sorted(corner)) for corner in corners[flat_ones].tolist()}
         triangles = np.array([t for t in triangles.tolist() if tuple(sorted(t)) not in gone])
-    raise InvalidProblem("points = points in a line, or fewer than 3: must span a surface")
-
-
-def _squared(v: Floats) -> Floats:
-    length: Floats = v[0] ** 2 + v[1] ** 2
-    return length
+    raise InvalidProblem(NO_SURFACE)
 
 
 def _turn(v: Floats, w: Floats) -> Floats:

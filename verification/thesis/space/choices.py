@@ -15,7 +15,7 @@ from tissue.model.observables import height
 from tissue.study.outcomes import SIDES
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.space.counted import counted, with_intervals
-from verification.thesis.space.edge import are_inner
+from verification.thesis.space.edge import INNER, WHOLE, are_inner
 from verification.thesis.space.growth import basal_extent, roughness
 
 # Beside those of the study ``space_published``: a sheet with a free edge, where those of one division in five stay.
@@ -34,7 +34,6 @@ EVENTS: Mapping[str, Mapping[str, object]] = {
 }
 MEASURED = ("height", "basal", "rough")
 AS_SHIPPED = "as shipped"
-ALL, INNER = "all", "inner"
 CHOICES: Mapping[str, Mapping[str, object]] = {
     AS_SHIPPED: {},
     "margin 0": {"space.flip_margin": 0},
@@ -91,13 +90,12 @@ def ratios(table: pd.DataFrame) -> pd.DataFrame:
     The parts are all cells, and those that begin away from the edge if there are some.
     """
     there = _in_order(table[table["side"] != ""])
-    rows = []
-    for (choice, events), mine in there.groupby(["choice", "events"], observed=True):
-        inner = mine[mine["inner"]]
-        for part, cells in ({ALL: mine} | ({INNER: inner} if len(inner) else {})).items():
-            for side in (SIDES[0], SIDES[-1]):
-                told = {"choice": choice, "events": events, "part": part, "side": side}
-                rows.append(told | counted(cells["side"] == side, cells["seed"]))
+    parts = pd.concat((there.assign(part=WHOLE), there[there["inner"]].assign(part=INNER)))
+    rows = [
+        {"choice": choice, "events": events, "part": part, "side": side, **counted(mine["side"] == side, mine["seed"])}
+        for (choice, events, part), mine in parts.groupby(["choice", "events", "part"], observed=True)
+        for side in (SIDES[0], SIDES[-1])
+    ]
     return with_intervals(pd.DataFrame(rows), ["choice", "part"])
 
 

@@ -12,6 +12,8 @@ from tissue.state.streams import streams
 # In distances of neighbours. Cells up to here leave less often, in sheets of 196, 784 and 1,764 cells of the study of
 # choices; those beyond it do alike in the last two.
 EDGE = 3.0
+# Parts of the cells of a sheet.
+WHOLE, INNER = "all", "inner"
 
 
 def are_inner(parameters: Parameters) -> Flags:

@@ -23,13 +23,13 @@ from tissue.study.run import run_study
 from verification.thesis.chapter4.kept import read
 from verification.thesis.kept import DATA, keep
 from verification.thesis.space.counted import counted, with_intervals
-from verification.thesis.space.edge import are_inner
+from verification.thesis.space.edge import INNER, are_inner
 
 FILE = DATA / "space_isolated.parquet"
 STUDY = "space_published"
-SLICE, GROWING, INNER, PERIODIC = "slice", "growing", "inner", "periodic"
+SLICE, GROWING, PERIODIC = "slice", "growing", "periodic"
 SHEETS = (GROWING, PERIODIC)
-# "inner": those cells of the growing sheets that begin away from the edge.
+# INNER: those cells of the growing sheets that begin away from the edge.
 TISSUES = (SLICE, GROWING, INNER, PERIODIC)
 # Where "below all control cells" is left out: the lowest of many cells of a sheet is lower than that of a slice.
 SIDES: tuple[What, ...] = ("basal", "apical")

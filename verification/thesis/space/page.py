@@ -173,7 +173,7 @@ def _choices(context: Context) -> Section:
     def wide(choice: str) -> str:
         return told(rows[choice].basal, rows[choice].basal_low, rows[choice].basal_high)
 
-    def ends(choice: str, events: str, side: str = "basal", part: str = choices.ALL) -> str:
+    def ends(choice: str, events: str, side: str = "basal", part: str = edge.WHOLE) -> str:
         return percents(tuple(parts.loc[(choice, events, part, side)]))
 
     said = fill(PROSE / "choices.html", rows=rows, tall=tall, wide=wide, ends=ends, edge=edge.EDGE)

@@ -103,6 +103,14 @@ def test_inner_cells_begin_away_from_the_edge():
     assert sum(around) == 17
 
 
+def test_inner_cells_are_part_of_those_of_the_growing_sheets():
+    counts = isolated.table().pivot(index=["scenario", "what"], columns="tissue", values=["count", "of"])
+    assert set(counts["of"]["growing"]) == {4 * 36}
+    assert set(counts["of"]["inner"]) == {4 * 17}
+    outside = counts["count"]["growing"] - counts["count"]["inner"]
+    assert outside.between(0, 4 * 19).all()
+
+
 def test_without_an_edge_all_cells_are_inner_ones():
     assert are_inner(choices.parameters("no edge", "[A]")).all()
 
