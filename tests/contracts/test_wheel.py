@@ -107,7 +107,6 @@ def size(folder):
     return sum(file.stat().st_blocks for file in folder.rglob("*") if not file.is_symlink()) * 512 / 2**20
 
 
-@pytest.mark.slow
 def test_the_wheel_has_every_file_of_the_packages(wheel):
     files = {file for name in PACKAGES for file in (ROOT / name).rglob("*") if file.is_file()}
     wanted = {file.relative_to(ROOT).as_posix() for file in files if "__pycache__" not in file.parts}

@@ -176,7 +176,6 @@ def test_a_jump_stays_non_negative_within_bounds_found_beforehand(n: int) -> Non
         assert w1(grid.density(k), Density.uniform(y, 1 + y)) < 0.7 * np.diff(grid.edges[0])[0] ** (4 / 3)
 
 
-@pytest.mark.slow
 def test_element_in_the_plane() -> None:
     element = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=(1.0, 1.0, 0.0), k1=0.5)
     density, start, velocity, t = Density.bump((0.3, 0.1), 1.0), [1.0, 1.2, 0.1], [0.4, -0.2, 0.3], 1.0

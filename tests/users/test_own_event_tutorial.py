@@ -27,7 +27,6 @@ def test_the_module_is_short():
     assert 10 <= len(lines) <= 30
 
 
-@pytest.mark.slow
 def test_the_run_has_the_event_and_the_observable(found):
     run = found["run"]
     table = run.table().query("emt >= 0 and time_h == 12")

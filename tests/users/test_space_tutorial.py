@@ -16,7 +16,6 @@ def found(tmp_path_factory):
     return play(PAGE, folder) | {"folder": folder}
 
 
-@pytest.mark.slow
 def test_the_page_runs(found):
     run = found["run"]
     assert (found["folder"] / "section.png").exists()

@@ -63,7 +63,6 @@ def test_the_study_has_the_answer_of_the_text(tmp_path):
     assert (tmp_path / "results" / "leave" / "figures" / "ratios.svg").exists()
 
 
-@pytest.mark.slow
 def test_claims_of_ones_own(tmp_path):
     found = play(PAGES / "claims.md", tmp_path)
     assert "2 passed" in found["printed"]

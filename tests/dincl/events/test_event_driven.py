@@ -180,7 +180,6 @@ def test_moving_set_with_a_kink_in_its_path():
     assert np.abs(path.x[:, 0, 0] - [0.5, 1.0, 1.0]).max() <= 1e-9
 
 
-@pytest.mark.slow
 def test_start_that_violates_within_its_tolerance_is_put_right():
     problem = dincl.Problem([[0.0, 0.0], [1 - 5e-10, 0.0]], lambda t, x: 0 * x, [dincl.NonOverlap(0.5)])
     path = dincl.solve(problem, dincl.EventDriven(tol=1e-11), [0.0, 1.0])

@@ -66,7 +66,6 @@ def test_a_disc_farther_than_slack_stops_the_sweep(moved: int) -> None:
     assert sweeps.sweep_pairs(x.copy(), start, partner, np.ones(2), reference, 0.78) == (1, sweeps.STALE, 1, 0)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("d", DIMENSIONS)
 @pytest.mark.parametrize("slack", [FAR, 0.25])
 @pytest.mark.parametrize("n", [0, 1, 7, 150])
@@ -82,7 +81,6 @@ def test_pair_sweep_equals_twin(d: int, slack: float, n: int, rng: np.random.Gen
         assert (result[1] == sweeps.STALE) == (slack < FAR)
 
 
-@pytest.mark.slow
 @given(data=st.data(), d=st.sampled_from(DIMENSIONS), n=st.integers(1, 12), slack=st.sampled_from([0.5, FAR]))
 def test_pair_sweep_equals_twin_on_generated_discs(data: st.DataObject, d: int, n: int, slack: float) -> None:
     x = data.draw(hnp.arrays(np.float64, (n, d), elements=st.floats(-2.0, 2.0)))
@@ -145,7 +143,6 @@ def test_distance_rows_with_coincident_points() -> None:
     assert sweeps.sweep_distance(x, *distance_rows([2], [-1], [0.5]), 1.0, anchor) == (0, sweeps.COINCIDENT, 0)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("d", DIMENSIONS)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("anchored", [True, False])

@@ -119,7 +119,6 @@ def test_nothing_outlives_the_pointer(drift):
     assert gone() is None
 
 
-@pytest.mark.slow
 def test_a_function_of_numba_is_forgotten_with_its_machine_code():
     function = numba.njit(lambda t, x: 3 * x)
     assert run(dincl.Problem(X, function)).tobytes() == plain(dincl.Problem(X, function)).tobytes()

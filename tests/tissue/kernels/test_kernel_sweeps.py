@@ -81,7 +81,6 @@ def test_sweep_stays_in_its_arrays(n):
         assert np.isnan(getattr(board, name)[n:].view(np.float64)).all(), name
 
 
-@pytest.mark.slow
 @settings(max_examples=40)
 @given(seeds, st.sampled_from([1, 2, 7, 8, 9, 60, 200]), st.floats(0.0, 3.0))
 def test_sweep_after_nuclei_ran(seed, n, speed):

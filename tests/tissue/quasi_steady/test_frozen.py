@@ -131,7 +131,6 @@ SCHEMES = {
 }
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", SCHEMES)
 def test_schemes_converge_together_in_their_orders(name, begun):
     problem, exact = begun
@@ -156,7 +155,6 @@ def division():
     return split, middle, frozen_problem(feasible, layers(N + 1), given)
 
 
-@pytest.mark.slow
 def test_right_after_a_division_there_is_no_solution(division):
     state, left, _ = division
     with pytest.raises(dincl.InvalidProblem, match=f"NonOverlap by 0.647 at particle {left + 1} and {left}"):

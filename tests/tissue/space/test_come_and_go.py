@@ -126,7 +126,6 @@ def test_cells_leave_until_no_more_can(name):
     assert refused >= least.get(name, 4 if "sphere" in name else 7)
 
 
-@pytest.mark.slow
 def test_a_daughter_without_room_gets_less_distance():
     # The line of two neighbours is 0.3 away: the daughter must stay before it.
     points = np.array([[0.3, 0, 1.0], [0.3, 0, -1.0], [-2.0, 0, 0.1], [0, 0, 0]])

@@ -32,7 +32,6 @@ def relaxed(width, margin, rule=PRESENT):
     return flips, before, lengths_of(network)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(("width", "margin", "flips"), [(1.81, 0.1, 0), (1.79, 0.1, 1), (1.99, 0.0, 1), (0.1, 1.0, 0)])
 def test_an_edge_is_exchanged_beyond_the_margin(width, margin, flips):
     found, _, after = relaxed(width, margin)

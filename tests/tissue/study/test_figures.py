@@ -60,7 +60,6 @@ def both(sources, results):
     return sources | {"published": FigureSource(results)}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize(
     ("number", "names"),
     [

@@ -125,7 +125,6 @@ def test_importance_knows_of_common_fates(cells, hits, monkeypatch):
     assert widths[1] > 0.55 * widths[0]
 
 
-@pytest.mark.slow
 def test_coefficients_have_direction_and_cover_zero_where_nothing_is(cells, hits):
     found = by_coefficient(cells, hits, END, seed=0)
     rows = found.table.set_index("factor")
@@ -216,7 +215,6 @@ def found():
         return {sign: answers(tables(sign)) for sign in (1, -1)}
 
 
-@pytest.mark.slow
 def test_answers_where_the_thesis_is_right(found):
     assert list(found[1]) == [f"Q{k}" for k in range(1, 9)]
     verdicts = {name: answer.verdict for name, answer in found[1].items()}

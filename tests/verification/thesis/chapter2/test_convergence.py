@@ -79,7 +79,6 @@ def test_differences_that_do_not_halve_are_not_extrapolated() -> None:
     assert np.isnan(found.ratio[2])
 
 
-@pytest.mark.slow
 def test_order_one_of_pbd_on_both_scenes(table: pd.DataFrame) -> None:
     orders = convergence.orders(table)
     pbd = orders[orders["method"] == "pbd"]

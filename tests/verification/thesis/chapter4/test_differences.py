@@ -36,7 +36,6 @@ def test_the_corrected_preset_differs_from_the_thesis_in_the_energies_alone() ->
     assert {key for key in thesis if thesis[key] != corrected[key]} == set(differences.ENERGIES)
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("scenario", differences.SCENARIOS)
 def test_what_no_printed_ratio_reaches_changes_no_run(scenario: str) -> None:
     given = differences.study("alone").scenarios[f"{differences.AS_PRINTED}{differences.SEPARATOR}{scenario}"]

@@ -194,16 +194,12 @@ def test_the_printed_estimate_is_refuted():
 
 @pytest.mark.slow
 def test_orders_in_the_grid_tell_jumps_from_smooth():
-    rows = [row for n in (30, 38, 48, 60, 75) for name in ("straight", "uniform") for row in _grid(name, n)]
-    orders = grid_order.orders(pd.DataFrame(rows)).set_index("model")
+    keys = [{"model": name, "cells": n} for n in (30, 38, 48, 60, 75) for name in ("straight", "uniform")]
+    orders = grid_order.orders(pd.DataFrame([row for key in keys for row in grid_order._row(key)])).set_index("model")
     assert orders["slope_error_w1"]["straight"] > 1.7
     assert orders["slope_error_f"]["uniform"] < 1.2
     assert (orders["least"] >= 0).all()
     assert orders["mass"].max() < 1e-14
-
-
-def _grid(name, cells):
-    return grid_order._row({"model": name, "cells": cells})
 
 
 def test_costs_are_measured_until_they_are_enough():

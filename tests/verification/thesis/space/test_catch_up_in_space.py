@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 import pandas as pd
-import pytest
 
 from tests.executors import Here
 from verification.page.context import Context
@@ -54,7 +53,6 @@ def test_the_figure_is_drawn(tmp_path):
     assert figures_catch_up.catch_up(catch_up.errors(rows()), tmp_path / "figure.png").stat().st_size > 10_000
 
 
-@pytest.mark.slow
 def test_the_section_says_what_the_tables_say(tmp_path):
     context = Context(tmp_path, False, Here(), complete=STUDIES)
     PART.run(context)
