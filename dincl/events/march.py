@@ -7,18 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dincl.checks import LARGEST
 from dincl.errors import StepFailure
 from dincl.events.pairs import pair_for
 from dincl.events.path import PathPieces
 from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.handles import written
+from dincl.kernels.jumps import MOST_JUMPS
 from dincl.kernels.march import STATE, Path, begin_march, room_for_path
 from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
 from dincl.projection.feasible import FeasibleSet
 from dincl.run.outcome import Event
 from dincl.run.small import SmallSystem
+from dincl.run.units import units_of
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -29,29 +32,75 @@ if TYPE_CHECKING:
 
 # Of the differences that give the velocities of moving sets, as a part of the run.
 SPACING = 1e-3
-# Changes of the contacts allowed in one run, and steps: a hundred discs with 300 events take about a thousand.
-MOST_EVENTS, MOST_STEPS = 100_000, 1_000_000
+# Changes of the contacts allowed in one run.
+MOST_EVENTS = 100_000
 # Steps in the first call of a kernel; as many more in each call as keep it shorter than this [s].
 FEWEST, SHORT = 64, 0.02
+# How a kernel ends a run too early.
+ENDS = {
+    kernels.STUCK: (Status.NOT_CONVERGED, f"More than {kernels.MOST_AT_ONCE} changes of the contacts at one time."),
+    kernels.NO_STEP: (
+        Status.NOT_CONVERGED,
+        "The integrator stopped: its step became too short, or a number overflowed.",
+    ),
+    kernels.SLOW: (
+        Status.TOO_MANY_STEPS,
+        f"The run would need more than {kernels.MOST_STEPS} steps, as its last {kernels.LOOK} tell: the drift is "
+        "stiff, has noise, or jumps again and again.",
+    ),
+    kernels.JUMPS: (
+        Status.TOO_MANY_STEPS,
+        f"The drift jumped more than {MOST_JUMPS} times: from one side of a state to the other, so that none is a "
+        "velocity there.",
+    ),
+}
 
 
-def size_of(problem: Problem) -> float:
-    """The largest distance of a particle from the origin; 1 for a problem that is all there, and has no size."""
-    return longest(problem.x0) or 1.0
+def size_of(problem: Problem, end: float) -> float:
+    """The largest distance of a particle from the origin [length].
+
+    Where all particles are at the origin, how far they are from the nearest set or go until ``end``, whichever is less;
+    1 for a problem that has no size at all.
+    """
+    x0 = problem.x0
+    found = longest(x0)
+    if found > 0:
+        return found
+    rows = problem.rows_within(0.0, x0, np.inf)
+    slopes = np.sqrt(rows.jacobian(x0).norms_squared())
+    gaps = rows.values(x0) / np.where(slopes > 0, slopes, 1.0)
+    ways = [end * longest(problem.velocity(0.0, x0)), *gaps]
+    return min((float(way) for way in ways if way > 0), default=1.0)
 
 
-def start_of(problem: Problem, work: Work) -> NDArray[np.float64]:
-    """x0 (N d,), put onto S if it lies outside by more than rounding."""
-    x0, allowed = problem.x0, TOUCHING * size_of(problem)
-    violation = float(np.max(-problem.rows_within(0.0, x0, 0.0).values(x0), initial=0.0))
-    if violation <= allowed:
-        return x0.ravel()
-    feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)
-    return feasible.nearest(0.0, x0, x0, violation).point.ravel()
+class EventSystem:
+    """A problem as runs until ``end`` see it: in units in which its size and the time are about 1.
+
+    Attributes
+    ----------
+    size
+        Of the problem [length].
+    small
+        The compiled form.
+    """
+
+    def __init__(self, problem: Problem, end: float) -> None:
+        self.size = size_of(problem, end)
+        self.small = SmallSystem(problem, units=units_of(self.size, end))
+        self.small.sets.find_kinks(end)
+
+    def start(self, work: Work) -> NDArray[np.float64]:
+        """x0 (N, d), put onto S if it lies outside by more than rounding."""
+        problem, allowed = self.small.problem, TOUCHING * self.size
+        violation = float(np.max(-problem.rows_within(0.0, problem.x0, 0.0).values(problem.x0), initial=0.0))
+        if violation <= allowed:
+            return problem.x0
+        feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)
+        return feasible.nearest(0.0, problem.x0, problem.x0, violation).point
 
 
 class EventRun:
-    """A run of the event-driven scheme from ``start`` to the last of ``times``; what it reached stays when it fails.
+    """A run of the event-driven scheme from ``start`` (N, d) to ``end``; what it reached stays when it fails.
 
     ``tol`` is the local tolerance of the integrator. Into so many ``parts`` at least is the way to the end, or to the
     next event, divided, and so much shorter are the differences that give velocities of moving sets: runs that differ
@@ -60,39 +109,41 @@ class EventRun:
 
     Attributes
     ----------
-    now
-        The time reached.
     between
         The dense output so far.
     """
 
     def __init__(
-        self,
-        system: SmallSystem,
-        start: NDArray[np.float64],
-        times: NDArray[np.float64],
-        tol: float,
-        parts: int,
-        work: Work,
+        self, system: EventSystem, start: NDArray[np.float64], end: float, tol: float, parts: int, work: Work
     ) -> None:
-        problem = system.problem
-        self._system, self._work, self._steps = system, work, 0
-        system.sets.spacing = SPACING * float(times[-1]) / parts or SPACING
-        size = size_of(problem)
-        pair = pair_for(tol / size)
-        n, m, most = problem.x0.size, len(system.arrays.rows.row), len(system.arrays.chosen.row)
+        self._system, self._work, self._steps = system.small, work, 0
+        self._units = unit = system.small.units
+        small, x = system.small, start.ravel() / unit.length
+        small.sets.spacing = SPACING * end / parts or SPACING
+        size, kinks = system.size / unit.length, small.sets.kinks.ravel() / unit.time
+        pair = pair_for(tol / system.size)
+        n, m, most = x.size, len(small.arrays.rows.row), len(small.arrays.chosen.row)
+        stop, resume = kinks[:2] if len(kinks) else (end / unit.time, end / unit.time)
         self._state = np.zeros(1, dtype=STATE)
-        for name, value in {"end": times[-1], "tol": tol, "size": size, "parts": parts, "choose": 1}.items():
+        given = {"end": end / unit.time, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
+        given |= {"most": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "choose": 1}
+        for name, value in given.items():
             self._state[name] = value
         path = room_for_path(kernels.ROOM * 8, n, most, m)
-        self._march = begin_march(system.place, system.arrays, pair, self._state, path, start.copy())
+        self._march = begin_march(small.place, small.arrays, pair, self._state, path, x.copy(), kinks)
         self._words = written(self._march)
-        self.between = PathPieces(system, pair, size, start)
+        self.between = PathPieces(small, pair, size, x)
         self._changes: list[NDArray[np.float64]] = []
 
     @property
     def now(self) -> float:
-        return float(self._state["now"][0])
+        """The time reached."""
+        return float(self._state["now"][0]) * self._units.time
+
+    @property
+    def doubt(self) -> float:
+        """How far pushes that were taken for zero can have moved a particle [length]."""
+        return float(self._state["doubt"][0]) * self._units.length
 
     def go(self) -> None:
         """March to the end; StepFailure if that fails."""
@@ -101,33 +152,29 @@ class EventRun:
             began = time.perf_counter()
             with self._system.drift, self._system.sets:
                 code = kernels.march_on(int(self._words.ctypes.data), most)
-            most = min(2 * most, MOST_STEPS) if time.perf_counter() - began < SHORT else most
+            most = min(2 * most, kernels.MOST_STEPS) if time.perf_counter() - began < SHORT else most
             self._drain()
             self._system.count(self._work)
-            if sum(map(len, self._changes)) > MOST_EVENTS or self._state["steps"][0] > MOST_STEPS:
-                detail = f"More than {MOST_EVENTS} changes of the contacts, or {MOST_STEPS} steps."
-                raise StepFailure(Status.NOT_CONVERGED, detail)
-        if code == kernels.STUCK:
-            detail = f"More than {kernels.MOST_AT_ONCE} changes of the contacts at one time."
-            raise StepFailure(Status.NOT_CONVERGED, detail)
-        if code == kernels.NO_STEP:
-            raise StepFailure(
-                Status.NOT_CONVERGED, "The integrator stopped: its step became too short, or a number overflowed."
-            )
+            if sum(map(len, self._changes)) > MOST_EVENTS:
+                raise StepFailure(Status.TOO_MANY_STEPS, f"More than {MOST_EVENTS} changes of the contacts.")
+        if code in ENDS:
+            raise StepFailure(*ENDS[code])
         if code != kernels.DONE:
             self._system.failure(code)
+        if self._system.sets.foreseen is not None:
+            raise self._system.sets.foreseen
 
     @property
     def events(self) -> tuple[Event, ...]:
         """The changes of the contacts so far; those of one time with contacts first, in the order of their names."""
         names, found = self._system.names, []
         for t, row, closes, phase in np.concatenate(self._changes):
-            found.append((phase, not closes, names[int(row)], float(t)))
+            found.append((phase, not closes, names[int(row)], float(t) * self._units.time))
         return tuple(Event(t, "release" if opens else "contact", *name) for _, opens, name, t in sorted(found))
 
     def state(self) -> NDArray[np.float64]:
         """The state reached, shape (N, d)."""
-        return self._march.x.reshape(self._system.problem.x0.shape).copy()
+        return self._march.x.reshape(self._system.problem.x0.shape) * self._units.length
 
     def _drain(self) -> None:
         """Take the pieces and events out of the room of the kernel."""

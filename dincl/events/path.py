@@ -22,11 +22,15 @@ if TYPE_CHECKING:
 
 
 class PathPieces(Between):
-    """The pieces of a run, in the order of time; ``size`` is that of the problem, ``start`` is x(0), shape (N d,)."""
+    """The pieces of a run in the units of its system, in the order of time.
+
+    ``size`` is that of the problem, ``start`` is x(0), shape (N d,).
+    """
 
     def __init__(self, system: SmallSystem, pair: RungeKutta, size: float, start: NDArray[np.float64]) -> None:
-        self._problem, self._pair, self._size = system.problem, pair, size
-        self._start, self._spacing, self._system = start, system.sets.spacing, system
+        self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
+        self._start, self._system = start, system
+        self._spacing, self._kinks = system.sets.spacing, system.sets.kinks
         self._parts: list[Path] = []
 
     def add(self, path: Path, size: float) -> None:
@@ -36,23 +40,25 @@ class PathPieces(Between):
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The polynomials, moved back onto the contacts that are held."""
-        march = self._bound
-        self._system.sets.spacing = self._spacing
-        x = np.tile(self._start, (len(times), 1))
-        later = np.asarray(times) > 0
-        if later.any() and len(march.path.end):
-            made = np.empty((int(later.sum()), x.shape[1]))
-            with self._system.drift, self._system.sets:
-                code = kernels.states_at(self._handle, np.asarray(times)[later], self._pieces(times)[later], made)
-            if code != OK:
-                self._system.failure(code)
-            x[later] = made
-        return x.reshape(-1, *self._problem.x0.shape)
+        return (
+            self._states(np.asarray(times) / self._units.time).reshape(-1, *self._problem.x0.shape) * self._units.length
+        )
+
+    def overlaps(self, times: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far states (K, N, d) at these times are outside of the set, shape (K,) [length]."""
+        overlap = np.empty(len(times))
+        with self._system.sets:
+            scaled = x.reshape(len(times), -1) / self._units.length
+            kernels.overlaps_at(self._handle, times / self._units.time, scaled, overlap)
+        if self._system.sets.failed:
+            self._system.sets.failure()
+        return overlap * self._units.length
 
     def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """With the velocity from before each time, or from after t = 0."""
-        pairs = zip(times, self._pieces(times), self.states(times), strict=True)
-        return np.array([self._residual(float(t), int(piece), x) for t, piece, x in pairs])
+        scaled = np.asarray(times) / self._units.time
+        pairs = zip(times, scaled, self._pieces(scaled), self._states(scaled), strict=True)
+        return np.array([self._residual(float(t), float(s), int(piece), x) for t, s, piece, x in pairs])
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what is bound to this process."""
@@ -60,7 +66,7 @@ class PathPieces(Between):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With a system of this process."""
-        self.__dict__ |= state | {"_system": SmallSystem(state["_problem"])}
+        self.__dict__ |= state | {"_system": SmallSystem(state["_problem"], units=state["_units"])}
 
     @cached_property
     def _bound(self) -> March:
@@ -71,7 +77,8 @@ class PathPieces(Between):
             path = room_for_path(0, self._start.size, 0, 0)
         state = np.zeros(1, dtype=STATE)
         state["size"] = self._size
-        return begin_march(self._system.place, self._system.arrays, self._pair, state, path, self._start.copy())
+        system = self._system
+        return begin_march(system.place, system.arrays, self._pair, state, path, self._start.copy(), np.zeros(0))
 
     @cached_property
     def _words(self) -> NDArray[np.int64]:
@@ -81,23 +88,38 @@ class PathPieces(Between):
     def _handle(self) -> int:
         return int(self._words.ctypes.data)
 
+    def _states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """The states (K, n) in the units of the run."""
+        march = self._bound
+        self._system.sets.spacing, self._system.sets.kinks = self._spacing, self._kinks
+        x = np.tile(self._start, (len(times), 1))
+        later = times > 0
+        if later.any() and len(march.path.end):
+            made = np.empty((int(later.sum()), x.shape[1]))
+            with self._system.drift, self._system.sets:
+                code = kernels.states_at(self._handle, times[later], self._pieces(times)[later], made)
+            if code != OK:
+                self._system.failure(code)
+            x[later] = made
+        return x
+
     def _pieces(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
         ends = self._bound.path.end
         found: NDArray[np.int64] = np.minimum(np.searchsorted(ends, times), max(len(ends) - 1, 0))
         return found
 
-    def _residual(self, t: float, piece: int, x: NDArray[np.float64]) -> float:
-        march = self._bound
-        if not len(march.path.end):
+    def _residual(self, t: float, scaled: float, piece: int, x: NDArray[np.float64]) -> float:
+        """The residual at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
+        if not len(self._bound.path.end):
             return np.inf
-        self._system.sets.spacing = self._spacing
-        rate = np.empty(x.size)
+        rate, at = np.empty(x.size), x.reshape(self._problem.x0.shape) * self._units.length
         try:
             with self._system.drift, self._system.sets:
-                code = kernels.rate_at(self._handle, t, piece, x.ravel(), rate)
+                code = kernels.rate_at(self._handle, scaled, piece, x, rate)
             if code != OK:
                 self._system.failure(code)
-            reaction = rate - self._problem.velocity(t, x).ravel()
-            return distance_to_cone(reaction, self._problem.rows_within(t, x, TOUCHING * self._size).jacobian(x))
+            reaction = rate * self._units.speed - self._problem.velocity(t, at).ravel()
+            touching = TOUCHING * self._size * self._units.length
+            return distance_to_cone(reaction, self._problem.rows_within(t, at, touching).jacobian(at))
         except StepFailure:
             return np.inf

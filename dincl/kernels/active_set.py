@@ -35,14 +35,15 @@ def least_distance(gradient: Floats, bound: Floats, multiplier: Floats, n: int) 
 
 
 @inner
-def nearest(rows: RowTable, listed: Offsets, count: int, program: LeastDistance, chosen: Chosen) -> int:
+def nearest(rows: RowTable, listed: Offsets, count: int, program: LeastDistance, chosen: Chosen, size: float) -> int:
     """Write the nearest point to y into z; OK, INFEASIBLE, or CYCLES where rounding has the last word.
+
+    Rounding is that of numbers as large as y or ``size``, whichever is larger.
 
     From y a row of largest violation after the other is met exactly, while multipliers that would become negative
     leave: the distance from y grows with every row, so that it ends. z = y + sum_r multiplier_r a_r by its making.
     """
     y, z = program.y, program.z
-    size = 0.0
     for k in range(y.size):
         z[k] = y[k]
         size = max(size, abs(y[k]))
@@ -196,4 +197,4 @@ def finish(rows: RowTable, program: LeastDistance, chosen: Chosen, allowed: floa
 @kernel
 def solve(rows: RowTable, listed: Offsets, program: LeastDistance, chosen: Chosen) -> int:
     """``nearest`` for all rows listed."""
-    return nearest(rows, listed, listed.size, program, chosen)
+    return nearest(rows, listed, listed.size, program, chosen, 0.0)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from dincl.checks import LARGEST
 from dincl.compile import inner, kernel
 from dincl.kernels.active_set import nearest
 from dincl.kernels.arrays import Floats
@@ -157,7 +158,7 @@ def solve(place: int, t: float, around: Floats, carried: bool, exact: bool, tol:
     residual = 0.0
     for _ in range(MOST_RELINEARISATIONS if exact else 1):
         if code == OK:
-            code = nearest(system.rows, near.row, near.number[0], program, system.chosen)
+            code = nearest(system.rows, near.row, near.number[0], program, system.chosen, 0.0)
         residual = program.answer[1]
         if code == OK and exact:
             code, residual = certify(place, t)
@@ -198,7 +199,7 @@ def advance(place: int, method: int, steps: Steps, x: Floats, tol: float) -> tup
                 middle[k] = 0.5 * (x[k] + program.z[k])
         if system.sets.ask[1] != 0.0:
             return SETS, step
-        if not bounded(program.z):
+        if not bounded(program.z, LARGEST):
             return NOT_A_NUMBER, step
         for k in range(x.size):
             x[k] = program.z[k]

@@ -11,9 +11,9 @@ from dincl.kernels.table import SPEEDS, ask, gap, linearise
 
 # Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
 TOUCHING = 1e-13
-# Pushes and opening speeds below this, relative to the largest speed, are zero. They pass zero linearly in time, so the
-# way that is lost is of the size of its square.
-ZERO = 1e-10
+# Pushes and opening speeds are zero below the tolerance over the time of the run, but for these parts of the largest
+# speed at least, for rounding, and at most.
+LEAST_ZERO, ZERO = 1e-13, 1e-10
 
 
 @inner
@@ -21,7 +21,7 @@ def choose(run: int) -> int:
     """Decide which rows are held, which stay closed, and note the changes; OK, or why it failed.
 
     A contact whose push and opening speed are both zero stays closed without being held. That is watched, and decided
-    when one of them has grown to the threshold.
+    when one of them has grown to the threshold; or when the gap has become negative, and then any push holds it.
     """
     march = march_at(run)
     state, system, held = march.state[0], system_at(march.place), march.held
@@ -35,7 +35,8 @@ def choose(run: int) -> int:
     count = list_touching(run)
     if count < 0:
         return COINCIDENT
-    code = nearest(system.rows, march.touching, count, program, system.chosen)
+    state.slow = min(max(state.tol / state.end, LEAST_ZERO * state.speed), ZERO * state.speed)
+    code = nearest(system.rows, march.touching, count, program, system.chosen, state.speed)
     if code != OK:
         return code
     note_changes(run, count)
@@ -76,11 +77,12 @@ def note_changes(run: int, count: int) -> None:
     march = march_at(run)
     state, system = march.state[0], system_at(march.place)
     program, rows = system.program, system.rows
-    zero, path = ZERO * state.speed, march.path
+    zero, path, overlap = state.slow, march.path, -0.5 * TOUCHING * state.size
     for q in range(count):
         r = march.touching[q]
         opening = times(rows, r, program.gradient, program.z) - program.bound[r]
-        if program.multiplier[r] > zero:
+        least = zero if march.closed[r] == HELD or not gap(rows, system.sets, r, march.x) < overlap else 0.0
+        if program.multiplier[r] > least:
             march.change[r] = HELD
         elif opening <= zero:
             march.change[r] = CLOSED

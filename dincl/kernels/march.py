@@ -17,10 +17,19 @@ STATE = np.dtype(
     [
         ("now", np.float64),
         ("end", np.float64),
+        ("stop", np.float64),  # when something jumps next, and from when on it has; both are the end if nothing does
+        ("resume", np.float64),
+        ("kink", np.int64),  # the kinks of sets that were passed
+        ("jumps", np.int64),  # those of the drift
         ("tol", np.float64),  # the local one of the integrator
         ("size", np.float64),  # of the problem [length]
+        ("most", np.float64),  # the largest coordinate allowed
         ("speed", np.float64),  # the largest so far
+        ("slow", np.float64),  # pushes and speeds up to this are zero
         ("h", np.float64),  # the step that the tolerance allows
+        ("usual", np.float64),  # the last one that was taken
+        ("error", np.float64),  # the estimate of the step that is looked at, over what the tolerance allows
+        ("doubt", np.float64),  # how far pushes that were taken for zero can have moved a particle, in all
         ("longest", np.float64),  # the longest step of this phase
         ("made", np.float64),  # the length of the step that is looked at
         ("theta", np.float64),  # the part of that step at which the motion was computed last
@@ -28,6 +37,8 @@ STATE = np.dtype(
         ("code", np.int64),  # how the last computation of a motion ended
         ("parts", np.int64),
         ("steps", np.int64),
+        ("marked", np.int64),  # steps, and the time, when progress was looked at last
+        ("mark", np.float64),
         ("phase", np.int64),  # phases so far; a phase lies between two events
         ("choose", np.int64),  # whether contacts are to be decided
         ("events", np.int64),
@@ -69,6 +80,7 @@ class March(NamedTuple):
 
     place: int
     held: Chosen
+    kinks: Floats  # (2 K,): from when to when velocities of sets jump
     pair: RungeKutta
     state: NDArray[np.void]
     path: Path
@@ -92,7 +104,13 @@ def room_for_path(pieces: int, n: int, most: int, m: int) -> Path:
 
 
 def begin_march(
-    place: int, system: SystemArrays, pair: RungeKutta, state: NDArray[np.void], path: Path, x: Floats
+    place: int,
+    system: SystemArrays,
+    pair: RungeKutta,
+    state: NDArray[np.void],
+    path: Path,
+    x: Floats,
+    kinks: Floats,
 ) -> March:
     """A run from x (n,)."""
     n, m, most = x.size, system.rows.row.size, system.chosen.row.size
@@ -102,6 +120,7 @@ def begin_march(
     return March(
         place,
         room(most, n),
+        kinks,
         pair,
         state,
         path,
@@ -124,6 +143,7 @@ EXAMPLE = begin_march(
     RungeKutta(0, 0, 0, 0.0, np.zeros((0, 0)), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0))),
     np.zeros(1, dtype=STATE),
     room_for_path(0, 0, 0, 0),
+    np.zeros(0),
     np.zeros(0),
 )
 march_at = reader(EXAMPLE)

@@ -125,18 +125,25 @@ def stage(run: int, h: float, i: int) -> int:
 
 
 @inner
+def allowed_error(run: int, k: int) -> float:
+    """How much a step may miss coordinate k by: the tolerance, or what rounding leaves."""
+    march = march_at(run)
+    state = march.state[0]
+    return float(max(state.tol, EPS * (state.size + 2.0 * max(abs(march.x[k]), abs(march.after[k])))))
+
+
+@inner
 def error_of(run: int, h: float) -> float:
     """The estimated error of the step over what the tolerance allows, root of the mean square."""
     march = march_at(run)
-    state, pair, n = march.state[0], march.pair, march.x.size
-    absolute, relative = max(state.tol, EPS * state.size), max(state.tol, 2.0 * EPS)
+    pair, n = march.pair, march.x.size
     first, second = 0.0, 0.0
     for k in range(n):
         one, other = 0.0, 0.0
         for i in range(pair.stages + 1):
             one += pair.error[0, i] * march.rate[i, k]
             other += pair.error[1, i] * march.rate[i, k]
-        scale = absolute + relative * max(abs(march.x[k]), abs(march.after[k]))
+        scale = allowed_error(run, k)
         first += (one / scale) * (one / scale)
         second += (other / scale) * (other / scale)
     if first == 0.0:
@@ -172,3 +179,12 @@ def at(dense: Floats, terms: int, x: float, k: int, theta: float) -> tuple[float
         slope = slope * factor + sign * value
         value *= factor
     return x + value, slope
+
+
+@inner
+def dense_state(run: int, theta: float) -> None:
+    """Write the state at a part of the step into ``point``, and its derivative after theta into the last rate."""
+    march = march_at(run)
+    march.state[0].theta = -1.0
+    for k in range(march.x.size):
+        march.point[k], march.rate[16, k] = at(march.dense, march.pair.terms, march.x[k], k, theta)

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from dincl.checks import LARGEST
 from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats
 from dincl.kernels.pair_list import DONE, SERVED, PairList, is_stale, list_again
@@ -124,7 +125,7 @@ def advance(place: int, strength: float, spring: bool, steps: Steps, x: Floats, 
             if overlaps > 0:
                 velocity[k] += strength * force[k]
             force[k] = x[k] + h * velocity[k]
-        if not bounded(force):
+        if not bounded(force, LARGEST):
             return NOT_A_NUMBER, step
         for k in range(x.size):
             x[k] = force[k]

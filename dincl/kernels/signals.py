@@ -4,25 +4,25 @@ import numpy as np
 
 from dincl.compile import inner
 from dincl.kernels.arrays import Floats
-from dincl.kernels.choice import ZERO
 from dincl.kernels.factor import times
 from dincl.kernels.march import march_at
-from dincl.kernels.motion import EPS, at, least_speed, move
+from dincl.kernels.motion import EPS, at, dense_state, least_speed, move
 from dincl.kernels.system import OK, system_at
 from dincl.kernels.table import CALLED, DISTANCE, SPEEDS, ask, linearise
 
 # Looked at are the ends of this many equal parts of a step, and the lows in between.
 PARTS = 4
-# Speeds and pushes count as negative below this, relative to the largest speed: ten times what the choice allows.
-NEGATIVE = 10.0 * ZERO
+# Speeds and pushes count as negative below this many times what the choice takes for zero.
+NEGATIVE = 10.0
 # What is watched has the number of a row, for its gap; from m on, for the speed of a row that is closed and not held;
 # or stands for the pushes.
 PUSHES = -1
 # A low is looked at closely when it falls below this part of what is around it.
 SUSPICIOUS = 0.5
 # A push, or a speed, vanishes linearly in time, and the way that is lost is of second order: the part of a step to
-# which its time is wanted, for a tolerance of 1. A gap is followed to rounding.
-RELEASE = 3e-3
+# which its time is wanted, for a tolerance of 1. A gap is followed to rounding, and so is a push that jumps: between
+# such times it still falls by so much of what it falls by in all.
+RELEASE, STEEP = 3e-3, 0.1
 MOST_ITERATIONS = 100
 # No event in this step.
 NEVER = 2.0
@@ -65,20 +65,11 @@ def signal(run: int, what: int, theta: float) -> tuple[float, float]:
 
 
 @inner
-def dense_state(run: int, theta: float) -> None:
-    """Write the state at a part of the step into ``point``, and its derivative after theta into the last rate."""
-    march = march_at(run)
-    march.state[0].theta = -1.0
-    for k in range(march.x.size):
-        march.point[k], march.rate[16, k] = at(march.dense, march.pair.terms, march.x[k], k, theta)
-
-
-@inner
 def weakness(run: int, what: int, theta: float) -> float:
     """The smallest push, or how far the speed of a closed row is below what makes it a change; negative on failure."""
     march = march_at(run)
     state, system = march.state[0], system_at(march.place)
-    zero, t = NEGATIVE * state.speed, state.now + theta * state.made
+    zero, t = NEGATIVE * state.slow, state.now + theta * state.made
     if what == PUSHES and theta == 0.0:
         return float(zero + least(run, march.push[0]))
     if what == PUSHES and theta == 1.0:
@@ -114,10 +105,11 @@ def root(run: int, what: int, a: float, first: float, b: float, last: float, slo
     march = march_at(run)
     if first <= 0.0:
         return a
-    c, third, share, state = a, first, 0.5, march.state[0]
-    allowed = 2.0 * EPS * max(abs(state.now) / max(state.made, 1e-300), 1.0)
+    c, third, share, state, steep = a, first, 0.5, march.state[0], 0.0
+    rounding = 2.0 * EPS * max(abs(state.now) / max(state.made, 1e-300), 1.0)
+    allowed = rounding
     if what < 0 or what >= march.closed.size:
-        allowed = max(allowed, RELEASE * np.sqrt(state.tol / state.size))
+        allowed, steep = max(rounding, RELEASE * np.sqrt(state.tol / state.size)), STEEP * (first - last)
     for _ in range(MOST_ITERATIONS):
         middle = a + share * (b - a)
         value, rising = signal(run, what, middle)
@@ -129,6 +121,9 @@ def root(run: int, what: int, a: float, first: float, b: float, last: float, slo
             c, third, b, last = b, last, a, first
         a, first = middle, value
         limit = allowed / abs(b - a)
+        if limit > 0.5 and allowed > rounding and abs(first - last) > steep:
+            allowed = rounding
+            limit = allowed / abs(b - a)
         if limit > 0.5 or first == 0.0 or state.code != OK:
             break
         xi, phi = (a - b) / (c - b), (first - last) / (third - last)

@@ -4,6 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dincl.checks import LARGEST
 from dincl.compile import inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.handles import reader
@@ -154,7 +155,7 @@ def advance(place: int, sweeps: int, steps: Steps, x: Floats, v: Floats, room: F
             code = sweep(families, moved)
             if code != OK:
                 return code, step
-        if not bounded(moved):
+        if not bounded(moved, LARGEST):
             return NOT_A_NUMBER, step
         for k in range(v.size):
             v[k] = (moved[k] - x[k]) / h

@@ -4,7 +4,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.checks import LARGEST
 from dincl.compile import inner
 from dincl.kernels.active_set import LeastDistance, least_distance
 from dincl.kernels.arrays import Floats, Offsets
@@ -18,12 +17,17 @@ OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, 
 
 
 class Drift(NamedTuple):
-    """The function at ``address``, see ``pointers``; where it failed, ``failed`` holds t, x and what it gave."""
+    """The function at ``address``, see ``pointers``; where it failed, ``failed`` holds t, x and what it gave.
+
+    ``unit`` holds the units of time, length and velocity of the run, powers of two, in those of the function.
+    """
 
     address: int
     data: Floats
     calls: Offsets  # (2,): how many, and how the last one failed
     failed: Floats  # (1 + 2 n,)
+    unit: Floats  # (3,)
+    point: Floats  # (n,): x in the units of the function
 
 
 class SystemArrays(NamedTuple):
@@ -48,7 +52,7 @@ SYSTEM = SystemArrays(
     room_for_list(0, 0, 0, 1),
     least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
     room(1, 0),
-    Drift(0, np.zeros(1), np.zeros(2, dtype=np.int64), np.zeros(1)),
+    Drift(0, np.zeros(1), np.zeros(2, dtype=np.int64), np.zeros(1), np.ones(3), np.zeros(0)),
     np.zeros(0),
     np.zeros(0),
     np.zeros((0, 1)),
@@ -71,21 +75,26 @@ class Steps(NamedTuple):
 def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
     """F(t, x), finite: OK or DRIFT."""
     drift.calls[0] += 1
-    code = velocity(drift.address, t, x, out, x.size // d, d, drift.data)
+    time, length, speed = drift.unit[0] * t, drift.unit[1], drift.unit[2]
+    for k in range(x.size):
+        drift.point[k] = length * x[k]
+    code = velocity(drift.address, time, drift.point, out, x.size // d, d, drift.data)
     if code != OK:
-        drift.failed[0], drift.calls[1] = t, code
+        drift.failed[0], drift.calls[1] = time, code
         for k in range(x.size):
-            drift.failed[1 + k], drift.failed[1 + x.size + k] = x[k], out[k]
+            drift.failed[1 + k], drift.failed[1 + x.size + k] = drift.point[k], out[k]
         return DRIFT
+    for k in range(x.size):
+        out[k] /= speed
     return OK
 
 
 @inner
-def bounded(x: Floats) -> bool:
-    """Whether all numbers are finite and none is too large."""
+def bounded(x: Floats, most: float) -> bool:
+    """Whether all numbers are finite and none is larger than ``most``."""
     fits = True
     for k in range(x.size):
-        fits = fits and abs(x[k]) <= LARGEST
+        fits = fits and abs(x[k]) <= most
     return fits
 
 

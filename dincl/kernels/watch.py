@@ -5,7 +5,7 @@ import numpy as np
 from dincl.compile import inner
 from dincl.kernels.catch_up import carry
 from dincl.kernels.choice import TOUCHING
-from dincl.kernels.march import CLOSED, OPEN, march_at
+from dincl.kernels.march import CLOSED, HELD, march_at
 from dincl.kernels.signals import NEVER, PARTS, PUSHES, SUSPICIOUS, first_negative
 from dincl.kernels.system import OK, system_at
 from dincl.kernels.table import DISTANCE, SPEEDS, ask, distance_from_list, find_near, gap, sort_near
@@ -107,15 +107,16 @@ def first_event(run: int) -> tuple[float, int]:
             stirs = first_negative(run, r + march.closed.size, found)
             if stirs < found:
                 found, closing = stirs, -1
-        elif march.closed[r] == OPEN:
-            if stays_clear(run, r):
-                continue
-            if sets.address != 0 and rows.row[r].j < 0:
-                ask(sets, state.now, x, SPEEDS)
-            value = gap(rows, sets, r, x)
-            if value <= rows.row[r].sway * reach + touching:
-                state.level = -touching if value <= touching else 0.0
-                meets = first_negative(run, r, found)
-                if meets < found:
-                    found, closing = meets, r
+        if march.closed[r] == HELD or stays_clear(run, r):
+            continue
+        if sets.address != 0 and rows.row[r].j < 0:
+            ask(sets, state.now, x, SPEEDS)
+        value = gap(rows, sets, r, x)
+        if value <= rows.row[r].sway * reach + touching:
+            # Rounding takes a gap further down, and that of a closed row which others hold so does the integrator.
+            below = max(touching, state.tol) if march.closed[r] == CLOSED else touching
+            state.level = min(value - below, 0.0)
+            meets = first_negative(run, r, found)
+            if meets < found:
+                found, closing = meets, r if state.level == 0.0 else -1
     return found, closing

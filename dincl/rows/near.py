@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
-from typing import TYPE_CHECKING
+from functools import cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +31,8 @@ FORWARD = np.array([-147, 360, -450, 400, -225, 72, -10]) / 60
 
 # The index of a constraint in its problem, and a row of it in words.
 Name = tuple[int, str]
+# t -> where a set is, (d,) [length].
+Path = Callable[[float], "NDArray[np.float64]"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,7 +89,8 @@ class Selection:
             mine = slice(start, start + len(block))
             start += len(block)
             if len(block) and constraint.displacement(t, self.shape[1]) is not None:
-                velocity = np.tile(set_velocity(constraint, t, self.shape[1], spacing), self.shape[0])
+                path: Any = partial(constraint.displacement, d=self.shape[1])
+                velocity = np.tile(derivative(path, t, spacing), self.shape[0])
                 least[mine] = unit.times(velocity)[mine]
         return least
 
@@ -104,11 +108,20 @@ class Selection:
         return np.array([np.zeros(d) if before is None or after is None else after - before for before, after in paths])
 
 
-def set_velocity(constraint: Constraint, t: float, d: int, spacing: float) -> NDArray[np.float64]:
-    """The derivative of the displacement of a set, shape (d,), without looking at negative times [length / time]."""
-    first, weights = (-3, CENTRAL) if t >= 3 * spacing else (0, FORWARD)
-    places = [constraint.displacement(t + (first + k) * spacing, d) for k in range(len(weights))]
-    found: NDArray[np.float64] = weights @ np.array(places) / spacing
+def derivative(
+    path: Path, t: float, spacing: float, smooth: tuple[float, float] = (0.0, np.inf)
+) -> NDArray[np.float64]:
+    """The velocity of a path, shape (d,), by differences of order 6 among times of ``smooth`` [length / time]."""
+    spacing = min(spacing, (smooth[1] - smooth[0]) / (len(FORWARD) - 1))
+    if t - 3 * spacing < smooth[0]:
+        places, weights = range(7), FORWARD
+    elif t + 3 * spacing > smooth[1]:
+        places, weights = range(0, -7, -1), -FORWARD
+    else:
+        places, weights = range(-3, 4), CENTRAL
+    shifts = np.array([path(t + k * spacing) for k in places])
+    # A set at rest has no velocity, not even of rounding.
+    found: NDArray[np.float64] = weights @ (shifts - shifts[places.index(0)]) / spacing
     return found
 
 

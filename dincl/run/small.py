@@ -14,11 +14,12 @@ from dincl.kernels.active_set import least_distance
 from dincl.kernels.factor import room
 from dincl.kernels.handles import written
 from dincl.kernels.system import Drift, SystemArrays
-from dincl.kernels.table import room_for_list
+from dincl.kernels.table import DISTANCE, room_for_list
 from dincl.rows.near import select
 from dincl.rows.table import tabulate
 from dincl.run.drift_pointer import DriftPointer
 from dincl.run.sets_pointer import SetsPointer
+from dincl.run.units import Units
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
     from dincl.rows.near import Selection
     from dincl.work import Work
 
+ONE = Units()
 # The name in ``Work.back_ends``.
 NAME = "active set"
 FAILURES = {
@@ -46,20 +48,24 @@ class SmallSystem:
         Which one.
     selection
         The rows in its table: all of them, if not given.
+    units
+        In which the arrays are; the problem and its functions keep their own.
     arrays, place
         What kernels take, and the handle by which they do; they may be called inside of ``with drift, sets``.
     drift, sets
         What the arrays point to.
     """
 
-    def __init__(self, problem: Problem, selection: Selection | None = None) -> None:
-        self.problem = problem
+    def __init__(self, problem: Problem, selection: Selection | None = None, units: Units = ONE) -> None:
+        self.problem, self.units = problem, units
         if selection is None:
             selection = select(problem.constraints, 0.0, problem.x0, np.inf)
         self.selection = selection
         n, d = problem.x0.size, problem.x0.shape[1]
         rows, called = tabulate(self.selection.blocks, n, d)
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called)
+        rows.row["length"] /= units.length
+        rows.coefficient[np.repeat(rows.row["kind"] == DISTANCE, np.diff(rows.start))] /= units.length
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units)
         m, families = len(rows.row), len(problem.constraints)
         most = min(m, n) + 1
         self.arrays = SystemArrays(
@@ -68,7 +74,14 @@ class SmallSystem:
             near=room_for_list(m, n, families, d),
             program=least_distance(np.zeros(len(rows.column)), np.zeros(m), np.zeros(m), n),
             chosen=room(most, n),
-            drift=Drift(self.drift.address, self.drift.data, np.zeros(2, dtype=np.int64), np.zeros(1 + 2 * n)),
+            drift=Drift(
+                self.drift.address,
+                self.drift.data,
+                np.zeros(2, dtype=np.int64),
+                np.zeros(1 + 2 * n),
+                np.array([units.time, units.length, units.speed]),
+                np.zeros(n),
+            ),
             velocity=np.zeros(n),
             middle=np.zeros(n),
             move=np.zeros((families, d)),

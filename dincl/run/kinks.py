@@ -1,0 +1,107 @@
+"""Where the velocity of a path jumps, found from its values before a run."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from math import comb
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dincl.rows.near import Path, derivative
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from numpy.typing import NDArray
+
+Interval = tuple[float, float]
+
+NO_KINKS = np.zeros((0, 2))
+EPS = float(np.finfo(float).eps)
+# Of the differences on both sides of a kink, as a part of the run.
+SPACING = 1e-3
+# A path is smooth where polynomials through 17 of its values leave no more than rounding: of their 16th difference,
+# whose weights add up to 2^16, as a part of the largest value of the path. Looked at are two of them, since a kink at
+# one of 14 places leaves nothing of a single one.
+ORDER = 16
+WEIGHTS = np.array([(-1.0) ** k * comb(ORDER, k) for k in range(ORDER + 1)])
+ROUNDING = 4 * 2**ORDER * np.finfo(float).eps
+# The first look is at so many equal parts; then parts that are not smooth are cut. No cut is at a time that people
+# choose, for a kink that lies on a cut is in neither part.
+PARTS, CUT = 13, 0.3819660112501051
+# As a part of the run: what is not smooth within so short a time is a kink.
+SHORT = 1e-6
+# A path with noise has no velocity anywhere: it is given up after so many cuts.
+MOST_CUTS = 2000
+
+
+def kinks_of(paths: Sequence[Path], end: float) -> NDArray[np.float64]:
+    """Intervals (K, 2) in (0, end), as short as rounding allows, with a jump of the velocity of a path in each.
+
+    A path that is smooth nowhere is taken as it is, without any.
+    """
+    found = [_located(path, kinks, end) for path in paths for kinks in [_kinks_of_one(path, end)]]
+    kinks = np.array(sorted(kink for some in found for kink in some)).reshape(-1, 2)
+    apart = np.append(True, kinks[1:, 0] > kinks[:-1, 1])[: len(kinks)]
+    found_apart: NDArray[np.float64] = kinks[apart]
+    return found_apart
+
+
+def smooth_around(t: float, kinks: NDArray[np.float64]) -> tuple[float, float]:
+    """The times between the kinks before and after t: where differences may look."""
+    k = int(np.searchsorted(kinks[:, 1], t, side="right"))
+    return float(kinks[k - 1, 1]) if k else 0.0, float(kinks[k, 0]) if k < len(kinks) else np.inf
+
+
+def _kinks_of_one(path: Path, end: float) -> list[Interval]:
+    cuts = [0.0, *((k + CUT) / PARTS * end for k in range(PARTS)), end]
+    places = np.array([path(t) for t in cuts])
+    # Times are rounded, too, and a fast path shows it.
+    fastest = np.abs(np.diff(places, axis=0) / np.diff(cuts)[:, None]).max(axis=0) if end > 0 else 0.0
+    allowed = ROUNDING * (np.abs(places).max(axis=0) + end * fastest)
+
+    def is_smooth(a: float, b: float) -> bool:
+        values = np.array([path(float(t)) for t in np.linspace(a, b, ORDER + 2)])
+        return all(bool((np.abs(WEIGHTS @ part) <= allowed).all()) for part in (values[1:], values[:-1]))
+
+    waiting = [(a, b) for a, b in pairwise(cuts) if a < b]
+    found: list[Interval] = []
+    for _ in range(MOST_CUTS):
+        if not waiting:
+            return sorted(found)
+        a, b = waiting.pop()
+        if is_smooth(a, b):
+            continue
+        if b - a > SHORT * end:
+            cut = a + CUT * (b - a)
+            waiting += [(a, cut), (cut, b)]
+        else:
+            found.append(_narrowed(is_smooth, a, b))
+    return []
+
+
+def _narrowed(is_smooth: Callable[[float, float], bool], a: float, b: float) -> Interval:
+    """The shortest part around a kink that is not smooth yet."""
+    while True:
+        cut = a + CUT * (b - a)
+        rough = [part for part in ((a, cut), (cut, b)) if a < cut < b and not is_smooth(*part)]
+        if not rough:
+            return a, b
+        a, b = rough[0]
+
+
+def _located(path: Path, kinks: list[Interval], end: float) -> list[Interval]:
+    """Each kink where the straight lines from both its sides meet: known far better than where rounding hides it."""
+    ends, found = [0.0, *(t for kink in kinks for t in kink), end], []
+    for k, (a, b) in enumerate(kinks):
+        before = derivative(path, a, SPACING * end, (ends[2 * k], a))
+        after = derivative(path, b, SPACING * end, (b, ends[2 * k + 3]))
+        axis = int(np.abs(after - before).argmax())
+        jump = float((after - before)[axis])
+        way = float((path(b) - path(a))[axis])
+        t = min(max(a + ((b - a) * after[axis] - way) / jump, a), b) if jump else a
+        rounding = 8 * EPS * (abs(path(a)[axis]) + end * abs(jump))
+        meets = abs(way - (t - a) * before[axis] - (b - t) * after[axis]) <= rounding
+        found.append((t - 2 * EPS * end, t + 2 * EPS * end) if meets else (a, b))
+    return found
