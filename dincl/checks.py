@@ -160,11 +160,10 @@ def _one(value: Any) -> float:
 
 def integer(name: str, value: Any, *, least: int, most: int | None = None) -> int:
     """An int that is at least ``least`` and at most ``most``; None: at most what fits into 64 bits."""
-    is_integer = isinstance(value, (int, np.integer)) and not isinstance(value, (bool, np.timedelta64))
-    checked = int(value) if is_integer else least - 1
-    if not least <= checked <= (LARGEST_INTEGER if most is None else most):
+    checked = _whole(value)
+    if checked is None or not least <= checked <= (LARGEST_INTEGER if most is None else most):
         allowed = f"an integer >= {least}" if most is None else f"an integer from {least} to {most}"
-        if most is None and checked > LARGEST_INTEGER:
+        if most is None and checked is not None and checked > LARGEST_INTEGER:
             allowed += f" and at most {LARGEST_INTEGER}"
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
     return checked
@@ -172,9 +171,22 @@ def integer(name: str, value: Any, *, least: int, most: int | None = None) -> in
 
 def seed(name: str, value: Any) -> int:
     """An int >= 0 of any size, as the generators of numpy take it."""
-    if not isinstance(value, (int, np.integer)) or isinstance(value, (bool, np.timedelta64)) or value < 0:
+    checked = _whole(value)
+    if checked is None or checked < 0:
         raise InvalidProblem(f"{name} = {describe(value)}: must be an integer >= 0")
-    return int(value)
+    return checked
+
+
+def _whole(value: Any) -> int | None:
+    """A whole number as an int; None for anything else, and for one of the user's own class that cannot tell."""
+    if not isinstance(value, (int, np.integer)) or isinstance(value, (bool, np.timedelta64)):
+        return None
+    try:
+        return int(value)
+    except MemoryError:
+        raise
+    except Exception:  # noqa: BLE001  # whatever it raises, it is no whole number
+        return None
 
 
 def flag(name: str, value: Any) -> bool:
@@ -186,16 +198,18 @@ def flag(name: str, value: Any) -> bool:
 
 def text(name: str, value: Any, choices: tuple[str, ...]) -> str:
     """One of some words."""
-    if not isinstance(value, str) or value not in choices:
+    found = str.__str__(value) if isinstance(value, str) else None
+    if found not in choices:
         raise InvalidProblem(f"{name} = {describe(value)}: must be one of {', '.join(map(repr, choices))}")
-    return str(value)
+    return found
 
 
 def string(name: str, value: Any, form: re.Pattern[str] | None = None, allowed: str = "text") -> str:
     """Any text, or one of a form, which ``allowed`` says in words."""
-    if not isinstance(value, str) or (form is not None and not form.fullmatch(value)):
+    found = str.__str__(value) if isinstance(value, str) else None
+    if found is None or (form is not None and not form.fullmatch(found)):
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
-    return str(value)
+    return found
 
 
 def path(name: str, value: Any) -> Path:

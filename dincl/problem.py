@@ -86,7 +86,8 @@ class Problem:
 
     def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """F(t, x), checked: shape (N, d), finite; StepFailure otherwise."""
-        seen = x.view()
+        # No view: its base could be written to.
+        seen = x.copy()
         seen.flags.writeable = False
         return DRIFT.evaluated(self.drift, t, seen, shape=x.shape)
 
