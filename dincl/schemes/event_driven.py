@@ -55,9 +55,10 @@ class EventDriven(Scheme):
 
     ``Trajectory.error`` holds the estimate, with all overlaps in it, ``Trajectory.events`` the events. For at most 200
     particles: a run is made in compiled code, and its cost is that of its events times that of a factorisation of the
-    contacts. Measured to 1e-12, with all Python around it: 2 ms for four discs with 5 events, 6 ms for ten with 20, 50 ms for thirty with 80,
-    1.5 s for a hundred with 336. In piles of 10 to 100 discs it is the cheapest method for errors of 1e-4 and less, and
-    catch-up for coarser ones. A tolerance of 1e-3 costs a half to three quarters of 1e-12: events are as many.
+    contacts. Measured to 1e-12, with all Python around it: 2 ms for four discs with 5 events, 6 ms for ten with 20,
+    50 ms for thirty with 80, 1.5 s for a hundred with 336. In piles of 10 to 100 discs it is the cheapest method for
+    errors of 1e-4 and less, and catch-up for coarser ones. A tolerance of 1e-3 costs a half to three quarters of 1e-12:
+    events are as many.
     """
 
     tol: float = field()
