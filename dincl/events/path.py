@@ -40,9 +40,8 @@ class PathPieces(Between):
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The polynomials, moved back onto the contacts that are held."""
-        return (
-            self._states(np.asarray(times) / self._units.time).reshape(-1, *self._problem.x0.shape) * self._units.length
-        )
+        x = self._states(np.asarray(times) / self._units.time)
+        return x.reshape(-1, *self._problem.x0.shape) * self._units.length
 
     def overlaps(self, times: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
         """How far states (K, N, d) at these times are outside of the set, shape (K,) [length]."""
