@@ -90,6 +90,14 @@ def test_a_wall_that_comes_from_afar_within_a_step_is_seen():
     assert final[0, 0] == pytest.approx(0.1, abs=1e-12)
 
 
+@pytest.mark.parametrize("x", [0.6, 0.95, 0.999])
+def test_a_wall_that_comes_after_the_middle_of_a_step_is_seen(x):
+    wall = dincl.Moving(dincl.HalfSpace((1,)), lambda t: (t,))
+    problem = dincl.Problem([[x]], lambda t, x: 0 * x, [wall])
+    final = dincl.solve(problem, MidpointCatchUp(1.0, DAQP), t=[1.0]).final
+    assert final[0, 0] == pytest.approx(1.0, abs=1e-12)
+
+
 def test_a_contact_that_ends_another_one_costs_order_one():
     """A point slides on the floor onto a ramp: a step across the foot forgets the floor's push before it.
 
