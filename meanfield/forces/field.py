@@ -38,10 +38,22 @@ class Field(NamedTuple):
     orientation: float
 
     def acceleration(self) -> NDArray[np.float64]:
-        """y'' from (5.11a): mass^{-1} force, NaN where they are not finite."""
-        if not (np.isfinite(self.mass).all() and np.isfinite(self.force).all()):
-            return np.full_like(self.force, np.nan)
-        return np.asarray(np.linalg.solve(self.mass, self.force))
+        """y'' from (5.11a): mass^{-1} force, NaN where there is none."""
+        return accelerated(self.mass, self.force)
+
+
+def accelerated(mass: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
+    """mass^{-1} force for a mass (n, n) and a force (n,); NaN where one is not finite, or rounding made it singular.
+
+    An effective mass, the identity and a part that is positive semidefinite, is regular; its rounding may not be, if
+    that part exceeds 1e16.
+    """
+    if np.isfinite(mass).all() and np.isfinite(force).all():
+        try:
+            return np.asarray(np.linalg.solve(mass, force))
+        except np.linalg.LinAlgError:
+            pass
+    return np.full_like(force, np.nan)
 
 
 def field(

@@ -15,6 +15,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.status import Status
+from meanfield.forces.field import accelerated
 from meanfield.forces.interaction import forces
 from meanfield.model.symbolic import library
 
@@ -62,7 +63,7 @@ def accelerations(
         part = solved(gX.transpose(0, 2, 1), part)
         fixed, slope = part[:, :, 0], part[:, :, 1:]
         matrix = np.eye(model.ny) + np.einsum("jik,jil->kl", gy, slope) / len(X)
-        w = np.linalg.solve(matrix, model.F0(y) - np.einsum("jik,ji->k", gy, fixed) / len(X))
+        w = accelerated(matrix, model.F0(y) - np.einsum("jik,ji->k", gy, fixed) / len(X))
         multipliers = fixed + slope @ w
         found = (force - np.einsum("jik,ji->jk", gX, multipliers)) / model.m
     if not (np.isfinite(found).all() and np.isfinite(w).all()):

@@ -8,6 +8,7 @@ import numpy as np
 
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
+from meanfield.solvers.pace import check_pace
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -45,8 +46,8 @@ class Integrated(NamedTuple):
     evaluations: int
 
 
-def integrate(integrand: Integrand, kept: NDArray[np.float64], tol: float) -> Integrated:
-    """Integrate from 0 over the kept times.
+def integrate(integrand: Integrand, kept: NDArray[np.float64], tol: float, most: int | None = None) -> Integrated:
+    """Integrate from 0 over the kept times, in at most ``most`` steps (None: ``MOST_STEPS``).
 
     A trial step into places where the derivative is not finite is rejected; a step over a change of orientation ends
     the run, with the time of the change.
@@ -57,7 +58,7 @@ def integrate(integrand: Integrand, kept: NDArray[np.float64], tol: float) -> In
         if the derivative at the start is not finite.
     """
     _check_start(integrand)
-    march = _March(integrand, kept, tol)
+    march = _March(integrand, kept, tol, MOST_STEPS if most is None else most)
     status, detail = Status.SUCCESS, ""
     with np.errstate(all="ignore"):
         try:
@@ -83,10 +84,10 @@ def _check_start(integrand: Integrand) -> None:
 class _March:
     """Steps of DOP853 and what they passed."""
 
-    def __init__(self, integrand: Integrand, kept: NDArray[np.float64], tol: float) -> None:
+    def __init__(self, integrand: Integrand, kept: NDArray[np.float64], tol: float, most: int) -> None:
         from scipy.integrate import DOP853
 
-        self._integrand, self._kept = integrand, kept
+        self._integrand, self._kept, self._most = integrand, kept, most
         self._orientation = integrand.orientation
         self._trouble: StepFailure | None = None
         self.steps = self.evaluations = 0
@@ -99,8 +100,7 @@ class _March:
     def step(self) -> None:
         """Make one step and collect the kept times in it."""
         solver = self._solver
-        if self.steps == MOST_STEPS:
-            raise StepFailure(Status.TOO_MANY_STEPS, f"{self.steps} steps until t = {solver.t:.6g}.")
+        check_pace(self.steps, self._most, solver.t, self._kept[-1])
         solver.step()
         self.steps += 1
         if solver.status == "failed":

@@ -13,6 +13,7 @@ from dincl.errors import InvalidProblem, StepFailure
 from meanfield import plotting
 from meanfield.density.weights import checked
 from meanfield.errors import NotClosed, SolveFailed
+from meanfield.forces.field import accelerated
 from meanfield.forces.interaction import pair_energy
 from meanfield.forces.weights import each
 from meanfield.model.closure import closure, obstacle
@@ -30,7 +31,7 @@ if TYPE_CHECKING:
     from meanfield.model.closure import MomentClosure
     from meanfield.model.model import Model
 
-# A second moment may be below that of a point mass by the rounding of numbers of its size.
+# A second moment may be below that of a point mass by the rounding of numbers of its size, however small that is.
 ROUNDING = 1e-12
 
 
@@ -164,7 +165,7 @@ def _checked(model: Model, moments: Moments) -> Moments:
     mean = shaped("moments0.mean", given[0], (model.nx,))
     second = shaped("moments0.second", given[1], (model.nx, model.nx))
     least = np.linalg.eigvalsh(second - np.outer(mean, mean)).min()
-    slack = ROUNDING * max(1.0, np.abs(second).max())
+    slack = ROUNDING * np.abs(second).max()
     if np.abs(second - second.T).max() > slack or least < -slack:
         raise InvalidProblem(
             f"moments0.second = {second.tolist()}: must be symmetric, and second - mean mean^T, of least eigenvalue "
@@ -201,7 +202,7 @@ class _Unknowns:
             force = shares[ny * ny :]
         if not (np.isfinite(shares).all() and np.isfinite(flow).all()):
             return np.full_like(z, np.nan), np.nan
-        a = np.linalg.solve(mass, self._model.F0(y) + force)
+        a = accelerated(mass, self._model.F0(y) + force)
         return np.concatenate([v, a, *change]), self._oriented(rho, y)
 
     def split(

@@ -60,8 +60,12 @@ def solve_weighted(
     tol: float,
     *,
     throw: bool = True,
+    most_steps: int | None = None,
 ) -> Motion:
-    """As ``solve_ode``, for particles of given weights (N,) that sum to 1: the flow (5.40) of a measure of points."""
+    """As ``solve_ode``, for particles of given weights (N,) that sum to 1: the flow (5.40) of a measure of points.
+
+    ``most_steps`` are those that the integrator may make; None: as many as in ``solve_ode``.
+    """
     whole = model.model if isinstance(model, Reduction) else model
     checks.instance("model", whole, Model, "a meanfield.Model, or reduce() of one")
     state_given(start)
@@ -70,7 +74,7 @@ def solve_weighted(
     unknowns: _Unknowns = (
         model.unknowns(first, weights) if isinstance(model, Reduction) else _Transported(model, first, weights)
     )
-    result = integrate(unknowns, kept, tol)
+    result = integrate(unknowns, kept, tol, most_steps)
     motion = _motion(whole, first, weights, kept, unknowns, result)
     if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)

@@ -12,6 +12,7 @@ from dincl.checks import describe, flag, integer, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.errors import SolveFailed
+from meanfield.forces.field import accelerated
 from meanfield.forces.interaction import forces
 from meanfield.model.state import FullState, State, oriented
 from meanfield.solvers.arguments import model_given, state_given, times
@@ -214,7 +215,9 @@ class _Run:
         fixed, slope = both[:, :, 0], both[:, :, 1:]
         scale = self._model.m / len(gX)
         matrix = np.eye(self._model.ny) + scale * np.einsum("jik,jil->kl", back, slope)
-        dy = np.linalg.solve(matrix, -scale * np.einsum("jik,ji->k", back, fixed))
+        dy = accelerated(matrix, -scale * np.einsum("jik,ji->k", back, fixed))
+        if not np.isfinite(dy).all():
+            raise StepFailure(Status.NON_FINITE, "A correction of y is not finite.")
         return -fixed - slope @ dy, dy
 
     def _at(

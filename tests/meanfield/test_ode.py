@@ -156,6 +156,31 @@ def test_moments_through_zero():
         meanfield.solve_moments(MODELS["straight"], meanfield.Moments([0.0], [[1.0]]), [1.0], [-3.0], t=[1.0], tol=1e-9)
 
 
+ELEMENT = {"model": MODELS["element"], "y0": [1.2, 0.9, 0.1], "v0": [0.0, 0.0, 0.0], "t": [1e-6], "tol": 1e-3}
+
+
+@pytest.mark.parametrize("size", [1e-9, 1e2, 1e6])
+def test_moments_without_variance_along_one_direction(size, rng):
+    """Particles on a line: rounding makes the least variance negative, by a part of the size of the moments."""
+    least = []
+    for _ in range(50):
+        X = size * np.outer(rng.normal(size=5), rng.normal(size=2))
+        mean, second = meanfield.sample_moments(X, None)
+        least.append(np.linalg.eigvalsh(second - np.outer(mean, mean)).min())
+        assert meanfield.solve_moments(moments0=meanfield.Moments(mean, second), **ELEMENT).status is Status.SUCCESS
+    assert min(least) < 0
+
+
+@pytest.mark.parametrize("size", [1e-9, 1.0, 1e6])
+def test_moments_that_no_density_has_are_refused_at_every_size(size):
+    second = size**2 * np.array([[1.0, 0.0], [0.0, -1e-9]])
+    with pytest.raises(meanfield.InvalidModel, match=r"moments0.second = .*: must be symmetric, and"):
+        meanfield.solve_moments(moments0=meanfield.Moments([0.0, 0.0], second), **ELEMENT)
+    skew = size**2 * np.array([[1.0, 1e-9], [0.0, 1.0]])
+    with pytest.raises(meanfield.InvalidModel, match=r"moments0.second = .*: must be symmetric, and"):
+        meanfield.solve_moments(moments0=meanfield.Moments([0.0, 0.0], skew), **ELEMENT)
+
+
 def test_fold_ends_the_motion():
     """X + 1.5 sin X has a maximum at X = 2.30, y = 3.42: no particle can be carried beyond."""
     motion = meanfield.solve_ode(FOLD, meanfield.State([[0.1]], [0.2], [8.0]), t=[0.1, 9.0], tol=1e-8, throw=False)

@@ -15,8 +15,9 @@ if TYPE_CHECKING:
     from meanfield.density.density import Density
     from meanfield.model.model import Model
 
-# A coarse run: Gauss points per axis and piece, points of the frame per axis, times looked at, tolerance.
-NODES, FRAME, TIMES, TOLERANCE = 16, 17, 128, 1e-5
+# A coarse run: Gauss points per axis and piece, points of the frame per axis, times looked at, tolerance, most steps. A
+# motion that takes more of these, which are of order 8, takes more than are allowed on a grid.
+NODES, FRAME, TIMES, TOLERANCE, STEPS = 16, 17, 128, 1e-5, 10_000
 # Room on each side: relative to the box, for what a coarse run misses; and in cells, where numerical diffusion carries
 # more than 1e-9 of the mass past a jump (measured: 7 cells at most). On coarse grids never more than the box itself.
 MARGIN, ROOM, MOST_MARGIN = 0.1, 8, 1.0
@@ -36,7 +37,7 @@ def swept_box(
     start = State(X=np.concatenate([nodes, frame]), y=y, v=v)
     all_weights = np.concatenate([weights, np.zeros(len(frame))])
     t = np.linspace(0.0, end, TIMES + 1)
-    motion = solve_weighted(model, start, all_weights, t, TOLERANCE, throw=False)
+    motion = solve_weighted(model, start, all_weights, t, TOLERANCE, throw=False, most_steps=STEPS)
     swept = motion.X[:, len(nodes) :].reshape(-1, model.nx)
     lower, upper = swept.min(axis=0), swept.max(axis=0)
     by_cells = ROOM / (cells - 2 * ROOM) if cells > 3 * ROOM else MOST_MARGIN

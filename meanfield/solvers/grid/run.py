@@ -10,6 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.status import Status
 from meanfield.solvers.grid.step import KEEP, NEGLIGIBLE, GridState, GridSystem, Rate, Trial
+from meanfield.solvers.pace import check_pace
 
 MOST_STEPS = 200_000
 # Shortest step, relative to the length of the run: below, adding it to the time is rounding.
@@ -51,8 +52,7 @@ class GridRun:
 
     def _step(self, dt: float) -> bool:
         """Try a step and set the length of the next; whether the step counts."""
-        if self.steps >= MOST_STEPS:
-            raise StepFailure(Status.TOO_MANY_STEPS, f"{MOST_STEPS} steps.")
+        check_pace(self.steps, MOST_STEPS, self.now, self.end)
         self.steps += 1
         self.evaluations += len(KEEP)
         try:
