@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from meanfield.model.symbolic import Expressions
 
 _NONE = np.zeros((0, 0))
+# A mass of y, where that of y alone is 1, up to which its condition need not be looked at.
+HEAVY = 1e12
 
 
 class Field(NamedTuple):
@@ -43,14 +45,15 @@ class Field(NamedTuple):
 
 
 def accelerated(mass: NDArray[np.float64], force: NDArray[np.float64]) -> NDArray[np.float64]:
-    """mass^{-1} force for a mass (n, n) and a force (n,); NaN where one is not finite, or rounding made it singular.
+    """mass^{-1} force for a mass (n, n) and a force (n,); NaN where one is not finite, or rounding decides.
 
-    An effective mass, the identity and a part that is positive semidefinite, is regular; its rounding may not be, if
-    that part exceeds 1e16.
+    An effective mass is the identity and a part that is positive semidefinite. Where that part is some 1e14 times
+    larger in one direction and vanishes in another, its rounding hides the identity.
     """
     if np.isfinite(mass).all() and np.isfinite(force).all():
         try:
-            return np.asarray(np.linalg.solve(mass, force))
+            if np.abs(mass).max() < HEAVY or np.linalg.cond(mass) < 100 * HEAVY:
+                return np.asarray(np.linalg.solve(mass, force))
         except np.linalg.LinAlgError:
             pass
     return np.full_like(force, np.nan)

@@ -98,6 +98,35 @@ def test_a_slow_beginning_is_no_reason_to_end():
     assert run.v[-1, 0] == pytest.approx(1e5, rel=1e-9)
 
 
+def heavy(m):
+    """A model whose particles weigh m on y along (1, 1) and nothing along (1, -1)."""
+    energies = (lambda y: y[0] ** 2 + 2 * y[1] ** 2, lambda X: X**2)
+    return meanfield.Model(lambda X, y: X - y[0] - y[1], *energies, m=m, ny=2)
+
+
+LIGHT_START = State([[0.5]], [0.2, 0.3], [1.0, 0.0])
+
+
+@pytest.mark.parametrize("m", [2.0**60, 1e30, 2.0**100])
+def test_a_mass_that_hides_that_of_y_is_no_answer(m):
+    """All entries of the effective mass are m: its inverse has the rounding of 1e-16 in place of 1 along (1, -1)."""
+    for solve in (meanfield.solve_dae, meanfield.solve_rattle):
+        result = solve(heavy(m), LIGHT_START, [1.0], 1e-3, throw=False)
+        assert result.status is Status.NON_FINITE
+        assert not holds_nan(result)
+    with pytest.raises(meanfield.InvalidModel, match="the start: must be where all forces of the model are finite"):
+        meanfield.solve_ode(heavy(m), LIGHT_START, [1.0], 1e-3)
+    with pytest.raises(meanfield.InvalidModel, match="y0 = "):
+        meanfield.solve_moments(heavy(m), Moments([0.5], [[1.0]]), [0.2, 0.3], [1.0, 0.0], [1.0], 1e-3)
+
+
+def test_the_heaviest_mass_that_is_served_is_right():
+    """y1 + y2 drifts, and y moves along (1, -1) as beside a mass of 1e9."""
+    exact = meanfield.solve_ode(heavy(1e9), LIGHT_START, [1.0], 1e-12)
+    found = meanfield.solve_ode(heavy(1e13), LIGHT_START, [1.0], 1e-10)
+    assert found.y[-1] == pytest.approx(exact.y[-1], abs=1e-3)
+
+
 def drawn(number):
     """A solver and the arguments of a run: each scale is 1 or within ``decades`` of it."""
     rng = np.random.default_rng((SEED, number))
