@@ -9,6 +9,7 @@ import pytest
 
 from tests.verification.thesis.claim_changes import Change, Wrong, decided, replaced, times
 from tests.verification.thesis.emt_tables import KEPT
+from tests.verification.thesis.evidence import differences
 from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.chapter1.cells import HARD
@@ -206,6 +207,7 @@ def test_every_claim_is_tried() -> None:
 def test_the_verdict_is_the_recorded_one(name: str) -> None:
     evidence = CLAIMS[name].decide(KEPT)
     assert CLAIMS[name].verdict(evidence) is CLAIMS[name].recorded, evidence.measured
+    assert differences(name, evidence) == []
     assert 0 < len(evidence.measured) <= 350
     assert bool(evidence.corrected) == (CLAIMS[name].correction is not None)
 

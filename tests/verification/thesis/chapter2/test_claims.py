@@ -7,6 +7,7 @@ import pytest
 
 import dincl
 from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
+from tests.verification.thesis.evidence import differences
 from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.chapter2.claims import (
@@ -195,6 +196,7 @@ def test_every_claim_is_tried() -> None:
 def test_a_claim_comes_out_as_recorded(name: str) -> None:
     evidence = CLAIMS[name].decide(RIGHT.get(name, {}))
     assert CLAIMS[name].verdict(evidence) is CLAIMS[name].recorded, evidence
+    assert differences(name, evidence) == []
     assert len(evidence.measured) <= 350
 
 

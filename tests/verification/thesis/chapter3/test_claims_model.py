@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 from tests.verification.thesis.claim_changes import Wrong, decided, replaced, times
+from tests.verification.thesis.evidence import differences
 from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.chapter3.claims import (
@@ -128,6 +129,7 @@ def test_every_claim_of_these_files_is_tried() -> None:
 def test_verdict(name: str) -> None:
     found = CLAIMS[name].decide({})
     assert CLAIMS[name].verdict(found) is CLAIMS[name].recorded, found.measured
+    assert differences(name, found) == []
 
 
 @pytest.mark.parametrize("name", CHANGES)

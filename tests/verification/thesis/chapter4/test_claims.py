@@ -22,6 +22,7 @@ from tests.verification.thesis.emt_tables import (
     reversed_rows,
     with_counts,
 )
+from tests.verification.thesis.evidence import differences
 from tissue.events.known import row
 from tissue.study.comparisons import Difference
 from verification.claims import stated_in
@@ -219,6 +220,7 @@ def test_verdict_by_the_kept_tables_is_the_recorded_one(name: str) -> None:
     claim = CLAIMS[name]
     found = claim.decide(KEPT)
     assert claim.verdict(found) is claim.recorded, found
+    assert differences(name, found) == []
     assert 0 < len(found.measured) <= 350
     assert (claim.correction is None) == (claim.recorded is not Kind.CORRECTED)
 

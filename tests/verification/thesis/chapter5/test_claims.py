@@ -8,6 +8,7 @@ import pytest
 
 from meanfield import State
 from tests.verification.thesis.claim_changes import Change, Wrong, decided, replaced, times
+from tests.verification.thesis.evidence import differences
 from verification.claims import stated_in
 from verification.evidence import Kind
 from verification.thesis.appendix.claims import s2_derivation
@@ -265,6 +266,7 @@ def test_the_verdict_is_the_recorded_one(name: str) -> None:
     claim = CLAIMS[name]
     evidence = claim.decide({})
     assert claim.verdict(evidence) is claim.recorded, evidence.measured
+    assert differences(name, evidence) == []
     assert (claim.correction is not None) == (claim.recorded is Kind.CORRECTED)
     assert len(evidence.measured) <= 350
 
