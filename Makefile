@@ -5,6 +5,7 @@
 #   make lint             check style, format and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make bench            measure the time per disc and step, and of the tissue
+#   make mutants          see whether tests notice random faults in the code   (ARGS="50 dincl/rows": how many, and where)
 #   make lock             fix the newest versions of all dependencies in requirements.lock
 #   make clean            remove the environment and the caches; report/ and results/ stay
 #
@@ -25,7 +26,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests and reports start dozens of processes, each of which would compile all modules that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test lint docs bench lock clean
+.PHONY: report test lint docs bench mutants lock clean
 .DELETE_ON_ERROR:
 
 report: .venv/installed
@@ -45,6 +46,9 @@ docs: .venv/installed
 
 bench: .venv/installed
 	$(BIN)/verification bench
+
+mutants: .venv/installed
+	$(ONE_THREAD) $(BIN)/python -m tests.mutants $(or $(ARGS),20)
 
 # Each stamp is touched last, so an install that broke off is made again from the start.
 .venv/locked: requirements.lock
