@@ -1,0 +1,30 @@
+"""On a bent layer blocks of cells are compared by boxes: discs in a row touch across the ends of blocks alone."""
+
+import numpy as np
+import pytest
+
+from tests.tissue import kernel_calls as kernels
+from tests.tissue.states import cells, layers, numbers
+from tests.twins.tissue import steps as twins
+from tests.twins.tissue.state import Tissue
+from tissue.kernels.curve import curve_numbers
+from tissue.state.basal_curve import ellipse
+
+RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))
+GIVEN = numbers()
+
+
+def row(n, angle):
+    """Discs that overlap the next one by a tenth of their diameter, and no other."""
+    state, along = cells(n, 0), 0.9 * 2 * GIVEN.hard_radius * np.arange(n)
+    return state._replace(x=along * np.cos(angle), y=along * np.sin(angle), radius=np.full(n, GIVEN.hard_radius))
+
+
+@pytest.mark.parametrize("width", [1, 8])
+@pytest.mark.parametrize("angle", np.arange(8) * np.pi / 4)
+def test_the_ends_of_blocks_overlook_no_contact(angle, width):
+    found = [Tissue(row(n, angle), layers(n), n) for n in (40, 17, 33, 25, 9, 16, 2, 24)[:width]]
+    for state, one in zip(found, kernels.swept(found, GIVEN, RING), strict=True):
+        expected = twins.separate(state.cells.x, state.cells.y, state.cells.radius)
+        np.testing.assert_array_equal([one.x, one.y], expected)
+        assert len(one.x) < 3 or np.abs(one.x - state.cells.x).max() + np.abs(one.y - state.cells.y).max() > 0.01
