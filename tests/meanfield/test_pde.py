@@ -236,6 +236,15 @@ def test_singular_models_end_the_run() -> None:
     assert np.isfinite(grid.energy()).all()
 
 
+def test_nothing_moves_at_rest() -> None:
+    """At the origin without forces the size of y and y' is 0: nothing is divided by it."""
+    free = meanfield.LinearFibre(m=0.5, k0=1.0, y_rest=0.0, k1=0.0)
+    grid = solve_pde(free, BUMP, [0.0], [0.0], [0.5, 1.0], cells=20, bounds=(-2.0, 4.0))
+    assert grid.status is Status.SUCCESS
+    assert not np.any([grid.y, grid.v])
+    np.testing.assert_array_equal(grid.f[0], grid.f[1])
+
+
 def test_too_many_steps_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(grid_run, "MOST_STEPS", 10)
     grid = solve_pde(LINEAR, BUMP, [0.0], [0.5], [2.0], bounds=(-2.0, 4.0), throw=False)
