@@ -8,7 +8,9 @@ from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.kernels.curve import curve_numbers
+from tissue.kernels.store import STRAIGHT
 from tissue.state.basal_curve import ellipse
+from tissue.step.group import Group
 
 RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))
 GIVEN = numbers()
@@ -28,3 +30,13 @@ def test_the_ends_of_blocks_overlook_no_contact(angle, width):
         expected = twins.separate(state.cells.x, state.cells.y, state.cells.radius)
         np.testing.assert_array_equal([one.x, one.y], expected)
         assert len(one.x) < 3 or np.abs(one.x - state.cells.x).max() + np.abs(one.y - state.cells.y).max() > 0.01
+
+
+@pytest.mark.parametrize("curve", [RING, STRAIGHT], ids=["ring", "straight"])
+@pytest.mark.parametrize("width", [1, 8])
+def test_the_pairs_that_are_looked_at_are_counted(width, curve):
+    """Those that are near, at most all; in a company they are those of the widest window of all."""
+    n = 160
+    group = Group([kernels.held(Tissue(row(n, 0.0), layers(n), n), curve=curve) for _ in range(width)], GIVEN)
+    assert group.make_substeps()
+    assert n - 1 <= group.pairs / GIVEN.substeps < n * (n - 1) / 4
