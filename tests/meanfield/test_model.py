@@ -180,6 +180,11 @@ def test_bad_models(change, message):
         meanfield.Model(**{"g": lambda X, y: X - y, **FREE, **change})
 
 
+def test_a_list_may_mix_expressions_and_numbers():
+    model = meanfield.Model(g=lambda X, y: [X[0] - y[0], 2.5], nx=2, **FREE)
+    np.testing.assert_array_equal(model.level(np.array([[3.0, 7.0]]), np.array([1.0])), [[2.0, 2.5]])
+
+
 def test_no_value_where_the_model_is_singular():
     for call in (MODELS["straight"].phi, MODELS["straight"].level):
         with pytest.raises(RuntimeError, match="full rank"):
