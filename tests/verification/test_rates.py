@@ -159,7 +159,7 @@ def test_result_shows_itself(flow, tmp_path):
         ({"repeats": [2, 2]}, "repeats = .*one for each of 3"),
         ({"repeats": 1}, "repeats = 1: must be an integer >= 2"),
         ({"quantiles": True}, "repeats = 3: must be an integer from 1 to 1"),
-        ({"density": SQUARE, "quantiles": True, "repeats": 1}, "need one dimension"),
+        ({"density": SQUARE, "quantiles": True, "repeats": 1}, "quantiles = True in 2 dimensions: must be False"),
         ({"seed": -1}, "seed = -1"),
         ({"gap": 0.0}, "gap = 0.0"),
         ({"t": [1.0]}, "model = None with t"),
