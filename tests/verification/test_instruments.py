@@ -181,6 +181,20 @@ def test_a_parameter_of_a_map_may_belong_to_the_problem():
     assert found.table["outcome"].tolist() == ["inaccurate", "converged"]
 
 
+def test_the_error_in_a_map_is_the_largest_of_all_times():
+    falling = dincl.Problem([[1.0]], lambda t, x: -np.ones_like(x))
+    errors = np.array([0.25, 1.0, 0.5])
+    found = v.stability_map(
+        falling,
+        dincl.PBD,
+        ("dt", [0.1]),
+        ("dt", [0.1]),
+        t=[0.5, 1.0, 1.5],
+        reference=lambda problem: lambda t: 1.0 - t[:, None, None] + errors[:, None, None],
+    )
+    assert found.table["error"].tolist() == [pytest.approx(1.0)]
+
+
 # References
 
 

@@ -289,3 +289,17 @@ def test_uzawa_goes_downhill_from_a_maximum():
     problem = dincl.Problem([[1e-3]], lambda t, x: x - x**3, [])
     found = minimise(problem, Uzawa(0.5, STOP))
     assert found.x[0, 0] == pytest.approx(1, abs=1e-8)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_each_evaluation_of_the_drift_is_counted(method):
+    calls = []
+
+    def drift(t, x):
+        calls.append(t)
+        return ANCHORS - x
+
+    problem = dincl.Problem([[-1.0, 0.0], [1.0, 0.0]], drift, [dincl.NonOverlap(0.5)])
+    calls.clear()
+    counted = minimise(problem, method).stats.drift_evaluations
+    assert counted == len(calls) - 1 > 5  # one more certifies the result
