@@ -99,5 +99,6 @@ def _chosen(crowd: Crowd, group: CellGroup, draw: Draws, lattice: Lattice | None
 
 
 def _middles(row: Integers, m: int) -> Integers:
-    """The cells in the middle of m equal parts of a row."""
-    return row[len(row) * (2 * np.arange(m) + 1) // max(1, 2 * m)]
+    """The cells in the middle of m equal parts of a row; of two such cells the outer one."""
+    odd = 2 * np.arange(m) + 1
+    return row[(len(row) * odd - (odd < m)) // max(1, 2 * m)]

@@ -31,7 +31,8 @@ def remove(layer: Integers, size: int, k: int) -> int:
 def leave_apical(store: Store, i: int) -> tuple[bool, int, int]:
     """Take cell i out of the apical layer, or of its chain: whether it was in one, and its neighbours, -1 for none.
 
-    In three dimensions its network closes the gap by itself, and there are no chains.
+    In a ring the last cell and the first one are neighbours. In three dimensions its network closes the gap by itself,
+    and there are no chains.
     """
     layer, sizes = store.layers.apical, store.sizes
     k, n = find(layer, sizes[APICAL], i), sizes[APICAL]
@@ -41,7 +42,9 @@ def leave_apical(store: Store, i: int) -> tuple[bool, int, int]:
             call_leave(store.space.rules.leave_apical, store, i)
         return k >= 0, -1, -1
     if k >= 0:
-        left, right = layer[k - 1] if k > 0 else -1, layer[k + 1] if k < n - 1 else -1
+        ring = store.curve.ring > 0.0 and n > 2
+        left = layer[k - 1] if k > 0 else layer[n - 1] if ring else -1
+        right = layer[k + 1] if k < n - 1 else layer[0] if ring else -1
         sizes[APICAL] = remove(layer, n, k)
         return True, left, right
     inside, left, right = (

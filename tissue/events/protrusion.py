@@ -10,6 +10,9 @@ from tissue.model.heights import height_above
 from tissue.model.springs import basal_length
 from tissue.state.numbers import Numbers
 
+# A point that is no farther above a layer is on it [R_soft]: where the layer bends, its height is 0 up to rounding.
+ON_LAYER = 1e-9
+
 
 def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
     """How the basal point of cell i moves, and what its spring does, by where the point is now.
@@ -25,7 +28,7 @@ def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers)
     motion.bx_moves[i] = motion.by_moves[i] = moves
     motion.runs[i] = numbers.run_speed * numbers.dt / numbers.substeps if running else 0.0
     stiffness = numbers.alpha_bx * numbers.freed_stiffness
-    if height <= 0.0:
+    if height <= ON_LAYER:
         cells.rest_bx[i] = rest_bx * math.exp(-numbers.dt / numbers.contraction)
     elif numbers.spring_gives:
         cells.rest_bx[i] = rest_bx + numbers.run_speed * numbers.dt

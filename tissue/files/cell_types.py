@@ -24,6 +24,8 @@ from tissue.files.timing import Timing
 # The types that have no name in files, by their numbers.
 UNNAMED = ("control", "emt")
 MOST_TYPES = 8
+# Parts of a cell by which a place is off that is computed.
+ROUNDING = 1e-9
 # Where a group is if not at a place: at random, or evenly over the tissue.
 SCATTERED, APART = "scattered", "apart"
 TYPESCRIPT = "the public TypeScript program"
@@ -51,9 +53,14 @@ class Place:
 
 
 def first_of(cells: int, group: int, place: float) -> int:
-    """The first cell of a group: its middle is at this part of the tissue, and no cell of it outside."""
-    exact = place * cells - group / 2
-    return min(max(0, math.floor(exact + 1e-9)), cells - group)
+    """The first cell of a group: its middle is nearest to this part of the tissue, and no cell of it outside.
+
+    So groups at the places p and 1 - p mirror each other. Of two cells as near it is the outer one; for a group that
+    cannot be in the very middle, the one on the left.
+    """
+    exact, middle = place * cells - group / 2, (cells - group) / 2
+    nearest = math.floor(exact + 0.5 + ROUNDING) if exact > middle + ROUNDING else math.ceil(exact - 0.5 - ROUNDING)
+    return min(max(0, nearest), cells - group)
 
 
 class TypeKeys(ParameterSection):

@@ -16,6 +16,7 @@ from tissue.kernels.rules import Rules
 from tissue.kernels.store import CELLS, Store
 from tissue.model.cytoskeleton import capped
 from tissue.model.emt import last_events
+from tissue.model.junctions import shrink_junctions
 from tissue.model.springs import apical_length, basal_length, cell_length
 from tissue.state.cells import Cells
 from tissue.state.numbers import Numbers
@@ -59,13 +60,13 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
     the place of these.
     """
     cells, n = store.cells, store.sizes[CELLS]
-    kind, own, keep_ax, keep_bx, keep_aa = -1, numbers, 0.0, 0.0, 0.0
+    shrink_junctions(store, numbers)
+    kind, own, keep_ax, keep_bx = -1, numbers, 0.0, 0.0
     for i in range(n):
-        if cells.kind[i] != kind:  # of neighbours it is mostly the same: three exponentials for many cells
+        if cells.kind[i] != kind:  # of neighbours it is mostly the same: two exponentials for many cells
             kind = cells.kind[i]
             own = numbers_of(numbers, kind)
             keep_ax, keep_bx = math.exp(-own.rate_ax * own.dt), math.exp(-own.rate_bx * own.dt)
-            keep_aa = math.exp(-own.rate_aa * own.dt)
         rest_ax, rest_bx = cells.rest_ax[i], cells.rest_bx[i]
         if cells.moves[i] and in_g2(cells, i, t, own):
             wanted_ax = 0.0
@@ -78,6 +79,5 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
         wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], own.max_cytoskeleton)
         cells.rest_ax[i] = wanted_ax + (rest_ax - wanted_ax) * keep_ax
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
-        cells.rest_aa[i] *= keep_aa
         if cells.events[i]:
             last_events(store, i, rest_ax, rest_bx, own, rules)

@@ -13,24 +13,39 @@ from tissue.state.numbers import Numbers
 
 @inner
 def begin_events(store: Store, t: float, numbers: Numbers, rules: Rules) -> None:
-    """Begin each event whose time has come; where it is the first one of a cell, keep its y_AB before it (4.8)."""
+    """Begin each event whose time has come; where it is the first one of a cell, keep its y_AB before it (4.8).
+
+    One event after the other, each in all cells: so what a cell meets does not depend on which neighbour is before it.
+    """
     cells, emt = store.cells, store.emt
     if len(emt.new) == 0:
         return
-    for i in range(store.sizes[CELLS]):
-        if cells.emt[i] >= 0:
-            emt.new[cells.emt[i]] = _come(emt, cells.emt[i], t) & ~cells.events[i]
+    come = 0
     for i in range(store.sizes[CELLS]):
         k = cells.emt[i]
-        if k < 0 or emt.new[k] == 0:
-            continue
-        if cells.events[i] == 0:
-            emt.onset_ab[k] = ab_position(store, i)
-        own = numbers_of(numbers, cells.kind[i])
-        for event in rules.order:
-            if (emt.new[k] >> event) & 1 and rules.begin[event] != 0:
-                call_begin(rules.begin[event], store, i, 1 << event, own)
-        cells.events[i] |= emt.new[k]
+        if k >= 0:
+            emt.new[k] = _come(emt, k, t) & ~cells.events[i]
+            come |= emt.new[k]
+            if emt.new[k] != 0 and cells.events[i] == 0:
+                emt.onset_ab[k] = ab_position(store, i)
+    if come == 0:
+        return
+    for event in rules.order:
+        if (come >> event) & 1 and rules.begin[event] != 0:
+            _begin_in_all(store, event, numbers, rules)
+    for i in range(store.sizes[CELLS]):
+        if cells.emt[i] >= 0:
+            cells.events[i] |= emt.new[cells.emt[i]]
+
+
+@inner
+def _begin_in_all(store: Store, event: int, numbers: Numbers, rules: Rules) -> None:
+    """Begin an event in all cells whose time for it has come."""
+    cells, emt = store.cells, store.emt
+    for i in range(store.sizes[CELLS]):
+        k = cells.emt[i]
+        if k >= 0 and (emt.new[k] >> event) & 1:
+            call_begin(rules.begin[event], store, i, 1 << event, numbers_of(numbers, cells.kind[i]))
 
 
 @inner

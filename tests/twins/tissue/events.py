@@ -41,25 +41,35 @@ def begin_events(tissue: Tissue, t: float, numbers: Numbers, named: Named = ()) 
     cells, (apical, basal), emt = _copied(tissue.cells), tissue.layers, _copied(tissue.emt)
     positions = ab_positions(Frame(t, *tissue[:2])) if len(emt.side) else None
     for i in np.flatnonzero(cells.emt >= 0):
-        k, own = cells.emt[i], of_cell(numbers, named, cells.kind[i])
+        k = cells.emt[i]
         times = {bit(event.name): emt.at[row, k] for row, event in enumerate(events())}
         new = sum(bit for bit, time in times.items() if t >= time and not cells.events[i] & bit)
         emt.new[k] = new
         if new and not cells.events[i] and positions is not None:
             emt.onset_ab[k] = positions[i]
         cells.events[i] += new
+
+    def beginning(name: str) -> list[tuple[int, Numbers]]:
+        """The cells in which an event begins, with the numbers of their types."""
+        of_emt = np.flatnonzero(cells.emt >= 0)
+        mine = of_emt[(emt.new[cells.emt[of_emt]] & bit(name)) > 0]
+        return [(int(i), of_cell(numbers, named, cells.kind[i])) for i in mine]
+
+    for i, own in beginning("a"):
         chain = np.flatnonzero(cells.chain == cells.chain[i]) if cells.chain[i] else apical
-        if new & bit("a") and i in chain:
+        if i in chain:
             chain = _without(chain, i, cells, numbers)
             apical, cells.chain[i] = apical if cells.chain[i] else chain, 0
             cells.stiff_ax[i] = numbers.freed_stiffness * own.alpha_ax
-        if new & bit("b") and i in basal:
+    for i, own in beginning("b"):
+        if i in basal:
             basal = basal[basal != i]
             cells.stiff_bx[i] = numbers.freed_stiffness * own.alpha_bx
-        if new & bit("ac") and i in apical:
+    for i, _ in beginning("s"):
+        cells.stiff_axb[i] = numbers.bent_stiffness
+    for i, _ in beginning("ac"):
+        if i in apical:
             apical = _constricted(apical, i, cells, emt)
-        if new & bit("s"):
-            cells.stiff_axb[i] = numbers.bent_stiffness
     return tissue._replace(cells=cells, layers=CellLayers(apical, basal), emt=emt)
 
 

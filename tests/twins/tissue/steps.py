@@ -20,6 +20,7 @@ from tests.twins.tissue.state import Tissue
 from tests.twins.tissue.types import Named, of_all, of_cell
 from tissue.events.known import bit
 from tissue.model.energy import forces
+from tissue.model.junctions import pairs
 from tissue.state.cells import CellLayers, Cells, Flags, Floats
 from tissue.state.numbers import Numbers
 
@@ -42,7 +43,8 @@ def apply_rules(
     tissue = begin_events(divide(tissue, t, numbers, draws, named), t, numbers, named)
     own = of_all(numbers, named, tissue.cells.kind)
     before = set_phases(tissue.cells, t, own)
-    cells = last_events(adapt_rest_lengths(before, t, own), before, numbers, named)
+    adapted = shrink_junctions(adapt_rest_lengths(before, t, own), tissue.layers, own)
+    cells = last_events(adapted, before, numbers, named)
     if not numbers.noise_in_substeps:
         cells = add_noise(cells, numbers.variance * numbers.dt, noise)
     return tissue._replace(cells=cells)
@@ -107,8 +109,15 @@ def adapt_rest_lengths(cells: Cells, t: float, numbers: Any) -> Cells:
     return cells._replace(
         rest_ax=wanted_ax + (cells.rest_ax - wanted_ax) * np.exp(-numbers.rate_ax * numbers.dt),
         rest_bx=wanted_bx + (cells.rest_bx - wanted_bx) * np.exp(-numbers.rate_bx * numbers.dt),
-        rest_aa=cells.rest_aa * np.exp(-numbers.rate_aa * numbers.dt),
     )
+
+
+def shrink_junctions(cells: Cells, layers: CellLayers, numbers: Any) -> Cells:
+    """Twin of ``junctions.shrink_junctions``: the mean rate of both cells, for what is no junction that of its cell."""
+    rate = np.broadcast_to(numbers.rate_aa, len(cells.x)).astype(float)
+    i, j = pairs(cells, layers, closed=False)
+    rate[i] = 0.5 * (rate[i] + rate[j])
+    return cells._replace(rest_aa=cells.rest_aa * np.exp(-rate * numbers.dt))
 
 
 def add_noise(cells: Cells, variance: float, noise: Generator) -> Cells:
