@@ -19,6 +19,8 @@ POWER = 0.8
 PRINTED_LEVEL = 0.99  # at which a measured ratio agrees with a printed one
 
 CLAIM_LEVEL = 0.99  # at which a claim is judged: so narrow a chance of error is for several claims of a question
+# A variance that is a smaller part of the two that it is the difference of is 0 up to rounding.
+ROUNDING = 1e-12
 ALIKE = 0.1  # ratios that differ by less are alike: the thesis prints tenths and calls its results qualitative
 
 Correction = Literal["holm", "fdr"]
@@ -68,14 +70,15 @@ class Difference:
     def p_value(self) -> float:
         """P[a difference of this size or larger, either way], if there is none: the score test of two proportions.
 
-        1 where all cells of both ratios are hits, or none is.
+        1 where all cells of both ratios are hits, or none is; and where the difference has no spread, as that of two
+        ratios of equal sizes that always change together.
         """
         n_1, n_2 = self.first.size, self.second.size
         pooled = (self.first.value * n_1 + self.second.value * n_2) / (n_1 + n_2)
         spread = pooled * (1 - pooled)
         covariance = self.correlation * spread / math.sqrt(n_1 * n_2)
         variance = spread * (1 / n_1 + 1 / n_2) - 2 * covariance
-        if self.value == 0 or variance <= 0:
+        if self.value == 0 or variance <= ROUNDING * spread * (1 / n_1 + 1 / n_2):
             return 1.0
         return float(2 * ndtr(-abs(self.value) / math.sqrt(variance)))
 

@@ -21,6 +21,7 @@ from tissue.model.observables import (
     phases,
     widths,
 )
+from tissue.state.basal_curve import ellipse
 from tissue.state.frame import Frame
 
 
@@ -114,6 +115,17 @@ def test_nuclear_layers_are_what_vertical_lines_cross():
     crossed = (np.abs(lines[:, None] - x) <= 1.0).sum(axis=1)
     assert nuclear_layers(state) == pytest.approx(crossed.mean(), rel=1e-3)
     assert nuclear_layers(frame([[3.0, 1.0]], [[0.0, 8.0]])) == 1.0
+
+
+def test_nuclear_layers_of_a_ring_are_what_normals_cross():
+    """Radii of a circle from its middle, which is 30 long: with nuclei everywhere each crosses 2 N / 30 discs."""
+    ring = ellipse(30.0, 1.0, inside=True, ring=True)
+    along = np.linspace(-15.0, 15.0, 90, endpoint=False)
+    x, y = ring.above(along, np.full(90, 1.0))
+    state = Frame(0.0, cells_at(np.column_stack((x, y)), np.zeros((90, 2)), np.zeros((90, 2))), layers(90), ring)
+    apart = np.abs((np.linspace(-15.0, 15.0, 5000)[:, None] - ring.feet(x, y) + 15.0) % 30.0 - 15.0)
+    assert nuclear_layers(state) == pytest.approx((apart <= 1.0).sum(axis=1).mean(), rel=1e-3)
+    assert nuclear_layers(state) == pytest.approx(6.0, rel=1e-12)
 
 
 def test_phases_begin_on_time():

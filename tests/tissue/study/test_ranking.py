@@ -5,14 +5,16 @@ import math
 import numpy as np
 import pandas as pd
 import pytest
+from scipy.optimize import minimize
 
 from dincl.errors import InvalidProblem
 from tissue.study import ranking
 from tissue.study.categories import NO_INM, by_selection, happened
-from tissue.study.questions import GROUP, POPULATIONS, answers
+from tissue.study.questions import GROUP, POPULATIONS, QUESTIONS, answers
 from tissue.study.ranking import by_coefficient, by_importance, by_ratio, factors, shuffled
 
 END = 48.0
+MIXTURES = ("[A]", "[B]", "[A] and [B]")
 
 
 def emt_cells(runs, cells, seed, odds, *, p=0.5, shared=0.0, fixed=None):
@@ -137,6 +139,28 @@ def test_coefficients_have_direction_and_cover_zero_where_nothing_is(cells, hits
     assert rows.loc["onset", "low"] < -4 * 0.289 * math.sqrt(0.91) * 0.93 < rows.loc["onset", "high"]
 
 
+def test_coefficients_are_those_of_all_cells(cells, hits, monkeypatch):
+    """As the regression is defined, minimised by another program: least log loss + |b|^2 / 2, on standardised factors."""
+    monkeypatch.setattr(ranking, "RESAMPLES", 3)
+    found = by_coefficient(cells, hits, END, seed=0)
+    numbers, kept = factors(cells, END)
+    x = numbers[[factor.name for factor in kept]].to_numpy()
+    x, y = (x - x.mean(axis=0)) / x.std(axis=0), hits.to_numpy(float)
+
+    def log_loss(b):
+        return np.logaddexp(0.0, x @ b[1:] + b[0]) - y * (x @ b[1:] + b[0])
+
+    def gradient(b):
+        rest = 1.0 / (1.0 + np.exp(-(x @ b[1:] + b[0]))) - y
+        return np.append(rest.sum(), rest @ x + b[1:])
+
+    start = np.zeros(1 + x.shape[1])
+    best = minimize(lambda b: log_loss(b).sum() + b[1:] @ b[1:] / 2, start, jac=gradient, options={"gtol": 1e-6}).x
+    values = found.table.set_index("factor")["value"]
+    np.testing.assert_allclose(values[[factor.name for factor in kept]], best[1:], atol=2e-3)
+    assert found.loss == pytest.approx(log_loss(best).mean(), abs=1e-6)
+
+
 def test_coefficients_know_of_common_fates(monkeypatch):
     """A factor of the replicate: its interval is far wider than that of as many cells on their own."""
     monkeypatch.setattr(ranking, "RESAMPLES", 80)
@@ -220,6 +244,15 @@ def test_answers_where_the_thesis_is_right(found):
     verdicts = {name: answer.verdict for name, answer in found[1].items()}
     assert {name for name, verdict in verdicts.items() if verdict == "holds"} >= {"Q1", "Q2", "Q5", "Q6", "Q7"}
     assert "does not hold" not in verdicts.values()
+
+
+def test_the_first_question_is_asked_of_each_order_of_events():
+    """[A], [B] and both orders of both, with INM and without, each alone against its like in the population."""
+    alone = emt_cells(600, 1, 4, lambda table: log_odds(table, 1, -2), p=0)
+    mixed = {f"{name} at any time{inm}": alone[alone["inm"] == (not inm)] for inm in ("", NO_INM) for name in MIXTURES}
+    mixed[POPULATIONS[2]] = emt_cells(300, 10, 2, lambda table: log_odds(table, 1, 0), p=0.1)
+    asked = {claim.text.partition(" against those of ")[0] for claim in QUESTIONS["Q1"].claims(mixed)}
+    assert asked == {f"{order}{inm}" for order in ("[A]", "[B]", "[AB]", "[BA]") for inm in ("", NO_INM)}
 
 
 def test_answers_where_the_thesis_is_wrong(found):

@@ -176,6 +176,13 @@ def test_p_value_is_that_of_the_score_test():
     assert Difference(Ratio(10, 10), Ratio(20, 20)).p_value() == 1
 
 
+@pytest.mark.parametrize("size", [4, 10, 64, 97, 100, 399])
+def test_ratios_that_always_change_together_do_not_differ_by_chance(size):
+    """Equal sizes with correlation 1: the difference has no spread at all, and nothing is claimed."""
+    for count in range(size):
+        assert Difference(Ratio(count, size), Ratio(size // 2, size), 1.0).p_value() == 1.0
+
+
 def test_coverage_of_a_difference():
     one, other = clustered(0.4, 0.3, 60, 10, seed=1), clustered(0.2, 0.05, 40, 10, seed=2)
     bounds = []
