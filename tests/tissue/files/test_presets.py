@@ -218,9 +218,7 @@ def test_gastrulation_in_units_of_its_soft_radius():
 
 def test_cuboidal_is_a_change_of_chick():
     parameters = preset("cuboidal")
-    expected = CHICK._replace(
-        dt=0.05, mu=0.1, repulsion=2.0, max_basal=4.0, rate_aa=5.0, two_daughters=0.1, max_cytoskeleton=0.5
-    )
+    expected = CHICK._replace(dt=0.05, mu=0.1, repulsion=2.0, max_basal=4.0, rate_aa=5.0, two_daughters=0.1)
     close(parameters.numbers(), expected)
     close(
         parameters.start_numbers(),
