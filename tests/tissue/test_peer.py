@@ -1,21 +1,18 @@
 """The tissue against an independent program of the same model, at its parameters: mean heights of control tissues."""
 
+from itertools import product
+
 import numpy as np
 import pytest
 
+from tests.outside.eht import theirs
 from tissue.files.parameters import preset
 from tissue.study.outcomes import outcomes
 
 RUNS = range(112)  # as many as of that program, in whole lots
-# Means and standard errors of 110 runs of that program, by time [h]: of the apical layer, of the nuclei [R_soft].
-PEER = {
-    ("height_um", 10): (8.575, 0.013),
-    ("height_um", 24): (9.269, 0.012),
-    ("height_um", 48): (10.188, 0.015),
-    ("nucleus_height_um", 10): (5.379, 0.014),
-    ("nucleus_height_um", 24): (6.086, 0.015),
-    ("nucleus_height_um", 48): (6.957, 0.013),
-}
+# Its quantities that a study measures, too, and the times of its means [h].
+QUANTITIES = {"height_um": "apical_height", "nucleus_height_um": "nucleus_height"}
+TIMES = (10, 24, 48)
 # Of six such differences, if they were independent, one would be beyond this once in 60 samples; the seeds are fixed.
 FAR = 3.0
 
@@ -26,10 +23,10 @@ def differences(changes):
         {"numerics.t_end": "48 h", "numerics.keep": ["10 h", "24 h", "48 h"], **changes}
     )
     runs = outcomes(parameters, RUNS, RUNS).runs.to_pandas()
-    found = {}
-    for (name, t), (mean, error) in PEER.items():
-        ours = runs[f"{name}_{t}h"] / parameters.cell.soft_radius.value
-        found[name, t] = (ours.mean() - mean) / np.hypot(ours.sem(), error)
+    found, there = {}, theirs().loc["control"]
+    for (name, quantity), t in product(QUANTITIES.items(), TIMES):
+        ours, peer = runs[f"{name}_{t}h"] / parameters.cell.soft_radius.value, there.loc[(t, quantity)]
+        found[name, t] = (ours.mean() - peer["mean"]) / np.hypot(ours.sem(), peer["standard_error"])
     return found
 
 

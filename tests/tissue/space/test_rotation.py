@@ -1,8 +1,8 @@
 """No rule of the third dimension knows a direction: a tissue that is turned has the turned run, to rounding.
 
 Hard balls are small, basal neighbours free and apical points not crowded, so that neither the order of the sweeps nor
-that of exchanges of neighbours matters. The direction of a division is drawn from one that turns with a cylinder; sheets
-and spheres are turned without divisions.
+that of exchanges of neighbours matters. The direction of a division is drawn from one that turns with a cylinder;
+sheets and spheres are turned without divisions.
 """
 
 from dataclasses import replace

@@ -140,7 +140,7 @@ def test_coefficients_have_direction_and_cover_zero_where_nothing_is(cells, hits
 
 
 def test_coefficients_are_those_of_all_cells(cells, hits, monkeypatch):
-    """As the regression is defined, minimised by another program: least log loss + |b|^2 / 2, on standardised factors."""
+    """As the regression is defined, minimised by another program: log loss + |b|^2 / 2 on standardised factors."""
     monkeypatch.setattr(ranking, "RESAMPLES", 3)
     found = by_coefficient(cells, hits, END, seed=0)
     numbers, kept = factors(cells, END)

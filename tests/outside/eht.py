@@ -1,0 +1,92 @@
+"""Means of an independent program of the same tissue model, and the same means of our runs; see README.md here."""
+
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from tissue.files.parameters import load
+from tissue.many import simulate_many
+from tissue.model.observables import ab_positions
+
+FOLDER = Path(__file__).parent
+# Runs at once: their states need memory.
+RUNS_AT_ONCE = 16
+# Quantities that are parts of the runs; the others are means of lengths and numbers.
+PARTS = ("emt_basal_extr", "emt_apical_extr", "emt_below_control", "emt_below_control_y")
+# A scenario such as A12_noINM names its event, the time of it there, and whether the EMT cell has INM. Events of that
+# program act at the end of a step, ours from its beginning: 12.1 h.
+DELAY = 0.1
+
+
+def theirs():
+    """Their means by scenario, time [h] and quantity, with ``runs`` and ``standard_error``."""
+    return pd.read_csv(FOLDER / "eht_straight.csv").set_index(["scenario", "t_h", "quantity"])
+
+
+def parameters_of(scenario):
+    """Ours for a scenario."""
+    times = sorted(set(theirs().index.get_level_values("t_h")))
+    keep = {"numerics.keep": [f"{t} h" for t in times]}
+    if scenario == "control":
+        return load(FOLDER / "eht_like_control.toml").changed(keep)
+    event, _, resting = scenario.partition("_")
+    begins = {} if event == "none" else {f"emt.{event[0].lower()}": f"{int(event[1:]) + DELAY} h"}
+    return load(FOLDER / "eht_like.toml").changed({**keep, **begins, "emt.inm": 0 if resting else 1})
+
+
+@cache
+def ours(scenario, runs):
+    """The quantities of runs with the seeds 0, 1, ...: a row for each run and time, by run and ``t_h``."""
+    parameters, rows = parameters_of(scenario), {}
+    for begin in range(0, runs, RUNS_AT_ONCE):
+        for run in simulate_many(parameters, range(begin, min(runs, begin + RUNS_AT_ONCE))):
+            assert run.status
+            rows |= {(run.seed, round(frame.t)): measured(frame) for frame in run.frames[1:]}
+    return pd.DataFrame.from_dict(rows, orient="index").rename_axis(["run", "t_h"])
+
+
+def measured(frame):
+    """The quantities of one state [R_soft]."""
+    cells, apical, basal = frame.cells, frame.layers.apical, frame.layers.basal
+    positions, emt = ab_positions(frame), cells.emt >= 0
+    found = {
+        "n_cells": len(cells.x),
+        "apical_height": cells.ay[apical].mean(),
+        "nucleus_height": cells.y.mean(),
+        "nucleus_height_control": cells.y[~emt].mean(),
+        "apical_width": np.ptp(cells.ax[apical]),
+        "apical_strip_length": np.hypot(np.diff(cells.ax[apical]), np.diff(cells.ay[apical])).sum(),
+        "basal_width": np.ptp(cells.bx[basal]),
+        "mean_yAB_control": positions[~emt].mean(),
+    }
+    if not emt.any():
+        return found
+    i = int(np.flatnonzero(emt)[0])
+    return found | {
+        "emt_basal_extr": positions[i] < 0,
+        "emt_apical_extr": positions[i] > 1,
+        "emt_below_control": positions[i] <= positions[~emt].min(),
+        "emt_below_control_y": cells.y[i] <= cells.y[~emt].min(),
+        "emt_y": cells.y[i],
+        "emt_yAB": positions[i],
+        "emt_A_y": cells.ay[i],
+        "emt_B_y": cells.by[i],
+    }
+
+
+def differences(scenario, runs):
+    """Our means less theirs in standard errors, by time and quantity; 0 for two that are the same in all runs.
+
+    Of a part of the runs the error is that of both programs together, which is not 0 if one of them has it never.
+    """
+    table, expected = ours(scenario, runs).astype(float), theirs().loc[scenario]
+    groups = table.groupby("t_h")
+    mean, error = (part.stack().reindex(expected.index) for part in (groups.mean(), groups.sem()))
+    spread = np.hypot(error, expected["standard_error"])
+    parts = expected.index.get_level_values("quantity").isin(PARTS)
+    pooled = (runs * mean + expected["runs"] * expected["mean"]) / (runs + expected["runs"])
+    of_parts = np.sqrt((pooled * (1 - pooled)).clip(lower=0.0) * (1 / runs + 1 / expected["runs"]))
+    difference = mean - expected["mean"]
+    return (difference / spread.where(~parts, of_parts)).where(difference.abs() > 1e-12, 0.0)
