@@ -20,8 +20,9 @@ _NAME = re.compile(r"[^\W\d]\w*")
 class DivisionRule:
     """Whether a cell splits when its cycle ends, and where its daughters are; ``rule`` in the section [division].
 
-    A cell that undergoes EMT never splits, all others are asked; ``numbers`` are those of the type of the cell. Its
-    functions are plain Python at top level of a file; numba compiles them, alone, when a run first needs them.
+    Cells of [emt], and of types that do not divide, never split; all others are asked. ``numbers`` are those of the
+    type of the cell. Functions are plain Python at top level of a file; numba compiles them, alone, when a run first
+    needs them.
 
     Attributes
     ----------
@@ -71,7 +72,7 @@ def place(store: Store, i: int, numbers: Numbers) -> None:
             x[i + k] += step * along_x
             if curve.bent:
                 y[i + k] += step * along_y
-        if curve.bent:
+        if curve.bent and store.motion.by_moves[i + k] == 0.0:  # a point that the layer holds
             cells.along[i + k] += step
             cells.bx[i + k], cells.by[i + k], _, _ = course(curve, cells.along[i + k])
 

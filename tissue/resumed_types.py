@@ -11,9 +11,9 @@ from tissue.events.known import bit, events, row
 from tissue.files.cell_types import UNNAMED
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_groups
-from tissue.groups import Crowd, control_cells, crowd_of, drawn_for, give
+from tissue.groups import Crowd, Draws, control_cells, crowd_of, drawn_for, give
 from tissue.space.lattice import Lattice
-from tissue.state.cells import CONTROL, EMT, Cells, Emt, Integers
+from tissue.state.cells import CONTROL, EMT, Cells, Emt, Flags, Integers, emt_cells
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -35,11 +35,19 @@ def typed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -
     else:
         crowd = _kept(parameters, cells, random)
     cells.kind[:], cells.moves[:], cells.divides[:] = crowd.kind, crowd.moves, crowd.divides
-    cells.emt[:] = crowd.numbers()
-    emt = _with_past(crowd.emt(), past.emt, was[crowd.may_leave], cells.events[crowd.may_leave])
+    order = _by_number(crowd.may_leave, was)
+    cells.emt[:] = -1
+    cells.emt[order] = np.arange(len(order))
+    emt = _with_past(emt_cells(crowd.times[:, order]), past.emt, was[order], cells.events[order])
     if start.t > 0:
         _refuse_past(parameters, start.t, emt, cells)
     return emt
+
+
+def _by_number(among: Flags, was: Integers) -> Integers:
+    """The EMT cells in the order of the numbers that they had, then those that had none, from left to right."""
+    found = np.flatnonzero(among)
+    return found[np.lexsort((found, was[found], was[found] < 0))]
 
 
 def _kinds(parameters: Parameters, cells: Cells, past: TissueCheckpoint) -> Integers:
@@ -77,16 +85,38 @@ def _kept(parameters: Parameters, cells: Cells, random: Streams) -> Crowd:
     )
     groups = parameters.groups()
     for kind, (group, draw) in enumerate(zip(groups, drawn_for(groups, random), strict=True), EMT):
-        mine, wanted = np.flatnonzero(cells.kind == kind), group.scenario.cells
-        if wanted != len(mine) and (group.may_leave or len(mine) == 0):
+        mine, wanted = _by_number(cells.kind == kind, cells.emt), group.scenario.cells
+        first = _first_ones(cells, mine, wanted) if group.divides else mine
+        if wanted != len(first) and (group.may_leave or len(mine) == 0):
             raise InvalidProblem(
-                f"{_section(group.name)}.cells = {wanted}: must be {len(mine)}, as many as there are at the start"
+                f"{_section(group.name)}.cells = {wanted}: must be {len(first)}, as many as there are at the start"
             )
         if group.may_leave:
-            give(crowd, mine, kind, group, draw)
+            of = _descent(cells, mine, first)
+            give(crowd, mine, kind, group, Draws(draw.times[:, of], draw.moves[of], draw.places))
         else:
             crowd.divides[mine] = group.divides & ~crowd.may_leave[mine]
     return crowd
+
+
+def _first_ones(cells: Cells, mine: Integers, count: int) -> Integers:
+    """Those of a type that divides which are not daughters of others: EMT cells have the first ``count`` numbers."""
+    if len(mine) and cells.emt[mine].min() >= 0:
+        return mine[:count]
+    return mine[~np.isin(cells.mother[mine], cells.id[mine])]
+
+
+def _descent(cells: Cells, mine: Integers, first: Integers) -> list[int]:
+    """Of each cell of a type the place of the one among the ``first`` that it descends from."""
+    place, mother = (
+        dict(zip(cells.id[first], range(len(first)), strict=True)),
+        dict(zip(cells.id, cells.mother, strict=True)),
+    )
+
+    def descends(name: int) -> int:
+        return place[name] if name in place else descends(mother[name])
+
+    return [descends(name) for name in cells.id[mine]]
 
 
 def _section(name: str) -> str:

@@ -71,7 +71,7 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
     ``y_ab``                                                float64   position on the apical-basal scale (3.3.1)
     ``in_apical_layer``, ``in_basal_layer``                 bool      whether it has neighbours there
     ``migrates``, ``divides``                               bool      whether it has INM; may get a second daughter
-    ``emt``                                                 int64     number among the EMT cells, from left; -1: control
+    ``emt``                                                 int64     number among the EMT cells; -1: control
     ``events``                                              str       EMT events that have begun: "", "A", ..., "ABSP"
     ``type``                                                str       "control", "emt", or the name of a type
     ======================================================  ========  ===============================================

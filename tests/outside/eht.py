@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+from scipy.stats import fisher_exact, norm
 
 from tissue.files.parameters import load
 from tissue.many import simulate_many
@@ -76,17 +77,19 @@ def measured(frame):
     }
 
 
-def differences(scenario, runs):
-    """Our means less theirs in standard errors, by time and quantity; 0 for two that are the same in all runs.
+def p_values(scenario, runs):
+    """The probability of differences of our means from theirs that are as large, by time and quantity.
 
-    Of a part of the runs the error is that of both programs together, which is not 0 if one of them has it never.
+    Of means by their standard errors, of parts of the runs by Fisher's exact test; 1 if both are the same in all runs.
     """
     table, expected = ours(scenario, runs).astype(float), theirs().loc[scenario]
     groups = table.groupby("t_h")
     mean, error = (part.stack().reindex(expected.index) for part in (groups.mean(), groups.sem()))
-    spread = np.hypot(error, expected["standard_error"])
-    parts = expected.index.get_level_values("quantity").isin(PARTS)
-    pooled = (runs * mean + expected["runs"] * expected["mean"]) / (runs + expected["runs"])
-    of_parts = np.sqrt((pooled * (1 - pooled)).clip(lower=0.0) * (1 / runs + 1 / expected["runs"]))
-    difference = mean - expected["mean"]
-    return (difference / spread.where(~parts, of_parts)).where(difference.abs() > 1e-12, 0.0)
+    spread, difference = np.hypot(error, expected["standard_error"]), mean - expected["mean"]
+    found = pd.Series(2 * norm.sf((difference / spread).abs()), expected.index).where(difference.abs() > 1e-12, 1.0)
+    for at, there in expected.iterrows():
+        if at[1] in PARTS:
+            count, size = round(mean[at] * runs), int(there["runs"])
+            others = round(there["mean"] * size)
+            found[at] = fisher_exact([[count, runs - count], [others, size - others]]).pvalue
+    return found

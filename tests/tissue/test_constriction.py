@@ -8,16 +8,19 @@ import pytest
 from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
-from tissue.events.known import bit, settled
+from tissue.events.known import bit, row, settled
 from tissue.files.parameters import load, preset
 from tissue.first_order import simulate
 from tissue.kernels.lanes import WIDTH
 from tissue.model.observables import ab_positions
 from tissue.quasi_steady.frozen import frozen_problem
+from tissue.start import started
 from tissue.state.cells import emt_cells
 from tissue.state.frame import Frame
+from tissue.state.streams import streams
 
 NEVER = np.inf
+GROUP = {"cells": 4, "place": 0.8, "ac": "1 h to 9 h"}
 
 
 def ruled(model, state, t, given=STILL):
@@ -171,3 +174,38 @@ def test_a_group_constricts(tmp_path):
     assert not np.isin(np.flatnonzero(group), run.final.layers.apical).any()
     with pytest.raises(InvalidProblem, match=r"cells.chain\[\d+\] = \d+: must be 0, the energy has"):
         frozen_problem(run.final.cells, run.final.layers, run.parameters.numbers())
+
+
+# Whole types
+
+
+@pytest.mark.parametrize("section", ["emt", "types.some"])
+def test_a_whole_type_constricts_at_the_time_of_its_first_cell(section):
+    """One key: then all cells of a type are one chain, whatever their times; other events keep theirs."""
+    times = {f"{section}.cells": 8, f"{section}.ac": "1 h to 4 h, 60 %", f"{section}.s": "1 h to 4 h"}
+    alone = preset("published").changed({**times, "numerics.t_end": "5 h", "numerics.keep": "1 h"})
+    runs = [simulate(alone.changed({"events.constrict_together": flag}), 3) for flag in (False, True)]
+    one, whole = (run.final.past.emt.at for run in runs)
+    ac, others = row("ac"), [row(name) for name in ("a", "b", "s", "p")]
+    assert len(set(one[ac])) > 4
+    assert np.isinf(one[ac]).any()
+    assert set(whole[ac]) == {one[ac].min()}
+    np.testing.assert_array_equal(one[others], whole[others])
+    assert chains(runs[1].final) == [np.flatnonzero(runs[1].final.cells.emt >= 0).tolist()]
+    assert len(chains(runs[0].final)) > 1
+
+
+def test_types_constrict_each_at_its_own_first_time():
+    both_types = {f"types.{name}.{key}": value for name in ("one", "two") for key, value in GROUP.items()}
+    given = preset("published").changed(both_types | {"types.one.place": 0.2, "events.constrict_together": True})
+    held, _ = started(given, streams(1))
+    times = held.emt.at[row("ac")]
+    assert len(set(times[:4])) == len(set(times[4:])) == 1
+    assert times[0] != times[4]
+
+
+def test_nobody_constricts_where_the_first_never_does():
+    given = {"emt.cells": 3, "emt.ac": "1 h, 0 %", "events.constrict_together": True}
+    assert np.isinf(started(preset("published").changed(given), streams(1))[0].emt.at).all()
+    none = preset("published").changed({"events.constrict_together": True, "emt.ac": "1 h"})
+    assert started(none, streams(1))[0].emt.at.shape[1] == 0

@@ -255,7 +255,8 @@ CHANGES = {
     "events.at_depth": ("stays", {"[[]P] way at depth": 0}),
 }
 # Keys that no step depends on, those of the other solver, and times of events, which tests of the
-# events look at, and rules of divisions, as those of the modules of users and curved layers do.
+# events look at, as they do at the key of [AC], and rules of divisions, as those of the modules of users and curved
+# layers do.
 WHOLE = ("emt", "daha", "layer", "own", "space", "types")
 ASIDE = (
     "tissue.dimension",
@@ -263,6 +264,7 @@ ASIDE = (
     "numerics.t_end",
     "numerics.keep",
     "division.rule",
+    "events.constrict_together",
     *(f"{name}.*" for name in WHOLE),
 )
 

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 from pydantic import ConfigDict, Field, PlainValidator, ValidationInfo, create_model, model_serializer, model_validator
 
 from tissue.events.known import events
-from tissue.files.emt_sections import event_keys
+from tissue.files.emt_sections import TYPESCRIPT, event_keys
 from tissue.files.fields import MOST_CELLS, Begin, Count, Flag, Number, Probability
 from tissue.files.keys import TYPE, KeyFacts, facts_of, key
 from tissue.files.scenario import CellGroup, Scenario
@@ -28,7 +28,6 @@ MOST_TYPES = 8
 ROUNDING = 1e-9
 # Where a group is if not at a place: at random, or evenly over the tissue.
 SCATTERED, APART = "scattered", "apart"
-TYPESCRIPT = "the public TypeScript program"
 # The keys that a type may have of its own, and their sections: not those of a pair of cells, nor the unit of length.
 OWN_KEYS = {
     **{name: "cell" for name in CellSection.model_fields if name not in ("soft_radius", "alpha_xx")},
@@ -85,7 +84,7 @@ class TypeKeys(ParameterSection):
         1,
     )
     divides: Flag = key(
-        "whether its cells divide; false for a type with events", "", "section 2.2.5 of chapter 3", True
+        "whether its cells divide; daughters have the events of their mother", "", "section 2.2.5 of chapter 3", True
     )
 
     def own(self) -> dict[str, Any]:
@@ -101,9 +100,9 @@ class TypeKeys(ParameterSection):
         """Whether one may begin: then its cells are EMT cells."""
         return any(timing.ever for timing in self.times().values())
 
-    def group(self, name: str, rest_length: float) -> CellGroup:
-        """The cells at the start; ``rest_length``: of their springs [R_soft]."""
-        scenario = Scenario(self.cells, self.inm, self.times())
+    def group(self, name: str, rest_length: float, together: frozenset[str]) -> CellGroup:
+        """The cells at the start; ``rest_length``: of their springs [R_soft]; ``together``: as of ``Scenario``."""
+        scenario = Scenario(self.cells, self.inm, self.times(), together)
         return CellGroup(name, scenario, self.place, self.divides, self.has_events, rest_length)
 
     @model_serializer(mode="wrap")
@@ -134,8 +133,8 @@ class TypesSection(ParameterSection):
     """[types]: groups of cells with a name, parameters and events of their own, each a table [types.NAME].
 
     Up to eight. A key of [cell] holds for a type that does not have it; soft_radius and alpha_xx hold for all. Cells of
-    a type with events are EMT cells, as those of [emt] are, for tables, outcomes and studies: they never divide.
-    Daughters are of the type of their mother.
+    a type with events are EMT cells, as those of [emt] are, for tables, outcomes and studies, but may divide. Daughters
+    are of the type of their mother, and have her events at her times; studies follow the EMT cells of the start.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)

@@ -100,9 +100,9 @@ def _fit(
     above its own basal point. Fewer may fit, and cells that start in mitosis need more room; but above this number no
     start without overlap exists. Where the layer bends, and in space, only drawing tells.
     """
-    if shape != "line" or dimension != FLAT:
-        return None
     height, width, spacing, radius, _ = (reduced(length, lengths[-1]) for length in lengths)
+    if shape != "line" or dimension != FLAT or radius == 0:
+        return None
     up, d = (part[1] - part[0]) * height, 2 * radius
     per_width = 2 * up / (math.sqrt(3) * d**2) + 1 / d
     if nuclei == "own_basal":

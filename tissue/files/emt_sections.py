@@ -15,6 +15,7 @@ from tissue.files.fields import (
     Count,
     DurationOrZero,
     EventTime,
+    Flag,
     Length,
     NonNegative,
     OneOf,
@@ -24,6 +25,8 @@ from tissue.files.fields import (
 from tissue.files.keys import KeyFacts, key
 from tissue.files.sections import ParameterSection
 from tissue.files.timing import NEVER, Timing
+
+TYPESCRIPT = "the public TypeScript program"
 
 
 def event_keys(section: str, of: Iterable[EmtEvent]) -> tuple[KeyFacts, ...]:
@@ -107,6 +110,9 @@ class EventsSection(ParameterSection):
         "time constant of its rest length once the point is below the layer; 0: at once",
         "",
         "section 2.2.4 of chapter 4",
+    )
+    constrict_together: Flag = key(
+        "whether in [AC] all cells of a type constrict at the time of the first of them", "", TYPESCRIPT, False
     )
     at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))] = key(
         "what the basal point does at run_depth", "", "(4.1)"

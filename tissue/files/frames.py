@@ -218,7 +218,7 @@ def _impossible(arrays: Arrays) -> Iterator[str]:
         "next_id": arrays["next_id"] > ids.max(initial=-1),
         "cells.radius": (arrays["cells.radius"] >= 0).all(),
         "cells.cycle": (arrays["cells.cycle"] > 0).all(),
-        "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(among[among >= 0], np.arange(m)),
+        "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(np.sort(among[among >= 0]), np.arange(m)),
         "cells.events": ((events >= 0) & (events < 1 << len(known())) & ((events == 0) | (among >= 0))).all(),
         "cells.kind": ((arrays["cells.kind"] >= 0) & (arrays["cells.kind"] < NAMED + kinds)).all(),
         "counts": (arrays["counts"] >= 0).all(),

@@ -14,6 +14,7 @@ from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.division import DivisionRule, division_rules
+from tissue.events.constriction import EVENT as CONSTRICTION
 from tissue.events.known import events
 from tissue.files.cell_types import OWN_KEYS, UNNAMED, TypesSection
 from tissue.files.combinations import broken
@@ -179,14 +180,19 @@ class Parameters(BaseModel):
     def scenario(self) -> Scenario:
         """What the EMT cells are drawn from: times in h."""
         emt = self.emt
-        return Scenario(emt.cells, emt.inm, emt.times())
+        return Scenario(emt.cells, emt.inm, emt.times(), self._simultaneous())
 
     def groups(self) -> tuple[CellGroup, ...]:
         """The cells that are no control cells: those of [emt], then those of each named type."""
         rest, named = self.start_numbers().rest_length, self.types.named().items()
         emt = CellGroup(UNNAMED[-1], self.scenario(), 0.5, divides=False, may_leave=True, rest_length=rest)
         rests = (one.start_numbers().rest_length for one in self._of_types())
-        return emt, *(one.group(name, rest) for (name, one), rest in zip(named, rests, strict=True))
+        together = self._simultaneous()
+        return emt, *(one.group(name, rest, together) for (name, one), rest in zip(named, rests, strict=True))
+
+    def _simultaneous(self) -> frozenset[str]:
+        """The events that begin in all cells of a type when they do in the first one."""
+        return frozenset({CONSTRICTION.name} if self.events.constrict_together else ())
 
     def _of_types(self) -> Iterator[Parameters]:
         """Parameters that hold for the cells of a type, for each."""

@@ -110,8 +110,10 @@ class CellSection(ParameterSection):
     soft_radius: MetricLength = key(
         "radius of the soft repulsion, the unit of length R_soft", "R^soft", f"{TABLE_2}, (3.13)"
     )
-    hard_radius: Length = key("radius of non-overlap", "R^hard", f"{TABLE_2}, (C1)")
-    enlarged_radius: Length = key("radius of non-overlap before division", "R^hard,G2", f"{TABLE_2}, (3.4)")
+    hard_radius: LengthOrZero = key("radius of non-overlap; 0: none", "R^hard", f"{TABLE_2}, (C1)")
+    enlarged_radius: LengthOrZero = key(
+        "radius of non-overlap before division; 0: none", "R^hard,G2", f"{TABLE_2}, (3.4)"
+    )
     initial_rest_length: LengthOrZero = key(
         "rest length of both cytoskeleton springs at the start", "eta^init", TABLE_2
     )

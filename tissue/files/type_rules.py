@@ -38,7 +38,7 @@ def broken_types(values: Mapping[str, Any]) -> list[str]:
     """One line for each rule that the types among the values break; ``values`` by keys, types as "types.soft"."""
     types = {name.partition(".")[2]: one for name, one in values.items() if name.startswith("types.")}
     types = {name: one for name, one in types.items() if _may_be(name)}
-    lines = [line for name, one in types.items() for line in (*_own(name, one, values), *_divides(name, one))]
+    lines = [line for name, one in types.items() for line in _own(name, one, values)]
     if {"tissue.cells", "emt.cells"} <= values.keys():
         lines += broken_groups(types, values["tissue.cells"], values["emt.cells"])
     return lines
@@ -59,13 +59,6 @@ def _own(name: str, one: TypeKeys, values: Mapping[str, Any]) -> list[str]:
     said = (re.sub(rf"\b({mine})\b", lambda key: f"types.{name}.{key[0].partition('.')[2]}", line) for line in found)
     plain = broken_of(_CELL_RULES, values)
     return [line for line in said if line not in plain]
-
-
-def _divides(name: str, one: TypeKeys) -> Iterator[str]:
-    """A daughter would share the entry of her mother among the EMT cells."""
-    begins = next((f"types.{name}.{key} = {show(time)}" for key, time in one.times().items() if time.ever), None)
-    if one.divides and begins is not None:
-        yield f"types.{name}.divides = true: must be false: {begins}, and EMT cells never divide"
 
 
 def _numbers(types: Mapping[str, TypeKeys], cells: int, emt: int) -> Iterator[str]:

@@ -11,11 +11,11 @@ from tissue.kernels.curve import CurveNumbers, curve_numbers
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.space.state import Space, no_space, with_room
 from tissue.state.basal_curve import LINE
-from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, first, no_emt
+from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, emt_cells, first, no_emt
 from tissue.state.forces import Forces
 
 # Places in Store.sizes
-CELLS, APICAL, BASAL, NEXT_ID = range(4)
+CELLS, APICAL, BASAL, NEXT_ID, EMT_CELLS = range(5)
 # What is counted, and where in Store.counts
 COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
@@ -39,12 +39,12 @@ class Blocks(NamedTuple):
 
 
 class StoreArrays(NamedTuple):
-    """What kernels see of a store; of each array of ``cells`` and ``layers`` the first ``sizes`` entries are in use."""
+    """What kernels see of a store; of each array of ``cells``, ``layers``, ``emt`` the first ``sizes`` are in use."""
 
     cells: Cells
     layers: CellLayers
-    emt: Emt  # always whole
-    sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id
+    emt: Emt  # with room for as many as there may be cells, if there are EMT cells
+    sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells
     motion: BasalMotion
     blocks: Blocks
     noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
@@ -55,14 +55,17 @@ class StoreArrays(NamedTuple):
 
 
 class Store(Handed):
-    """A running tissue, with the attributes of ``StoreArrays``. Kernels take it, or find it at its address."""
+    """A running tissue, with the attributes of ``StoreArrays``. Kernels take it, or find it at its address.
+
+    For Python ``emt`` has those EMT cells alone that there are.
+    """
 
     def __init__(self, parts: StoreArrays) -> None:
         super().__init__(parts, STORE)
         (
             self.cells,
             self.layers,
-            self.emt,
+            self._emt,
             self.sizes,
             self.motion,
             self.blocks,
@@ -72,6 +75,11 @@ class Store(Handed):
             self.on,
             self.space,
         ) = parts
+
+    @property
+    def emt(self) -> Emt:
+        """The EMT cells, which can be written to."""
+        return Emt._make(array[..., : self.sizes[EMT_CELLS]] for array in self._emt)
 
 
 def stored(
@@ -90,17 +98,28 @@ def stored(
     """
     n, capacity = len(cells.x), max(2, capacity)
     layers = layers or CellLayers(np.arange(n), np.arange(n))
-    parts = _room(capacity, emt or no_emt(), curve, with_room(space, capacity))
+    parts = _room(capacity, _emt_with_room(emt or no_emt(), capacity), curve, with_room(space, capacity))
     for name, array in zip(Cells._fields, cells, strict=True):
         getattr(parts.cells, name)[:n] = array
     parts.layers.apical[: len(layers.apical)] = layers.apical
     parts.layers.basal[: len(layers.basal)] = layers.basal
-    parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0
+    parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0, 0 if emt is None else len(emt.side)
     parts.sizes[NEXT_ID] = int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id
     parts.motion.bx_moves[:n] = 1.0
     parts.motion.by_moves[:n] = 1.0
     parts.motion.by_moves[layers.basal] = 0.0
     return Store(parts)
+
+
+def _emt_with_room(emt: Emt, capacity: int) -> Emt:
+    """The EMT cells with room for daughters, whose events never begin; without any there is none."""
+    m = len(emt.side)
+    if m == 0:
+        return emt
+    larger = emt_cells(np.full((len(emt.at), capacity), np.inf))
+    for mine, theirs in zip(larger, emt, strict=True):
+        mine[..., :m] = theirs
+    return larger
 
 
 def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreArrays:
@@ -112,7 +131,7 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreAr
     blocks: Any = Blocks._make(made.values())
     layers = CellLayers(*np.zeros((2, capacity), np.int64))
     motion = BasalMotion(*np.zeros((3, capacity)))
-    sizes, key, counts = np.zeros(4, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
+    sizes, key, counts = np.zeros(5, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
     on = Forces(*np.zeros((len(Forces._fields), capacity)))
     return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts, curve, on, space)
 

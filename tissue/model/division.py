@@ -12,6 +12,7 @@ from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules, call_place, call_split_in_space, call_splits
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cycle import draw_cycle
+from tissue.model.emt import inherit_events
 from tissue.space.state import SPATIAL
 from tissue.state.cells import Cells, Integers
 from tissue.state.numbers import Numbers
@@ -78,6 +79,7 @@ def _split(store: Store, i: int, numbers: Numbers) -> None:
     sizes[CELLS] = n + 1
     sizes[APICAL] = _insert(layers.apical, sizes[APICAL], i)
     sizes[BASAL] = _insert(layers.basal, sizes[BASAL], i)
+    inherit_events(store, i + 1)
     _hold_again(store)
     store.counts[DIVISIONS] += 1
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dincl.compile import inner
 from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules, call_begin, call_last
-from tissue.kernels.store import CELLS, Store
+from tissue.kernels.store import CELLS, EMT_CELLS, Store
 from tissue.model.scale import ab_position
 from tissue.state.cells import Emt
 from tissue.state.numbers import Numbers
@@ -64,3 +64,18 @@ def last_events(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: N
     for event in rules.order:
         if (store.cells.events[i] >> event) & 1 and rules.last[event] != 0:
             call_last(rules.last[event], store, i, rest_ax, rest_bx, numbers)
+
+
+@inner
+def inherit_events(store: Store, i: int) -> None:
+    """Give daughter i, a copy of her mother, an entry of her own among the EMT cells, if the mother has one."""
+    emt, k, number = store.emt, store.cells.emt[i], store.sizes[EMT_CELLS]
+    if k < 0:
+        return
+    for event in range(emt.at.shape[0]):
+        emt.at[event, number] = emt.at[event, k]
+    emt.new[number] = emt.new[k]
+    emt.onset_ab[number], emt.side[number] = emt.onset_ab[k], emt.side[k]
+    emt.since[number], emt.since_x[number] = emt.since[k], emt.since_x[k]
+    store.cells.emt[i] = number
+    store.sizes[EMT_CELLS] += 1

@@ -72,7 +72,7 @@ def simulate_quasi_steady(
     ------
     InvalidProblem
         As ``simulate``, and if noise is to be added in each substep: there are none; or if there are EMT cells, the
-        basal layer is not a line, or there is a force that is not of the thesis.
+        basal layer is not a line, there is a force that is not of the thesis, or a type without hard discs.
     RunFailed
         If the minimiser fails in a step, for DAHA: does not terminate; the error carries the run up to then.
     """
@@ -96,6 +96,10 @@ def simulate_quasi_steady(
             raise InvalidProblem(
                 f"types.{name}.cells = {one.cells}: must be 0, the quasi-steady model has no EMT events"
             )
+    of = ("cell", *(f"types.{name}" for name in parameters.types.named()))
+    for section, numbers in zip(of, (parameters.numbers(), *parameters.named_numbers()), strict=True):
+        if numbers.hard_radius == 0:
+            raise InvalidProblem(f"{section}.hard_radius = 0: must be > 0, the quasi-steady model has hard discs")
     steps = _Steps(parameters, seed, minimiser or TissueArrowHurwicz(parameters.daha_numbers()))
     found = steps.run(watch)
     if throw and not found.status:

@@ -12,16 +12,19 @@ from typing import Any
 from dincl.compile import c_function, inner
 from tissue.kernels.rules import LEAVE, POSITION, SPLIT_IN_SPACE
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
+from tissue.model.emt import inherit_events
 from tissue.space.network.insert import insert
 from tissue.space.network.remove import remove
 from tissue.space.network.row import is_row
+from tissue.space.network.state import Network
 from tissue.space.scale import position_in_space
 from tissue.space.state import SpaceRules
 from tissue.space.surface import PLANE, Surface, normal, onto
-from tissue.state.cells import Integers
+from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers
 
 Vector = tuple[float, float, float]
+Points = tuple[Floats, Floats, Floats]
 
 
 def split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
@@ -37,16 +40,31 @@ def split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
     x, y, z = along(space.surface, t, cells.x[i], cells.y[i], cells.z[i])
     _step(store, i, -numbers.division_offset, x, y, z)
     _step(store, j, numbers.division_offset, x, y, z)
-    x, y, z = along(space.surface, t, cells.ax[i], cells.ay[i], cells.az[i])
-    apical = insert(
-        *(space.surface, space.apical, cells.ax, cells.ay, cells.az), i, j, x, y, z, distance, numbers.new_junction
-    )
-    x, y, z = t
-    basal = insert(*(space.surface, space.basal, cells.bx, cells.by, cells.bz), i, j, x, y, z, distance, 0.0)
-    for k in (i, j):
-        cells.bx[k], cells.by[k], cells.bz[k] = onto(space.surface, cells.bx[k], cells.by[k], cells.bz[k])
+    a, b = (cells.ax, cells.ay, cells.az), (cells.bx, cells.by, cells.bz)
+    at_a = along(space.surface, t, cells.ax[i], cells.ay[i], cells.az[i])
+    apical = _part(space.surface, space.apical, a, i, j, at_a, distance, numbers.new_junction)
+    basal = _part(space.surface, space.basal, b, i, j, t, distance, 0.0)
+    if space.basal.out[i] >= 0:
+        for k in (i, j):
+            cells.bx[k], cells.by[k], cells.bz[k] = onto(space.surface, cells.bx[k], cells.by[k], cells.bz[k])
     if apical == 0.0 or basal == 0.0:
         space.torn[0] = 1
+
+
+@inner
+def _part(
+    surface: Surface, network: Network, points: Points, i: int, j: int, t: Vector, distance: float, rest: float
+) -> float:
+    """Part the points of cell i and of her daughter j along a direction, in their network if it has cell i.
+
+    How far they are apart then; 0 if the network has no room.
+    """
+    (px, py, pz), (x, y, z) = points, t
+    if network.out[i] >= 0:
+        return insert(surface, network, px, py, pz, i, j, x, y, z, distance, rest)
+    for k, way in ((i, -0.5 * distance), (j, 0.5 * distance)):
+        px[k], py[k], pz[k] = px[k] + way * x, py[k] + way * y, pz[k] + way * z
+    return distance
 
 
 @inner
@@ -62,6 +80,7 @@ def _copy(store: Store, i: int, j: int) -> None:
     sizes[CELLS] = j + 1
     sizes[APICAL] = _append(store.layers.apical, sizes[APICAL], i, j)
     sizes[BASAL] = _append(store.layers.basal, sizes[BASAL], i, j)
+    inherit_events(store, j)
     store.counts[DIVISIONS] += 1
 
 

@@ -64,7 +64,11 @@ class CellLayers(NamedTuple):
 
 
 class Emt(NamedTuple):
-    """The EMT cells, one entry for each, from left to right: the times of their events and what came of them."""
+    """The EMT cells, one entry for each: the times of their events and what came of them.
+
+    First those of the start, from left to right, then daughters as they come. Of two daughters the left one keeps the
+    entry of the mother, and the other one has a copy of it.
+    """
 
     at: Floats  # (events, m): when the events begin [h], in the order of their bits; inf for never
     new: Integers  # the bits of those that begin in this dt

@@ -13,13 +13,13 @@ from dincl.status import Status
 from tissue.events.known import FIRST, events, in_order
 from tissue.files.parameters import Parameters
 from tissue.kernels.lanes import WIDTH
-from tissue.kernels.store import CELLS
+from tissue.kernels.store import CELLS, Store
 from tissue.lot import Lot
 from tissue.model.extents import measure_extents
 from tissue.model.scale import measure
 from tissue.observable import Observable
 from tissue.registry import registered
-from tissue.state.cells import Flags, Floats
+from tissue.state.cells import Flags, Floats, Integers
 from tissue.state.frame import Frame
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ EXTENTS = ("height_um", "nucleus_height_um", "apical_width_um", "basal_width_um"
 class Outcomes(NamedTuple):
     """Tables of some replicates of one scenario."""
 
-    cells: pa.Table  # one row for each EMT cell of each run that did not fail
+    cells: pa.Table  # one row for each EMT cell of the start of each run that did not fail
     runs: pa.Table  # one row for each run
     tables: dict[int, pd.DataFrame]  # of all cells at all kept times, for the replicates asked for
 
@@ -112,13 +112,21 @@ def _lot(
     return Outcomes(_cells(lot, replicates, course, sound), _runs(lot, replicates, course, sound), tables)
 
 
+def _followed(lot: Lot) -> int:
+    """The number of EMT cells of the start: they come before their daughters in ``Emt``."""
+    return sum(group.scenario.cells for group in lot.parameters.groups() if group.may_leave)
+
+
 def _measured(lot: Lot) -> tuple[Floats, Floats, Floats]:
-    n = len(lot.seeds)
-    positions = np.zeros((n, len(lot.store(0).emt.side)))
+    n, m = len(lot.seeds), _followed(lot)
+    positions = np.zeros((n, m))
     controls, extents = np.full((n, 4), np.nan), np.full((n, len(EXTENTS)), np.nan)
     for k in filter(lot.goes_on, range(n)):
-        measure(lot.store(k), positions[k], controls[k])
-        measure_extents(lot.store(k), extents[k])
+        held = lot.store(k)
+        of_all = np.zeros(len(held.emt.side))
+        measure(held, of_all, controls[k])
+        measure_extents(held, extents[k])
+        positions[k] = of_all[:m]
     return positions, controls, extents
 
 
@@ -133,19 +141,18 @@ def _own(lot: Lot, t: float) -> Floats:
 
 
 def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:
-    """One row for each EMT cell of the sound runs."""
+    """One row for each EMT cell of the start of the sound runs."""
     kept = np.flatnonzero(sound)
-    stores, m = [lot.store(int(k)) for k in kept], len(lot.store(0).emt.side)
+    stores, m = [lot.store(int(k)) for k in kept], _followed(lot)
     side, onset, since, since_x = (
-        np.array([getattr(held.emt, name) for held in stores]).ravel()
+        np.array([getattr(held.emt, name)[:m] for held in stores]).ravel()
         for name in ("side", "onset_ab", "since", "since_x")
     )
-    at = np.array([held.emt.at for held in stores]).reshape(len(stores), len(events()), m)
+    at = np.array([held.emt.at[:, :m] for held in stores]).reshape(len(stores), len(events()), m)
     began = {events()[k].name: at[:, k].ravel() for k in in_order()}
     times = [group.scenario.times for group in lot.parameters.groups()]
     shown = {*FIRST, *(name for one in times for name, timing in one.items() if timing.ever)}
-    # In the order of the tissue, which is that of their numbers.
-    mine = [np.flatnonzero(held.cells.emt[: held.sizes[CELLS]] >= 0) for held in stores]
+    mine = [_by_number(held)[:m] for held in stores]
     inm, kinds = (
         [getattr(held.cells, name)[of] for held, of in zip(stores, mine, strict=True)] for name in ("moves", "kind")
     )
@@ -166,6 +173,13 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
         columns[f"ab_{t:g}h"] = positions[kept].ravel()
         columns[f"below_{t:g}h"] = (positions <= controls[:, 3:])[kept].ravel()
     return pa.table(columns)
+
+
+def _by_number(held: Store) -> Integers:
+    """The EMT cells of a tissue in the order of their numbers."""
+    number = held.cells.emt[: held.sizes[CELLS]]
+    found = np.flatnonzero(number >= 0)
+    return found[np.argsort(number[found])]
 
 
 def _types(lot: Lot, kinds: NDArray[np.int8]) -> dict[str, Any]:

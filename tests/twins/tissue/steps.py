@@ -21,7 +21,7 @@ from tests.twins.tissue.types import Named, of_all, of_cell
 from tissue.events.known import bit
 from tissue.model.energy import forces
 from tissue.model.junctions import pairs
-from tissue.state.cells import CellLayers, Cells, Flags, Floats
+from tissue.state.cells import CellLayers, Cells, Emt, Flags, Floats
 from tissue.state.numbers import Numbers
 
 
@@ -57,7 +57,7 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: 
     """
     apical, basal = (tissue.cells.id[layer].tolist() for layer in tissue.layers)
     one_by_one: list[Any] = []
-    next_id = tissue.next_id
+    next_id, emt = tissue.next_id, tissue.emt
     for cell in _each(tissue.cells):
         if t - cell.birth < cell.cycle:
             one_by_one.append(cell)
@@ -68,6 +68,9 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: 
         if two:
             second = first._replace(cycle=_new_cycle(own, draws), id=next_id, mother=first.id)
             first = _shifted(first, -numbers.division_offset)._replace(rest_aa=numbers.new_junction)
+            if cell.emt >= 0:
+                second = second._replace(emt=len(emt.side))
+                emt = Emt(*(np.concatenate((array, array[..., [cell.emt]]), axis=-1) for array in emt))
             one_by_one += [first, _shifted(second, numbers.division_offset)]
             for layer in (apical, basal):
                 if first.id in layer:
@@ -78,7 +81,7 @@ def divide(tissue: Tissue, t: float, numbers: Numbers, draws: Generator, named: 
     cells = Cells(*map(np.array, zip(*one_by_one, strict=True)))
     place = {name: i for i, name in enumerate(cells.id.tolist())}
     layers = CellLayers(*(np.array([place[name] for name in layer], np.int64) for layer in (apical, basal)))
-    return tissue._replace(cells=cells, layers=layers, next_id=next_id)
+    return tissue._replace(cells=cells, layers=layers, next_id=next_id, emt=emt)
 
 
 def set_phases(cells: Cells, t: float, numbers: Any) -> Cells:

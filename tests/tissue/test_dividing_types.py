@@ -1,0 +1,163 @@
+"""Types with events whose cells divide: daughters have the events of their mother, at her times."""
+
+import numpy as np
+import pytest
+
+from tests.tissue import kernel_calls as kernels
+from tests.tissue.kernel_calls import aged, both, compared, freed, generators, together, upright, with_emt
+from tests.tissue.kernels.test_many import same_bits, same_cells
+from tests.tissue.space.in_space import of_surface
+from tests.tissue.states import layers, numbers
+from tests.tissue.test_resume import same
+from tissue.events.known import bit
+from tissue.files.parameters import preset
+from tissue.first_order import simulate
+from tissue.kernels.lanes import WIDTH
+from tissue.many import simulate_many
+from tissue.state.frame import Frame
+from tissue.study.outcomes import outcomes
+
+GIVEN = numbers(two_daughters=1.0, min_cycle=0.4, max_cycle=0.6, g2=0.1, mitosis=0.1, freed_stiffness=0.5)
+LIVELY = {
+    "numerics.t_end": "6 h",
+    "numerics.keep": "1 h",
+    "tissue.two_daughters": 0.3,
+    "cell.min_cycle": "2 h",
+    "cell.max_cycle": "4 h",
+    "cell.g2": "0.4 h",
+    "cell.mitosis": "0.4 h",
+    "types.early.cells": 4,
+    "types.early.place": 0.2,
+    "types.early.a": "1 h to 5 h",
+    "types.early.two_daughters": 1,
+    "types.late.cells": 5,
+    "types.late.place": "scattered",
+    "types.late.b": "1 h",
+    "types.late.p": "2 h to 4 h",
+    "types.late.two_daughters": 1,
+    "emt.cells": 2,
+    "emt.s": "3 h",
+}
+DIVIDING = preset("published").changed(LIVELY)
+
+
+def dividing(n, seed, layers_of=layers):
+    """A random tissue with eight EMT cells that divide, each with some events."""
+    state = with_emt(aged(n, seed, layers_of), range(n // 4, n // 4 + 8), a=0.25, b=0.35, s=0.15, p=0.45)
+    mine = state.cells.emt >= 0
+    state.cells.divides[:], state.cells.cycle[mine] = True, 0.6
+    state.cells.birth[mine] = -np.random.default_rng(seed).uniform(0.0, 0.6, 8)
+    state.emt.at[:2, ::2] = np.inf
+    return state
+
+
+@pytest.mark.parametrize("network", [layers, freed])
+@pytest.mark.parametrize("seed", range(3))
+def test_kernels_and_twins(network, seed):
+    end = compared(dividing(24, seed, network), GIVEN, 8, seed)
+    mine = end.cells.emt >= 0
+    assert mine.sum() > 12
+    assert sorted(end.cells.emt[mine]) == list(range(mine.sum())) == list(range(len(end.emt.side)))
+
+
+@both
+def test_daughters_have_what_their_mother_has(model):
+    """Before, between and after the events: whatever she has lost, and what she will."""
+    state = with_emt(upright(4, birth=-11.9), [1, 2], a=0.1, b=0.3)
+    state.cells.divides[:], state.cells.cycle[:] = True, [50.0, 12.0, 12.2, 50.0]
+    end = model.steps(state, 0, 4, GIVEN._replace(variance=0.0, min_cycle=90.0, max_cycle=90.0), *generators(0))
+    mine = np.flatnonzero(end.cells.emt >= 0)
+    assert mine.tolist() == [1, 2, 3, 4]
+    assert end.cells.mother[mine].tolist() == [-1, 1, -1, 2]
+    assert end.cells.emt[mine].tolist() == [0, 2, 1, 3]
+    assert (end.cells.events[mine] == bit("a") + bit("b")).all()
+    assert end.layers.apical.tolist() == end.layers.basal.tolist() == [0, 5]
+    np.testing.assert_array_equal(end.emt.at[:, :2], end.emt.at[:, 2:])
+    np.testing.assert_array_equal(end.emt.onset_ab[[1, 3]], end.emt.onset_ab[1])
+    assert end.emt.onset_ab[2] > 0
+
+
+def test_side_by_side():
+    states = [dividing(n, n, freed if n % 2 else layers) for n in (16, 40, 19, 20, 24, 33, 18, 27)]
+    made, ended = together(states, 8, GIVEN, range(WIDTH))
+    assert not ended.any()
+    for seed, (state, one) in enumerate(zip(states, made, strict=True)):
+        assert same_cells(one, kernels.steps(state, 0, 8, GIVEN, *generators(seed)))
+
+
+def test_runs_from_a_file():
+    """Each daughter of the types is one EMT cell more; those of [emt] do not divide."""
+    for run in simulate_many(DIVIDING, range(3)):
+        assert same_bits(run, simulate(DIVIDING, run.seed))
+        table = run.table().query("emt >= 0")
+        count = table.groupby(["type", "time_h"]).size()
+        assert count["emt"].eq(2).all()
+        assert count["late"].iloc[-1] > 10
+        assert count["early"].iloc[-1] > 4
+        late = table.query("type == 'late' and time_h >= 2")
+        assert late["events"].str.contains("B").all()
+        families = table.query("time_h == 6").set_index("id")
+        for name, cell in families[families["mother"].isin(families.index)].iterrows():
+            assert cell["events"] == families.loc[cell["mother"], "events"], name
+
+
+@pytest.mark.parametrize("t", [1, 3])
+def test_a_run_goes_on_with_the_same_bits(t, tmp_path):
+    whole = simulate(DIVIDING, 5)
+    whole.frames[t].save(tmp_path / "kept.npz")
+    again = simulate(DIVIDING, 5, Frame.load(tmp_path / "kept.npz"))
+    assert same(again.final, whole.final)
+
+
+def test_a_run_goes_on_with_other_times():
+    """Daughters follow the cell of the start that they are of."""
+    half = simulate(DIVIDING, 5).frames[3]
+    final = simulate(
+        DIVIDING.changed(dict.fromkeys(("types.early.a", "types.late.p", "types.late.s"), "4 h to 6 h")), 6, half
+    ).final
+    cells = final.cells
+    late = cells.kind == 3
+    numbers_of = dict(zip(cells.id[late], cells.emt[late], strict=True))
+    times = final.past.emt.at[2]
+    assert len({*times[cells.emt[late]]}) == 5
+    for name, mother in zip(cells.id[late], cells.mother[late], strict=True):
+        assert mother < 0 or times[numbers_of[name]] == times[numbers_of[mother]]
+
+
+def test_studies_follow_the_cells_of_the_start():
+    found = outcomes(DIVIDING, range(3), range(3))
+    rows, runs = found.cells.to_pandas(), found.runs.to_pandas()
+    assert rows.groupby("replicate").size().tolist() == [11, 11, 11]
+    for seed, mine in rows.groupby("replicate"):
+        final = simulate(DIVIDING, seed).final
+        start = np.argsort(np.where(final.cells.emt < 0, 99, final.cells.emt))[:11]
+        assert mine["type"].tolist() == [DIVIDING.type_names[kind] for kind in final.cells.kind[start]]
+        assert mine["inm"].tolist() == final.cells.moves[start].tolist()
+        assert runs["controls_6h"][seed] == (final.cells.emt < 0).sum()
+
+
+@pytest.mark.parametrize("name", ["plane", "cylinder", "sphere"])
+def test_in_space(name):
+    """What has left a layer has no neighbours there when it divides."""
+    events = {"types__leaving__a": "0.3 h", "types__leaving__b": "0.5 h", "types__leaving__p": "1 h"}
+    given = of_surface(name, types__leaving__cells=6, types__leaving__place="scattered", **events)
+    quick = {"types__leaving__min_cycle": "1.1 h", "types__leaving__max_cycle": "1.5 h"}
+    given = given.changed({key.replace("__", "."): value for key, value in quick.items()})
+    run = simulate(given, 1)
+    cells, mine = run.final.cells, np.flatnonzero(run.final.cells.emt >= 0)
+    assert run.status
+    assert len(mine) > 9
+    assert sorted(cells.emt[mine]) == list(range(len(mine)))
+    assert (cells.events[mine] == bit("a") + bit("b") + bit("p")).all()
+    assert not np.isin(mine, run.final.layers.apical).any()
+    assert not np.isin(mine, run.final.layers.basal).any()
+    assert np.abs(run.final.heights(cells.bx[mine], cells.by[mine], cells.bz[mine])).min() > 1e-6
+
+
+def test_on_a_curve_a_free_basal_point_is_not_put_back():
+    ring = {"layer.shape": "circle", "layer.perimeter": "60 R_soft", "layer.closed": True, "tissue.cells": 180}
+    final = simulate(DIVIDING.changed(ring), 2).final
+    late = np.flatnonzero(final.cells.kind == 3)
+    assert len(late) > 10
+    heights = final.heights(final.cells.bx[late], final.cells.by[late], final.cells.bz[late])
+    assert np.abs(heights).min() > 1e-6
