@@ -22,6 +22,7 @@ THESIS = Numbers(
     alpha_ax=2.0,
     alpha_bx=2.0,
     alpha_axb=15.0,
+    soft_radius=1.0,
     hard_radius=1 / 3,
     enlarged_radius=0.7,
     g2=0.5,

@@ -33,7 +33,7 @@ def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers)
     elif numbers.spring_gives:
         cells.rest_bx[i] = rest_bx + numbers.run_speed * numbers.dt
     else:
-        cells.rest_bx[i] = basal_length(cells, i) - 1.0
+        cells.rest_bx[i] = basal_length(cells, i) - numbers.soft_radius
         stiffness = 0.0
     cells.stiff_bx[i] = stiffness
 

@@ -1,7 +1,7 @@
 """The named types of cells of a parameter file, [types.NAME]: how many, where, and what is theirs alone.
 
-What a type may have of its own is a key of [cell], or p^div: with check, unit and meaning of that key, and with its
-value where the type says nothing.
+What a type may have of its own is a key of [cell], p^div, or d^max-basal: with check, unit and meaning of that key, and
+with its value where the type says nothing.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from tissue.files.keys import TYPE, KeyFacts, facts_of, key
 from tissue.files.scenario import CellGroup, Scenario
 from tissue.files.sections import CellSection, ParameterSection, TissueSection
 from tissue.files.timing import Timing
+from tissue.files.units import Measure
 
 # The types that have no name in files, by their numbers.
 UNNAMED = ("control", "emt")
@@ -28,11 +29,14 @@ MOST_TYPES = 8
 ROUNDING = 1e-9
 # Where a group is if not at a place: at random, or evenly over the tissue.
 SCATTERED, APART = "scattered", "apart"
-# The keys that a type may have of its own, and their sections: not those of a pair of cells, nor the unit of length.
+# The keys that a type may have of its own, and their sections.
 OWN_KEYS = {
-    **{name: "cell" for name in CellSection.model_fields if name not in ("soft_radius", "alpha_xx")},
+    **dict.fromkeys(CellSection.model_fields, "cell"),
     "two_daughters": "tissue",
+    "max_basal_distance": "tissue",
 }
+# Of these the ones of which a pair of cells has the mean, or the sum.
+PAIR_KEYS = ("soft_radius", "alpha_xx", "max_basal_distance")
 
 
 @dataclass(frozen=True)
@@ -91,6 +95,19 @@ class TypeKeys(ParameterSection):
         """What it has of its own, by keys of OWN_KEYS."""
         return {name: getattr(self, name) for name in OWN_KEYS if name in self.model_fields_set}
 
+    def own_tables(self) -> dict[str, dict[str, Any]]:
+        """The same by sections, but for the soft radius: the unit of length stays."""
+        tables: dict[str, dict[str, Any]] = {}
+        for name, value in self.own().items():
+            if name != "soft_radius":
+                tables.setdefault(OWN_KEYS[name], {})[name] = value
+        return tables
+
+    def soft_radius_over(self, unit: Measure) -> float:
+        """R_soft of its cells over that of [cell], the unit of length."""
+        found: Measure = self.own().get("soft_radius", unit)
+        return found.value / unit.value
+
     def times(self) -> dict[str, Timing]:
         """When the events begin, by name."""
         return {name: value for name, value in self if isinstance(value, Timing)}
@@ -132,7 +149,9 @@ else:
 class TypesSection(ParameterSection):
     """[types]: groups of cells with a name, parameters and events of their own, each a table [types.NAME].
 
-    Up to eight. A key of [cell] holds for a type that does not have it; soft_radius and alpha_xx hold for all. Cells of
+    Up to eight. A key of [cell] holds for a type that does not have it; the unit R_soft is always that of [cell]. Two
+    nuclei have the sum of their soft radii and the mean of their alpha_xx, basal neighbours the mean of their maximal
+    distances. Cells of
     a type with events are EMT cells, as those of [emt] are, for tables, outcomes and studies, but may divide. Daughters
     are of the type of their mother, and have her events at her times; studies follow the EMT cells of the start.
     """

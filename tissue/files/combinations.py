@@ -21,6 +21,8 @@ from tissue.state.basal_curve import LINE, BasalCurve
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
 ROUNDING = 1e-12
+# The unit of length among the values: types have a soft radius of their own, but not another unit.
+UNIT = "R_soft"
 # Above this a whole number of steps cannot be told from a fraction.
 MOST_STEPS = 1e9
 
@@ -38,6 +40,8 @@ def waiting() -> list[Rule]:
 def broken_of(rules: Iterable[Rule], values: Mapping[str, Any]) -> list[str]:
     """One line for each of these rules that the values break."""
     lines = []
+    if "cell.soft_radius" in values and UNIT not in values:
+        values = {**values, UNIT: values["cell.soft_radius"]}
     for rule in rules:
         if not all(key in values for key in rule.keys):
             continue
@@ -174,20 +178,24 @@ def _waits(event: EmtEvent) -> Rule:
 
 SHAPE = tuple(f"layer.{name}" for name in ("shape", "perimeter", "aspect", "points", "side", "closed"))
 LAYER = (*SHAPE, "cell.soft_radius")
+# Of the distance of basal neighbours.
+OF_NEIGHBOURS = (
+    Rule(("tissue.cells", "tissue.dimension", "tissue.max_basal_distance", *SHAPE, UNIT), _spread),
+    Rule(
+        ("tissue.basal_spacing", "tissue.max_basal_distance", UNIT),
+        _within("tissue.max_basal_distance", ": otherwise the start breaks (C2)"),
+    ),
+)
 RULES = (
     Rule(("layer.points", *LAYER), _curve),
     Rule(("tissue.height", *LAYER), _bends),
-    Rule(("tissue.cells", "tissue.dimension", "tissue.max_basal_distance", *LAYER), _spread),
     Rule(("emt.cells", "tissue.cells"), _in_the_middle),
-    Rule(("cell.hard_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
-    Rule(("cell.enlarged_radius", "cell.soft_radius", "cell.soft_radius"), _within("cell.soft_radius")),
-    Rule(("cell.enlarged_radius", "cell.hard_radius", "cell.soft_radius"), _enlarged),
+    Rule(("cell.hard_radius", "cell.soft_radius", UNIT), _within("cell.soft_radius")),
+    Rule(("cell.enlarged_radius", "cell.soft_radius", UNIT), _within("cell.soft_radius")),
+    Rule(("cell.enlarged_radius", "cell.hard_radius", UNIT), _enlarged),
     Rule(("cell.max_cycle", "cell.min_cycle"), _cycle),
     Rule(("cell.min_cycle", "cell.g2", "cell.mitosis"), _phases),
-    Rule(
-        ("tissue.basal_spacing", "tissue.max_basal_distance", "cell.soft_radius"),
-        _within("tissue.max_basal_distance", ": otherwise the start breaks (C2)"),
-    ),
+    *OF_NEIGHBOURS,
     Rule(("numerics.t_end", "numerics.dt"), _whole_steps),
     Rule(("numerics.keep", "numerics.dt"), _kept),
     Rule(("numerics.keep", "numerics.t_end"), _before_the_end),

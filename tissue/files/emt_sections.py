@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, PlainValidator, ValidationInfo, model_validator
 
+from tissue.events.constriction import EVENT as CONSTRICTION
 from tissue.events.event import EmtEvent
 from tissue.events.known import events, house
 from tissue.files.fields import (
@@ -117,3 +118,8 @@ class EventsSection(ParameterSection):
     at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))] = key(
         "what the basal point does at run_depth", "", "(4.1)"
     )
+
+    @property
+    def simultaneous(self) -> frozenset[str]:
+        """The events that begin in all cells of a type when they do in the first one."""
+        return frozenset({CONSTRICTION.name} if self.constrict_together else ())

@@ -14,9 +14,8 @@ from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.division import DivisionRule, division_rules
-from tissue.events.constriction import EVENT as CONSTRICTION
 from tissue.events.known import events
-from tissue.files.cell_types import OWN_KEYS, UNNAMED, TypesSection
+from tissue.files.cell_types import UNNAMED, TypesSection
 from tissue.files.combinations import broken
 from tissue.files.emt_sections import EmtSection, EventsSection
 from tissue.files.forces import ForcesSection
@@ -145,7 +144,9 @@ class Parameters(BaseModel):
 
     def named_numbers(self) -> tuple[Numbers, ...]:
         """The same for the cells of each named type, in the order of [types]."""
-        return tuple(one.numbers() for one in self._of_types())
+        named, unit = self.types.named().values(), self.cell.soft_radius
+        pairs = zip(self._of_types(), named, strict=True)
+        return tuple(of.numbers()._replace(soft_radius=one.soft_radius_over(unit)) for of, one in pairs)
 
     @property
     def type_names(self) -> tuple[str, ...]:
@@ -180,28 +181,21 @@ class Parameters(BaseModel):
     def scenario(self) -> Scenario:
         """What the EMT cells are drawn from: times in h."""
         emt = self.emt
-        return Scenario(emt.cells, emt.inm, emt.times(), self._simultaneous())
+        return Scenario(emt.cells, emt.inm, emt.times(), self.events.simultaneous)
 
     def groups(self) -> tuple[CellGroup, ...]:
         """The cells that are no control cells: those of [emt], then those of each named type."""
         rest, named = self.start_numbers().rest_length, self.types.named().items()
         emt = CellGroup(UNNAMED[-1], self.scenario(), 0.5, divides=False, may_leave=True, rest_length=rest)
         rests = (one.start_numbers().rest_length for one in self._of_types())
-        together = self._simultaneous()
+        together = self.events.simultaneous
         return emt, *(one.group(name, rest, together) for (name, one), rest in zip(named, rests, strict=True))
 
-    def _simultaneous(self) -> frozenset[str]:
-        """The events that begin in all cells of a type when they do in the first one."""
-        return frozenset({CONSTRICTION.name} if self.events.constrict_together else ())
-
     def _of_types(self) -> Iterator[Parameters]:
-        """Parameters that hold for the cells of a type, for each."""
+        """Parameters that hold for the cells of a type, for each, but for its soft radius: the unit stays."""
         for one in self.types.named().values():
-            tables: dict[str, dict[str, Any]] = {}
-            for name, value in one.own().items():
-                tables.setdefault(OWN_KEYS[name], {})[name] = value
-            changed = {section: getattr(self, section).model_copy(update=table) for section, table in tables.items()}
-            yield self.model_copy(update=changed)
+            tables = one.own_tables().items()
+            yield self.model_copy(update={name: getattr(self, name).model_copy(update=table) for name, table in tables})
 
     def daha_numbers(self) -> Daha:
         """The parameters of the quasi-steady model's solver."""

@@ -42,6 +42,7 @@ def to_numbers(
         alpha_ax=cell.alpha_ax,
         alpha_bx=cell.alpha_bx,
         alpha_axb=cell.alpha_axb,
+        soft_radius=1.0,
         hard_radius=reduced(cell.hard_radius, cell.soft_radius),
         enlarged_radius=reduced(cell.enlarged_radius, cell.soft_radius),
         g2=cell.g2.value,

@@ -108,7 +108,7 @@ class CellSection(ParameterSection):
     """[cell]: one cell, its cycle and its forces."""
 
     soft_radius: MetricLength = key(
-        "radius of the soft repulsion, the unit of length R_soft", "R^soft", f"{TABLE_2}, (3.13)"
+        "radius of the soft repulsion; that of [cell] is the unit of length R_soft", "R^soft", f"{TABLE_2}, (3.13)"
     )
     hard_radius: LengthOrZero = key("radius of non-overlap; 0: none", "R^hard", f"{TABLE_2}, (C1)")
     enlarged_radius: LengthOrZero = key(

@@ -7,14 +7,16 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 from tissue.events.known import events
-from tissue.files.cell_types import MOST_TYPES, OWN_KEYS, SCATTERED, UNNAMED, TypeKeys, first_of
-from tissue.files.combinations import RULES, broken_of, waiting
+from tissue.files.cell_types import MOST_TYPES, OWN_KEYS, PAIR_KEYS, SCATTERED, UNNAMED, TypeKeys, first_of
+from tissue.files.combinations import OF_NEIGHBOURS, RULES, UNIT, broken_of, waiting
 from tissue.files.rule import show
+from tissue.files.space_rules import IN_SPACE
 from tissue.files.timing import Timing
+from tissue.space.state import FLAT
 
 _NAME = re.compile("[A-Za-z_][A-Za-z0-9_]*")
-# Of [cell] alone: they hold for the values of each type.
-_CELL_RULES = tuple(rule for rule in RULES if all(key.startswith("cell.") for key in rule.keys))
+# Of [cell] alone: they hold for the values of each type, as those of basal neighbours do.
+_CELL_RULES = tuple(rule for rule in RULES if all(key.startswith("cell.") or key == UNIT for key in rule.keys))
 
 
 def wrong_names(types: Any) -> list[str]:
@@ -54,11 +56,21 @@ def _own(name: str, one: TypeKeys, values: Mapping[str, Any]) -> list[str]:
     own = {f"{OWN_KEYS[key]}.{key}": value for key, value in one.own().items()}
     times: dict[str, Any] = {f"emt.{event.name}": Timing() for event in events()}
     times |= {f"emt.{key}": value for key, value in one.times().items()}
-    found = broken_of(_CELL_RULES, {**values, **own}) + broken_of(waiting(), times)
+    rules = (*_CELL_RULES, *OF_NEIGHBOURS)
+    unit = {UNIT: values["cell.soft_radius"]} if "cell.soft_radius" in values else {}
+    found = broken_of(rules, {**values, **own, **unit}) + broken_of(waiting(), times)
     mine = "|".join(re.escape(key) for key in (*own, *times))
     said = (re.sub(rf"\b({mine})\b", lambda key: f"types.{name}.{key[0].partition('.')[2]}", line) for line in found)
-    plain = broken_of(_CELL_RULES, values)
-    return [line for line in said if line not in plain]
+    plain = broken_of(rules, values)
+    return [*(line for line in said if line not in plain), *_in_space(name, one, values)]
+
+
+def _in_space(name: str, one: TypeKeys, values: Mapping[str, Any]) -> Iterator[str]:
+    """The steps in three dimensions have one number for all pairs of cells."""
+    for key in PAIR_KEYS:
+        if key in one.own() and values.get("tissue.dimension", FLAT) != FLAT:
+            all_cells = f"{OWN_KEYS[key]}.{key}"
+            yield f"types.{name}.{key} = {show(one.own()[key])}: must be left to {all_cells} {IN_SPACE}"
 
 
 def _numbers(types: Mapping[str, TypeKeys], cells: int, emt: int) -> Iterator[str]:

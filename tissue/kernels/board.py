@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -19,6 +20,9 @@ from tissue.state.numbers import Numbers
 RUNNING, EMPTY = 0, -1
 # Far from every cell, and from each other: the places that are empty.
 FAR = 1e6
+# Radius of the soft discs, a little more than 1: a pair at the end of the range, of which rounding decides
+# whether it repels, is looked at in every company.
+SOFT_END = 1.0 + 1e-9
 # A nucleus that is farther out is lost, before it comes near them [R_soft].
 LOST = FAR / 2
 
@@ -47,6 +51,9 @@ class Board(NamedTuple):
     bx_moves: Floats
     by_moves: Floats
     runs: Floats
+    soft: Floats  # R_soft and strength of the repulsion, which matter where they differ
+    stiff_xx: Floats
+    reach: Floats  # max_basal of the cell: of two neighbours the mean
     # Layers: whether a cell is inside, 1 or 0
     in_apical: Floats
     in_basal: Floats
@@ -86,8 +93,10 @@ class Board(NamedTuple):
     pairs: Integers  # (1,): pairs looked at for the repulsion
     # Of one substep
     substeps: int  # in one dt
-    repulsion: float
-    max_basal: float
+    repulsion: float  # strength of all pushes; 1 where each cell has its own, see ``mixed``
+    mixed: int  # 0, or the power p of R in the repulsion of cells whose soft discs differ
+    soft_end: float  # the largest R_soft, a little more
+    max_basal: float  # of control cells
     deviation: float  # of the noise in a substep
     bent: int  # whether the basal layer is not a straight line, 1 or 0
     curve: CurveNumbers
@@ -109,7 +118,14 @@ class Boards:
     """
 
     def __init__(
-        self, capacity: int, width: int, numbers: Numbers, scale: float, curve: CurveNumbers, forces: int = 0
+        self,
+        capacity: int,
+        width: int,
+        numbers: Numbers,
+        scale: float,
+        curve: CurveNumbers,
+        forces: int = 0,
+        named: Sequence[Numbers] = (),
     ) -> None:
         m = -(-capacity * width // WIDTH) * WIDTH
         names = Board._fields[: Board._fields.index("first")]
@@ -117,7 +133,12 @@ class Boards:
         block = {name: line[:m] for name, line in zip(names, self.block, strict=True)}
         for name in WHOLE:
             block[name] = block[name].view(np.int64)
-        same = _common(capacity, width, numbers, scale) | {"bent": curve.bent, "curve": curve, "forces": forces}
+        block["soft"][:] = 1.0  # where there is no cell, too
+        same = _common(capacity, width, (numbers, *named), scale) | {
+            "bent": curve.bent,
+            "curve": curve,
+            "forces": forces,
+        }
         self.pairs: Integers = same["pairs"]
         flat = {name: line[: SHORT.get(name, m) * (width if name in SHORT else 1)] for name, line in block.items()}
         wide = {name: line.reshape(-1, WIDTH)[: SHORT.get(name)] for name, line in block.items()}
@@ -130,8 +151,9 @@ class Boards:
         self.wide: Any = Handed(Board(**wide, **same), _WIDE)
 
 
-def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[str, Any]:
-    """What is the same in both forms."""
+def _common(capacity: int, width: int, kinds: Sequence[Numbers], scale: float) -> dict[str, Any]:
+    """What is the same in both forms; ``kinds``: the numbers of control cells, then those of the named types."""
+    numbers, mixed = kinds[0], len({(one.soft_radius, one.repulsion) for one in kinds}) > 1
     lengths = {
         "first": capacity,
         "last": capacity,
@@ -146,7 +168,9 @@ def _common(capacity: int, width: int, numbers: Numbers, scale: float) -> dict[s
     return {
         **{name: np.zeros(length, np.int64) for name, length in lengths.items()},
         "substeps": int(numbers.substeps),
-        "repulsion": float(scale * numbers.repulsion),
+        "repulsion": 1.0 if mixed else float(scale * numbers.repulsion),
+        "mixed": int(numbers.power) if mixed else 0,
+        "soft_end": max(one.soft_radius for one in kinds) * SOFT_END,
         "max_basal": float(numbers.max_basal),
         "deviation": float(np.sqrt(variance)),
     }
@@ -166,7 +190,14 @@ def _example(*shape: int) -> Board:
     """A board for its types."""
     whole = {*WHOLE, *SAME}
     kinds = {name: np.int64 if name in whole else np.float64 for name in Board._fields}
-    plain: dict[str, Any] = {"substeps": 0, "repulsion": 0.0, "max_basal": 0.0, "deviation": 0.0}
+    plain: dict[str, Any] = {
+        "substeps": 0,
+        "repulsion": 0.0,
+        "mixed": 0,
+        "soft_end": 0.0,
+        "max_basal": 0.0,
+        "deviation": 0.0,
+    }
     plain |= {"bent": 0, "curve": STRAIGHT, "forces": 0}
     lines = dict.fromkeys(SAME, (1,))
     return Board(**{name: plain.get(name, np.zeros(lines.get(name, shape), kind)) for name, kind in kinds.items()})

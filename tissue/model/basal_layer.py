@@ -1,4 +1,7 @@
-"""The basal layer holds its points (C3), in order (C4), and neighbours at most max_basal apart (C2): one sweep."""
+"""The basal layer holds its points (C3), in order (C4), and neighbours at most max_basal apart (C2): one sweep.
+
+Of two neighbours of different types it is the mean of both.
+"""
 
 from __future__ import annotations
 
@@ -21,19 +24,21 @@ def order_basal(board: Board, n: int) -> None:
     known, and kept there, until it is brought back to its own place from right to left. In a ring both ends of the
     layer are neighbours, and come last.
     """
-    x, inside_at, ends, half_largest = board.along, board.in_basal, board.ends, 0.5 * board.max_basal
+    x, inside_at, ends = board.along, board.in_basal, board.ends
+    reach, reach_before = spread(x, 0.0), spread(x, 0.0)  # of the same two
     first, second, joined = spread(x, -NOWHERE), spread(x, NOWHERE), spread(x, 0.0)  # of the two before
     made, corrections = spread(x, 1.0), spread(x, 0.0)
     for i in range(n):
         inside, at = load(inside_at, i), load(x, i)
         push = maximum(fma(0.5, first, -0.5 * at), 0.0)
         ordered = first - push
-        pull = maximum(fma(0.5, ordered - second, -half_largest), 0.0)
+        pull = maximum(fma(0.5, ordered - second, -0.25 * (reach_before + reach)), 0.0)
         store(ends, i, second + pull)
         corrections = corrections + where_positive(inside * push, made) + where_positive(inside * pull, made)
         first, second = either(inside, at + push, first), either(inside * joined, ordered - pull, second)
+        reach_before, reach = either(inside, reach, reach_before), either(inside, load(board.reach, i), reach)
         joined = maximum(inside, joined)
-    pull = maximum(fma(0.5, first - second, -half_largest), 0.0)
+    pull = maximum(fma(0.5, first - second, -0.25 * (reach_before + reach)), 0.0)
     end_before, end = second + pull, first - pull
     for i in range(n - 1, -1, -1):
         inside = load(inside_at, i)
@@ -48,9 +53,10 @@ def order_basal(board: Board, n: int) -> None:
 def _close(board: Board, n: int) -> None:
     """(C4), then (C2), for the last and the first cell of a ring."""
     first, last = at_ends(board.in_basal, board.along, n)
+    reach, reach_before = at_ends(board.in_basal, board.reach, n)
     gap = first + board.curve.ring - last
     push = maximum(-0.5 * gap, 0.0)
-    pull = maximum(0.5 * (gap + 2.0 * push - board.max_basal), 0.0)
+    pull = maximum(0.5 * (gap + 2.0 * push - 0.5 * (reach_before + reach)), 0.0)
     move_ends(board.in_basal, board.along, n, push - pull, pull - push)
     made = spread(board.along, 1.0)
     store(board.counts, 1, load(board.counts, 1) + where_positive(push, made) + where_positive(pull, made))

@@ -54,10 +54,10 @@ def set_phases(store: Store, t: float, numbers: Numbers) -> None:
 def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -> None:
     """Relax each rest length towards what the phase wants, eta <- eta* + (eta - eta*) exp(-k dt)  (3.2), (3.3), (3.6).
 
-    eta* is the present length d - 1 of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical and
-    |A - B| - 2 for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions shrink
-    towards 0. The sum of both eta* may have a cap, see ``tissue.model.cytoskeleton``. What has begun of the EMT takes
-    the place of these.
+    eta* is the present length d - R_soft of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical
+    and |A - B| - 2 R_soft for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions
+    shrink towards 0. The sum of both eta* may have a cap, see ``tissue.model.cytoskeleton``. What has begun of the EMT
+    takes the place of these.
     """
     cells, n = store.cells, store.sizes[CELLS]
     shrink_junctions(store, numbers)
@@ -70,10 +70,10 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
         rest_ax, rest_bx = cells.rest_ax[i], cells.rest_bx[i]
         if cells.moves[i] and in_g2(cells, i, t, own):
             wanted_ax = 0.0
-            wanted_bx = cell_length(cells, i) - 2.0
+            wanted_bx = cell_length(cells, i) - 2.0 * own.soft_radius
         else:
-            wanted_ax = apical_length(cells, i) - 1.0
-            wanted_bx = basal_length(cells, i) - 1.0
+            wanted_ax = apical_length(cells, i) - own.soft_radius
+            wanted_bx = basal_length(cells, i) - own.soft_radius
         if own.floor_rest:
             wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
         wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], own.max_cytoskeleton)

@@ -2,7 +2,9 @@
 
     W = k/2 (2 - d)^2  for d < 2, else 0
 
-It is printed with a minus sign, which would attract.
+It is printed with a minus sign, which would attract. Types may have a radius r and a strength k of their own: then two
+nuclei have R = r_i + r_j in place of 2, and (k_i + k_j)/2 (2/R)^p in place of k, with the power p of the springs. So
+both are as in the pair energies alpha (R - d)^2/R^p of all variants.
 """
 
 from __future__ import annotations
@@ -16,9 +18,6 @@ from tissue.kernels.near import find_near, find_near_rows, list_around, list_bef
 
 # Distance below which two nuclei repel each other.
 SOFT = 2.0
-# Radius of the soft discs, a little more than 1: a pair at the end of the range, of which rounding decides
-# whether it repels, is looked at in every company.
-SOFT_END = 1.0 + 1e-9
 
 Lane = Any  # a double, or eight
 Plane = tuple[Lane, Lane]
@@ -38,12 +37,13 @@ def tension(d: Any, k: Any) -> Any:
 def push_in_rows(board: Board, n: int, wide: Board, rows: int) -> None:
     """Push of the soft discs on each nucleus of one tissue, the sum of (2 / d - 1) (X_i - X_j) over j.
 
+    Where soft discs differ it has the strength of each pair.
     Eight nuclei in a row meet all that are near one of them, one after the other. Without strength no pair is looked
     at.
     """
     push, pairs = (spread(wide.x, 0.0), spread(wide.x, 0.0)), 0
     if board.repulsion != 0.0:
-        find_near_rows(board, n, 0.0, SOFT_END)
+        find_near_rows(board, n, 0.0, board.soft_end)
     for row in range(rows):
         total = push
         if board.repulsion == 0.0:
@@ -71,7 +71,12 @@ def _push_row(board: Board, wide: Board, row: int, begin: int, end: int, push: P
     for j in range(begin, end):
         dx, dy = x_i - load_wide(board.x, j), y_i - load_wide(board.y, j)
         square = fma(dx, dx, dy * dy)
-        weight = where_positive(square, repelling(square))
+        if board.mixed:
+            reach = load(wide.soft, row) + load_wide(board.soft, j)
+            k = load(wide.stiff_xx, row) + load_wide(board.stiff_xx, j)
+            weight = where_positive(square, repelling_within(square, reach, k, board.mixed))
+        else:
+            weight = where_positive(square, repelling(square))
         push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
     return push_x, push_y
 
@@ -81,7 +86,7 @@ def push_in_pairs(board: Board, n: int) -> None:
     """The same in eight tissues, where each pair is looked at once. The sums are added up in the same order."""
     none, pairs = spread(board.x, 0.0), 0
     if board.repulsion != 0.0:
-        find_near(board, n, 0.0, SOFT_END)
+        find_near(board, n, 0.0, board.soft_end)
     for i in range(n):
         sum_x, sum_y = none, none
         if board.repulsion == 0.0:
@@ -105,7 +110,12 @@ def _push_pairs(board: Board, i: int, begin: int, end: int, push: Plane) -> Plan
     sum_x, sum_y = push
     for j in range(begin, end):
         dx, dy = load(board.x, j) - x_i, load(board.y, j) - y_i
-        weight = repelling(fma(dx, dx, dy * dy))
+        square = fma(dx, dx, dy * dy)
+        if board.mixed:
+            reach, k = load(board.soft, i) + load(board.soft, j), load(board.stiff_xx, i) + load(board.stiff_xx, j)
+            weight = repelling_within(square, reach, k, board.mixed)
+        else:
+            weight = repelling(square)
         sum_x, sum_y = fma(weight, dx, sum_x), fma(weight, dy, sum_y)
         store(push_x, j, fma(weight, dx, load(push_x, j)))
         store(push_y, j, fma(weight, dy, load(push_y, j)))
@@ -116,3 +126,13 @@ def _push_pairs(board: Board, i: int, begin: int, end: int, push: Plane) -> Plan
 def repelling(square: Lane) -> Lane:
     """2 / d - 1 where two soft discs overlap, else 0, from d^2."""
     return maximum(twice_rsqrt(square) - 1.0, 0.0)
+
+
+@inner
+def repelling_within(square: Lane, reach: Lane, both: Lane, power: int) -> Lane:
+    """k (R/d - 1) where two soft discs overlap, else 0, from d^2, R and k_i + k_j; with the power of the springs."""
+    share = 2.0 / reach
+    k = 0.5 * both * share
+    if power == 2:
+        k = k * share
+    return k * maximum(0.5 * reach * twice_rsqrt(square) - 1.0, 0.0)

@@ -10,6 +10,7 @@ import numpy as np
 from dincl.checks import flag, function, instance
 from dincl.errors import InvalidProblem
 from dincl.status import Status
+from tissue.files.cell_types import PAIR_KEYS
 from tissue.files.parameters import Parameters
 from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import COUNTERS, Store, contents, grown
@@ -95,6 +96,10 @@ def simulate_quasi_steady(
         if one.has_events and one.cells:
             raise InvalidProblem(
                 f"types.{name}.cells = {one.cells}: must be 0, the quasi-steady model has no EMT events"
+            )
+        if wrong := [key for key in PAIR_KEYS if key in one.own()]:
+            raise InvalidProblem(
+                f"types.{name}.{wrong[0]}: must be left out, the quasi-steady model has one of all cells"
             )
     of = ("cell", *(f"types.{name}" for name in parameters.types.named()))
     for section, numbers in zip(of, (parameters.numbers(), *parameters.named_numbers()), strict=True):

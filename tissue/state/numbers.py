@@ -17,13 +17,14 @@ class Numbers(NamedTuple):
     # Energies
     power: int  # p of the springs, W = alpha (d - l)^2 / l^p with l = 1 + eta
     junction_factor: float  # k of a junction over the mean alpha_aa of its cells, force k (d - eta)
-    repulsion: float  # k of the soft repulsion, force k (2 - d) for d < 2
-    max_basal: float  # largest distance of neighbours in the basal layer (C2)
+    repulsion: float  # k of the soft repulsion of two such cells, force k (2 - d) for d < 2
+    max_basal: float  # largest distance of neighbours in the basal layer (C2); of two types the mean
     # Cells (Table 2 of chapter 3)
     alpha_aa: float
     alpha_ax: float
     alpha_bx: float
     alpha_axb: float
+    soft_radius: float  # R_soft of these cells, 1 but for types with one of their own
     hard_radius: float
     enlarged_radius: float
     g2: float  # durations [h]

@@ -6,6 +6,7 @@ from dincl.compile import inner
 from tissue.kernels.board import FAR, RUNNING, Board
 from tissue.kernels.chains import chained_before
 from tissue.kernels.curve import course
+from tissue.kernels.handed import numbers_of
 from tissue.kernels.store import APICAL, BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store, store_at
 from tissue.model.springs import coefficient
 from tissue.state.cells import Integers
@@ -43,7 +44,10 @@ def _copy(store: Store, k: int, width: int, board: Board, numbers: Numbers, scal
             at = course(board.curve, cells.along[i])
             board.along[place], board.tangent_x[place], board.tangent_y[place] = cells.along[i], at[2], at[3]
         board.radius[place], board.id[place] = cells.radius[i], cells.id[i]
-        l_ax, l_bx = 1.0 + cells.rest_ax[i], 1.0 + cells.rest_bx[i]
+        own = numbers_of(numbers, cells.kind[i])
+        board.soft[place], board.stiff_xx[place] = own.soft_radius, scale * own.repulsion
+        board.reach[place] = own.max_basal
+        l_ax, l_bx = own.soft_radius + cells.rest_ax[i], own.soft_radius + cells.rest_bx[i]
         board.l_ax[place], board.l_bx[place] = l_ax, l_bx
         board.k_ax[place] = coefficient(scale, cells.stiff_ax[i], l_ax, numbers.power)
         board.k_bx[place] = coefficient(scale, cells.stiff_bx[i], l_bx, numbers.power)

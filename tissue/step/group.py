@@ -47,7 +47,8 @@ class Group:
         self.stores, self.forces = list(stores), forces
         width = 1 if len(self.stores) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.stores), RUNNING, EMPTY)
-        self._numbers, self._handed, self._keep = numbers, handed_numbers(numbers, named), random
+        self._numbers, self._named, self._keep = numbers, named, random
+        self._handed = handed_numbers(numbers, named)
         self._rules = handed_rules(self.stores, division)
         words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
         self._random = np.ascontiguousarray(np.array(words, np.int64).reshape(-1, 2, GENERATOR).transpose(1, 0, 2))
@@ -84,7 +85,7 @@ class Group:
 
     def _place(self) -> None:
         """Tell the kernel where everything is."""
-        width, numbers = len(self.ended), self._numbers
+        width, numbers, named = len(self.ended), self._numbers, self._named
         scale = numbers.dt / numbers.substeps / numbers.mu
         addresses = [held.address for held in self.stores]
         self._addresses = np.array(addresses + addresses[-1:] * (width - len(addresses)))
@@ -92,7 +93,7 @@ class Group:
         if self.forces:
             self._own = handed_forces(self.forces, self._addresses, self._handed.address, scale)
             own = self._own.address
-        self._board: Any = Boards(capacity, width, numbers, scale, self.stores[0].curve, own)
+        self._board: Any = Boards(capacity, width, numbers, scale, self.stores[0].curve, own, named)
         code, rules = substeps_address(width), self._rules.address
         how = self._handed.address, self._board.flat.address, self._board.wide.address, code, rules
         self._how = np.array(how, np.int64)

@@ -72,11 +72,14 @@ def test_every_key_of_one_cell_alone_may_be_its_own(name):
         "max_cycle": "22 h",
         **dict.fromkeys(("g2", "mitosis"), "0.4 h"),
         **dict.fromkeys(("rate_aa", "rate_ax", "rate_bx"), "0.3 1/h"),
+        "soft_radius": "6 um",
+        "max_basal_distance": "2 um",
     }
+    numbers = {"alpha_xx": "repulsion", "max_basal_distance": "max_basal"}
     other = thesis.changed({f"types.soft.{name}": plain.get(name, "3/8")})
     named, before = other.named_numbers()[0], thesis.numbers()
     differ = [field for field, a, b in zip(before._fields, named, before, strict=True) if a != b]
-    assert differ == ([] if name == "initial_rest_length" else [name])
+    assert differ == ([] if name == "initial_rest_length" else [numbers.get(name, name)])
     assert (other.groups()[1].rest_length == 0.2) == (name == "initial_rest_length")
     assert other.numbers() == before
     wrong = 'must be a (length|duration|rate|number)|must be "none", or a length'
@@ -84,12 +87,12 @@ def test_every_key_of_one_cell_alone_may_be_its_own(name):
         thesis.changed({f"types.soft.{name}": "-1 apples"})
 
 
-def test_what_all_cells_share_is_no_key_of_a_type():
-    assert {*CellSection.model_fields} - {*OWN_KEYS} == {"soft_radius", "alpha_xx"}
+def test_all_keys_of_a_cell_are_keys_of_a_type():
+    assert {*OWN_KEYS} == {*CellSection.model_fields, "two_daughters", "max_basal_distance"}
     with pytest.raises(
-        InvalidProblem, match=r"types\.soft\.alpha_xx = 3: unknown key; the nearest known one is types\.s"
+        InvalidProblem, match=r"types\.soft\.diffusion = 3: unknown key; the nearest known one is tissue\.diffusion"
     ):
-        preset("thesis").changed(SOFT | {"types.soft.alpha_xx": 3})
+        preset("thesis").changed(SOFT | {"types.soft.diffusion": 3})
 
 
 @pytest.mark.parametrize(
@@ -258,7 +261,7 @@ def test_all_that_is_wrong_with_a_file(tmp_path):
     assert lines[0].startswith("types.x.foo = 3: unknown key; the nearest known one is ")
     assert lines[1].startswith("types.x.alpha_ax = -1: must be a number >= 0")
     assert lines[2].startswith(
-        "types.y = 3: must be a section [types.y] with the keys cells, place, inm, divides, hard"
+        "types.y = 3: must be a section [types.y] with the keys cells, place, inm, divides, soft"
     )
     file.write_text('base = "thesis"\ntypes = 3\n', "utf-8")
     with pytest.raises(InvalidProblem, match=r"types = 3: must be a section \[types\] with the keys NAME\.cells, NAME"):

@@ -22,7 +22,7 @@ def copy_to_board(store: Store, board: SpaceBoard, numbers: Numbers, scale: floa
         board.ax[i], board.ay[i], board.az[i] = cells.ax[i], cells.ay[i], cells.az[i]
         board.bx[i], board.by[i], board.bz[i] = cells.bx[i], cells.by[i], cells.bz[i]
         board.radius[i], board.id[i] = cells.radius[i], cells.id[i]
-        l_ax, l_bx = 1.0 + cells.rest_ax[i], 1.0 + cells.rest_bx[i]
+        l_ax, l_bx = numbers.soft_radius + cells.rest_ax[i], numbers.soft_radius + cells.rest_bx[i]
         board.l_ax[i], board.l_bx[i] = l_ax, l_bx
         board.k_ax[i] = coefficient(scale, cells.stiff_ax[i], l_ax, numbers.power)
         board.k_bx[i] = coefficient(scale, cells.stiff_bx[i], l_bx, numbers.power)

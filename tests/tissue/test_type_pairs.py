@@ -1,0 +1,215 @@
+"""What two cells of different types have together: R_i + R_j, the mean of repulsions and of basal distances."""
+
+import numpy as np
+import pytest
+
+from dincl.errors import InvalidProblem
+from tests.tissue import kernel_calls as kernels
+from tests.tissue import states
+from tests.tissue.kernel_calls import aged, generators, together
+from tests.tissue.kernels.test_many import same_bits, same_cells
+from tests.tissue.mirrored import compare, mirrored
+from tests.tissue.space.in_space import of_surface
+from tissue.files.parameters import preset
+from tissue.first_order import simulate
+from tissue.kernels.curve import curve_numbers
+from tissue.kernels.lanes import WIDTH
+from tissue.many import simulate_many
+from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.state.basal_curve import ellipse
+from tissue.state.cells import NAMED
+from tissue.step.group import Group
+
+SHORT = {"numerics.t_end": "3 h", "numerics.keep": "1 h"}
+BIG = {"types.big.cells": 9, "types.big.place": 0.3}
+OWN = {"soft_radius": "7 um", "alpha_xx": 4, "max_basal_distance": "2/3 R_soft"}
+# Only nuclei push each other, once.
+PUSHES = states.numbers(substeps=1, variance=0.0, hard_radius=0.0, junction_factor=0.0, two_daughters=0.0)
+STILL = dict.fromkeys(("stiff_ax", "stiff_bx", "stiff_axb"), 0.0)
+
+
+def kinds(power):
+    """The numbers of control cells and of two types, by their power of the springs."""
+    given = PUSHES._replace(power=power, repulsion=0.8)
+    named = given._replace(soft_radius=1.6, repulsion=2.0), given._replace(soft_radius=0.4, repulsion=0.5)
+    return given, named
+
+
+def crowd(n, seed):
+    """Cells of all types in a crowd, which do not move but by the repulsion."""
+    kind = np.random.default_rng(seed).choice([0, NAMED, NAMED + 1], n)
+    return aged(n, seed, kind=kind, radius=0.0, **STILL)
+
+
+def moved_by_pairs(cells, given, named):
+    """Where one step brings the nuclei, pair by pair."""
+    of = [(given, given, *named)[k] for k in cells.kind]
+    x, scale = np.stack((cells.x, cells.y)), given.dt / given.mu
+    for i, one in enumerate(of):
+        for j, other in enumerate(of):
+            arrow = np.array((cells.x[i] - cells.x[j], cells.y[i] - cells.y[j]))
+            d, reach = np.hypot(*arrow), one.soft_radius + other.soft_radius
+            if 0 < d < reach:
+                k = (one.repulsion + other.repulsion) / 2 * (2 / reach) ** given.power
+                x[:, i] += scale * k * (reach - d) * arrow / d
+    return x
+
+
+@pytest.mark.parametrize("power", [1, 2])
+@pytest.mark.parametrize("bent", [False, True])
+def test_pairs_of_different_soft_discs(power, bent):
+    """Alone and side by side, on a line and on a curve, as pair by pair."""
+    (given, named), curve = kinds(power), curve_numbers(ellipse(300.0, 1.0, inside=True, ring=False)) if bent else None
+    states_of = [crowd(n, n) for n in (40, 9, 24, 1, 33, 17, 28, 12)]
+    for chosen in (states_of[:1], states_of):
+        held = [kernels.held(one, **({"curve": curve} if bent else {})) for one in chosen]
+        group = Group(held, given, named=named)
+        group.make_substeps()
+        for one, kept in zip(chosen, group.stores, strict=True):
+            cells = kernels.taken(kept).cells
+            expected = moved_by_pairs(one.cells, given, named)
+            np.testing.assert_allclose((cells.x, cells.y), expected, atol=1e-11)
+            assert np.abs(expected - (one.cells.x, one.cells.y)).max() > 0.1 or len(cells.x) == 1
+
+
+def test_the_same_bits_alone_and_side_by_side():
+    given, named = kinds(2)
+    given = given._replace(substeps=20, hard_radius=0.3, max_basal=0.4)
+    named = [one._replace(substeps=20, max_basal=size) for one, size in zip(named, (0.2, 0.9), strict=True)]
+    states_of = [aged(n, n, kind=np.arange(n) % 3 + (np.arange(n) % 3 > 0)) for n in (16, 40, 19, 20, 24, 33, 18, 27)]
+    made, ended = together(states_of, 4, given, range(WIDTH), named)
+    assert not ended.any()
+    for seed, (state, one) in enumerate(zip(states_of, made, strict=True)):
+        assert same_cells(one, kernels.steps(state, 0, 4, given, *generators(seed), named))
+
+
+@pytest.mark.parametrize("closed", [False, True])
+def test_basal_neighbours_are_at_most_the_mean_of_both_apart(closed):
+    """One cell of each pair is far away: by half of the excess each, one pair after the other."""
+    named = [PUSHES._replace(max_basal=2.0)]
+    given = PUSHES._replace(repulsion=0.0, max_basal=1.0)
+    kind = np.array([0, NAMED, NAMED, 0, 0, NAMED])
+    allowed = [1.5, 2.0, 1.5, 1.0, 1.5]
+    b = np.cumsum([0.0, 1.6, 1.9, 1.7, 0.9, 3.0])
+    state = kernels.upright(6, kind=kind, **STILL)
+    cells = state.cells._replace(bx=b.copy(), along=b.copy())
+    length = b[-1] + 1.8
+    curve = curve_numbers(ellipse(length, 1.0, inside=False, ring=True)) if closed else None
+    group = Group(
+        [kernels.held(state._replace(cells=cells), **({"curve": curve} if closed else {}))], given, named=named
+    )
+    group.make_substeps()
+    found = kernels.taken(group.stores[0]).cells
+    for k, most in enumerate(allowed):
+        half = max(0.0, (b[k + 1] - b[k] - most) / 2)
+        b[k : k + 2] += (half, -half)
+    if closed:
+        half = max(0.0, (b[0] + length - b[-1] - 1.5) / 2)
+        b[[0, -1]] += (-half, half)
+    np.testing.assert_allclose(found.along if closed else found.bx, b, atol=1e-12)
+
+
+def test_a_mirrored_tissue_of_such_types_has_the_mirrored_run():
+    rng = np.random.default_rng(3)
+    state = kernels.upright(
+        20, spacing=1.0, kind=rng.choice([0, NAMED, NAMED + 1], 20), rest_aa=rng.uniform(0.1, 1.0, 20)
+    )
+    state.cells.y[:] = rng.uniform(3.0, 6.0, 20)
+    given, named = kinds(2)
+    given = given._replace(substeps=40, max_basal=50.0, junction_factor=0.25)
+    named = [one._replace(max_basal=40.0) for one in named]
+    ends = [kernels.steps(one, 0, 8, given, *generators(0), named) for one in (state, mirrored(state))]
+    compare(ends[1], mirrored(ends[0]))
+
+
+def test_springs_and_rest_lengths_have_the_radius_of_the_type():
+    """l = R_soft + eta, and eta tends to d - R_soft; in G2 the basal one to |A - B| - 2 R_soft."""
+    given = states.numbers(dt=20.0, floor_rest=False)
+    named = [given._replace(soft_radius=1.6)]
+    state = kernels.upright(2, kind=NAMED, birth=[0.0, -11.3], rest_ax=0.5, rest_bx=0.5)
+    after = kernels.apply_rules(state, 0.0, given, *generators(0), named).cells
+    np.testing.assert_allclose(after.rest_ax, [3.0 - 1.6, 0.0], atol=1e-12)
+    np.testing.assert_allclose(after.rest_bx, [5.0 - 1.6, 8.0 - 3.2], atol=1e-12)
+    once = given._replace(dt=0.1, substeps=1, repulsion=0.0, junction_factor=0.0)
+    group = Group([kernels.held(state)], once, named=[once._replace(soft_radius=1.6)])
+    group.make_substeps()
+    rest = 1.6 + 0.5
+    pull = 0.1 / once.mu * 2 * 2.0 * (3.0 - rest) / rest
+    np.testing.assert_allclose(kernels.taken(group.stores[0]).cells.ay, 8.0 - pull, rtol=1e-12)
+
+
+# From files
+
+
+def test_a_type_like_control_cells_changes_no_bit():
+    plain = preset("published").changed(SHORT)
+    like = {"types.big.soft_radius": "5 um", "types.big.alpha_xx": 1, "types.big.max_basal_distance": "1/3 R_soft"}
+    one, two = simulate(plain, 3), simulate(plain.changed(BIG | like), 3)
+    assert (two.final.cells.kind == NAMED).sum() >= 9
+    assert same_cells(one.final, two.final._replace(cells=two.final.cells._replace(kind=one.final.cells.kind)))
+
+
+@pytest.mark.parametrize("key", OWN)
+def test_each_key_has_its_effect_in_a_run(key):
+    """Larger discs and stronger ones push nuclei of the type apart, larger distances widen its basal layer."""
+    wide = {"tissue.max_basal_distance": "1/3 R_soft"}
+    given = preset("published").changed(SHORT | BIG | wide | {f"types.big.{key}": OWN[key]})
+    runs = simulate_many(given, range(4))
+    for run in runs:
+        assert run.status
+        assert same_bits(run, simulate(given, run.seed))
+
+    def width(of):
+        """Of the nuclei, or of the basal points of the type, in the mean."""
+        name = "bx" if key == "max_basal_distance" else "x"
+        spans = [getattr(run.final.cells, name)[run.final.cells.kind == NAMED] for run in of]
+        return np.mean([np.ptp(span) / len(span) for span in spans])
+
+    assert width(runs) > 1.05 * width(simulate_many(preset("published").changed(SHORT | BIG), range(4)))
+
+
+def test_the_unit_of_length_stays():
+    """Lengths of a type in R_soft are of that of [cell]."""
+    own = {
+        "types.big.soft_radius": "10 um",
+        "types.big.hard_radius": "1 R_soft",
+        "types.big.enlarged_radius": "2 R_soft",
+    }
+    (found,) = preset("thesis").changed(BIG | own).named_numbers()
+    assert (found.soft_radius, found.hard_radius, found.enlarged_radius) == (2.0, 1.0, 2.0)
+    assert preset("thesis").numbers().soft_radius == 1.0
+
+
+BAD = {
+    "larger core": (
+        {"types.big.soft_radius": "3 um"},
+        r'cell\.enlarged_radius = "0\.7 R_soft": must be at most types\.big\.',
+    ),
+    "start": (
+        {"types.big.max_basal_distance": "1/4 R_soft"},
+        r'tissue\.basal_spacing = "0\.33\d* R_soft": must be at most types\.big\.max_basal_distance = "0\.25 R_soft"',
+    ),
+    "unit": (
+        {"types.big.soft_radius": "2 R_soft"},
+        r"types\.big\.soft_radius = '2 R_soft': must be a length in metres",
+    ),
+    "negative": ({"types.big.alpha_xx": -1}, r"types\.big\.alpha_xx = -1: must be a number >= 0"),
+}
+
+
+@pytest.mark.parametrize("name", BAD)
+def test_what_is_refused(name):
+    changes, message = BAD[name]
+    with pytest.raises(InvalidProblem, match=message):
+        preset("published").changed(BIG | changes)
+
+
+@pytest.mark.parametrize("key", OWN)
+def test_three_dimensions_and_the_quasi_steady_model_have_one_of_all_cells(key):
+    own = {"types.big.cells": 3, f"types.big.{key}": OWN[key]}
+    with pytest.raises(
+        InvalidProblem, match=rf"types\.big\.{key} = .*: must be left to \w+\.{key} in three dimensions"
+    ):
+        of_surface("plane").changed(own)
+    with pytest.raises(InvalidProblem, match=rf"types\.big\.{key}: must be left out, the quasi-steady model has one"):
+        simulate_quasi_steady(preset("thesis").changed(own))
