@@ -11,13 +11,18 @@ from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upr
 from tissue.events.known import bit, row, settled
 from tissue.files.parameters import load, preset
 from tissue.first_order import simulate
+from tissue.kernels.curve import curve_numbers
+from tissue.kernels.handed import handed_numbers
 from tissue.kernels.lanes import WIDTH
 from tissue.model.observables import ab_positions
 from tissue.quasi_steady.frozen import frozen_problem
 from tissue.start import started
+from tissue.state.basal_curve import ellipse
 from tissue.state.cells import emt_cells
 from tissue.state.frame import Frame
 from tissue.state.streams import streams
+from tissue.step.advance import apply_rules
+from tissue.step.called import handed_rules
 
 NEVER = np.inf
 GROUP = {"cells": 4, "place": 0.8, "ac": "1 h to 9 h"}
@@ -81,6 +86,24 @@ def test_those_that_constrict_together_stay_together(model, cells, times, layer,
     assert state.cells.rest_aa[inner].tolist() == rest[inner].tolist()
     gaps = [(a, b) for a, b in pairwise(layer) if b > a + 1]
     assert [state.cells.rest_aa[a] for a, _ in gaps] == [3.0 * (b - a) for a, b in gaps]
+
+
+@pytest.mark.parametrize("cells", [[0, 1, 2], [4, 5, 6], [9, 10, 11]])
+def test_a_gap_in_a_ring_is_closed_wherever_it_is(cells):
+    """At its beginning, too, the neighbours are joined, and those that constrict together are one chain."""
+    curve, along = ellipse(36.0, 1.0, inside=False, ring=True), 3.0 * np.arange(12) - 16.5
+    state = with_emt(upright(12, rest_aa=0.5), cells, ac=0.0)
+    points = (curve.above(along, np.full(12, height)) for height in (4.0, 8.0, 0.0))
+    (x, y), (ax, ay), (bx, by) = points
+    state = state._replace(cells=state.cells._replace(x=x, y=y, ax=ax, ay=ay, bx=bx, by=by, along=along))
+    held = kernels.held(state, curve=curve_numbers(curve))
+    rules = handed_rules([held])
+    apply_rules(held, 0.0, handed_numbers(STILL), rules, *kernels.generators(0))
+    after = kernels.taken(held)
+    left, right = (cells[0] - 1) % 12, (cells[-1] + 1) % 12
+    assert chains(after) == [cells]
+    assert after.cells.rest_aa[left] == pytest.approx(np.hypot(ax[right] - ax[left], ay[right] - ay[left]), rel=1e-15)
+    assert (np.delete(after.cells.rest_aa, left) == 0.5).all()
 
 
 @both

@@ -14,7 +14,8 @@ def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
     """The apical point of cell i leaves the layer, together with those beside it that constrict in the same step.
 
     The junctions between them stay, so they are a chain apart; those to other cells are cut. The cells on both sides of
-    the gap are joined, and the new junction rests at their present distance. At an end of the layer nothing is joined.
+    the gap are joined, and the new junction rests at their present distance. At an end of the layer nothing is joined,
+    and a chain does not go on where a ring begins.
     A cell that has lost its apical adhesion [A] has nothing to lose.
     """
     cells = store.cells
@@ -22,7 +23,8 @@ def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
         return
     _, left, right = leave_apical(store, i)
     cells.chain[i] = cells.id[i] + 1
-    for j in range(i - 1, left, -1):  # who stood there has left the layer, now or before
+    before = left if left < i else -1  # in a ring the last cell is on the left of the first one
+    for j in range(i - 1, before, -1):  # who stood there has left the layer, now or before
         k = cells.emt[j]
         if k >= 0 and store.emt.new[k] & bit and cells.chain[j] > 0:
             cells.chain[i] = cells.chain[j]
