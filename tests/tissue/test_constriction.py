@@ -207,7 +207,7 @@ def test_a_whole_type_constricts_at_the_time_of_its_first_cell(section):
     """One key: then all cells of a type are one chain, whatever their times; other events keep theirs."""
     times = {f"{section}.cells": 8, f"{section}.ac": "1 h to 4 h, 60 %", f"{section}.s": "1 h to 4 h"}
     alone = preset("published").changed({**times, "numerics.t_end": "5 h", "numerics.keep": "1 h"})
-    runs = [simulate(alone.changed({"events.constrict_together": flag}), 3) for flag in (False, True)]
+    runs = [simulate(alone.changed({"events.together": names}), 3) for names in ([], ["ac"])]
     one, whole = (run.final.past.emt.at for run in runs)
     ac, others = row("ac"), [row(name) for name in ("a", "b", "s", "p")]
     assert len(set(one[ac])) > 4
@@ -220,7 +220,7 @@ def test_a_whole_type_constricts_at_the_time_of_its_first_cell(section):
 
 def test_types_constrict_each_at_its_own_first_time():
     both_types = {f"types.{name}.{key}": value for name in ("one", "two") for key, value in GROUP.items()}
-    given = preset("published").changed(both_types | {"types.one.place": 0.2, "events.constrict_together": True})
+    given = preset("published").changed(both_types | {"types.one.place": 0.2, "events.together": ["ac"]})
     held, _ = started(given, streams(1))
     times = held.emt.at[row("ac")]
     assert len(set(times[:4])) == len(set(times[4:])) == 1
@@ -228,7 +228,7 @@ def test_types_constrict_each_at_its_own_first_time():
 
 
 def test_nobody_constricts_where_the_first_never_does():
-    given = {"emt.cells": 3, "emt.ac": "1 h, 0 %", "events.constrict_together": True}
+    given = {"emt.cells": 3, "emt.ac": "1 h, 0 %", "events.together": ["ac"]}
     assert np.isinf(started(preset("published").changed(given), streams(1))[0].emt.at).all()
-    none = preset("published").changed({"events.constrict_together": True, "emt.ac": "1 h"})
+    none = preset("published").changed({"events.together": ["ac"], "emt.ac": "1 h"})
     assert started(none, streams(1))[0].emt.at.shape[1] == 0

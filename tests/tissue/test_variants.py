@@ -264,7 +264,7 @@ ASIDE = (
     "numerics.t_end",
     "numerics.keep",
     "division.rule",
-    "events.constrict_together",
+    "events.together",
     *(f"{name}.*" for name in WHOLE),
 )
 

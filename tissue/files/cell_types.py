@@ -117,7 +117,7 @@ class TypeKeys(ParameterSection):
         """Whether one may begin: then its cells are EMT cells."""
         return any(timing.ever for timing in self.times().values())
 
-    def group(self, name: str, rest_length: float, together: frozenset[str]) -> CellGroup:
+    def group(self, name: str, rest_length: float, together: tuple[str, ...]) -> CellGroup:
         """The cells at the start; ``rest_length``: of their springs [R_soft]; ``together``: as of ``Scenario``."""
         scenario = Scenario(self.cells, self.inm, self.times(), together)
         return CellGroup(name, scenario, self.place, self.divides, self.has_events, rest_length)

@@ -7,7 +7,6 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, PlainValidator, ValidationInfo, model_validator
 
-from tissue.events.constriction import EVENT as CONSTRICTION
 from tissue.events.event import EmtEvent
 from tissue.events.known import events, house
 from tissue.files.fields import (
@@ -15,8 +14,8 @@ from tissue.files.fields import (
     Begin,
     Count,
     DurationOrZero,
+    Events,
     EventTime,
-    Flag,
     Length,
     NonNegative,
     OneOf,
@@ -112,14 +111,9 @@ class EventsSection(ParameterSection):
         "",
         "section 2.2.4 of chapter 4",
     )
-    constrict_together: Flag = key(
-        "whether in [AC] all cells of a type constrict at the time of the first of them", "", TYPESCRIPT, False
+    together: Events = key(
+        "events that begin in all cells of a type at the time of the first of them", "", TYPESCRIPT, []
     )
     at_depth: Annotated[str, PlainValidator(OneOf(("stays", "forces")))] = key(
         "what the basal point does at run_depth", "", "(4.1)"
     )
-
-    @property
-    def simultaneous(self) -> frozenset[str]:
-        """The events that begin in all cells of a type when they do in the first one."""
-        return frozenset({CONSTRICTION.name} if self.constrict_together else ())

@@ -14,6 +14,7 @@ import numpy as np
 from pydantic import PlainSerializer, PlainValidator
 
 from tissue.division import division_rules
+from tissue.events.known import events
 from tissue.files.own_modules import ModuleFiles
 from tissue.files.timing import ALLOWED, Timing, timing
 from tissue.files.units import (
@@ -181,6 +182,23 @@ class DivisionName:
 
 
 @dataclass(frozen=True)
+class EventNames:
+    """Names of events."""
+
+    unit: str = "names of events"
+
+    @property
+    def allowed(self) -> str:
+        return f'a list of names of events, {", ".join(event.name for event in events())}, such as ["a"]'
+
+    def __call__(self, raw: Any) -> tuple[str, ...]:
+        names = {event.name for event in events()}
+        if not isinstance(raw, (list, tuple)) or not all(isinstance(one, str) and one in names for one in raw):
+            raise ValueError(f"must be {self.allowed}")
+        return tuple(dict.fromkeys(raw))
+
+
+@dataclass(frozen=True)
 class Span:
     """Parts of the height; a nucleus on a layer might have no direction to its basal or apical point."""
 
@@ -277,3 +295,4 @@ Points = Annotated[
 DivisionRuleName = Annotated[str, PlainValidator(DivisionName())]
 Modules = Annotated[tuple[str, ...], PlainValidator(ModuleFiles()), PlainSerializer(list)]
 Fractions = Annotated[tuple[float, float], PlainValidator(Span()), PlainSerializer(list)]
+Events = Annotated[tuple[str, ...], PlainValidator(EventNames()), PlainSerializer(list)]

@@ -181,14 +181,14 @@ class Parameters(BaseModel):
     def scenario(self) -> Scenario:
         """What the EMT cells are drawn from: times in h."""
         emt = self.emt
-        return Scenario(emt.cells, emt.inm, emt.times(), self.events.simultaneous)
+        return Scenario(emt.cells, emt.inm, emt.times(), self.events.together)
 
     def groups(self) -> tuple[CellGroup, ...]:
         """The cells that are no control cells: those of [emt], then those of each named type."""
         rest, named = self.start_numbers().rest_length, self.types.named().items()
         emt = CellGroup(UNNAMED[-1], self.scenario(), 0.5, divides=False, may_leave=True, rest_length=rest)
         rests = (one.start_numbers().rest_length for one in self._of_types())
-        together = self.events.simultaneous
+        together = self.events.together
         return emt, *(one.group(name, rest, together) for (name, one), rest in zip(named, rests, strict=True))
 
     def _of_types(self) -> Iterator[Parameters]:

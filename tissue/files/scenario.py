@@ -19,7 +19,7 @@ class Scenario(NamedTuple):
     cells: int  # N^EMT
     inm: float  # probability of interkinetic nuclear movement
     times: Mapping[str, Timing]  # of the events by name; the others never begin
-    together: frozenset[str] = frozenset()  # events that begin in all cells when they do in the first one
+    together: tuple[str, ...] = ()  # events that begin in all cells when they do in the first one
 
 
 class CellGroup(NamedTuple):
@@ -46,6 +46,6 @@ def drawn(scenario: Scenario, draws: Generator) -> tuple[Emt, Flags]:
         for name in others:
             chances[name] = tuple(default_rng([key, *name.encode()]).random((2, scenario.cells)))
     times = {name: scenario.times.get(name, Timing()).times(*pair) for name, pair in chances.items()}
-    for name in scenario.together & times.keys():
+    for name in times.keys() & {*scenario.together}:
         times[name] = np.full_like(times[name], times[name].min(initial=np.inf))
     return emt_cells(settled(times)), inm < scenario.inm

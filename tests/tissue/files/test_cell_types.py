@@ -54,9 +54,9 @@ def test_a_type_has_what_it_says_and_else_what_all_cells_have(given):
     assert leaving == control
     emt, one, two = given.groups()
     assert (emt.name, emt.scenario.cells, emt.may_leave) == ("emt", 0, True)
-    assert one == ("soft", (10, 1.0, {}, frozenset()), 0.2, True, False, 1.5)
+    assert one == ("soft", (10, 1.0, {}, ()), 0.2, True, False, 1.5)
     timing = Timing(Measure(6.0, "h"), Measure(8.0, "h"), 50.0)
-    assert two == ("leaving", (3, 1.0, {"a": timing}, frozenset()), "scattered", False, True, 1.5)
+    assert two == ("leaving", (3, 1.0, {"a": timing}, ()), "scattered", False, True, 1.5)
     assert given.changed({"cell.alpha_bx": 7}).named_numbers()[0].alpha_bx == 7.0
 
 

@@ -63,7 +63,7 @@ def test_what_a_key_says():
     assert KEYS["numerics.noise"].comment == "how often noise is added"
     optional = {name for name, facts in KEYS.items() if facts.has_default}
     events = {"emt.a", "emt.b", "emt.s", "emt.p"}
-    others = {"emt.ac", "cell.max_cytoskeleton", "division.rule", "own.modules", "events.constrict_together"}
+    others = {"emt.ac", "cell.max_cytoskeleton", "division.rule", "own.modules", "events.together"}
     others |= {"tissue.dimension", "space.rows", "space.boundary", "space.flip_margin", "space.new_rest"}
     types = OF_TYPES - {"types.NAME.cells"}
     assert optional == events | others | types | {*(name for name in KEYS if name.startswith("layer."))}

@@ -136,7 +136,7 @@ def close(value: object) -> object:
 
 def test_the_list_of_changes_is_complete():
     """But for emt.p, which does not go alone: protrusions wait for [B]; and what other tests look at."""
-    aside = ("emt.p", "emt.ac", "events.constrict_together", "own.modules", "division.rule", "tissue.dimension")
+    aside = ("emt.p", "emt.ac", "events.together", "own.modules", "division.rule", "tissue.dimension")
     every = [*SETTABLE, *aside]
     keys = [key for key in known_keys(Parameters) if not key.startswith(("types.", "space."))]
     assert every == sorted(keys, key=every.index)

@@ -52,6 +52,8 @@ BAD = {
         {"rules.floor_rest_length": 1},
         "floor_rest_length = 1: must be true or false .whether the desired rest length is .*$",
     ),
+    "no event": ({"events.together": ["x"]}, r"together = \['x'\]: must be a list of names of events, a, b, s, p, ac,"),
+    "no list of events": ({"events.together": "ac"}, "together = 'ac': must be a list of names of events"),
     "no cap": ({"cell.max_cytoskeleton": "0 um"}, "max_cytoskeleton = '0 um': must be \"none\", or a length > 0 with"),
     "cap without unit": ({"cell.max_cytoskeleton": 5}, 'max_cytoskeleton = 5: must be "none", or a length > 0 with'),
     "no choice": (
