@@ -183,7 +183,13 @@ def _by_arclength(course: Course, knots: Floats, *, around: bool, ring: bool, or
     table = _quintics(position, tangent, bend, s[1])
     if not ring and origin is None:
         origin = lengths[-1] / 2
-    return BasalCurve(np.vstack((table, table[:1])), float(lengths[-1]), float(origin or 0.0), around, ring)
+    # Behind the last piece: where it comes back to, or on which it goes on straight.
+    last = table[:1]
+    if not around:
+        last = np.zeros((1, 2, ORDER))
+        last[0, :, 0], last[0, :, 1] = position[:, -1], tangent[:, -1] * s[1]
+    behind = np.vstack((table, last.reshape(1, *table.shape[1:])))
+    return BasalCurve(behind, float(lengths[-1]), float(origin or 0.0), around, ring)
 
 
 def _measured(course: Course, knots: Floats) -> tuple[Floats, Floats]:

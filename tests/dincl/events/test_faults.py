@@ -114,6 +114,19 @@ def test_a_wall_stops_at_once_where_discs_just_fit(n, gap, way, c):
         assert np.abs(path.x[1:] - (way + 0.5 + np.arange(n)[:, None])).max() <= 1e-12
 
 
+def test_a_particle_that_goes_with_a_wall_is_pushed_once_it_is_slower():
+    """Until then the contact is closed, its push zero, and both of them move."""
+    problem = dincl.Problem(
+        [[0.0]],
+        lambda t, x: np.full((1, 1), 1 - 3 * max(0.0, t - 0.5) ** 2),
+        [dincl.Moving(dincl.HalfSpace([1.0], 0.0), lambda t: [t])],
+    )
+    path = dincl.solve(problem, dincl.EventDriven(1e-10), [0.25, 0.5, 0.75, 1.0])
+    assert np.abs(path.x[:, 0, 0] - path.t).max() <= 1e-12
+    assert path.events == ()
+    assert path.stats.steps <= 60
+
+
 def test_kinks_of_paths_are_found_to_rounding(rng):
     paths = [
         lambda t: np.array([min(1.0, 2 * t), 0.0]),

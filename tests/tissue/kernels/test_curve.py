@@ -45,7 +45,6 @@ def test_points_and_tangents_are_those_of_the_curve(name):
     assert_same_course(curve, np.linspace(-1.3 * curve.length, last * curve.length, 101))
 
 
-@pytest.mark.xfail(reason="beyond its right end the piece behind the last one is read, which is the first")
 def test_an_open_curve_goes_on_straight_at_its_right_end():
     curve = CURVES["open"]
     assert_same_course(curve, np.linspace(0.5, 1.3, 11) * curve.length)
