@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
+from dincl.files import replacing
 from dincl.shapes import Ball, Bonds, Curve, Wall, radii, shapes_at
 
 if TYPE_CHECKING:
@@ -89,7 +90,7 @@ def animate(film: Film, file: str | Path, fps: float) -> Path:
     with _style():
         figure = _figure()
         ax = figure.add_subplot(**_projection(view))
-        with writer.saving(figure, str(target), DPI):
+        with replacing(target) as partial, writer.saving(figure, str(partial), DPI):
             for k, t in enumerate(film.t):
                 ax.clear()
                 _draw_until(ax, view, film.t[: k + 1], film.x[: k + 1])

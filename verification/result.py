@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, cast
 
 import pandas as pd
 
+from dincl.files import write_bytes
 from dincl.study import write
 
 if TYPE_CHECKING:
@@ -64,5 +65,5 @@ class Result(ABC):
         """Write the table (Parquet and CSV) and the picture into ``folder``; return the folder."""
         out = Path(folder)
         write(self.table, out / f"{self.name}.parquet")
-        (out / f"{self.name}.png").write_bytes(self.png())
+        write_bytes(out / f"{self.name}.png", self.png())
         return out

@@ -12,6 +12,7 @@ import numpy as np
 
 import dincl
 import tissue
+from dincl.files import replacing, write_text
 from tissue.files.parameters import PRESETS
 
 mpl.use("Agg")
@@ -81,7 +82,7 @@ def write(folder: Path) -> Path:
     for card in tissues:
         _save(tissue.simulate(card.made, seed=1).plot(), folder / f"{card.name}.png")
     page = folder / "gallery.md"
-    page.write_text(PAGE.format(scenes=_written(scenes), tissues=_written(tissues)), "utf-8")
+    write_text(page, PAGE.format(scenes=_written(scenes), tissues=_written(tissues)))
     return page
 
 
@@ -122,7 +123,8 @@ def _save(ax: Any, path: Path) -> None:
     from matplotlib import pyplot as plt
 
     figure = ax.figure
-    figure.savefig(path, dpi=110, bbox_inches="tight")
+    with replacing(path) as partial:
+        figure.savefig(partial, dpi=110, bbox_inches="tight")
     plt.close(figure)
 
 

@@ -10,6 +10,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
+from dincl.files import write_text
+
 PACKAGES = ("dincl", "meanfield", "tissue", "verification")
 
 
@@ -17,7 +19,7 @@ def write(folder: Path) -> None:
     """Write the page of each package into a folder."""
     folder.mkdir(parents=True, exist_ok=True)
     for package in PACKAGES:
-        (folder / f"{package}.rst").write_text(page(package), "utf-8")
+        write_text(folder / f"{package}.rst", page(package))
 
 
 def page(package: str) -> str:

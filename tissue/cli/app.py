@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from dincl.errors import InvalidProblem
+from dincl.files import check_writable, replacing, write_text
 from dincl.study.bar import progress
 from tissue.cli.explore import explore
 from tissue.cli.figures import figures
@@ -86,7 +87,7 @@ def movie(
         if surface:
             check_space(parameters)
         out.parent.mkdir(parents=True, exist_ok=True)
-        out.open("ab").close()  # to find out before the work
+        check_writable(out)
         grown = _simulated(parameters, seed)
         frames = measurable(grown.frames)
         with progress("drawing", len(frames), "pictures") as watch:
@@ -112,10 +113,10 @@ def _write_parameters(parameters: Parameters, words: str, file: str, folder: Pat
     if path.exists() and Path(file).exists() and path.samefile(file):
         raise InvalidProblem(f"{folder}: must be another folder: {path} is read, and would be overwritten")
     made_by = ", ".join(f"{name} {version(name)}" for name in ("dincl-testbed", "numpy", "numba"))
-    path.write_text(
+    write_text(
+        path,
         f"# All parameters of: tissue run {words}\n"
         f"# Made by {made_by}, Python {platform.python_version()} on {platform.machine()}\n\n{parameters.as_toml()}",
-        "utf-8",
     )
 
 
@@ -135,8 +136,10 @@ def _write_results(grown: Run, folder: Path) -> None:
     from tissue.model.observables import measurable
     from tissue.pictures.picture import picture
 
-    grown.table().to_parquet(folder / "table.parquet", index=False)
-    grown.summary().to_csv(folder / "summary.csv", index=False)
+    with replacing(folder / "table.parquet") as partial:
+        grown.table().to_parquet(partial, index=False)
+    with replacing(folder / "summary.csv") as partial:
+        grown.summary().to_csv(partial, index=False)
     picture(measurable(grown.frames)[-1:], grown.parameters, folder / "picture.png")
     if grown.status:  # from the state that failed no run goes on
         grown.final.save(folder / "final.npz")

@@ -8,6 +8,7 @@ from typing import Any
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from dincl.files import write_text
 from tissue.files.parameter_files import read
 from tissue.files.parameters import PRESETS, Parameters, load, preset
 from tissue.study.layout import ABOUT
@@ -70,12 +71,16 @@ class Folder:
     def save(self, name: str, text: str) -> Path:
         """Write a new file."""
         path = self.path(name if name.endswith(TOML) else f"{name}{TOML}")
+        is_ours = False
         try:
-            with path.open("x", encoding="utf-8") as file:
-                file.write(text)
+            path.touch(exist_ok=False)  # nothing is overwritten
+            is_ours = True
+            write_text(path, text)
         except FileExistsError:
             raise InvalidProblem(f"{path.name}: must be a new name; there is a file of this name") from None
         except OSError as error:
+            if is_ours:
+                path.unlink()
             raise InvalidProblem(f"{path.name}: cannot be written: {error.strerror}") from error
         return path
 

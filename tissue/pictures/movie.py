@@ -12,6 +12,7 @@ from PIL import Image
 
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
+from dincl.files import replacing
 from tissue.pictures.emt import look_of
 from tissue.pictures.picture import stills
 from tissue.pictures.sheet import COLOURS as PHASE_COLOURS
@@ -70,11 +71,12 @@ def write_images(images: Iterator[NDArray[np.uint8]], count: int, path: str | Pa
 
 def _save(images: Iterator[Image.Image], count: int, path: str | PathLike[str]) -> None:
     first, kind = next(images), checked_path("path", path).suffix.lower()[1:]
-    if count == 1 and kind == "png":
-        first.save(path)
-        return
-    shown = [EACH] * (count - 1) + [LAST]
-    first.save(path, kind, save_all=True, append_images=images, duration=shown, loop=0, quality=QUALITY)
+    with replacing(path) as partial:
+        if count == 1 and kind == "png":
+            first.save(partial, kind)
+            return
+        shown = [EACH] * (count - 1) + [LAST]
+        first.save(partial, kind, save_all=True, append_images=images, duration=shown, loop=0, quality=QUALITY)
 
 
 def ending(path: str | PathLike[str]) -> str:

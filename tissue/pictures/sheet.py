@@ -22,6 +22,7 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
+from dincl.files import replacing
 from tissue.model.observables import PHASES
 from tissue.pictures.emt import EmtLook
 
@@ -61,8 +62,8 @@ def style(**more: Any) -> Iterator[None]:
 def write(figure: Figure, path: str | PathLike[str]) -> None:
     """Write a figure; the same bytes for the same figure."""
     dated = {".svg": {"Date": None}, ".pdf": {"CreationDate": None}}
-    with style():
-        figure.savefig(path, metadata=dated.get(Path(path).suffix.lower()))
+    with style(), replacing(path) as partial:
+        figure.savefig(partial, metadata=dated.get(Path(path).suffix.lower()))
 
 
 def png(figure: Figure) -> bytes:

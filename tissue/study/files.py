@@ -1,42 +1,31 @@
-"""Files that are there as a whole or not at all, and can be told from damaged ones."""
+"""Files of a study, which can be told from damaged ones."""
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable
-from contextlib import suppress
 from hashlib import file_digest
 from pathlib import Path
-from typing import BinaryIO
 
 import pyarrow as pa
 import pyarrow.parquet as pq
 
-# Beginnings of the names of files that are being written and of those that are set aside: who reads a folder of Parquet
-# files passes over names with this first letter.
-PARTIAL, DAMAGED = "_partial-", "_damaged-"
+from dincl.files import replacing, write_bytes
 
-
-def write_whole(path: Path, write: Callable[[BinaryIO], object]) -> None:
-    """Write a file under another name, force it to the disk and rename it: no one ever sees half of it."""
-    partial = path.with_name(PARTIAL + path.name)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    try:
-        with partial.open("wb") as file:
-            write(file)
-            file.flush()
-            os.fsync(file.fileno())
-        partial.replace(path)
-    finally:
-        with suppress(OSError):
-            partial.unlink(missing_ok=True)  # there only if something failed
-    _force_names(path.parent)
+# How the names of files begin that are set aside: readers of a folder of Parquet files pass over this first letter.
+DAMAGED = "_damaged-"
 
 
 def write_table(path: Path, table: pa.Table) -> str:
     """Write a table; returns the checksum of the file."""
-    write_whole(path, lambda file: pq.write_table(table, file, compression="zstd"))
-    return checksum(path)
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with replacing(path) as partial:
+        pq.write_table(table, partial, compression="zstd")
+        return checksum(partial)
+
+
+def write_note(path: Path, note: str) -> None:
+    """Write a text."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    write_bytes(path, note.encode())
 
 
 def checksum(path: Path) -> str:
@@ -51,12 +40,3 @@ def checksum(path: Path) -> str:
 def set_aside(path: Path) -> Path:
     """Give a file a name under which no one takes it for a sound one."""
     return path.replace(path.with_name(DAMAGED + path.name))
-
-
-def _force_names(folder: Path) -> None:
-    """Force the names in a folder to the disk."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        os.fsync(descriptor)
-    finally:
-        os.close(descriptor)

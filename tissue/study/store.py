@@ -15,8 +15,9 @@ import pyarrow as pa
 from filelock import FileLock, Timeout
 
 from dincl.errors import InvalidProblem
+from dincl.files import PARTIAL
 from dincl.study.stopped import StudyStopped
-from tissue.study.files import PARTIAL, checksum, set_aside, write_table, write_whole
+from tissue.study.files import checksum, set_aside, write_note, write_table
 from tissue.study.identity import IDENTITY, differences, fingerprint, identity, processor
 from tissue.study.layout import ABOUT, COPY, LOCK, note, part, trajectory
 from tissue.study.plan import Piece, TissueStudy
@@ -57,7 +58,7 @@ class StudyStore:
         try:
             checksums = {self._name(path): write_table(path, table) for path, table in files.items()}
             text = json.dumps({**self._marks(piece), "sha256": checksums}, indent=1)
-            write_whole(note(self.folder, piece), lambda file: file.write(text.encode()))
+            write_note(note(self.folder, piece), text)
         except OSError as error:
             raise StudyStopped(f"{self.folder} cannot be written to: {error}") from error
 
@@ -162,6 +163,6 @@ def _noted(folder: Path, study: TissueStudy) -> str:
         "processors": list(dict.fromkeys([*processors, processor()])),
         **new,
     }
-    write_whole(folder / ABOUT, lambda file: file.write(json.dumps(noted, indent=1).encode()))
-    write_whole(folder / COPY, lambda file: file.write(study.text.encode()))
+    write_note(folder / ABOUT, json.dumps(noted, indent=1))
+    write_note(folder / COPY, study.text)
     return mark

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from datetime import datetime
 from functools import cache
 from pathlib import Path
@@ -11,14 +10,14 @@ from typing import Any
 from jinja2 import Environment, PackageLoader, StrictUndefined, select_autoescape
 from markupsafe import Markup
 
+from dincl.files import write_text
+
 
 def render_page(template: str, path: Path, **values: Any) -> Path:
     """Fill a template of this folder and put the page in place; ``made`` is the time, ``safe`` marks HTML as such."""
     made = datetime.now().astimezone().strftime("%Y-%m-%d %H:%M")
     path.parent.mkdir(parents=True, exist_ok=True)
-    new = path.with_name(f".{path.name}.new")
-    new.write_text(_environment().get_template(template).render(made=made, safe=Markup, **values), "utf-8")
-    os.replace(new, path)
+    write_text(path, _environment().get_template(template).render(made=made, safe=Markup, **values))
     return path
 
 

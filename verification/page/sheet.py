@@ -18,6 +18,8 @@ from matplotlib.path import Path as Outline
 from matplotlib.ticker import NullLocator
 from numpy.typing import NDArray
 
+from dincl.files import replacing
+
 __all__ = ["GREY", "WIDTH", "Axes", "Figure", "discs", "hatch_cells", "own_axes", "patch", "polygon", "sheet"]
 
 Floats = NDArray[np.float64]
@@ -54,7 +56,8 @@ def sheet(path: Path, height: float, **style: Any) -> Iterator[Figure]:
         for panel in figure.axes:
             _keep_powers(panel)
         path.parent.mkdir(parents=True, exist_ok=True)
-        figure.savefig(path, dpi=DPI)
+        with replacing(path) as partial:
+            figure.savefig(partial, dpi=DPI)
 
 
 def _keep_powers(panel: Axes) -> None:

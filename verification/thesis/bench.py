@@ -18,6 +18,7 @@ import pandas as pd
 
 import dincl
 from dincl.errors import StepFailure
+from dincl.files import replacing
 from dincl.projection import Projection
 from dincl.rows.affine import linearised
 from dincl.rows.near import Near
@@ -168,14 +169,19 @@ def show(table: pd.DataFrame, title: str) -> None:
 def main(out: Path) -> None:
     """Measure, print, and keep all tables in the folder ``out``."""
     out.mkdir(parents=True, exist_ok=True)
+
+    def keep(name: str, table: pd.DataFrame) -> None:
+        with replacing(out / f"{name}.csv") as partial:
+            table.to_csv(partial, index=False)
+
     pbd = pbd_table()
     show(pbd, "PBD: ns per disc and step, with the pairs and corrections per disc and step")
     for scene in ("pile", "jostle"):
         print(f"{scene}: the cost of a step grows as n^{growth(pbd, scene):.2f}")
-    pbd.to_csv(out / "bench_pbd.csv", index=False)
+    keep("bench_pbd", pbd)
     projections = projection_table()
     show(projections, "Projections: milliseconds each, with the certified residual")
-    projections.to_csv(out / "bench_projections.csv", index=False)
+    keep("bench_projections", projections)
     for name, (title, table) in (bench.tables() | emt_bench.tables()).items():
         show(table, title)
-        table.to_csv(out / f"{name}.csv", index=False)
+        keep(name, table)

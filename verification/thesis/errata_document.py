@@ -10,6 +10,7 @@ from pathlib import Path
 from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from dincl.files import write_text
 from verification.claims import Effect
 from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
@@ -73,7 +74,7 @@ def write_errata(folder: Path) -> list[Path]:
     written = []
     for name, environment in (("errata.html", _html()), ("errata.tex", _tex())):
         path = folder / name
-        path.write_text(environment.get_template(name).render(values), "utf-8")
+        write_text(path, environment.get_template(name).render(values))
         written.append(path)
     return written
 

@@ -7,13 +7,13 @@ pages.
 
 from __future__ import annotations
 
-import shutil
 import sys
 from collections.abc import Collection
 from pathlib import Path
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from dincl.files import write_bytes
 from dincl.study import workers
 from verification.page.context import Context
 from verification.thesis.chapters import CHAPTERS
@@ -42,7 +42,7 @@ def main(folder: Path, names: Collection[str] = NAMES) -> None:
                 chapter.run(context)
     STUDIES.mkdir(parents=True, exist_ok=True)
     for name in context.studies:
-        shutil.copy(context.made / f"{name}.parquet", STUDIES)
+        write_bytes(STUDIES / f"{name}.parquet", (context.made / f"{name}.parquet").read_bytes())
 
 
 if __name__ == "__main__":

@@ -8,5 +8,10 @@ from matplotlib.figure import Figure
 def figures(monkeypatch):
     """Figures instead of files."""
     saved = []
-    monkeypatch.setattr(Figure, "savefig", lambda figure, *args, **kwargs: saved.append(figure))
+
+    def save(figure, path, **_):
+        saved.append(figure)
+        path.touch()
+
+    monkeypatch.setattr(Figure, "savefig", save)
     return saved

@@ -66,7 +66,7 @@ def written(patch):
         found[Path(path).name] = figure
 
     patch.setattr("tissue.study.figures.catalogue.write", note)
-    patch.setattr("tissue.study.files.os.fsync", lambda _: None)
+    patch.setattr("dincl.files.os.fsync", lambda _: None)
     return found
 
 

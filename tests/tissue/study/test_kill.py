@@ -12,8 +12,8 @@ import pytest
 import tissue
 import tissue.study.outcomes
 from dincl.errors import InvalidProblem
+from dincl.files import PARTIAL
 from tests.tissue.study.stand_in import outcomes, stored, study_file
-from tissue.study.files import PARTIAL
 from tissue.study.plan import load_study
 from tissue.study.read import Results
 from tissue.study.store import opened

@@ -3,6 +3,7 @@
 import errno
 import json
 import os
+from contextlib import contextmanager
 from importlib.metadata import version
 from pathlib import Path
 
@@ -12,6 +13,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
+from dincl.files import replacing
 from dincl.study.stopped import StudyStopped
 from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
 from tissue.study import identity, store
@@ -251,13 +253,17 @@ def test_a_disk_that_is_full_for_a_moment_costs_nothing(monkeypatch):
     whole = stored(tissue.run_study("small.toml", "whole").folder)
     full = part(Path("out"), "cells", Piece("[A]", 256, 44))
 
-    def onto_full_disk(parameters, replicates, *rest):
-        if (parameters.emt.inm, replicates[0]) == (1, 256):
-            full.parent.mkdir(parents=True, exist_ok=True)
-            full.with_name(f"_partial-{full.name}").symlink_to("/dev/full")
-        return outcomes(parameters, replicates, *rest)
+    tries = []
 
-    monkeypatch.setattr("tissue.study.outcomes.outcomes", onto_full_disk)
+    @contextmanager
+    def onto_full_disk(path):
+        with replacing(path) as partial:
+            if path == full and not tries:
+                tries.append(partial)
+                partial.symlink_to("/dev/full")
+            yield partial
+
+    monkeypatch.setattr("tissue.study.files.replacing", onto_full_disk)
     with pytest.raises(StudyStopped, match=r"out cannot be written to: .*No space left on device"):
         run()
     assert "part-00002.parquet" in [path.name for path in full.parent.iterdir()]  # tried once more
@@ -278,7 +284,7 @@ def test_a_full_disk_stops_the_study_and_keeps_what_there_is(written, monkeypatc
         sync(descriptor)
 
     with monkeypatch.context() as patch:
-        patch.setattr("tissue.study.files.os.fsync", full_after)
+        patch.setattr("dincl.files.os.fsync", full_after)
         with pytest.raises(StudyStopped, match="No space left on device"):
             run()
     assert not list(Path("out").rglob("_partial-*"))

@@ -1,0 +1,114 @@
+"""A file is there as a whole or as it was before; devices, links and modes are left as they are."""
+
+import os
+import stat
+import threading
+from pathlib import Path
+
+import pytest
+
+from dincl.files import PARTIAL, check_writable, replacing, write_bytes, write_text
+from tests.full_disk import full_disk
+
+LONG = "new " * 100
+
+
+def names(folder: Path) -> list[str]:
+    return sorted(path.name for path in folder.iterdir())
+
+
+def test_a_full_disk_leaves_the_file_as_it_was(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    path.write_text("old")
+    with full_disk(), pytest.raises(OSError, match="too large"):
+        write_text(path, LONG)
+    assert path.read_text() == "old"
+    assert names(tmp_path) == ["table.csv"]
+    write_text(path, LONG)
+    assert path.read_text() == LONG
+
+
+def test_a_full_disk_leaves_no_new_file(tmp_path: Path) -> None:
+    with full_disk(), pytest.raises(OSError, match="too large"):
+        write_bytes(tmp_path / "table.csv", LONG.encode())
+    assert names(tmp_path) == []
+
+
+def test_nothing_is_seen_before_the_end(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    with replacing(path) as partial:
+        partial.write_text("half")
+        assert not path.exists()
+        assert names(tmp_path) == [partial.name]
+        assert partial.name.startswith(PARTIAL)
+        assert partial.suffix == ".csv"
+    assert path.read_text() == "half"
+
+
+def test_writers_at_the_same_time_do_not_mix(tmp_path: Path) -> None:
+    path = tmp_path / "table.csv"
+    texts = [letter * 100_000 for letter in "abcd"]
+    threads = [threading.Thread(target=write_text, args=(path, text)) for text in texts]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert path.read_text() in texts
+    assert names(tmp_path) == ["table.csv"]
+
+
+def test_a_link_stays_a_link_and_a_mode_a_mode(tmp_path: Path) -> None:
+    (tmp_path / "far").mkdir()
+    real, link = tmp_path / "far" / "real.txt", tmp_path / "link.txt"
+    real.write_text("old")
+    real.chmod(0o640)
+    link.symlink_to(real)
+    write_text(link, "new")
+    assert link.is_symlink()
+    assert real.read_text() == "new"
+    assert stat.S_IMODE(real.stat().st_mode) == 0o640
+
+
+def test_the_mode_of_a_new_file_is_the_usual_one(tmp_path: Path) -> None:
+    (tmp_path / "usual").touch()
+    write_text(tmp_path / "new", "text")
+    assert (tmp_path / "new").stat().st_mode == (tmp_path / "usual").stat().st_mode
+
+
+def test_a_pipe_is_written_to(tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    writer = threading.Thread(target=write_text, args=(pipe, "through"))
+    writer.start()
+    assert pipe.read_text() == "through"
+    writer.join()
+    assert names(tmp_path) == ["pipe"]
+
+
+@pytest.mark.skipif(os.geteuid() == 0, reason="root may write everywhere")
+def test_a_file_that_may_not_be_written_is_not_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "kept.txt"
+    path.write_text("old")
+    path.chmod(0o400)
+    with pytest.raises(PermissionError, match=r"kept\.txt"):
+        write_text(path, "new")
+    assert path.read_text() == "old"
+
+
+@pytest.mark.parametrize("place", ["nowhere/a.txt", "file.txt/a.txt", "."])
+def test_errors_name_the_file_that_was_asked_for(place: str, tmp_path: Path) -> None:
+    (tmp_path / "file.txt").touch()
+    for write in (check_writable, lambda path: write_text(path, "text")):
+        with pytest.raises(OSError) as caught:  # noqa: PT011 - of several kinds
+            write(tmp_path / place)
+        assert caught.value.filename == str(tmp_path / place)
+        assert PARTIAL not in str(caught.value)
+    assert names(tmp_path) == ["file.txt"]
+
+
+def test_to_ask_leaves_nothing(tmp_path: Path) -> None:
+    (tmp_path / "there.txt").write_text("old")
+    for name in ("there.txt", "new.txt"):
+        check_writable(tmp_path / name)
+    assert names(tmp_path) == ["there.txt"]
+    assert (tmp_path / "there.txt").read_text() == "old"
