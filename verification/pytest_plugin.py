@@ -83,10 +83,10 @@ class ClaimItem(pytest.Item):
         folder = self.config.getoption("claim_tables")
         if folder is None or not self.claim.needs:
             return {}
-        import pandas as pd
+        from dincl.study import read_sealed
 
         files = {name: folder / f"{name}.parquet" for name in self.claim.needs}
-        return {name: pd.read_parquet(file) for name, file in files.items() if file.exists()}
+        return {name: read_sealed(file) for name, file in files.items() if file.exists()}
 
     def repr_failure(self, excinfo: pytest.ExceptionInfo[BaseException], *given: Any) -> Any:
         """The evidence; of a check that raised something, where."""

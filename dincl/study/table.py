@@ -9,7 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from dincl.files import replacing
 from dincl.provenance import differences
+from dincl.study.sealed import DamagedTable, read_sealed, write_sealed
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -57,13 +59,13 @@ class Table:
         Raises
         ------
         ValueError
-            If the file has another provenance.
+            If the file has another provenance; DamagedTable if it is not as it was written.
         """
         import pandas as pd
 
         if not self.path.exists():
             return pd.DataFrame(columns=list(self.key))
-        rows = pd.read_parquet(self.path)
+        rows = read_sealed(self.path)
         changes = self._changes(rows)
         if changes:
             raise ValueError(
@@ -73,10 +75,11 @@ class Table:
         return rows
 
     def changes(self) -> list[str]:
-        """A line for each thing in which the provenance of the file differs; none if there is no file."""
-        import pandas as pd
-
-        return self._changes(pd.read_parquet(self.path)) if self.path.exists() else []
+        """A line for each thing in which the provenance of the file differs, or for what is wrong with the file."""
+        try:
+            return self._changes(read_sealed(self.path)) if self.path.exists() else []
+        except DamagedTable as error:
+            return [str(error)]
 
     def _changes(self, rows: pd.DataFrame) -> list[str]:
         return differences(rows.attrs.get(ATTRIBUTE, {}), self.provenance)
@@ -98,18 +101,17 @@ class Table:
         """Move the file to the folder ``superseded``; return where it went."""
         old = self.path.parent / "superseded"
         old.mkdir(exist_ok=True)
-        for suffix in (".csv", ".parquet"):
+        for suffix in (".csv", ".parquet") if self.path.with_suffix(".csv").exists() else (".parquet",):
             os.replace(self.path.with_suffix(suffix), old / self.path.with_suffix(suffix).name)
         return old / self.path.name
 
 
 def write(table: pd.DataFrame, path: Path) -> None:
-    """Write Parquet and the CSV beside it under temporary names, then put each in place at once."""
+    """Write Parquet, which ``read_sealed`` reads, and a CSV beside it; each is put in place at once."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    for suffix, save in ((".csv", lambda to: table.to_csv(to, index=False)), (".parquet", table.to_parquet)):
-        temporary = path.with_name(f".{path.stem}{suffix}.new")
-        save(temporary)
-        os.replace(temporary, path.with_suffix(suffix))
+    with replacing(path.with_suffix(".csv")) as partial:
+        table.to_csv(partial, index=False)
+    write_sealed(table, path.with_suffix(".parquet"))
 
 
 def digest(value: object) -> str:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 import pandas as pd
 
-from dincl.study import Study, digest, write
+from dincl.study import Study, digest, read_sealed, write
 from verification.page.agreement import TIMES, Agreement, compare_studies
 
 MAKES_NO_NUMBERS = True
@@ -82,7 +82,7 @@ class Context:
             Columns that name a row of a run, see ``compare_studies``.
         """
         file = None if self.complete is None else self.complete / f"{study.name}.parquet"
-        shipped = pd.read_parquet(file) if file is not None and file.exists() else None
+        shipped = read_sealed(file) if file is not None and file.exists() else None
         rows = study.complete(self.made, self.executor) if shipped is None or self.full else shipped
         if shipped is not None and study.name not in self.agreements:
             self.waiting.append(partial(self._repeat, study, rows if self.full else again, by, shipped))

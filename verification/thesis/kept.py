@@ -10,6 +10,7 @@ from pathlib import Path
 import pandas as pd
 
 from dincl.provenance import differences, provenance
+from dincl.study.sealed import read_sealed, write_sealed
 
 MAKES_NO_NUMBERS = True
 DATA = Path(__file__).parent / "data"
@@ -35,14 +36,14 @@ def keep(table: pd.DataFrame, file: Path, main: Callable[..., None], before: Ite
     """
     module, now = _module(main), provenance(main)
     same = all(other.attrs.get(PROVENANCE) == now for other in before)
-    kept = table.copy()
+    kept = table.reset_index(drop=True)
     kept.attrs = {MAKER: module} | ({PROVENANCE: now} if same else {})
-    kept.to_parquet(file, index=False)
+    write_sealed(kept, file)
 
 
 def changes(file: Path) -> list[str]:
     """What differs in the code, data and libraries that a kept table is made by since it was made; a line for each."""
-    noted = pd.read_parquet(file).attrs
+    noted = read_sealed(file).attrs
     return differences(noted.get(PROVENANCE, {}), provenance(import_module(noted[MAKER]).main))
 
 

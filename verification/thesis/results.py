@@ -9,6 +9,8 @@ from typing import Any
 import pandas as pd
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
+from dincl.files import write_text
+from dincl.study import read_sealed
 from verification.evidence import Kind
 from verification.thesis.chapter2 import cheapest, work_precision
 from verification.thesis.chapter4 import kept
@@ -69,13 +71,13 @@ def emt() -> dict[str, Any]:
 
 def chart() -> dict[str, Any]:
     """Who is cheapest, by the complete chart of speed against accuracy."""
-    winners = cheapest.winners(pd.read_parquet(STUDIES / "work_precision.parquet"), work_precision.FULL)
+    winners = cheapest.winners(read_sealed(STUDIES / "work_precision.parquet"), work_precision.FULL)
     return {"summary": cheapest.summary(winners), "wide": cheapest.wide(winners)}
 
 
 def w1() -> dict[str, Any]:
     """How E W1 of random starts falls with N, from the kept distances."""
-    means = sampling.means(pd.read_parquet(sampling.FILE))
+    means = sampling.means(read_sealed(sampling.FILE))
     exponents, laws = sampling.exponents(means), sampling.laws(means)
     return {
         "line": exponents[exponents["d"] == 1].iloc[0],
@@ -112,4 +114,4 @@ def _main_effects(effects: pd.DataFrame) -> dict[str, list[dict[str, Any]]]:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(), "utf-8")
+    write_text(PAGE, page())

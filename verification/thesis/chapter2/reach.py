@@ -12,6 +12,7 @@ import numpy as np
 import pandas as pd
 
 import dincl
+from dincl.study import read_sealed
 from verification import work_precision
 from verification.budget import Budget, CpuSeconds
 from verification.page.prose import fill
@@ -47,7 +48,7 @@ def measure(count: int, budget: Budget) -> pd.DataFrame:
 
 def table() -> pd.DataFrame:
     """The kept table."""
-    return pd.read_parquet(FILE)
+    return read_sealed(FILE)
 
 
 def first(rows: pd.DataFrame) -> pd.DataFrame:

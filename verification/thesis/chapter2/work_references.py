@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.scenes import Scene
-from dincl.study import Key, Row, Study, digest
+from dincl.study import Key, Row, Study, digest, read_sealed
 from verification import references
 from verification.references import Known
 
@@ -75,7 +75,7 @@ def _computed(scene: Scene) -> Known:
 
 
 def _from_file(path: Path) -> Known:
-    return _stacked(pd.read_parquet(path))
+    return _stacked(read_sealed(path))
 
 
 def _stacked(table: pd.DataFrame) -> Known:

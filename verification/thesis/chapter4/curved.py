@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from dincl.study import workers
+from dincl.study import read_sealed, workers
 from tissue.files.parameters import preset
 from tissue.state.cells import Floats
 from tissue.study.outcomes import SIDES, outcomes
@@ -44,7 +44,7 @@ def file(name: str) -> Path:
 
 def table(name: str) -> pd.DataFrame:
     """A kept table."""
-    return pd.read_parquet(file(name))
+    return read_sealed(file(name))
 
 
 def _ways_out(results: Results) -> Iterator[dict[str, object]]:

@@ -15,7 +15,7 @@ import pandas as pd
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
-from dincl.study import workers
+from dincl.study import read_sealed, workers
 from tissue.study.read import Results
 from verification.thesis.chapter4 import differences, effects, printed, sensitivity, studies, summaries
 from verification.thesis.chapter4.studies import PRESETS, preset_of
@@ -46,7 +46,7 @@ COMPLETE_PREFIX = "emt_complete_"
 
 def read(name: str) -> pd.DataFrame:
     """A kept table of the complete studies."""
-    return pd.read_parquet(DATA / f"emt_{name}.parquet")
+    return read_sealed(DATA / f"emt_{name}.parquet")
 
 
 def tables() -> dict[str, pd.DataFrame]:

@@ -21,7 +21,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import ndtri
 
-from dincl.study import Key, Row
+from dincl.study import Key, Row, read_sealed
 from meanfield import Density
 from verification.order import CONFIDENCE
 from verification.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
@@ -146,7 +146,7 @@ def laws(found: pd.DataFrame) -> pd.DataFrame:
 def main() -> None:
     """Make the runs that the file lacks; it is written whenever a size or a long run is done."""
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
-    before = [pd.read_parquet(file)] if file.exists() else []
+    before = [read_sealed(file)] if file.exists() else []
     rows: list[Row] = [row for table in before for row in table.to_dict("records")]
     done = {tuple(row[name] for name in KEY) for row in rows}
     runs = [key for key in keys() if tuple(key[name] for name in KEY) not in done]

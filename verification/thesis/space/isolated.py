@@ -13,7 +13,7 @@ from typing import NamedTuple
 
 import pandas as pd
 
-from dincl.study import workers
+from dincl.study import read_sealed, workers
 from tissue.study.categories import What, kept_times, outcome
 from tissue.study.comparisons import Difference, more
 from tissue.study.plan import load_study
@@ -94,7 +94,7 @@ def table() -> pd.DataFrame:
     slices = read("ratios")
     same = slices["scenario"].map(SLICES) == slices["study"]
     mine = slices[same & slices["what"].isin(SIDES)].drop(columns="study").assign(tissue=SLICE)
-    return pd.concat([mine, pd.read_parquet(FILE)], ignore_index=True)
+    return pd.concat([mine, read_sealed(FILE)], ignore_index=True)
 
 
 def compared(ratios: pd.DataFrame) -> pd.DataFrame:

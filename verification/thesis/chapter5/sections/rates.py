@@ -6,6 +6,7 @@ from typing import Any
 
 import pandas as pd
 
+from dincl.study import read_sealed
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
@@ -53,12 +54,12 @@ LAWS = {
 
 def _run(context: Context) -> None:
     complete = flow_rates.study().complete(context.folder, context.executor) if context.full else None
-    table = pd.read_parquet(flow_rates.FILE) if complete is None else complete
+    table = read_sealed(flow_rates.FILE) if complete is None else complete
     context.keep("meanfield_flow", table)
     averages = flow_rates.averaged(table)
     context.keep("meanfield_flow_means", averages)
     context.keep("meanfield_flow_exponents", flow_rates.fitted(averages))
-    means = sampling.means(pd.read_parquet(sampling.FILE))
+    means = sampling.means(read_sealed(sampling.FILE))
     context.keep("meanfield_start_means", means)
     context.keep("meanfield_start_exponents", sampling.exponents(means))
     context.keep("meanfield_start_laws", sampling.laws(means))

@@ -1,0 +1,89 @@
+"""A table that has changed by one bit is not read, whichever bit it is; other programs read it as any other."""
+
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from dincl.study import DamagedTable, Table, read_sealed, write
+from dincl.study.sealed import KEY
+from tests.dincl.study.test_table import RUNS, Inline, made_by, study, two_rows
+
+FLIPS = 150
+TABLE = pd.DataFrame(
+    {
+        "method": [f"method {k % 3}" for k in range(40)],
+        "dt": 1.0 / np.arange(1, 41),
+        "steps": np.arange(40),
+        "error": [None if k % 7 == 0 else 1e-3 * k for k in range(40)],
+        "text": [KEY + "\x18\x40" + "0" * 64] * 40,  # which looks like a checksum
+    }
+)
+TABLE.attrs = {"provenance": {"code": "{}"}}
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    write(TABLE, tmp_path / "table.parquet")
+    return tmp_path / "table.parquet"
+
+
+def test_it_is_read_as_it_was_written(path: Path) -> None:
+    for read in (read_sealed, pd.read_parquet):
+        table = read(path)
+        pd.testing.assert_frame_equal(table, TABLE)
+        assert table.attrs == TABLE.attrs
+
+
+def test_each_flipped_bit_changes_nothing_or_is_told(path: Path, rng: np.random.Generator) -> None:
+    data = path.read_bytes()
+    told = 0
+    for bit in rng.choice(8 * len(data), FLIPS, replace=False).tolist():
+        changed = bytearray(data)
+        changed[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(changed)
+        try:
+            table = read_sealed(path)
+        except DamagedTable:
+            told += 1
+            continue
+        pd.testing.assert_frame_equal(table, TABLE, check_exact=True)
+        assert table.attrs == TABLE.attrs
+    assert told > 0.98 * FLIPS  # all but the bits of the words around the checksum
+
+
+@pytest.mark.parametrize("left", [0, 3, 500, -1])
+def test_a_file_that_is_cut_is_told(left: int, path: Path) -> None:
+    path.write_bytes(path.read_bytes()[:left])
+    with pytest.raises(DamagedTable, match=r"table\.parquet: must be as it was written, but .*; put a sound copy"):
+        read_sealed(path)
+
+
+def test_tables_of_other_programs_are_read(tmp_path: Path) -> None:
+    table = TABLE.drop(columns="text")
+    table.to_parquet(tmp_path / "other.parquet")
+    pd.testing.assert_frame_equal(read_sealed(tmp_path / "other.parquet"), table)
+
+
+def test_the_error_pickles(path: Path) -> None:
+    error = DamagedTable(path, "it is cut")
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+def test_a_damaged_table_of_runs_is_set_aside_and_made_again(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    whole = study().complete(tmp_path, Inline())
+    path = tmp_path / "runs.parquet"
+    data = bytearray(path.read_bytes())
+    data[len(data) // 3] ^= 4
+    path.write_bytes(data)
+    with pytest.raises(DamagedTable):
+        Table(path, ("method", "dt"), made_by()).append(two_rows(RUNS[0]))
+    path.with_suffix(".csv").unlink()  # which is for people
+    again = study().complete(tmp_path, Inline())
+    pd.testing.assert_frame_equal(again, whole)
+    assert "its checksum is another one" in capsys.readouterr().out
+    assert (tmp_path / "superseded" / "runs.parquet").read_bytes() == data
