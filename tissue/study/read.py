@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from html import escape
 from os import PathLike
 from pathlib import Path
@@ -16,7 +16,9 @@ from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
-from tissue.study.layout import scenario_folder, trajectory
+from tissue.study.layout import note, part, trajectory
+from tissue.study.notes import Notes, refuse_damaged
+from tissue.study.plan import Piece
 from tissue.study.store import about
 
 if TYPE_CHECKING:
@@ -63,9 +65,15 @@ class Results:
 
     @property
     def complete(self) -> bool:
-        """Whether all parts are there."""
+        """Whether all parts are there, as they were written."""
         parts = -(-self.study.replicates // self._noted["part"])
-        return all(len(self._parts("cells", scenario)) == parts for scenario in self.study.scenarios)
+        return all(len(self._pieces(scenario)) == parts for scenario in self.study.scenarios) and not self.damaged
+
+    @property
+    def damaged(self) -> list[Path]:
+        """The files that are not as they were written; to run the study again computes their runs again."""
+        stored = (piece for scenario in self.study.scenarios for piece in self._pieces(scenario))
+        return [file for piece in stored for file in self._notes.damaged(piece)]
 
     def parameters(self, scenario: str) -> Parameters:
         """The parameters of a scenario."""
@@ -122,7 +130,7 @@ class Results:
         if not path.exists():
             stored = list(self.study.trajectories)
             raise InvalidProblem(f"replicate = {describe(replicate)}: must be stored, as may be {stored}")
-        return self._read([path])
+        return self._read({self._piece(scenario, replicate // self._noted["part"]): path})
 
     def summary(self) -> pd.DataFrame:
         """One row for each scenario: ``scenario``, and how many ``runs`` are stored, of which ``failed``."""
@@ -136,7 +144,7 @@ class Results:
         """``cells`` of all scenarios that have stored rows, with a column ``scenario`` before the others."""
         import pandas as pd
 
-        stored = [name for name in self.study.scenarios if self._parts("cells", name)]
+        stored = [name for name in self.study.scenarios if self._pieces(name)]
         if not stored:
             raise InvalidProblem(f"{self.folder}: nothing is stored yet")
         tables = {name: self.cells(name) for name in stored}
@@ -167,7 +175,7 @@ class Results:
         return plot_course(ax, name, cells, self.runs(name))
 
     def __repr__(self) -> str:
-        state = "complete" if self.complete else "not complete"
+        state = "complete" if self.complete else "damaged" if self.damaged else "not complete"
         plan = f"{len(self.study.scenarios)} scenarios of {self.study.replicates} runs"
         return f"Results({self.study.title!r}, {plan}, {state}, {str(self.folder)!r})"
 
@@ -177,30 +185,40 @@ class Results:
 
     def _statuses(self, scenario: str) -> list[str]:
         """How the stored runs of a scenario ended."""
-        return list(self.runs(scenario, ["status"])["status"]) if self._parts("runs", scenario) else []
+        return list(self.runs(scenario, ["status"])["status"]) if self._pieces(scenario) else []
 
     def _table(self, kind: str, scenario: str, columns: Sequence[str] | None) -> pd.DataFrame:
         self._check(scenario)
         if columns is not None:
             columns = items("columns", columns, str, "a list of names of columns, or None")
-        parts = self._parts(kind, scenario)
-        if not parts:
+        pieces = self._pieces(scenario)
+        if not pieces:
             raise InvalidProblem(f"{self.folder}: nothing of the scenario {describe(scenario)} is stored yet")
-        return self._read(parts, columns)
+        return self._read({piece: part(self.folder, kind, piece) for piece in pieces}, columns)
 
-    def _read(self, files: list[Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
+    def _read(self, files: Mapping[Piece, Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
+        refuse_damaged(self._notes, files)
         try:
-            stored = ds.dataset([str(file) for file in files])
+            stored = ds.dataset([str(file) for file in files.values()])
             if unknown := [name for name in columns or () if name not in stored.schema.names]:
                 raise InvalidProblem(f"columns = {describe(unknown)}: must be of {', '.join(stored.schema.names)}")
             return stored.to_table(columns=None if columns is None else list(columns)).to_pandas()
         except (OSError, pa.ArrowException) as error:
             raise InvalidProblem(f"{self.folder}: a file is damaged or gone, run the study again: {error}") from error
 
-    def _parts(self, kind: str, scenario: str) -> list[Path]:
-        """The files of the parts that are there, in the order of their replicates."""
-        notes = sorted(scenario_folder(self.folder, "parts", scenario).glob("part-*.json"))
-        return [scenario_folder(self.folder, kind, scenario) / f"{path.stem}.parquet" for path in notes]
+    @property
+    def _notes(self) -> Notes:
+        return Notes(self.folder, self._noted["fingerprint"], self.study.trajectories)
+
+    def _pieces(self, scenario: str) -> list[Piece]:
+        """The pieces that are there, in the order of their replicates."""
+        pieces = -(-self.study.replicates // self._noted["part"])
+        found = (self._piece(scenario, number) for number in range(pieces))
+        return [piece for piece in found if note(self.folder, piece).exists()]
+
+    def _piece(self, scenario: str, number: int) -> Piece:
+        runs = self._noted["part"]
+        return Piece(scenario, number * runs, min(runs, self.study.replicates - number * runs))
 
     def _check(self, scenario: str) -> None:
         text("scenario", scenario, self.study.scenarios)

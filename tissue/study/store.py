@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import logging
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,18 +17,19 @@ from filelock import FileLock, Timeout
 from dincl.errors import InvalidProblem
 from dincl.files import PARTIAL
 from dincl.study.stopped import StudyStopped
-from tissue.study.files import checksum, set_aside, write_note, write_table
+from tissue.study.files import set_aside, write_note, write_table
 from tissue.study.identity import IDENTITY, differences, fingerprint, identity, processor
 from tissue.study.layout import ABOUT, COPY, LOCK, note, part, trajectory
+from tissue.study.notes import KINDS, Notes
 from tissue.study.plan import Piece, TissueStudy
 
 if TYPE_CHECKING:
     from tissue.study.outcomes import Outcomes
 
 log = logging.getLogger("tissue.study")
-KINDS = ("runs", "cells")
-# What is noted of a study: more than its identity.
+# What is noted of a study: more than its identity. Behind it stands the checksum of it all.
 NOTED = ("title", "fingerprint", "processors", *IDENTITY)
+CHECKSUM = "sha256"
 
 
 @dataclass(frozen=True)
@@ -38,6 +39,11 @@ class StudyStore:
     folder: Path
     study: TissueStudy
     fingerprint: str
+
+    @property
+    def notes(self) -> Notes:
+        """The notes of its parts."""
+        return Notes(self.folder, self.fingerprint, self.study.trajectories)
 
     def missing(self) -> list[Piece]:
         """The pieces without sound files; those that are damaged get another name."""
@@ -56,40 +62,20 @@ class StudyStore:
             whole = pa.Table.from_pandas(table, preserve_index=False)
             files[trajectory(self.folder, piece.scenario, replicate)] = whole
         try:
-            checksums = {self._name(path): write_table(path, table) for path, table in files.items()}
-            text = json.dumps({**self._marks(piece), "sha256": checksums}, indent=1)
-            write_note(note(self.folder, piece), text)
+            checksums = {self.notes.name(path): write_table(path, table) for path, table in files.items()}
+            write_note(note(self.folder, piece), self.notes.text(piece, checksums))
         except OSError as error:
             raise StudyStopped(f"{self.folder} cannot be written to: {error}") from error
 
-    def _marks(self, piece: Piece) -> dict[str, Any]:
-        return {"study": self.fingerprint, "piece": list(piece)}
-
-    def _name(self, path: Path) -> str:
-        return path.relative_to(self.folder).as_posix()
-
     def _sound(self, piece: Piece) -> bool:
         """Whether all files of a piece are there and as they were written; those that are not are set aside."""
-        path = note(self.folder, piece)
-        if not path.exists():
+        if not note(self.folder, piece).exists():
             return False
-        try:
-            noted = json.loads(path.read_bytes())
-            checksums = noted.pop("sha256") if noted.items() >= self._marks(piece).items() else None
-        except (ValueError, AttributeError, KeyError):
-            checksums = None
-        bad = [path] if checksums is None else self._damaged(piece, checksums)
+        bad = self.notes.damaged(piece)
         for file in bad:
             aside = set_aside(file).name if file.exists() else "missing"
             log.warning("%s is damaged (%s): its runs are computed again", file, aside)
         return not bad
-
-    def _damaged(self, piece: Piece, checksums: dict[str, str]) -> list[Path]:
-        """The files of a piece that are not as they were written."""
-        files = [part(self.folder, kind, piece) for kind in KINDS]
-        wanted = (number for number in self.study.trajectories if number in piece.replicates)
-        files += [trajectory(self.folder, piece.scenario, number) for number in wanted]
-        return [file for file in files if not checksum(file) or checksum(file) != checksums.get(self._name(file))]
 
 
 @contextmanager
@@ -104,13 +90,14 @@ def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[StudySto
     """
     folder = Path(out)
     try:
-        _check_ours(folder)
+        new = identity(study)
+        _check_ours(folder, study, fingerprint(new))
         folder.mkdir(parents=True, exist_ok=True)
         lock = FileLock(folder / LOCK, timeout=0)
         with lock.acquire():
             for partial in folder.rglob(f"{PARTIAL}*"):
                 partial.unlink()
-            store = StudyStore(folder, study, _noted(folder, study))
+            store = StudyStore(folder, study, _noted(folder, study, new))
             lock.acquire()  # once more, for as long as the study takes
     except Timeout as error:
         raise InvalidProblem(f"{folder}: another process works on it, and goes on undisturbed") from error
@@ -133,12 +120,25 @@ def about(folder: Path) -> dict[str, Any] | None:
         raise InvalidProblem(f"{path}: must be the note of a study: {error}") from error
     if not isinstance(noted, dict) or not set(NOTED) <= set(noted):
         raise InvalidProblem(f"{path}: must be the note of a study")
+    mark = noted.pop(CHECKSUM, fingerprint(noted))  # studies of before have none
+    if noted.keys() != set(NOTED) or noted["fingerprint"] != _mark_of(noted) or mark != fingerprint(noted):
+        raise InvalidProblem(f"{path}: must be as it was written, but is damaged; run the study again: it is restored")
     return noted
 
 
-def _check_ours(folder: Path) -> None:
-    """Refuse a folder with other things in it."""
-    if not folder.is_dir() or about(folder) is not None:
+def _mark_of(noted: Mapping[str, Any]) -> str:
+    """The fingerprint of the identity that is noted."""
+    return fingerprint({key: noted[key] for key in IDENTITY})
+
+
+def _check_ours(folder: Path, study: TissueStudy, mark: str) -> None:
+    """Refuse a folder with other things in it; a damaged note is restored where parts of this study are."""
+    path = folder / ABOUT
+    if path.exists() and not _is_note(folder):
+        notes = Notes(folder, mark, study.trajectories)
+        if not any(map(notes.is_mine, folder.glob("parts/*/part-*.json"))):
+            about(folder)
+    if not folder.is_dir() or path.exists():
         return
     others = sorted(path.name for path in folder.iterdir() if path.name != LOCK and not path.name.startswith(PARTIAL))
     if others:
@@ -147,9 +147,17 @@ def _check_ours(folder: Path) -> None:
         )
 
 
-def _noted(folder: Path, study: TissueStudy) -> str:
+def _is_note(folder: Path) -> bool:
+    try:
+        return about(folder) is not None
+    except InvalidProblem:
+        return False
+
+
+def _noted(folder: Path, study: TissueStudy, new: dict[str, Any]) -> str:
     """The fingerprint of the study, noted in its folder and checked against what was noted before."""
-    new = identity(study)
+    if (folder / ABOUT).exists() and not _is_note(folder):
+        log.warning("%s is damaged (%s): it is written again", folder / ABOUT, set_aside(folder / ABOUT).name)
     mark, old = fingerprint(new), about(folder)
     if old is not None and old["fingerprint"] != mark:
         lines = [f"{folder}: holds results of another study; give another folder. What differs:"]
@@ -163,6 +171,6 @@ def _noted(folder: Path, study: TissueStudy) -> str:
         "processors": list(dict.fromkeys([*processors, processor()])),
         **new,
     }
-    write_note(folder / ABOUT, json.dumps(noted, indent=1))
+    write_note(folder / ABOUT, json.dumps({**noted, CHECKSUM: fingerprint(noted)}, indent=1))
     write_note(folder / COPY, study.text)
     return mark

@@ -8,6 +8,7 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tissue.explore.folder import Folder
+from tissue.study.identity import IDENTITY, fingerprint
 from tissue.study.store import NOTED
 
 
@@ -77,7 +78,9 @@ def test_nothing_is_overwritten(folder):
 def test_a_study_may_not_bring_code_from_elsewhere(folder, outside):
     kept = folder.root / "results" / "study"
     kept.mkdir(parents=True)
-    noted = {key: {} for key in NOTED} | {"scenarios": {"A": {"own": {"modules": [str(outside / "code.py")]}}}}
+    scenarios = {"A": {"own": {"modules": [str(outside / "code.py")]}}}
+    noted = {key: {} for key in NOTED} | {"scenarios": scenarios}
+    noted["fingerprint"] = fingerprint({key: noted[key] for key in IDENTITY})
     (kept / "study.json").write_text(json.dumps(noted))
     assert folder.studies() == ["results/study"]
     with pytest.raises(InvalidProblem, match="without a folder"):

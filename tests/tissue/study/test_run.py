@@ -166,7 +166,9 @@ def test_results_refuse_what_is_not_there():
     with pytest.raises(InvalidProblem, match=r"replicate = 3: must be stored, as may be \[2, 129\]"):
         results.trajectory("[A]", 3)
     next(results.folder.glob("cells/*5D/part-00001.parquet")).write_bytes(b"PAR1")
-    with pytest.raises(InvalidProblem, match=r"out: a file is damaged or gone, run the study again: .*part-00001"):
+    with pytest.raises(
+        InvalidProblem, match=r"(?s)out: files are damaged, .*tissue study FILE --out out, .*part-00001"
+    ):
         results.cells("[A]")
     for path in (results.folder / "parts").rglob("*.json"):
         path.unlink()
