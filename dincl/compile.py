@@ -15,8 +15,11 @@ from typing import Any, TypeVar, cast
 import numba
 from numba import types
 from numba.core.caching import CacheImpl, _CacheLocator
+from numba.core.ccallback import CFunc
+from numba.core.sigutils import normalize_signature
 
 from dincl.announcement import ANNOUNCEMENT
+from dincl.code_cache import checked
 from dincl.parts import PartCompiler
 from dincl.provenance import closure, libraries
 from dincl.provenance.source import digest_of, read_source, source
@@ -37,7 +40,7 @@ def kernel(function: Function, *, references: bool = True) -> Function:
 
     No fastmath and no parallel: the order of operations is part of the result. The machine code is kept on the disk,
     where numba keeps it. It is used again as long as no module of ``closure(function)`` says something else, and the
-    libraries have the same versions; a docstring or a remark is nothing to it.
+    libraries have the same versions; a docstring or a remark is nothing to it. A damaged file is made again.
 
     Parameters
     ----------
@@ -48,7 +51,9 @@ def kernel(function: Function, *, references: bool = True) -> Function:
     """
     options: dict[str, Any] = {"cache": True, "nogil": True, "error_model": "numpy", "_nrt": references}
     with _by_closure():
-        return cast("Function", _once(numba.njit(**options)(function)))
+        compiled: Any = numba.njit(**options)(function)
+    checked(compiled._cache)
+    return cast("Function", _once(compiled))
 
 
 def inner(function: Function) -> Function:
@@ -74,9 +79,14 @@ def c_function(signature: Any, function: Callable[..., Any]) -> Any:
 
     It makes no arrays. What it raises goes no farther than to ``heard``: by then it has returned any number.
     """
-    options: dict[str, Any] = {"cache": True, "error_model": "numpy", "_nrt": False}
-    with _by_closure(), ANNOUNCEMENT.of(function):
-        return numba.cfunc(signature, **options)(function)
+    options: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
+    compiled: Any = CFunc(function, normalize_signature(signature), locals={}, options=options)
+    with _by_closure():
+        compiled.enable_caching()
+    checked(compiled._cache)
+    with ANNOUNCEMENT.of(function):
+        compiled.compile()
+    return compiled
 
 
 @contextmanager
