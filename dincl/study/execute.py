@@ -6,7 +6,8 @@ import os
 from collections.abc import Callable, Iterable
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
 from contextlib import suppress
-from multiprocessing import get_context
+from multiprocessing import connection, get_context, parent_process
+from threading import Thread
 from typing import TypeVar
 
 from dincl.study.stopped import StudyStopped
@@ -63,7 +64,23 @@ def carry_out(
 
 
 def workers() -> ProcessPoolExecutor:
-    """Two processes, each with libraries that keep to one thread: more would only take turns."""
+    """Two processes, each with libraries that keep to one thread: more would only take turns.
+
+    They end with the process that started them, however that ends: by SIGTERM or SIGKILL, too.
+    """
     for library in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
         os.environ.setdefault(library, "1")
-    return ProcessPoolExecutor(WORKERS, mp_context=get_context("spawn"))
+    return ProcessPoolExecutor(WORKERS, get_context("spawn"), _end_with_parent)
+
+
+def _end_with_parent() -> None:
+    """Begin to watch the process that started this one."""
+    parent = parent_process()
+    if parent is not None:
+        Thread(target=_watch, args=(parent.sentinel,), name="watches the parent", daemon=True).start()
+
+
+def _watch(parent: int) -> None:
+    """Wait for the end of the parent; then nobody wants the result of this process."""
+    connection.wait([parent])
+    os._exit(0)
