@@ -5,9 +5,10 @@ from matplotlib.figure import Figure
 
 
 @pytest.fixture
-def figures(monkeypatch):
+def figures(monkeypatch, tmp_path):
     """Figures instead of files."""
     saved = []
+    monkeypatch.chdir(tmp_path)
 
     def save(figure, path, **_):
         saved.append(figure)
