@@ -6,6 +6,7 @@ from pathlib import Path
 import pandas as pd
 import pytest
 
+from dincl.study.sealed import is_sealed, read_sealed
 from verification.thesis import kept
 from verification.thesis.chapter2 import pile_reference
 from verification.thesis.chapter5 import sampling
@@ -18,6 +19,29 @@ FILES = sorted(kept.DATA.glob("*.parquet"))
 def test_each_kept_table_names_the_command_that_makes_it(file: Path) -> None:
     module = pd.read_parquet(file).attrs[kept.MAKER]
     assert f"python -m {module}" in kept.import_module(module).__doc__
+
+
+@pytest.mark.parametrize("file", sorted(kept.DATA.rglob("*.parquet")), ids=lambda file: file.stem)
+def test_each_table_that_ships_has_its_checksum(file: Path) -> None:
+    """Those that were written before they had: python -m verification.thesis.kept adds it."""
+    assert is_sealed(file)
+    read_sealed(file)
+
+
+def test_tables_without_a_checksum_get_one(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(kept, "DATA", tmp_path)
+    (tmp_path / "studies").mkdir()
+    table = TABLE.copy()
+    table.attrs = {"provenance": {"code": "{}"}}
+    files = [tmp_path / "studies" / "one.parquet", tmp_path / "two.parquet"]
+    table.to_parquet(files[0])
+    kept.keep(TABLE, files[1], sampling.main)
+    before = files[1].read_bytes()
+    assert kept.seal() == files[:1]
+    assert is_sealed(files[0])
+    pd.testing.assert_frame_equal(read_sealed(files[0]), table)
+    assert read_sealed(files[0]).attrs == table.attrs
+    assert files[1].read_bytes() == before
 
 
 def test_tables_of_before_their_provenance_was_kept_say_so() -> None:
