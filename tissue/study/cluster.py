@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import logging
+import math
+import time
 from collections.abc import Iterator
 from concurrent.futures import CancelledError, Executor
 from contextlib import contextmanager
-from typing import TYPE_CHECKING
+from threading import Event, Thread
+from typing import TYPE_CHECKING, Any
 
 from dincl.errors import InvalidProblem
 from dincl.study.stopped import StudyStopped
@@ -18,6 +21,55 @@ if TYPE_CHECKING:
 log = logging.getLogger("tissue.study")
 # Seconds within which a scheduler has to answer.
 PATIENCE = 10
+# Seconds without workers until it is said, until it is said again, and between two looks.
+FIRST, AGAIN, LOOK = 10, 60, 1
+
+
+class Absence:
+    """Since when a scheduler has had no workers; said after FIRST seconds, then every AGAIN seconds."""
+
+    def __init__(self, address: str) -> None:
+        self._address = address
+        self._since, self._next = 0.0, math.inf
+
+    def look(self, workers: int, now: float) -> str:
+        """What is to be said, "" if nothing; ``now`` [s] does not decrease."""
+        if workers:
+            self._next = math.inf
+        elif self._next == math.inf:
+            self._since, self._next = now, now + FIRST
+        if now < self._next:
+            return ""
+        self._next += AGAIN
+        since = f"has had no workers for {now - self._since:.0f} s, and nothing is computed"
+        return f"scheduler {self._address}: {since}; start some: dask worker {self._address}"
+
+
+@contextmanager
+def watched(executor: Executor) -> Iterator[None]:
+    """Meanwhile say it if an executor of Dask has no workers: it would wait for them without a word."""
+    client, ended = getattr(executor, "_client", None), Event()
+    if not hasattr(client, "nthreads"):
+        yield
+        return
+    watcher = Thread(target=_watch, args=(client, ended), name="watches the workers", daemon=True)
+    watcher.start()
+    try:
+        yield
+    finally:
+        ended.set()
+        watcher.join(PATIENCE)
+
+
+def _watch(client: Any, ended: Event) -> None:
+    absence = Absence(client.scheduler.address)
+    while not ended.wait(LOOK):
+        try:
+            workers = len(client.nthreads())
+        except (OSError, RuntimeError, TimeoutError, CancelledError):
+            return  # the scheduler is lost, which ends the study with a message
+        if said := absence.look(workers, time.monotonic()):
+            log.warning(said)
 
 
 @contextmanager

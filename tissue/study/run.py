@@ -11,6 +11,7 @@ from dincl.checks import function
 from dincl.checks import path as checked_path
 from dincl.study import execute
 from dincl.study.stopped import StudyStopped
+from tissue.study.cluster import watched
 from tissue.study.identity import code, code_differences
 from tissue.study.plan import Piece, TissueStudy, load_study
 from tissue.study.read import Results
@@ -73,7 +74,8 @@ def carry_out(
     """Make the runs of a study that is loaded; see ``run_study``."""
     with opened(study, out) as store:
         if executor is not None:
-            _compute(store, executor, watch or _nobody)
+            with watched(executor):
+                _compute(store, executor, watch or _nobody)
         else:
             with ThreadPoolExecutor(len(os.sched_getaffinity(0))) as threads:
                 _compute(store, threads, watch or _nobody)

@@ -4,6 +4,7 @@ import json
 import signal
 import subprocess
 import sys
+import threading
 from pathlib import Path
 
 import pytest
@@ -12,9 +13,10 @@ import tissue
 import tissue.study.outcomes
 from dincl.errors import InvalidProblem
 from dincl.study.stopped import StudyStopped
+from tests.executors import Here
 from tests.tissue.study.stand_in import outcomes, stored, study_file, use_stand_in
 from tissue.study import identity
-from tissue.study.cluster import cluster
+from tissue.study.cluster import Absence, cluster, watched
 from tissue.study.read import Results
 
 ROOT = Path(__file__).parents[3]
@@ -98,6 +100,44 @@ def test_a_cluster_without_workers_is_refused_and_a_worker_that_dies_loses_nothi
     assert told[-1] == 2 * REPLICATES
     assert results.complete
     assert stored(tmp_path / "out") == whole
+
+
+@pytest.mark.slow
+def test_without_workers_it_says_that_it_waits(dask, monkeypatch):
+    from distributed import Client
+
+    monkeypatch.setattr("tissue.study.cluster.FIRST", 0.2)
+    monkeypatch.setattr("tissue.study.cluster.LOOK", 0.05)
+    said = threading.Event()
+    monkeypatch.setattr("tissue.study.cluster.log.warning", lambda _: said.set())
+    with Client(dask.address, set_as_default=False) as client, watched(client.get_executor()):
+        assert said.wait(60)
+
+
+def test_executors_that_users_bring_are_watched(tmp_path, monkeypatch):
+    seen = []
+    monkeypatch.setattr(tissue.study.outcomes, "outcomes", outcomes)
+    monkeypatch.setattr("tissue.study.run.watched", lambda executor: seen.append(executor) or watched(executor))
+    executor = Here()
+    assert tissue.run_study(study_file(tmp_path), tmp_path / "out", executor).complete
+    assert seen == [executor]
+
+
+def test_the_absence_of_workers_is_said_after_10_s_and_every_minute():
+    absence = Absence("tcp://here:1")
+    said = {now: text for now in range(200) if (text := absence.look(0, 1000.0 + now))}
+    assert list(said) == [10, 70, 130, 190]
+    assert said[70] == (
+        "scheduler tcp://here:1: has had no workers for 70 s, and nothing is computed; "
+        "start some: dask worker tcp://here:1"
+    )
+    assert absence.look(1, 1200.0) == ""
+    assert [now for now in range(1201, 1280) if absence.look(0, now)] == [1211, 1271]
+
+
+def test_of_other_executors_nothing_is_watched():
+    with Here() as executor, watched(executor):
+        assert "watches the workers" not in [thread.name for thread in threading.enumerate()]
 
 
 @pytest.mark.slow
