@@ -33,6 +33,8 @@ from tissue.step.group import Group
 
 WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)
 RULES = UserFunction("a function of an event, a force or a rule", ("store", "..."), Status.FUNCTION_FAILED)
+# Steps of one cell between two questions whether to go on: a tenth of a second.
+ASKED = 10_000
 # What the points of a cell do not tell of.
 LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *KINDS))
 
@@ -59,15 +61,23 @@ class Lot:
         parts = [slice(k, k + size) for k in range(0, len(held), size)]
         self._groups = [kind(held[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
 
-    def times(self) -> Iterator[float]:
-        """The kept times [h], the first that of the start; when one is given, the runs are there."""
+    def times(self, ask: Callable[[], None] | None = None) -> Iterator[float]:
+        """The kept times [h], the first that of the start; when one is given, the runs are there.
+
+        ``ask`` is called before and every now and then, however far kept times are apart; what it raises ends the work.
+        """
         made, dt = self._begin, self.parameters.numerics.dt.value
         yield made * dt
         for step in kept_steps(self.parameters):
-            if step > made:
-                self._advance(made, step)
-                made = step
-                yield step * dt
+            while made < step:
+                end = step
+                if ask is not None:
+                    ask()
+                    end = min(step, made + max(1, ASKED // sum(self._cells())))
+                self._advance(made, end)
+                made = end
+                if made == step:
+                    yield step * dt
 
     def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
         """The runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept.
@@ -90,6 +100,10 @@ class Lot:
         except FunctionFailed as error:
             self.fault = error
         return [self.run(k, mine) for k, mine in enumerate(frames)]
+
+    def _cells(self) -> Iterator[int]:
+        """The number of cells of each run."""
+        return (int(self.store(k).sizes[CELLS]) for k in range(len(self.seeds)))
 
     def store(self, k: int) -> Store:
         """Run k at the present time."""

@@ -78,7 +78,7 @@ class Ensemble:
             self._submit()
 
     def stop(self) -> None:
-        """Begin no more lots, and end those under way at their next kept time."""
+        """Begin no more lots, and end those under way."""
         self._stop.set()
 
     def grown(self) -> Grown | None:
@@ -110,12 +110,11 @@ class Ensemble:
     def _lot(self, replicates: range) -> Outcomes:
         from tissue.study.outcomes import outcomes
 
-        self._watch(0.0)
-        return outcomes(
-            self.parameters, replicates, run_seeds(self._seed, self.scenario, replicates), watch=self._watch
-        )
+        self._ask()
+        seeds = run_seeds(self._seed, self.scenario, replicates)
+        return outcomes(self.parameters, replicates, seeds, ask=self._ask)
 
-    def _watch(self, _: float) -> None:
+    def _ask(self) -> None:
         if self._stop.is_set():
             raise NotWanted
 

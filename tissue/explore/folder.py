@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,17 +23,35 @@ TOML, PYTHON = ".toml", ".py"
 RESULTS = "results"  # where commands write to by default
 
 
+class NeedsPython(InvalidProblem):
+    """Parameters for which files of Python would be imported that nobody has agreed to."""
+
+
+@contextmanager
+def ended_by(name: str) -> Iterator[None]:
+    """Around the import of files of users: one that ends the program ends nothing here, and may be tried again."""
+    before = set(sys.modules)
+    try:
+        yield
+    except (SystemExit, KeyboardInterrupt) as error:
+        for module in set(sys.modules) - before:
+            del sys.modules[module]
+        what = f"{type(error).__name__}: {error}"
+        raise InvalidProblem(f"{name}: names a file of Python that cannot be imported: {what}") from error
+
+
 class Folder:
     """A folder whose files visitors may open, and into which they may save.
 
     Nothing in it is ever overwritten. Code is imported from it, never from elsewhere: a parameter file may name files
-    of Python, and so may the notes of a study.
+    of Python, and so may the notes of a study. Each is imported only after someone has agreed to it.
     """
 
     def __init__(self, root: Path) -> None:
         self.root = root.resolve()
         if not self.root.is_dir():
             raise InvalidProblem(f"{root}: must be a folder")
+        self._imported: set[Path] = set()
 
     def python_files(self) -> list[str]:
         """The names of the files of Python."""
@@ -55,18 +75,32 @@ class Folder:
             raise InvalidProblem(f"{describe(name)}: must be the name of a file in {self.root.name}, without a folder")
         return found
 
-    def parameters(self, name: str) -> Parameters:
+    def parameters(self, name: str, *, agreed: bool = False) -> Parameters:
         """The preset of this name, or what the file of this name holds.
+
+        Parameters
+        ----------
+        name
+            Of a preset or a file.
+        agreed
+            Whether files of Python that it names may be imported, if they are not yet.
 
         Raises
         ------
         InvalidProblem
-            As ``load``, or if the file names another one, of parameters or of Python, that is not in this folder.
+            As ``load``, or if the file names another one, of parameters or of Python, that is not in this folder;
+            NeedsPython if files of Python would be imported that nobody has agreed to.
         """
         if name in PRESETS:
             return preset(name)
-        self._check(read(self.path(name)))
-        return load(self.path(name))
+        path = self.path(name)
+        files = self._checked(read(path), (path,))
+        if (strange := sorted(file.name for file in files - self._imported)) and not agreed:
+            raise NeedsPython(f"{name}: needs {', '.join(strange)}: files of Python, which are not imported yet")
+        with ended_by(name):
+            loaded = load(path)
+        self._imported |= files
+        return loaded
 
     def save(self, name: str, text: str) -> Path:
         """Write a new file."""
@@ -101,17 +135,26 @@ class Folder:
             raise InvalidProblem(f"{describe(name)}: must be a study in {self.root.name}")
         noted = about(self.root / name)
         for tables in (noted or {}).get("scenarios", {}).values():
-            self._check(tables, anywhere=True)
+            self._checked(tables, anywhere=True)
         return Results(self.root / name)
 
-    def _check(self, tables: Mapping[str, Any], *, anywhere: bool = False) -> None:
-        """Refuse tables that name files outside; ``anywhere``: paths may be given, and must lead into this folder."""
-        base, own = tables.get("base"), tables.get("own")
+    def _checked(self, tables: Mapping[str, Any], above: tuple[Path, ...] = (), *, anywhere: bool = False) -> set[Path]:
+        """The files of Python that tables name, those of their bases, too.
+
+        Tables that name files outside are refused. ``above``: the files that have them as their base; ``anywhere``:
+        paths may be given, and must lead into this folder.
+        """
+        base, own, found = tables.get("base"), tables.get("own"), set()
         if isinstance(base, str) and base not in PRESETS:
-            self._check(read(self.path(base)))
+            path = self.path(base)
+            if path in above:
+                raise InvalidProblem(f"{above[-1].name}: base = {describe(base)}: must not be based on this file")
+            found |= self._checked(read(path), (*above, path))
         modules = own.get("modules") if isinstance(own, Mapping) else None
         for file in modules if isinstance(modules, (list, tuple)) else ():
-            self.path(Path(file).name if anywhere and Path(file).parent == self.root else file)
+            is_path = anywhere and isinstance(file, str) and Path(file).parent == self.root
+            found.add(self.path(Path(file).name if is_path else file))
+        return found
 
     def _names(self, ending: str) -> list[str]:
         paths = (path for path in self.root.glob(f"*{ending}") if path.is_file() and not path.name.startswith("."))

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.status import Status
+from tissue.explore.ensemble import NotWanted
 from tissue.explore.looks import basal_layer, events_to_come, looks_of, phases_and_types
 from tissue.explore.messages import ending, message
 from tissue.explore.scaled import scaled
@@ -47,25 +49,30 @@ def stream(parameters: Parameters, seed: int, stopped: Callable[[], bool] = lamb
     seed
         An integer >= 0.
     stopped
-        Asked before each kept time: once it says True the stream ends there, without a last message.
+        Asked every now and then: once it says True the stream ends there, without a last message.
 
     Raises
     ------
     InvalidProblem
         As ``tissue.simulate``, before anything is given.
     """
+
+    def ask() -> None:
+        if stopped():
+            raise NotWanted
+
     run = _Pictures(finely_kept(parameters), seed)
     joined, begun = [run.head()], perf_counter()
-    for t in run.lot.times():
-        if stopped():
-            return
-        joined.append(run.picture(t))
-        if t == 0 or perf_counter() - begun > CHUNK:
-            yield b"".join(joined)
-            joined, begun = [], perf_counter()
-        if not run.lot.goes_on(0):
-            break
-    yield b"".join((*joined, ending(run.lot.status(0), run.lot.failure(0))))
+    with suppress(NotWanted):
+        for t in run.lot.times(ask):
+            ask()
+            joined.append(run.picture(t))
+            if t == 0 or perf_counter() - begun > CHUNK:
+                yield b"".join(joined)
+                joined, begun = [], perf_counter()
+            if not run.lot.goes_on(0):
+                break
+        yield b"".join((*joined, ending(run.lot.status(0), run.lot.failure(0))))
 
 
 def finely_kept(parameters: Parameters) -> Parameters:

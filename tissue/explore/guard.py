@@ -1,4 +1,7 @@
-"""Who may see the page: on the loopback who asks for it by its address; elsewhere who has the token."""
+"""Who may see the page: on the loopback who asks for it by its address; elsewhere who has the token.
+
+No page of another site may ask in the name of a visitor, or show this one inside of itself.
+"""
 
 from __future__ import annotations
 
@@ -6,8 +9,9 @@ import ipaddress
 from hmac import compare_digest
 from http.cookies import CookieError, SimpleCookie
 from typing import TYPE_CHECKING
-from urllib.parse import parse_qs
+from urllib.parse import parse_qs, urlsplit
 
+from starlette.datastructures import Headers, MutableHeaders
 from starlette.responses import PlainTextResponse
 
 if TYPE_CHECKING:
@@ -18,6 +22,22 @@ MAKES_NO_NUMBERS = True
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]")
 COOKIE = "explore"
 REFUSED = "This page needs the token that was printed when it was started: .../?token=..."
+FOREIGN = "This comes from the page of another site."
+# NiceGUI makes its page of scripts and templates in the page itself.
+POLICY = {
+    "default-src": "'self'",
+    "script-src": "'self' 'unsafe-inline' 'unsafe-eval'",
+    "style-src": "'self' 'unsafe-inline'",
+    "img-src": "'self' data: blob:",
+    "font-src": "'self' data:",
+    **dict.fromkeys(("object-src", "base-uri", "form-action", "frame-ancestors"), "'none'"),
+}
+HEADERS = {
+    "Content-Security-Policy": "; ".join(f"{what} {allowed}" for what, allowed in POLICY.items()),
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "same-origin",  # the address may have a token
+}
 
 
 def is_loopback(host: str) -> bool:
@@ -26,6 +46,29 @@ def is_loopback(host: str) -> bool:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:
         return False
+
+
+class OneSite:
+    """Refuses what comes from pages of other sites, sockets above all, and sends HEADERS with each answer."""
+
+    def __init__(self, app: ASGIApp) -> None:
+        self._app = app
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] == "lifespan":
+            await self._app(scope, receive, send)
+        elif _is_foreign(Headers(scope=scope)):
+            await _refuse(FOREIGN, scope, receive, self._with_headers(send))
+        else:
+            await self._app(scope, receive, self._with_headers(send))
+
+    def _with_headers(self, send: Send) -> Send:
+        async def marked(message: Message) -> None:
+            if message["type"] == "http.response.start":
+                MutableHeaders(scope=message).update(HEADERS)
+            await send(message)
+
+        return marked
 
 
 class Token:
@@ -39,10 +82,8 @@ class Token:
             await self._app(scope, receive, send)
         elif self._is_it(_in_address(scope)):
             await self._app(scope, receive, self._with_cookie(send))
-        elif scope["type"] == "http":
-            await PlainTextResponse(REFUSED, 403)(scope, receive, send)
         else:
-            await send({"type": "websocket.close", "code": 1008})
+            await _refuse(REFUSED, scope, receive, send)
 
     def _is_it(self, given: str) -> bool:
         return compare_digest(given.encode(), self._token.encode())
@@ -55,6 +96,19 @@ class Token:
             await send(message)
 
         return marked
+
+
+async def _refuse(why: str, scope: Scope, receive: Receive, send: Send) -> None:
+    if scope["type"] == "http":
+        await PlainTextResponse(why, 403)(scope, receive, send)
+    else:
+        await send({"type": "websocket.close", "code": 1008})
+
+
+def _is_foreign(headers: Headers) -> bool:
+    """Whether a browser says that another site asks; the scheme is that of a proxy, if there is one."""
+    origin = headers.get("origin")
+    return origin is not None and urlsplit(origin).netloc != headers.get("host", "")
 
 
 def _cookie(scope: Scope) -> str:

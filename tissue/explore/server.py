@@ -14,13 +14,15 @@ from webbrowser import open as open_browser
 
 import uvicorn
 from fastapi import FastAPI, Request
-from nicegui import ui
+from nicegui import Client, ui
+from nicegui import app as core_app
 from starlette.middleware.trustedhost import TrustedHostMiddleware
 
+from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.explore.ensemble import workers
-from tissue.explore.folder import Folder
-from tissue.explore.guard import LOOPBACK, Token, is_loopback
+from tissue.explore.folder import Folder, NeedsPython
+from tissue.explore.guard import LOOPBACK, OneSite, Token, is_loopback
 from tissue.explore.page import build
 from tissue.explore.session import SEED, Session
 from tissue.explore.setting import Setting
@@ -31,6 +33,7 @@ MAKES_NO_NUMBERS = True
 
 TITLE = "tissue explore"
 GRACE = 2  # seconds for answers under way, once it is to end
+PATIENCE = 50.0  # seconds until a page has come back by its socket; without it, NiceGUI drops it after 60
 
 
 @dataclass(frozen=True)
@@ -44,22 +47,31 @@ class Site:
     pool: Executor
     end: Callable[[], None] | None
 
-    def session(self, query: Mapping[str, str]) -> Session:
+    def session(self, query: Mapping[str, str], *, agreed: bool = False) -> Session:
         """A visitor's, as the address says; without one as it was asked for when the server was started.
+
+        Parameters
+        ----------
+        query
+            Of the address.
+        agreed
+            Whether files of Python may be imported that its base names.
 
         Raises
         ------
         InvalidProblem
-            If the address is of a setting that cannot be.
+            If the address is of a setting that cannot be; NeedsPython if it takes files that are not imported.
         """
         base = query.get("base", self.base)
         try:
             changes = json.loads(query["set"]) if "set" in query else {} if "base" in query else self.changes
             seed = int(query.get("seed", SEED))
-        except ValueError as error:
+        except (ValueError, RecursionError) as error:
             raise InvalidProblem(f"the address of the page: cannot be read: {error}") from error
-        setting = Setting(base, self.folder.parameters(base)).with_values(changes)
-        return Session.begin(self.folder, self.pool, setting, max(0, seed))
+        if not isinstance(changes, Mapping):
+            raise InvalidProblem(f"the address of the page: set = {describe(changes)}: must be values by their keys")
+        setting = Setting(base, self.folder.parameters(base, agreed=agreed)).with_values(changes)
+        return Session.begin(self.folder, self.pool, setting, seed)
 
 
 def serve(folder: Folder, base: str, changes: Mapping[str, Any], host: str, port: int, *, browser: bool) -> None:
@@ -79,7 +91,7 @@ def serve(folder: Folder, base: str, changes: Mapping[str, Any], host: str, port
     InvalidProblem
         If the beginning is not in order, or it cannot listen there.
     """
-    warm_up(Setting(base, folder.parameters(base)).with_values(changes).parameters)
+    warm_up(Setting(base, folder.parameters(base, agreed=True)).with_values(changes).parameters)
     listening, token = _listen(host, port), "" if is_loopback(host) else token_urlsafe(16)
     server = uvicorn.Server(uvicorn.Config(app := FastAPI(openapi_url=None), log_level="warning"))
     server.config.timeout_graceful_shutdown = GRACE
@@ -95,18 +107,22 @@ def serve(folder: Folder, base: str, changes: Mapping[str, Any], host: str, port
 
 
 def _publish(app: FastAPI, site: Site) -> None:
-    """The one page, made anew for each visitor."""
+    """The one page, made anew for each visitor.
+
+    To ask for it has no effects: nothing is imported, and nothing is run before the page has come back by its socket.
+    """
     css = files("tissue.explore").joinpath("page.css").read_text("utf-8")
 
     @ui.page("/", title=TITLE)
-    def visit(request: Request) -> None:
+    async def visit(request: Request) -> None:
         ui.add_css(css)
-        try:
-            build(site.session(request.query_params), site.streams, site.pool, site.end)
-        except InvalidProblem as error:
-            ui.label(str(error)).classes("faults").props('role="alert"')
-            ui.link("Begin anew", "/")
+        client = ui.context.client
+        session = _begun(site, request.query_params, client.content)
+        if session is not None:
+            await client.connected(PATIENCE)
+            build(session, site.streams, site.pool, site.end)
 
+    core_app.on_shutdown(_leave)
     ui.run_with(
         app,
         title=TITLE,
@@ -117,12 +133,41 @@ def _publish(app: FastAPI, site: Site) -> None:
     )
 
 
+def _begun(site: Site, query: Mapping[str, str], whole: ui.element, *, agreed: bool = False) -> Session | None:
+    """The session of a visitor; None if there is none: then the page says why, and what may be done."""
+    with whole:
+        try:
+            return site.session(query, agreed=agreed)
+        except InvalidProblem as error:
+            ui.label(str(error)).classes("faults").props('role="alert"')
+            if isinstance(error, NeedsPython):
+                ui.button("Import them and begin", on_click=lambda: _agree(site, query, whole)).props("dense no-caps")
+            ui.link("Begin anew", "/")
+    return None
+
+
+def _agree(site: Site, query: Mapping[str, str], whole: ui.element) -> None:
+    """Begin once the visitor has agreed, with a click in a page that the server knows by its own name for it."""
+    whole.clear()
+    session = _begun(site, query, whole, agreed=True)
+    if session is not None:
+        with whole:
+            build(session, site.streams, site.pool, site.end)
+
+
+def _leave() -> None:
+    """End the work of all visitors, for which the end of the server would wait."""
+    for client in list(Client.instances.values()):
+        client.delete()
+
+
 def _protect(app: FastAPI, token: str) -> None:
     """On the loopback answer to its names alone: a page from elsewhere may have another name lead here."""
     if token:
         app.add_middleware(Token, token=token)
     else:
         app.add_middleware(TrustedHostMiddleware, allowed_hosts=list(LOOPBACK), www_redirect=False)
+    app.add_middleware(OneSite)
 
 
 def _listen(host: str, port: int) -> socket.socket:

@@ -8,10 +8,11 @@ from dataclasses import dataclass, field
 from string import ascii_uppercase
 from typing import TYPE_CHECKING, Any
 
+from dincl.checks import integer
 from dincl.errors import InvalidProblem
 from tissue.explore.answer import Answer, answer_of
 from tissue.explore.ensemble import Ensemble, Grown
-from tissue.explore.folder import Folder
+from tissue.explore.folder import Folder, ended_by
 from tissue.explore.setting import Setting, faults_of
 from tissue.files.parameters import PRESETS
 from tissue.study.seeds import run_seeds
@@ -23,6 +24,11 @@ MAKES_NO_NUMBERS = True
 
 MOST = 400  # runs of an ensemble, after which a page that is left open costs nothing
 SEED = 0
+
+
+def checked_seed(seed: int) -> int:
+    """A seed as a study takes it."""
+    return integer("seed", seed, least=0)
 
 
 @dataclass
@@ -72,7 +78,7 @@ class Session:
     @classmethod
     def begin(cls, folder: Folder, pool: Executor, setting: Setting, seed: int = SEED) -> Session:
         """A page with this setting, of which no run is begun."""
-        session = cls(folder, pool, Side("A", setting, None), seed)
+        session = cls(folder, pool, Side("A", setting, None), checked_seed(seed))
         session.use(setting)
         return session
 
@@ -109,12 +115,12 @@ class Session:
 
     def open(self, name: str) -> None:
         """Begin anew with a preset or a file of the folder."""
-        setting, self.pending = Setting(name, self.folder.parameters(name)), {}
+        setting, self.pending = Setting(name, self.folder.parameters(name, agreed=True)), {}
         self.use(setting)
 
     def reseed(self, seed: int) -> None:
         """Other runs of the same settings."""
-        self.seed = seed
+        self.seed = checked_seed(seed)
         self.release()
         self.use(self.now.setting)
 
@@ -135,7 +141,8 @@ class Session:
         """Hold the stored answer of a scenario, and begin with its parameters beside it."""
         results = self.folder.results(name)
         grown = Grown(results.cells(scenario), results.runs(scenario))
-        setting = Setting.of(results.parameters(scenario))
+        with ended_by(name):
+            setting = Setting.of(results.parameters(scenario))
         self.release()
         self.now.stop()
         self.held = Side(scenario, setting, None, answer_of(grown))

@@ -12,7 +12,6 @@ from collections.abc import AsyncIterator, Callable, Iterator
 from secrets import token_urlsafe
 from typing import TYPE_CHECKING
 
-from starlette.concurrency import run_in_threadpool
 from starlette.responses import Response, StreamingResponse
 
 from tissue.explore.messages import told
@@ -67,6 +66,7 @@ class _Stream:
             piece = await self._first
             while piece:
                 yield piece
-                piece = await run_in_threadpool(next, self._made, END)
+                # A future of the loop: unlike a thread pool of Starlette it need not come to its end to be cancelled.
+                piece = await asyncio.get_running_loop().run_in_executor(None, next, self._made, END)
         finally:
             self._gone.set()

@@ -139,8 +139,12 @@ class TissuePage:
         self._timer.activate()
 
     def _reseed(self, seed: Any) -> None:
-        self._session.reseed(max(0, int(seed or 0)))
-        self._changed()
+        try:
+            self._session.reseed(int(seed or 0))
+        except InvalidProblem as error:
+            ui.notify(str(error), type="negative")
+        else:
+            self._changed()
 
     def _note(self) -> None:
         """Keep the setting in the address, so that it comes back when the page is loaded again."""

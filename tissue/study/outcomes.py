@@ -55,7 +55,7 @@ def outcomes(
     replicates: Sequence[int],
     seeds: Sequence[int],
     whole: Collection[int] = (),
-    watch: Callable[[float], None] | None = None,
+    ask: Callable[[], None] | None = None,
 ) -> Outcomes:
     """Simulate, and measure the EMT cells.
 
@@ -67,8 +67,8 @@ def outcomes(
         The number of each replicate, and its seed; a multiple of eight is simulated at the least cost for each.
     whole
         The replicates whose cells are all wanted, at all kept times.
-    watch
-        Called with each kept time [h] of each eight replicates; what it raises ends the work.
+    ask
+        Called every now and then, about ten times a second; what it raises ends the work.
 
     Returns
     -------
@@ -82,7 +82,7 @@ def outcomes(
         If more cells are to start than fit.
     """
     parts = [
-        _lot(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], whole, watch)
+        _lot(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], whole, ask)
         for begin in range(0, len(seeds), WIDTH)
     ]
     tables = {name: table for part in parts for name, table in part.tables.items()}
@@ -94,14 +94,12 @@ def _lot(
     replicates: Sequence[int],
     seeds: Sequence[int],
     whole: Collection[int],
-    watch: Callable[[float], None] | None,
+    ask: Callable[[], None] | None,
 ) -> Outcomes:
     lot = Lot(parameters, seeds)
     wanted: dict[int, list[Frame]] = {k: [] for k, name in enumerate(replicates) if name in whole}
     times, measured = [], []
-    for t in lot.times():
-        if watch is not None:
-            watch(t)
+    for t in lot.times(ask):
         times.append(t)
         measured.append((*_measured(lot), _own(lot, t)))
         for k, frames in wanted.items():

@@ -1,13 +1,15 @@
 """The folder of the page: no name leads out of it, nothing is overwritten, no code comes from elsewhere."""
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.explore.folder import Folder
+from tests.full_disk import full_disk
+from tissue.explore.folder import Folder, NeedsPython
 from tissue.study.identity import IDENTITY, fingerprint
 from tissue.study.store import NOTED
 
@@ -60,9 +62,54 @@ def test_files_of_the_folder_may_name_each_other(folder):
     (folder.root / "near.toml").write_text('base = "thesis"\n[tissue]\ncells = 30')
     (folder.root / "mine.toml").write_text('base = "near.toml"\n[own]\nmodules = ["nothing_at_all.py"]')
     with pytest.raises(InvalidProblem, match="must be a file of Python"):
-        folder.parameters("mine.toml")
+        folder.parameters("mine.toml", agreed=True)
     assert folder.parameters("near.toml").tissue.cells == 30
     assert folder.parameters("chick") == tissue.preset("chick")
+
+
+def write_plugin(folder, name, text):
+    """A file that needs one of Python through its base, which notes that it is run."""
+    (folder.root / f"{name}.py").write_text(
+        f"with open({str(folder.root / name)!r}, 'a') as file:\n    file.write('x')\n{text}\n"
+    )
+    (folder.root / f"{name}.toml").write_text(f'base = "thesis"\n[own]\nmodules = ["{name}.py"]')
+    (folder.root / "above.toml").write_text(f'base = "{name}.toml"')
+
+
+def test_code_is_imported_once_someone_has_agreed(folder):
+    write_plugin(folder, "agreed_plugin", "")
+    with pytest.raises(NeedsPython, match=r"above\.toml: needs agreed_plugin\.py: files of Python"):
+        folder.parameters("above.toml")
+    assert not (folder.root / "agreed_plugin").exists()
+    folder.parameters("above.toml", agreed=True)
+    folder.parameters("above.toml")
+    assert (folder.root / "agreed_plugin").read_text() == "x"
+
+
+@pytest.mark.parametrize("text", ["raise SystemExit(3)", "raise KeyboardInterrupt", "import sys; sys.exit('bye')"])
+def test_code_that_ends_the_program_ends_nothing_and_is_no_module(text, folder):
+    write_plugin(folder, "ending_plugin", text)
+    for times in (1, 2):
+        with pytest.raises(InvalidProblem, match=r"above\.toml: names a file of Python that cannot be imported: "):
+            folder.parameters("above.toml", agreed=True)
+        assert "ending_plugin" not in sys.modules
+        assert (folder.root / "ending_plugin").read_text() == times * "x"
+    with pytest.raises(NeedsPython):  # to agree to what failed is to agree once
+        folder.parameters("above.toml")
+
+
+@pytest.mark.parametrize("names", [["one"], ["one", "two", "three"]])
+def test_a_base_that_names_itself_is_refused(names, folder):
+    for name, base in zip(names, [*names[1:], names[0]], strict=True):
+        (folder.root / f"{name}.toml").write_text(f'base = "{base}.toml"')
+    with pytest.raises(InvalidProblem, match="must not be based on this file"):
+        folder.parameters("one.toml")
+
+
+def test_a_full_disk_leaves_no_file(folder):
+    with full_disk(), pytest.raises(InvalidProblem, match=r"new\.toml: cannot be written: File too large"):
+        folder.save("new", "x" * 1000)
+    assert list(folder.root.iterdir()) == []
 
 
 def test_nothing_is_overwritten(folder):

@@ -7,7 +7,7 @@ import httpx
 import pytest
 from fastapi import FastAPI
 
-from tissue.explore.guard import COOKIE, Token, is_loopback
+from tissue.explore.guard import COOKIE, OneSite, Token, is_loopback
 from tissue.explore.streams import MOST, PictureStreams
 
 APP = FastAPI()
@@ -19,9 +19,9 @@ def page():
     return "seen"
 
 
-async def visit(app, *asked, cookies=None):
+async def visit(app, *asked, **options):
     """The answers to some addresses, in one visit."""
-    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://here", cookies=cookies) as one:
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://here", **options) as one:
         return [await one.get(address) for address in asked]
 
 
@@ -73,6 +73,31 @@ def test_sockets_need_the_token_too(query, cookie, heard):
 
 
 @pytest.mark.parametrize(
+    ("origin", "host", "status"),
+    [
+        (None, "here", 200),
+        ("http://here", "here", 200),
+        ("https://here:8", "here:8", 200),  # behind a proxy
+        ("http://here", "here:8", 403),
+        ("http://there", "here", 403),
+        ("http://here.there", "here", 403),
+        ("null", "here", 403),
+        ("", "here", 403),
+    ],
+)
+def test_only_this_site_may_ask_and_no_other_shows_it(origin, host, status):
+    (answer,) = ask(OneSite(APP), "/", headers={"host": host} | ({} if origin is None else {"origin": origin}))
+    assert answer.status_code == status
+    assert answer.headers["x-frame-options"] == "DENY"
+    assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
+
+
+def test_what_is_refused_has_the_headers_too():
+    (answer,) = ask(OneSite(Token(APP, "right")), "/")
+    assert (answer.status_code, answer.headers["x-frame-options"]) == (403, "DENY")
+
+
+@pytest.mark.parametrize(
     ("host", "known"),
     [("127.0.0.1", True), ("127.1.2.3", True), ("localhost", True), ("::1", True), ("0.0.0.0", False), ("host", False)],
 )
@@ -111,3 +136,25 @@ def test_the_first_piece_is_made_before_it_is_fetched():
 
     assert asyncio.run(add())
     assert not later.is_set()
+
+
+def test_who_leaves_ends_the_work_at_once():
+    """Also in the middle of a piece that would take for ever."""
+    begun, ended = threading.Event(), threading.Event()
+
+    def pieces(gone):
+        yield b"one"
+        begun.set()
+        while not gone():
+            pass
+        ended.set()
+
+    async def read_and_leave():
+        app = FastAPI()
+        address = PictureStreams(app).add(pieces)
+        asked = asyncio.create_task(visit(app, address))
+        await asyncio.to_thread(begun.wait, 60)
+        asked.cancel()
+        return await asyncio.to_thread(ended.wait, 60)
+
+    assert asyncio.run(read_and_leave())

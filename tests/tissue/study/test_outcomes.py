@@ -121,3 +121,31 @@ def test_a_tissue_without_emt_has_runs_and_no_cells():
     made = outcomes(preset("thesis").changed({"numerics.t_end": "1 h"}), [0], [5])
     assert made.cells.num_rows == 0
     assert made.runs["controls_1h"].to_pylist() == [len(simulate_many(preset("thesis"), [5])[0].frames[1].cells.x)]
+
+
+@pytest.mark.parametrize("changes", [{}, {"numerics.mu": "0.001 h", "numerics.substeps": 1}])
+def test_to_be_asked_often_changes_no_row(changes, monkeypatch):
+    """Also of runs that fail between two kept times."""
+    parameters = preset("thesis").changed(SCENARIO | changes)
+    whole = outcomes(parameters, range(8), SEEDS[:8], [3])
+    monkeypatch.setattr("tissue.lot.ASKED", 500)
+    asked = []
+    again = outcomes(parameters, range(8), SEEDS[:8], [3], ask=lambda: asked.append(1))
+    assert len(asked) == 100  # each step
+    assert again.cells.equals(whole.cells)
+    assert again.runs.equals(whole.runs)
+    assert again.tables[3].equals(whole.tables[3])
+
+
+def test_work_without_an_end_ends_when_that_is_said():
+    """Once in 10 million hours a state is kept; the work is ended at the tenth question, long before."""
+    asked = []
+
+    def ask():
+        asked.append(1)
+        if len(asked) == 10:
+            raise LookupError
+
+    endless = preset("thesis").changed(SCENARIO | {"numerics.t_end": "1e7 h", "numerics.keep": "1e7 h"})
+    with pytest.raises(LookupError):
+        outcomes(endless, [0], [5], ask=ask)
