@@ -58,7 +58,7 @@ def wait_for_runs(page, runs: int, name: str = "") -> None:
     page.wait_for_function(
         """([runs, name]) => {
             const told = document.querySelector('[data-is=runs]');
-            return told.dataset.runs == runs && told.innerText.startsWith(name) && !told.innerText.includes('...');
+            return told?.dataset.runs == runs && told.innerText.startsWith(name) && !told.innerText.includes('...');
         }""",
         arg=[runs, name],
     )
@@ -95,4 +95,4 @@ def run_of(page) -> int:
 
 def wait_for_run(page, before: int) -> None:
     """Until another run is shown."""
-    page.wait_for_function("before => Number(document.querySelector('.player').dataset.run) > before", arg=before)
+    page.wait_for_function("before => Number(document.querySelector('.player')?.dataset.run) > before", arg=before)
