@@ -132,6 +132,14 @@ def _floating_point_faults_raise() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True, scope="session")
+def _disks_are_not_waited_for() -> Iterator[None]:
+    """Leave files to the system, which writes them later: tests make thousands, and the machine does not fail."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", lambda _: None)
+        yield
+
+
 @pytest.fixture(scope="class")
 def browser() -> Iterator["Browser"]:
     """Open a browser; the test is skipped where there is none."""

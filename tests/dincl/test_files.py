@@ -112,3 +112,16 @@ def test_to_ask_leaves_nothing(tmp_path: Path) -> None:
         check_writable(tmp_path / name)
     assert names(tmp_path) == ["there.txt"]
     assert (tmp_path / "there.txt").read_text() == "old"
+
+
+def test_the_contents_are_on_the_disk_before_the_name_and_then_the_name(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    done = []
+    replace = os.replace
+    monkeypatch.setattr(os, "fsync", lambda file: done.append(os.readlink(f"/proc/self/fd/{file}")))
+    monkeypatch.setattr(os, "replace", lambda one, two: (done.append("renamed"), replace(one, two)))
+    write_text(tmp_path / "table.csv", "text")
+    partial, *rest = done
+    assert Path(partial).name.startswith(PARTIAL)
+    assert rest == ["renamed", str(tmp_path)]

@@ -66,7 +66,6 @@ def written(patch):
         found[Path(path).name] = figure
 
     patch.setattr("tissue.study.figures.catalogue.write", note)
-    patch.setattr("dincl.files.os.fsync", lambda _: None)
     return found
 
 

@@ -24,7 +24,6 @@ def results(tmp_path, monkeypatch):
     """Of two scenarios with two parts each, one of them short, and stored states of one replicate."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
-    monkeypatch.setattr("dincl.files.os.fsync", lambda _: None)
     study_file(".", 130)
     return tissue.run_study("small.toml", OUT)
 

@@ -40,7 +40,6 @@ def home(tmp_path_factory):
     folder = tmp_path_factory.mktemp("results")
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("tissue.study.outcomes.outcomes", outcomes)
-        patch.setattr("dincl.files.os.fsync", lambda _: None)
         made([f"figure{number}" for number in (10, 12, 14, 15)] + list(POPULATIONS), folder)
     return folder
 

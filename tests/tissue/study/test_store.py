@@ -284,7 +284,7 @@ def test_a_full_disk_stops_the_study_and_keeps_what_there_is(written, monkeypatc
         sync(descriptor)
 
     with monkeypatch.context() as patch:
-        patch.setattr("dincl.files.os.fsync", full_after)
+        patch.setattr(os, "fsync", full_after)
         with pytest.raises(StudyStopped, match="No space left on device"):
             run()
     assert not list(Path("out").rglob("_partial-*"))

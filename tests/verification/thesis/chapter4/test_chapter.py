@@ -26,7 +26,6 @@ def made(tmp_path_factory):
     context = Context(tmp_path_factory.mktemp("report"), False, Here(), [FORM])
     with pytest.MonkeyPatch.context() as patch:
         draw_nothing(patch)
-        patch.setattr("dincl.files.os.fsync", lambda _: None)  # tests of the store have it
         write_report([chapter.CHAPTER], context)
     return (context.out / "emt.html").read_text("utf-8"), context
 
