@@ -39,6 +39,7 @@ def direct_writes(source: str) -> list[int]:
     """The lines that write a file which no ``with replacing(...)`` around them gave."""
     tree = ast.parse(source)
     safe = {name for node in ast.walk(tree) for name in _given(node)}
+    safe |= {name for node in ast.walk(tree) for name in _opened(node, safe)}
     return sorted(node.lineno for node in ast.walk(tree) if isinstance(node, ast.Call) and _writes(node, safe))
 
 
@@ -57,6 +58,14 @@ def _given(node: ast.AST) -> Iterator[str]:
     for _, name in pairs:
         if isinstance(name, ast.Name):
             yield name.id
+
+
+def _opened(node: ast.AST, safe: set[str]) -> Iterator[str]:
+    """Names of opened files whose paths are safe."""
+    for item in node.items if isinstance(node, ast.With) else ():
+        opens = isinstance(item.context_expr, ast.Call) and _called(item.context_expr) == "open"
+        if opens and _is_safe([item.context_expr], safe) and isinstance(item.optional_vars, ast.Name):
+            yield item.optional_vars.id
 
 
 def _called(node: ast.expr) -> str:
@@ -106,7 +115,7 @@ def _is_safe(places: list[ast.expr | None], safe: set[str]) -> bool:
         ("json.dump(x, file)", [1]),
         ("shutil.copy(one, two)", [1]),
         ("with replacing(path) as partial:\n    table.to_csv(partial)\n    table.to_csv(path)", [3]),
-        ("with replacing(path) as partial, partial.open('wb') as file:\n    np.savez(partial)", []),
+        ("with replacing(path) as partial, partial.open('wb') as file:\n    np.savez(file)", []),
         ("file, a = io.BytesIO(), 1\nfigure.savefig(file, format='png')", []),
         ("write_text(path, 'x')\nwrite_table(path, table)", []),
         ("path.open()\nopen(path, 'rb')\npath.read_text('w')\nx.copy()\nsession.folder.save(name)", []),
