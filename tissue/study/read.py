@@ -41,7 +41,8 @@ class Results:
     """The stored tables of a study, whether it is complete or not: of every part that is there, whole parts only.
 
     A missing value, such as the time of an extrusion that did not happen, is NaN, and so are the counts of a run behind
-    the time at which it failed. A time that is never reached is inf.
+    the time at which it failed. A time that is never reached is inf. What is read is checked against the checksums that
+    were noted when it was written, each file once in a process.
 
     Parameters
     ----------
@@ -51,7 +52,8 @@ class Results:
     Raises
     ------
     InvalidProblem
-        If the folder does not hold a study. The methods: for a name that is not in it, or if nothing of it is stored.
+        If the folder does not hold a study, or its note is damaged. The methods: for a name that is not in it, if
+        nothing of it is stored, or if a file is damaged: the message says which, and how it is made again.
     """
 
     def __init__(self, folder: str | PathLike[str]) -> None:
