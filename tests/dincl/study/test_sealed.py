@@ -10,6 +10,7 @@ import pytest
 from dincl.study import DamagedTable, Table, read_sealed, write
 from dincl.study.sealed import KEY
 from tests.dincl.study.test_table import RUNS, Inline, made_by, study, two_rows
+from verification.command import run
 
 FLIPS = 150
 TABLE = pd.DataFrame(
@@ -87,3 +88,11 @@ def test_a_damaged_table_of_runs_is_set_aside_and_made_again(
     pd.testing.assert_frame_equal(again, whole)
     assert "its checksum is another one" in capsys.readouterr().out
     assert (tmp_path / "superseded" / "runs.parquet").read_bytes() == data
+
+
+def test_a_damaged_table_ends_a_command_with_one_message(path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path.write_bytes(b"PAR1")
+    with pytest.raises(SystemExit, match="2"):
+        run(lambda: read_sealed(path))
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith(f"Error: {path}: must be as it was written")
