@@ -11,7 +11,6 @@ import pytest
 ROOT = Path(__file__).parents[2]
 PLACES = ("dincl", "meanfield", "tissue", "verification", "docs/building")
 HELPER = "dincl/files.py"
-NOT_YET = {"tissue/files/frames.py", "tissue/files/reference.py"}
 # Tables are read with their checksums.
 READERS = {"read_parquet", "read_table", "ParquetFile"}
 SEALED = {"dincl/study/sealed.py"}
@@ -129,7 +128,7 @@ def test_the_reader_sees_every_form(text: str, lines: list[int]) -> None:
 def test_every_file_is_put_in_place_at_once() -> None:
     word = re.compile(rf"\b({'|'.join(sorted(WRITERS | HARMLESS | {'open', 'save'}))})\(")
     found = {name: lines for name, text in sources().items() if word.search(text) and (lines := direct_writes(text))}
-    assert found.keys() - {HELPER} == NOT_YET
+    assert found.keys() - {HELPER} == set()
 
 
 def test_every_table_is_read_with_its_checksum() -> None:

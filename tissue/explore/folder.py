@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,19 +23,6 @@ RESULTS = "results"  # where commands write to by default
 
 class NeedsPython(InvalidProblem):
     """Parameters for which files of Python would be imported that nobody has agreed to."""
-
-
-@contextmanager
-def ended_by(name: str) -> Iterator[None]:
-    """Around the import of files of users: one that ends the program ends nothing here, and may be tried again."""
-    before = set(sys.modules)
-    try:
-        yield
-    except (SystemExit, KeyboardInterrupt) as error:
-        for module in set(sys.modules) - before:
-            del sys.modules[module]
-        what = f"{type(error).__name__}: {error}"
-        raise InvalidProblem(f"{name}: names a file of Python that cannot be imported: {what}") from error
 
 
 class Folder:
@@ -97,8 +82,7 @@ class Folder:
         files = self._checked(read(path), (path,))
         if (strange := sorted(file.name for file in files - self._imported)) and not agreed:
             raise NeedsPython(f"{name}: needs {', '.join(strange)}: files of Python, which are not imported yet")
-        with ended_by(name):
-            loaded = load(path)
+        loaded = load(path)
         self._imported |= files
         return loaded
 

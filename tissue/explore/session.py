@@ -12,7 +12,7 @@ from dincl.checks import integer
 from dincl.errors import InvalidProblem
 from tissue.explore.answer import Answer, answer_of
 from tissue.explore.ensemble import Ensemble, Grown
-from tissue.explore.folder import Folder, ended_by
+from tissue.explore.folder import Folder
 from tissue.explore.setting import Setting, faults_of
 from tissue.files.parameters import PRESETS
 from tissue.study.seeds import run_seeds
@@ -141,8 +141,7 @@ class Session:
         """Hold the stored answer of a scenario, and begin with its parameters beside it."""
         results = self.folder.results(name)
         grown = Grown(results.cells(scenario), results.runs(scenario))
-        with ended_by(name):
-            setting = Setting.of(results.parameters(scenario))
+        setting = Setting.of(results.parameters(scenario))
         self.release()
         self.now.stop()
         self.held = Side(scenario, setting, None, answer_of(grown))

@@ -15,6 +15,7 @@ import numpy as np
 from dincl.checks import instance, number
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
+from dincl.files import replacing
 from tissue.events.known import events as known
 from tissue.kernels.store import COUNTERS
 from tissue.space.mesh import Mesh, Sheets, as_arrays, of_arrays, wrong_mesh
@@ -43,7 +44,7 @@ def save(parts: Parts, path: str | PathLike[str]) -> None:
     """As ``Frame.save``, of the fields of the frame."""
     arrays, file_path = checked("frame", parts), checked_path("path", path)
     try:
-        with file_path.open("wb") as file:
+        with replacing(file_path) as partial, partial.open("wb") as file:
             np.savez(file, **arrays)
     except OSError as error:
         raise InvalidProblem(f"{path}: cannot be written: {error}") from error

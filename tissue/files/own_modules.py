@@ -64,12 +64,17 @@ def imported(file: Path) -> None:
     spec = spec_from_file_location(file.stem, file)
     if not file.is_file() or spec is None or spec.loader is None:
         raise InvalidProblem(f"{file}: must be a file of Python, my_module.py")
-    module = sys.modules[file.stem] = module_from_spec(spec)
+    module, is_whole = module_from_spec(spec), False
+    sys.modules[file.stem] = module
     try:
         spec.loader.exec_module(module)
-    except Exception as error:
-        del sys.modules[file.stem]
+    except (Exception, SystemExit) as error:
         raise InvalidProblem(f"{file}: cannot be imported: {type(error).__name__}: {error}") from error
+    else:
+        is_whole = True
+    finally:
+        if not is_whole:  # also after Ctrl-C: what ran half is no module
+            del sys.modules[file.stem]
 
 
 def _place(name: str | None) -> Path | None:

@@ -10,6 +10,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from dincl.files import write_text
 from tissue.files.keys import KeyFacts, all_keys, heading, sections
 from tissue.files.parameter_files import FOLDER, flat, merged, read
 from tissue.files.parameters import PRESETS, Parameters
@@ -75,4 +76,4 @@ def _tables(name: str) -> dict[str, Any]:
 
 
 if __name__ == "__main__":
-    PAGE.write_text(page(), "utf-8")
+    write_text(PAGE, page())
