@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from dincl.checks import LARGEST, bounded, describe, plain
+from dincl.checks import bounded, describe, plain
+from dincl.constants import LARGEST
 from dincl.errors import FunctionFailed
 
 if TYPE_CHECKING:

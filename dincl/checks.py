@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.constants import LARGEST, LARGEST_INTEGER, SMALLEST
 from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
@@ -28,12 +29,6 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-# Coordinates beyond this overflow when distances are squared.
-LARGEST = 1e100
-# Lengths, tolerances and steps below this vanish when they are squared.
-SMALLEST = 1 / LARGEST
-# The largest index, and the largest number that compiled loops count to.
-LARGEST_INTEGER = 2**63 - 1
 # Numbers that numpy does not know, but float does.
 FRACTIONS: tuple[type, ...] = (Real, Decimal)
 # Lists in lists: no argument has as many axes.

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import LARGEST, array, lengths, number, spread, vector
+from dincl.checks import array, lengths, number, spread, vector
+from dincl.constants import LARGEST
 from dincl.constraints.base import Constraint
 from dincl.csr import uniform
 from dincl.errors import InvalidProblem

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import LARGEST
+from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.events.pairs import pair_for
 from dincl.events.path import PathPieces

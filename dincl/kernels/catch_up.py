@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from dincl.checks import LARGEST
 from dincl.compile import inner, kernel
+from dincl.constants import LARGEST
 from dincl.kernels.active_set import nearest
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, times

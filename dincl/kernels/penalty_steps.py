@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from dincl.checks import LARGEST
 from dincl.compile import inner, kernel
+from dincl.constants import LARGEST
 from dincl.kernels.arrays import Floats
 from dincl.kernels.pair_list import DONE, SERVED, PairList, is_stale, list_again
 from dincl.kernels.sweep_steps import PAIRS, Families, families_at

@@ -9,8 +9,8 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from dincl.checks import LARGEST
 from dincl.compile import inner
+from dincl.constants import LARGEST
 from dincl.kernels.arrays import Floats
 
 # What ``velocity`` returns.

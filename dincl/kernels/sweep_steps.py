@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.checks import LARGEST
 from dincl.compile import inner, kernel
+from dincl.constants import LARGEST
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.handles import reader
 from dincl.kernels.pair_list import CORRECTIONS, DONE, NO_PAIRS, PairList, part_pairs

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import LARGEST, bounded, describe, integer
+from dincl.checks import bounded, describe, integer
+from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.minimise.iteration_rows import IterationRows
 from dincl.minimise.stop import Stop

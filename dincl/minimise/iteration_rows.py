@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 
-from dincl.checks import LARGEST, bounded
+from dincl.checks import bounded
+from dincl.constants import LARGEST
 from dincl.csr import stack
 from dincl.errors import StepFailure
 from dincl.minimise.carry import left_over

@@ -5,7 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, NamedTuple
 
-from dincl.checks import LARGEST, bounded, describe
+from dincl.checks import bounded, describe
+from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from dincl.work import Work

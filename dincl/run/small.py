@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from dincl.checks import LARGEST
+from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.kernels import system as codes
 from dincl.kernels.active_set import least_distance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.checks import LARGEST, SMALLEST
+from dincl.constants import LARGEST, SMALLEST
 from tests.borders.harness import limited
 
 SEED = 20260103

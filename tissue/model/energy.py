@@ -10,7 +10,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.checks import LARGEST, bounded
+from dincl.checks import bounded
+from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem
 from dincl.rows.pairs import near_pairs
 from tissue.model import bending, junctions, repulsion, springs

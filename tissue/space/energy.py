@@ -12,7 +12,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.checks import LARGEST, bounded
+from dincl.checks import bounded
+from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.repulsion import SOFT

@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from dincl.checks import LARGEST
 from dincl.compile import kernel
+from dincl.constants import LARGEST
 from dincl.kernels.pointers import FAILED, NOT_A_NUMBER, OK, call_drift
 from tests.dincl.run.drift_runs import asked
 

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl import Between
-from dincl.checks import LARGEST, bounded
+from dincl.checks import bounded
+from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 
 Floats = NDArray[np.float64]
