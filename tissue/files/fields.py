@@ -182,7 +182,7 @@ class DivisionName:
 
 
 @dataclass(frozen=True)
-class EventNames:
+class ListedEvents:
     """Names of events."""
 
     unit: str = "names of events"
@@ -295,4 +295,4 @@ Points = Annotated[
 DivisionRuleName = Annotated[str, PlainValidator(DivisionName())]
 Modules = Annotated[tuple[str, ...], PlainValidator(ModuleFiles()), PlainSerializer(list)]
 Fractions = Annotated[tuple[float, float], PlainValidator(Span()), PlainSerializer(list)]
-Events = Annotated[tuple[str, ...], PlainValidator(EventNames()), PlainSerializer(list)]
+Events = Annotated[tuple[str, ...], PlainValidator(ListedEvents()), PlainSerializer(list)]
