@@ -35,7 +35,6 @@ PACKAGES = {
     "pyvista": "pyvista",
     "qdldl": "qdldl",
     "rich": "rich",
-    "scipy": "scipy",
     "sklearn": "scikit-learn",
     "typer": "typer",
 }

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.extras import needs
 from dincl.kernels.march import RungeKutta
 
 if TYPE_CHECKING:
@@ -25,16 +24,14 @@ def pair_for(tol: float) -> RungeKutta:
 
 @cache
 def _order_3() -> RungeKutta:
-    with needs("EventDriven", "yardsticks"):
-        from scipy.integrate import RK23
+    from scipy.integrate import RK23
 
     return _pair(RK23, np.zeros((0, 4)))
 
 
 @cache
 def _order_5() -> RungeKutta:
-    with needs("EventDriven", "yardsticks"):
-        from scipy.integrate import RK45
+    from scipy.integrate import RK45
 
     # Of its dense output, the part beyond the cubic through values and slopes is a multiple of theta^2 (1 - theta)^2.
     return _pair(RK45, RK45.P[:, 3][None])
@@ -53,8 +50,7 @@ def _pair(method: Any, dense: NDArray[np.float64]) -> RungeKutta:
 
 @cache
 def _order_8() -> RungeKutta:
-    with needs("EventDriven", "yardsticks"):
-        from scipy.integrate import DOP853
+    from scipy.integrate import DOP853
 
     stages, more = DOP853.n_stages, len(DOP853.C_EXTRA)
     a = np.zeros((stages + 1 + more, stages + 1 + more))

@@ -23,7 +23,6 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import integer, number
-from dincl.extras import needs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -75,8 +74,7 @@ def chain_constant(count: int, radius: float) -> float:
 
 def _buckling(weights: NDArray[np.float64]) -> float:
     """max Q / |n|, climbed from weights (N - 1,)."""
-    with needs("chain_constant", "yardsticks"):
-        from scipy.linalg import eigh_tridiagonal, solve_banded
+    from scipy.linalg import eigh_tridiagonal, solve_banded
 
     m = len(weights)
     gram = np.tile([[-1.0], [2.0], [-1.0]], m)

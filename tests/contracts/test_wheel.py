@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("dincl", "meanfield", "tissue", "verification")
 NOT_IN_IT = shutil.ignore_patterns("__pycache__")
 PYTHONS = ("3.11", "3.12", "3.13")
-MOST = 400  # MB of the core with all that it needs
+MOST = 550  # MB of the core with all that it needs
 CORE = """
 import dincl, meanfield, tissue, verification
 

@@ -25,17 +25,16 @@ import dincl, meanfield, tissue, verification
 scene = dincl.scenes.four_disks()
 wall = dincl.Problem([[1.0, 0.0]], lambda t, x: -x, [dincl.Smooth(lambda x: x[:, 0] - 0.5, lambda x: [[1.0, 0.0]])])
 paths = [dincl.solve(wall, dincl.PBD(0.1), [1.0])]
-for scheme in (dincl.PBD(0.05), dincl.CatchUp(0.05, dincl.Daqp(1e-9)), dincl.CatchUp(0.05, dincl.GaussSeidel(1e-9))):
+projections = (dincl.Daqp(1e-9), dincl.GaussSeidel(1e-9), dincl.ActiveSet(1e-9))
+for scheme in (dincl.PBD(0.05), dincl.EventDriven(1e-9), *(dincl.CatchUp(0.05, one) for one in projections)):
     paths.append(dincl.solve(scene, scheme, [0.1]))
 said = {}
 asked = {
     "Clarabel": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.Clarabel(1e-9)), [0.1]),
     "CvxpyQP": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.CvxpyQP(1e-9)), [0.1]),
-    "EventDriven": lambda: dincl.solve(scene, dincl.EventDriven(1e-9), [0.1]),
     "Ipopt": lambda: dincl.project(scene, scene.x0 / 2, dincl.Ipopt(1e-9)),
     "Piqp": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.Piqp(1e-9)), [0.1]),
     "ProjectedNewton": lambda: dincl.solve(scene, dincl.CatchUp(0.05, dincl.ProjectedNewton(1e-9)), [0.1]),
-    "chain_constant": lambda: dincl.geometry.chain_constant(4, 1.0),
     "plot": paths[1].plot,
     "to_frame": paths[1].to_frame,
     "model": lambda: meanfield.StraightFibre(m=0.5, k0=1.0, y_rest=1.0, k1=0.5),
@@ -56,15 +55,13 @@ print(json.dumps({"ended": ended, "end": paths[0].final.tolist(), "w1": line, "s
 MESSAGES = {
     "Clarabel": "Clarabel needs clarabel, not installed here: pip install 'dincl-testbed[yardsticks]'",
     "CvxpyQP": "CvxpyQP needs cvxpy, not installed here: pip install 'dincl-testbed[yardsticks]'",
-    "EventDriven": "EventDriven needs scipy, not installed here: pip install 'dincl-testbed[yardsticks]'",
     "Ipopt": "Ipopt needs casadi, not installed here: pip install 'dincl-testbed[yardsticks]'",
     "Piqp": "Piqp needs piqp, not installed here: pip install 'dincl-testbed[yardsticks]'",
     "ProjectedNewton": "ProjectedNewton needs qdldl, not installed here: pip install 'dincl-testbed[yardsticks]'",
-    "chain_constant": "chain_constant needs scipy, not installed here: pip install 'dincl-testbed[yardsticks]'",
     "plot": "A picture needs matplotlib, not installed here: pip install 'dincl-testbed[report]'",
     "to_frame": "to_frame needs pandas, not installed here: pip install 'dincl-testbed[report]'",
     "model": "A model of meanfield needs casadi, not installed here: pip install 'dincl-testbed[meanfield]'",
-    "w1": "w1 of points in d >= 2 needs scipy, not installed here: pip install 'dincl-testbed[meanfield]'",
+    "w1": "w1 of points in d >= 2 needs POT, not installed here: pip install 'dincl-testbed[meanfield]'",
     "preset": "tissue.preset needs pydantic, not installed here: pip install 'dincl-testbed[tissue]'",
     "order_study": "verification.order_study needs pandas, not installed here: pip install 'dincl-testbed[report]'",
     "study": "dincl.study needs rich, not installed here: pip install 'dincl-testbed[report]'",
