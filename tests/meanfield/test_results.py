@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import meanfield as mf
+from meanfield import plotting
 from meanfield.solvers.result import SolverResult, chosen
 from tests.meanfield.models import EVERY, MODELS, start
 
@@ -126,6 +127,26 @@ def test_picture_has_the_particles_on_the_zero_level():
     corners = np.concatenate([path.vertices for path in thick[0].get_paths()])
     for state, place in zip(motion.y[:, 0], motion.X[:, 0, 0], strict=True):
         assert abs(np.interp(state, corners[:, 0], corners[:, 1]) - place) < 1e-3
+
+
+@pytest.mark.parametrize("name", ["Motion", "Motion, plane"])
+def test_levels_in_the_picture_are_those_of_g(name, monkeypatch):
+    """On a plane around the particles: that of y and X in one dimension, that of both coordinates at the last y."""
+    drawn: list[Any] = []
+    monkeypatch.setattr(plotting, "draw_levels", lambda *given: drawn.append(given))
+    motion: Any = RESULTS[name]()
+    paths = motion.plot().figure.axes[2].lines
+    (_, (right, up), levels, _), flat = drawn[0], motion.model.nx == 1
+    for k, path in enumerate(paths):
+        across = motion.y[:, 0] if flat else motion.X[:, k, 0]
+        np.testing.assert_array_equal(path.get_xydata(), np.column_stack((across, motion.X[:, k, -1])))
+        for axis, values in zip((right, up), path.get_data(), strict=True):
+            assert axis[0] < values.min() <= values.max() < axis[-1]
+    assert len(paths) == motion.X.shape[1]
+    for i, j in ((3, 70), (40, 12)):
+        place, y = ([up[i]], [right[j]]) if flat else ([right[j], up[i]], motion.y[-1])
+        expected = motion.model.level([place], y)[0]
+        np.testing.assert_allclose([level[i, j] for level in levels], expected, rtol=1e-14)
 
 
 def test_a_run_that_failed_at_once_is_shown_too():

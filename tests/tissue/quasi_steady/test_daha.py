@@ -104,6 +104,15 @@ def test_the_kernel_is_the_method(case, rng):
     assert reached.energy == pytest.approx(energy(expected, network, given), rel=1e-11)
 
 
+def test_hard_discs_as_large_as_soft_ones_meet():
+    """Their pair is listed before the soft repulsion looks at it."""
+    state = tissue([[-1.3, 4.0], [1.3, 4.1]], [[-0.3, 8.0], [0.3, 8.0]], [[-0.1, 0.0], [0.1, 0.0]], radius=1.0)
+    steps = steps_of(400, alpha=1e-3)
+    expected, _, pushed = literal(state, layers(2), numbers(), TABLE_4._replace(**steps))
+    assert pushed[0] == 1
+    assert distance(found(state, layers(2), numbers(), **steps).cells, expected) < 1e-11
+
+
 @pytest.mark.slow
 def test_daughters_fly_apart_and_keep_their_multiplier():
     """So hard a push takes a pair out of the list of near ones while its multiplier pulls it back."""

@@ -41,6 +41,41 @@ def test_a_cell_leaves_as_in_the_twin(name):
         walk.check()
 
 
+def test_a_cell_leaves_a_hole_that_is_not_convex_as_in_the_twin(rng):
+    """Its five neighbours are at any distance: the shortest new edge may cut off an ear with another one in it."""
+    covered = 0
+    for _ in range(300):
+        angles, points = np.sort(rng.uniform(0, 2 * np.pi, 5)), np.zeros((14, 3))
+        if np.diff(angles, append=angles[0] + 2 * np.pi).max() > 2.5:
+            continue
+        points[:5], points[5:13] = on_circle(angles, 1.0), on_circle(np.arange(8) * np.pi / 4, 9.0)
+        network = triangulated(s.plane(), points, np.copy)
+        points[:5] = on_circle(angles, 4.0 ** rng.uniform(-2.0, 1.0, 5))
+        chart, before = chart_of(s.plane(), points), twin.triangles_of(network)
+        network.u[:14], network.v[:14] = chart.T
+        ring = twin.neighbours_around(before, 13)
+        assert len(ring) == 5
+        covered += any(has_another_in_it(chart[ring], tip) for tip in range(5))
+        expected = twin.remove(s.plane(), chart, points, before, 13)
+        assert remove(s.plane(), network, *np.array(points.T, order="C"), 13, PRESENT) == 2
+        assert twin.triangles_of(network) == expected
+    assert covered > 20
+
+
+def on_circle(angle, radius):
+    """Points of the plane, counterclockwise in its chart."""
+    return np.column_stack((radius * np.sin(angle), 0 * angle, radius * np.cos(angle)))
+
+
+def has_another_in_it(ring, tip):
+    """Whether the triangle at a corner of a polygon, which turns left, has another corner of it inside."""
+    before, at, after = (ring[k % len(ring)] for k in (tip - 1, tip, tip + 1))
+    sides = np.column_stack((at - before, after - before))
+    weights = np.linalg.solve(sides, (ring - before).T)
+    inside = (weights > 1e-9).all(axis=0) & (weights.sum(axis=0) < 1 - 1e-9)
+    return np.linalg.det(sides) > 0 and inside.any()
+
+
 @pytest.mark.parametrize("name", [name for name in KINDS if "sphere" not in name])
 def test_a_daughter_comes_as_in_the_twin(name):
     walk = Walk(name, 60, 6)

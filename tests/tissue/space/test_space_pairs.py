@@ -140,6 +140,23 @@ def test_strays_meet_all_others(seed, n, many, far, name, repulsion):
         assert boards.flat.parts.counts[LISTS] == lists or many > MOST_STRAYS
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("axis", range(3))
+def test_a_nucleus_that_goes_far_in_two_parts_meets_all(axis):
+    """Half of the way before the sweep, half of it in the sweep, to one that was not listed and comes towards it."""
+    surface, away = SURFACES["open plane"], np.array([[9.0], [4.0], [-7.0]])
+    state, steps = heap(1, 3, 1.0, surface, radius=0.5), Steps(repulsion=0.0, surface=surface)
+    state.x[:], state.x[axis] = away, away[axis] + [-0.7, 0.0, 1.0 + 1.05 * SKIN]
+    boards, pairs = board_of(state, steps), np.zeros((2, 3, 3), np.int64)
+    assert _listed(boards.flat.address, 3, pairs)[1] == 1
+    state.x[axis] += np.array([0.375, 0.375, -0.375]) * SKIN
+    board_of(state, steps, boards)
+    _substep(boards.flat.address, boards.wide.address, 3)
+    expected = twins.separate(state.x, state.radius, surface)
+    assert expected[axis, 2] > state.x[axis, 2]
+    np.testing.assert_array_equal(taken(boards, state).x, expected)
+
+
 def test_rows_that_find_no_room_are_found_anew():
     """So many pairs that the list is full: the same push."""
     n = 600
