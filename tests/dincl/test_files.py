@@ -125,3 +125,9 @@ def test_the_contents_are_on_the_disk_before_the_name_and_then_the_name(
     partial, *rest = done
     assert Path(partial).name.startswith(PARTIAL)
     assert rest == ["renamed", str(tmp_path)]
+
+
+def test_no_file_stays_open(tmp_path: Path) -> None:
+    write_text(tmp_path / "table.csv", "text")
+    opened = [file for file in Path("/proc/self/fd").iterdir() if file.is_symlink()]
+    assert not [file for file in opened if file.resolve().is_relative_to(tmp_path)]
