@@ -19,19 +19,21 @@ from pathlib import Path
 from tests.mutants.operators import Mutant, mutants
 from tests.mutants.reach import ROOT, tests_of
 
-SEED = b"20260117"
+SEED = b"20261126"
 HOME = ROOT / "build" / "mutants"
 COPY, TABLE, TIMES = HOME / "tree", HOME / "mutants.csv", HOME / "times.json"
 HEADER = ("file", "line", "scope", "before", "after", "outcome", "seconds")
 COPIED = ("dincl", "docs", "meanfield", "tests", "tissue", "verification", "pyproject.toml", "README.md")
-NUMERICAL = (
+MUTATED = (
     *("dincl/constraints", "dincl/drifts", "dincl/events", "dincl/geometry", "dincl/kernels", "dincl/minimise"),
     *("dincl/projection", "dincl/rows", "dincl/run", "dincl/scenes", "dincl/schemes", "dincl/cone.py", "dincl/csr.py"),
-    *("dincl/frame.py", "dincl/norms.py", "dincl/trajectory.py"),
+    *("dincl/code_cache.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
+    "dincl/trajectory.py",
     *("meanfield/density", "meanfield/forces", "meanfield/kernels", "meanfield/model", "meanfield/solvers"),
     *("meanfield/transport", "tissue/events", "tissue/kernels", "tissue/model", "tissue/quasi_steady", "tissue/space"),
     *("tissue/state", "tissue/step", "tissue/division.py", "tissue/slopes.py", "tissue/start.py", "tissue/summary.py"),
     *("tissue/study/categories.py", "tissue/study/comparisons.py", "tissue/study/curves.py"),
+    *("tissue/files/cell_types.py", "tissue/files/type_rules.py", "tissue/study/notes.py"),
     *("tissue/study/outcomes.py", "tissue/study/ranking.py", "tissue/study/ratios.py", "tissue/study/sensitivity.py"),
     *("verification/budget.py", "verification/cheapest.py", "verification/evidence.py", "verification/measure.py"),
     *("verification/order.py", "verification/orders.py", "verification/outcome.py", "verification/rates.py"),
@@ -112,8 +114,8 @@ def tried(path: Path, mutant: Mutant, times: dict[str, float]) -> tuple[str, flo
 
 
 def candidates(paths: list[str]) -> list[tuple[Path, Mutant]]:
-    """All mutants of numerical code beneath some paths, in an order that looks random and stays."""
-    folders = [ROOT / path for path in NUMERICAL]
+    """All mutants of the code that makes and keeps numbers beneath some paths, in a random order that stays."""
+    folders = [ROOT / path for path in MUTATED]
     files = {file for place in folders for file in ([place] if place.suffix else place.rglob("*.py"))}
     inside = [file for file in files if any(file.is_relative_to(ROOT / path) for path in paths or ".")]
     found = [(file.relative_to(ROOT), each) for file in inside for each in mutants(file.read_text("utf-8"))]
