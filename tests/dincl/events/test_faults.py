@@ -127,6 +127,44 @@ def test_a_particle_that_goes_with_a_wall_is_pushed_once_it_is_slower():
     assert path.stats.steps <= 60
 
 
+@pytest.mark.parametrize("way", [0.2, 0.24, 0.249])
+def test_a_step_that_ends_where_it_began_meets_a_wall_on_the_way(way):
+    """Its two ends are far from the wall: x = t (1 - t) until it is met, at rest until t = 1/2."""
+    problem = dincl.Problem([[0.0]], lambda t, x: np.full((1, 1), 1 - 2 * t), [dincl.HalfSpace([-1.0], -way)])
+    path = dincl.solve(problem, dincl.EventDriven(1e-10), [1.0])
+    assert abs(path.final[0, 0] - (way - 0.25)) <= 1e-12
+    meets = 0.5 - np.sqrt(0.25 - way)
+    assert [event.kind for event in path.events] == ["contact", "release"]
+    assert np.abs([event.t for event in path.events] - np.array([meets, 0.5])).max() <= 1e-8
+
+
+@pytest.mark.parametrize("low", [0.3, 0.4, 0.52, 0.63, 0.7])
+def test_a_push_that_is_negative_for_a_moment_lets_go(low):
+    """Steps are exact, and as long as the run: the moment lies between the parts at which they are looked at."""
+    least = 1e-4
+    problem = dincl.Problem(
+        [[0.0]], lambda t, x: np.full((1, 1), least - (t - low) ** 2), [dincl.HalfSpace([1.0], 0.0)]
+    )
+    path = dincl.solve(problem, dincl.EventDriven(1e-10), [low, 1.0])
+    assert np.abs(path.x[:, 0, 0] - [2 / 3 * least**1.5, 0.0]).max() <= 1e-12
+    assert [event.kind for event in path.events] == ["release", "contact"]
+    assert np.abs([event.t - low for event in path.events] + np.sqrt(least) * np.array([1, -2])).max() <= 1e-8
+
+
+def test_the_stated_error_has_what_pulls_too_little_to_let_go():
+    """Behind a particle as fast as this one, so small a pull is taken for zero, for half of the run."""
+    pull, rate = 3e-12, 60.0
+    problem = dincl.Problem(
+        [[0.0], [1.0]], lambda t, x: np.array([[pull - np.exp(-rate * t)], [4.0]]), [dincl.HalfSpace([1.0], 0.0)]
+    )
+    path = dincl.solve(problem, dincl.EventDriven(1e-11), [1.0])
+    begin = -np.log(pull) / rate
+    exact = pull * (1.0 - begin) - (pull - np.exp(-rate)) / rate
+    assert path.final[0, 0] == 0.0
+    assert exact > 1e-12
+    assert exact <= path.error[0] <= 10 * exact
+
+
 def test_kinks_of_paths_are_found_to_rounding(rng):
     paths = [
         lambda t: np.array([min(1.0, 2 * t), 0.0]),
