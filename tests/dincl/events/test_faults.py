@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import dincl
 from dincl.run.kinks import kinks_of, smooth_around
@@ -136,6 +137,24 @@ def test_a_step_that_ends_where_it_began_meets_a_wall_on_the_way(way):
     meets = 0.5 - np.sqrt(0.25 - way)
     assert [event.kind for event in path.events] == ["contact", "release"]
     assert np.abs([event.t for event in path.events] - np.array([meets, 0.5])).max() <= 1e-8
+
+
+@pytest.mark.parametrize(("tol", "steps"), [(1e-7, 16), (1e-9, 20)])
+@pytest.mark.parametrize(
+    ("speed", "drift", "gap"),
+    [
+        (0.5, lambda t, x: -x, lambda t: np.exp(-t) - 0.5 * t),
+        (-0.3, lambda t, x: np.full((1, 1), -3 * np.exp(t)), lambda t: 1 - 3 * np.expm1(t) + 0.3 * t),
+    ],
+    ids=["towards it", "away"],
+)
+def test_a_moving_wall_is_met_far_more_exactly_than_the_tolerance(speed, drift, gap, tol, steps):
+    """What the dense output leaves of the gap is closed at the speed of both, particle and wall, and in one go."""
+    problem = dincl.Problem([[1.0]], drift, [dincl.Moving(dincl.HalfSpace([1.0], 0.0), lambda t: [speed * t])])
+    path = dincl.solve(problem, dincl.EventDriven(tol), [1.0])
+    assert [event.kind for event in path.events] == ["contact"]
+    assert abs(path.events[0].t - brentq(gap, 0.0, 1.0, xtol=1e-16)) <= 1e-4 * tol
+    assert path.stats.steps <= steps
 
 
 @pytest.mark.parametrize("low", [0.3, 0.4, 0.52, 0.63, 0.7])
