@@ -174,6 +174,20 @@ def test_smooth_constraint_comes_to_rest_where_the_normal_is_the_drift():
     assert np.abs(path.final[0] - [2 * scale, 0.15 * scale]).max() <= 1e-10
 
 
+def test_a_smooth_set_is_met_and_left_as_a_built_in_one():
+    """Its gaps are known to Python alone: a particle falls down the side of a ball."""
+    centre = np.array([0.1, -2.0])
+    ball = dincl.Smooth(lambda x: ((x - centre) ** 2).sum(axis=1) - 1, lambda x: 2 * (x - centre))
+    fall, t = np.array([[1.0, -3.0]]), [0.5, 0.7, 1.0, 2.0]
+    paths = [
+        dincl.solve(dincl.Problem([[0.0, 0.0]], lambda t, x: fall, [body]), dincl.EventDriven(tol=1e-10), t)
+        for body in (ball, dincl.OutsideBall(centre, 1.0))
+    ]
+    assert np.abs(paths[0].x - paths[1].x).max() <= 1e-10
+    assert [[event.kind for event in path.events] for path in paths] == [["contact", "release"]] * 2
+    assert paths[0].violation().max() <= 1e-12
+
+
 def test_moving_set_with_a_kink_in_its_path():
     wall = dincl.Moving(dincl.HalfSpace((1,)), lambda t: (1 - abs(t - 1),))
     path = dincl.solve(dincl.Problem([[0.2]], lambda t, x: 0 * x, [wall]), dincl.EventDriven(tol=1e-9), [0.5, 1.5, 3.0])

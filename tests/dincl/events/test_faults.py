@@ -170,18 +170,19 @@ def test_a_push_that_is_negative_for_a_moment_lets_go(low):
     assert np.abs([event.t - low for event in path.events] + np.sqrt(least) * np.array([1, -2])).max() <= 1e-8
 
 
-def test_the_stated_error_has_what_pulls_too_little_to_let_go():
+@pytest.mark.parametrize("s", [1.0, 1e-9, 1e9])
+def test_the_stated_error_has_what_pulls_too_little_to_let_go(s):
     """Behind a particle as fast as this one, so small a pull is taken for zero, for half of the run."""
     pull, rate = 3e-12, 60.0
     problem = dincl.Problem(
-        [[0.0], [1.0]], lambda t, x: np.array([[pull - np.exp(-rate * t)], [4.0]]), [dincl.HalfSpace([1.0], 0.0)]
+        [[0.0], [s]], lambda t, x: s * np.array([[pull - np.exp(-rate * t)], [4.0]]), [dincl.HalfSpace([1.0], 0.0)]
     )
-    path = dincl.solve(problem, dincl.EventDriven(1e-11), [1.0])
+    path = dincl.solve(problem, dincl.EventDriven(1e-11 * s), [1.0])
     begin = -np.log(pull) / rate
     exact = pull * (1.0 - begin) - (pull - np.exp(-rate)) / rate
     assert path.final[0, 0] == 0.0
     assert exact > 1e-12
-    assert exact <= path.error[0] <= 10 * exact
+    assert exact <= path.error[0] / s <= 10 * exact
 
 
 def test_kinks_of_paths_are_found_to_rounding(rng):

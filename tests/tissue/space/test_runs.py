@@ -62,6 +62,15 @@ def test_a_periodic_sheet_is_as_high_here_as_there():
     assert (error < 0.2).all()
 
 
+def test_a_run_counts_its_work():
+    """As a run in a slice does: so many substeps in each dt, and what was corrected in them."""
+    given = parameters(numerics__t_end="0.5 h")
+    stats = simulate(given, 0).stats
+    assert stats["substeps"] == given.numbers().substeps * round(0.5 / given.numbers().dt)
+    assert stats["corrections"] > 0
+    assert stats["basal_corrections"] > 0
+
+
 @pytest.mark.parametrize("name", SURFACES)
 def test_basal_points_stay_on_their_surface(name):
     run = simulate(of_surface(name, numerics__keep="0.5 h", **EMT), 1)
