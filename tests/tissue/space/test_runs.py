@@ -6,7 +6,7 @@ import pytest
 import tissue
 from tests.tissue.space.in_space import SURFACES, of_surface, parameters, same
 from tissue.first_order import simulate
-from tissue.model.observables import ab_positions, height
+from tissue.model.observables import ab_positions, height, nuclear_layers
 from tissue.space.measures import basal_area
 from tissue.state.frame import Frame
 
@@ -84,8 +84,9 @@ def test_the_triangles_of_a_periodic_network_cover_the_sheet_once():
     """So no two edges cross, whatever moved, came or left."""
     run = simulate(parameters(numerics__keep="0.1 h", **EMT), 2)
     for frame in run.frames:
-        surface = frame.sheets.surface
-        assert basal_area(frame.cells, frame.sheets) == pytest.approx(surface.period_x * surface.period_z, rel=1e-12)
+        area = frame.sheets.surface.period_x * frame.sheets.surface.period_z
+        assert basal_area(frame.cells, frame.sheets) == pytest.approx(area, rel=1e-12)
+        assert nuclear_layers(frame) == pytest.approx(np.pi * len(frame.cells.x) / area, rel=1e-12)
         assert len(frame.sheets.basal.triangles) == 2 * len(frame.layers.basal)
         assert len(frame.sheets.apical.triangles) == 2 * len(frame.layers.apical)
 

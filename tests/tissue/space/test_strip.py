@@ -5,6 +5,7 @@ import pytest
 
 import tissue
 from dincl import InvalidProblem
+from tissue.model.observables import nuclear_layers
 
 COMMON = {
     "layer.shape": "circle",
@@ -38,6 +39,7 @@ def test_cell_by_cell_and_event_by_event(events):
         assert heights(one) == pytest.approx(heights(other), abs=5e-3)
         assert one.cells.rest_ax == pytest.approx(other.cells.rest_ax, abs=5e-3)
         assert len(one.layers.apical) == len(other.layers.apical)
+        assert nuclear_layers(one) == pytest.approx(nuclear_layers(other), rel=5e-3)
     if "emt.b" in events:
         assert not np.isclose(heights(ring.final)[2], 0.0, atol=1e-6).all()
 
