@@ -60,6 +60,13 @@ def test_a_type_has_what_it_says_and_else_what_all_cells_have(given):
     assert given.changed({"cell.alpha_bx": 7}).named_numbers()[0].alpha_bx == 7.0
 
 
+def test_a_type_that_says_how_many_only_is_in_the_middle():
+    """All that it does not say, it has as the control cells."""
+    group = preset("published").changed({"types.plain.cells": 4}).groups()[1]
+    assert group == ("plain", (4, 1.0, {}, ()), 0.5, True, False, 1.5)
+    assert first_of(20, 4, group.place) == 8
+
+
 @pytest.mark.parametrize("name", OWN_KEYS)
 def test_every_key_of_one_cell_alone_may_be_its_own(name):
     """With the check of the key of all cells, and nothing else changes."""

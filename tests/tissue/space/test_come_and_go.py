@@ -76,16 +76,15 @@ def has_another_in_it(ring, tip):
     return np.linalg.det(sides) > 0 and inside.any()
 
 
-@pytest.mark.parametrize("name", [name for name in KINDS if "sphere" not in name])
+@every
 def test_a_daughter_comes_as_in_the_twin(name):
     walk = Walk(name, 60, 6)
     surface, points = walk.surface, walk.points
     cells = inner_cells(walk)[:5]
     for daughter, mother in enumerate(cells, start=60):
         before, chart = twin.triangles_of(walk.network), chart_of(surface, points)
-        angle = walk.rng.uniform(0, 2 * np.pi)
-        direction = np.array((np.cos(angle), np.sin(angle)))
         middle = points[mother].copy()
+        direction = direction_on_chart(surface, middle, walk.rng.uniform(0, 2 * np.pi))
         used = insert(
             surface, walk.network, *walk.columns, mother, daughter, *in_space(surface, middle, direction), 0.2, 0.4
         )
@@ -97,8 +96,20 @@ def test_a_daughter_comes_as_in_the_twin(name):
         walk.check()
 
 
+def direction_on_chart(surface, point, angle):
+    """A direction at a point, of the length 1: of two coordinates, or of three on a sphere."""
+    if surface.bends != s.SPHERE:
+        return np.array((np.cos(angle), np.sin(angle)))
+    normal = point / np.linalg.norm(point)
+    one = np.cross(normal, np.roll(normal, 1))
+    one /= np.linalg.norm(one)
+    return np.cos(angle) * one + np.sin(angle) * np.cross(normal, one)
+
+
 def in_space(surface, point, direction):
     """A direction of the chart as one in space."""
+    if surface.bends == s.SPHERE:
+        return surface.side * direction
     if surface.bends == s.PLANE:
         return direction[1], 0.0, direction[0]
     x, y, _ = point / np.hypot(point[0], point[1])

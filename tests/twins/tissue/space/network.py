@@ -74,10 +74,13 @@ def is_ear(surface, chart, ring, tip, edges):
 
 
 def insert(chart, triangles, mother, daughter, direction):
-    """Twin of ``insert`` on a flat chart, for cells that are not at a boundary: the triangles then."""
+    """Twin of ``insert`` for cells that are not at a boundary, with a direction on the chart: the triangles then."""
     ring = neighbours_around(triangles, mother)
     ways = chart[ring] - chart[mother]
-    sines = (direction[0] * ways[:, 1] - direction[1] * ways[:, 0]) / np.linalg.norm(ways, axis=1)
+    areas = direction[0] * ways[:, 1] - direction[1] * ways[:, 0]
+    if chart.shape[1] == 3:
+        areas = np.cross(direction, ways) @ chart[mother]
+    sines = areas / np.linalg.norm(ways, axis=1)
     right, left = int(sines.argmin()), int(sines.argmax())
     ring = ring[right:] + ring[:right]
     left = (left - right) % len(ring)
