@@ -9,11 +9,14 @@ from pathlib import Path
 
 import pytest
 
+# Under nohup a hangup is ignored, by all that is started there, too.
 PROGRAM = """
+import signal
 import time
 from dincl.study import workers
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGHUP, signal.SIG_DFL)
     with workers() as executor:
         busy = [executor.submit(time.sleep, 600) for _ in range(2)]
         while not all(one.running() for one in busy):
