@@ -5,20 +5,20 @@ from dincl.kernels.march import march_at
 from dincl.kernels.motion import EPS, allowed_error, at, correct, dense_state, move
 from dincl.kernels.system import OK
 
-# The step is to be made anew, shorter or to a jump.
+# The step is to be made again: a shorter one, or one that ends at a jump.
 AGAIN = 30
-# A step with an estimate below this cannot hide an error of the size of the tolerance: wherever a jump is, the estimate
-# of the pairs is at least a thousandth of what it costs.
+# An estimate below this hides no error as large as the tolerance: the estimate of a step over a jump is at least about
+# a thousandth of the error.
 NEGLIGIBLE = 1e-4
-# Looked at is a place at which no stage lies, another one in runs with other steps.
+# The part of a step at which the motion is compared: none of the stages lies there, and it alternates between runs.
 PLACES = (0.63, 0.41)
-# How far the derivative of the dense output may be from the motion, times the step, over what the tolerance allows. It
-# is of one order less than the estimate.
+# Largest allowed difference between the derivative of the dense output and the motion, times the step, over the
+# tolerance. Without a limit smooth problems take 6 % fewer evaluations, with 10 in place of 30 they take 21 % more.
 DEFECT = 30.0
-# A jump is looked for between the ends of so many parts of the step, and is none if it shrinks to this part of what it
-# was over one of them while the part is halved.
+# A step is divided into this many parts to look for a jump. A difference that shrinks below this share of its first
+# value while its part is halved is no jump.
 PARTS, SHRINKS = 8, 0.3
-# What is met on a way along which the drift jumps ever again, as one that does not come to rest where it has no sign.
+# Jumps allowed in one run.
 MOST_JUMPS = 10_000
 
 
@@ -53,12 +53,14 @@ def look_for_jump(run: int, h: float) -> int:
     state = march.state[0]
     if state.error < NEGLIGIBLE:
         return OK
-    code = motion(run, h, PLACES[0] if state.parts == 1 else PLACES[1])
+    # Runs have 1, 2, 4, 8 parts.
+    place = PLACES[0] if state.parts % 3 == 1 else PLACES[1]
+    code = motion(run, h, place)
     if code != OK:
         return code
     axis, largest = 0, 0.0
     for k in range(march.x.size):
-        part = abs(h * defect(run, h, PLACES[0] if state.parts == 1 else PLACES[1], k)) / allowed_error(run, k)
+        part = abs(h * defect(run, h, place, k)) / allowed_error(run, k)
         if part > largest:
             axis, largest = k, part
     return search(run, h, axis) if largest > DEFECT else OK
