@@ -108,10 +108,8 @@ def _first_ones(cells: Cells, mine: Integers, count: int) -> Integers:
 
 def _descent(cells: Cells, mine: Integers, first: Integers) -> list[int]:
     """Of each cell of a type the place of the one among the ``first`` that it descends from."""
-    place, mother = (
-        dict(zip(cells.id[first], range(len(first)), strict=True)),
-        dict(zip(cells.id, cells.mother, strict=True)),
-    )
+    place = {name: k for k, name in enumerate(cells.id[first])}
+    mother = dict(zip(cells.id, cells.mother, strict=True))
 
     def descends(name: int) -> int:
         return place[name] if name in place else descends(mother[name])

@@ -41,11 +41,11 @@ def kinks_of(paths: Sequence[Path], end: float) -> NDArray[np.float64]:
 
     A path that is smooth nowhere is taken as it is, without any.
     """
-    found = [_located(path, kinks, end) for path in paths for kinks in [_kinks_of_one(path, end)]]
+    found = [_located(path, _kinks_of_one(path, end), end) for path in paths]
     kinks = np.array(sorted(kink for some in found for kink in some)).reshape(-1, 2)
     apart = np.append(True, kinks[1:, 0] > kinks[:-1, 1])[: len(kinks)]
-    found_apart: NDArray[np.float64] = kinks[apart]
-    return found_apart
+    first_of_each: NDArray[np.float64] = kinks[apart]
+    return first_of_each
 
 
 def smooth_around(t: float, kinks: NDArray[np.float64]) -> tuple[float, float]:

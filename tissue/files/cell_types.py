@@ -151,9 +151,9 @@ class TypesSection(ParameterSection):
 
     Up to eight. A key of [cell] holds for a type that does not have it; the unit R_soft is always that of [cell]. Two
     nuclei have the sum of their soft radii and the mean of their alpha_xx, basal neighbours the mean of their maximal
-    distances. Cells of
-    a type with events are EMT cells, as those of [emt] are, for tables, outcomes and studies, but may divide. Daughters
-    are of the type of their mother, and have her events at her times; studies follow the EMT cells of the start.
+    distances. Cells of a type with events are EMT cells, as those of [emt] are, for tables, outcomes and studies, but
+    may divide. Daughters are of the type of their mother, and have her events at her times; studies follow the EMT
+    cells of the start.
     """
 
     model_config = ConfigDict(frozen=True, extra="allow", validate_default=True)
