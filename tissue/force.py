@@ -18,7 +18,7 @@ class Force:
 
     It acts in each substep, at the same positions as the other forces. Its functions are plain Python at top level of a
     file; numba compiles them, alone, when a run first needs them, and any function that they call must be one of
-    ``dincl.compile.inner``. They make no arrays. Lengths are in R_soft, W has no unit.
+    ``dincl.compiled.inner``. They make no arrays. Lengths are in R_soft, W has no unit.
 
     Attributes
     ----------

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dincl.compiled.structs import written
 from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.events.pairs import pair_for
 from dincl.events.path import PathPieces
 from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
-from dincl.kernels.handles import written
 from dincl.kernels.jumps import MOST_JUMPS
 from dincl.kernels.march import STATE, Path, begin_march, room_for_path
 from dincl.norms import longest

@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.compiled.structs import written
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
 from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
-from dincl.kernels.handles import written
 from dincl.kernels.march import STATE, March, Path, RungeKutta, begin_march, room_for_path
 from dincl.kernels.system import OK
 from dincl.run.outcome import Between

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compile import inner, kernel
+from dincl.compiled import inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.factor import Chosen, add, append, backward, border, clear, drop, forward, times
 from dincl.kernels.table import RowTable

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.arrays import Floats, Offsets
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inner, kernel
+from dincl.compiled import inner, kernel
 from dincl.constants import LARGEST
 from dincl.kernels.active_set import nearest
 from dincl.kernels.arrays import Floats

@@ -4,7 +4,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compile import inner, maker
+from dincl.compiled import inner, maker
 from dincl.kernels.arrays import Axes, Floats, Indices
 
 # A grid spans at most so many axes; distances always use all of them.

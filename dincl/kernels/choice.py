@@ -1,6 +1,6 @@
 """Which contacts push from an event on: a least-distance program among the velocities."""
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.kernels.active_set import nearest
 from dincl.kernels.catch_up import list_sorted
 from dincl.kernels.factor import times

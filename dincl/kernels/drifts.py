@@ -4,7 +4,7 @@ from functools import partial
 
 from numba import types
 
-from dincl.compile import c_function
+from dincl.compiled import c_function
 from dincl.kernels.arrays import Floats
 
 DRIFT = types.int64(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inner, kernel
+from dincl.compiled import inner, kernel
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.choice import choose
 from dincl.kernels.factor import times

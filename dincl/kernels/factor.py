@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.table import RowTable
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import kernel, maker
+from dincl.compiled import kernel, maker
 from dincl.kernels.arrays import Flags, Floats, Offsets
 
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import kernel, maker
+from dincl.compiled import kernel, maker
 from dincl.kernels.arrays import Axes, Floats, Indices, Offsets
 from dincl.kernels.cells import GRID_AXES, PAIRS_PER_DISC, is_near, longer, sort_by_cell
 from dincl.kernels.rows import rows_of_pairs

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compile import inner, kernel, maker
+from dincl.compiled import inner, kernel, maker
 from dincl.kernels.arrays import Axes, Floats, Indices, Offsets
 from dincl.kernels.cells import GRID_AXES, PAIRS_PER_DISC, is_near, longer, sort_by_cell
 from dincl.kernels.rows import rows_of_pairs

@@ -1,6 +1,6 @@
 """Stops of a run: where the velocity of a set jumps, and where the drift does, which is found on the way."""
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.kernels.march import march_at
 from dincl.kernels.motion import EPS, allowed_error, at, correct, dense_state, move
 from dincl.kernels.system import OK

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dincl.compiled.structs import reader
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.factor import Chosen, room
-from dincl.kernels.handles import reader
 from dincl.kernels.system import SYSTEM, SystemArrays
 
 # What a row is during a phase.

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.kernels.active_set import across
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, append, backward, border, clear, forward, times

@@ -6,7 +6,7 @@ bounding box, and a hierarchy of hashed grids for everything else.
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.arrays import Axes, Floats, Indices, Offsets, axes_of
 from dincl.kernels.cells import MOST_PAIRS, TooManyPairs, is_near
 from dincl.kernels.grid import grid_pairs, grid_shape

@@ -4,7 +4,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.kernels.arrays import Floats, Offsets
 
 # Places in ``number``: sweeps since the list was made; lists made; pairs looked at, and corrections, in all sweeps.

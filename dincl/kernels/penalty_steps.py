@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inner, kernel
+from dincl.compiled import inner, kernel
 from dincl.constants import LARGEST
 from dincl.kernels.arrays import Floats
 from dincl.kernels.pair_list import DONE, SERVED, PairList, is_stale, list_again

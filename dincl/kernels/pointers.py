@@ -9,7 +9,7 @@ from llvmlite import ir
 from numba import types
 from numba.extending import intrinsic
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.constants import LARGEST
 from dincl.kernels.arrays import Floats
 

@@ -1,6 +1,6 @@
 """Products of a sparse matrix by rows, and of its transpose, with a vector."""
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.arrays import Floats, Offsets
 
 

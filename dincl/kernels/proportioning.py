@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inner, kernel, maker
+from dincl.compiled import inner, kernel, maker
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.products import times, transposed_times
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import maker
+from dincl.compiled import maker
 from dincl.kernels.arrays import Indices, Offsets
 
 

@@ -4,10 +4,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compile import inner, kernel
+from dincl.compiled import inner, kernel
+from dincl.compiled.structs import reader
 from dincl.constants import LARGEST
 from dincl.kernels.arrays import Floats, Offsets
-from dincl.kernels.handles import reader
 from dincl.kernels.pair_list import CORRECTIONS, DONE, NO_PAIRS, PairList, part_pairs
 from dincl.kernels.system import COINCIDENT, NOT_A_NUMBER, OK, SETS, Steps, bounded, evaluate, system_at
 from dincl.kernels.table import PLACES, RowTable, ask

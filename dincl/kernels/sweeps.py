@@ -5,7 +5,7 @@ Here those on distances; the ones on affine rows come from ``affine``.
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.affine import dual_sweeps, sweep_affine, sweep_half_space
 from dincl.kernels.arrays import Axes, Floats, Indices, Offsets, axes_of
 

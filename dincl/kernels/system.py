@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compiled import inner
+from dincl.compiled.structs import reader
 from dincl.kernels.active_set import LeastDistance, least_distance
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.factor import Chosen, room
-from dincl.kernels.handles import reader
 from dincl.kernels.pointers import velocity
 from dincl.kernels.table import ROW, NearRows, RowTable, Sets, room_for_list
 

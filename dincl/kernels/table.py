@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.kernels.arrays import Floats, Offsets
 from dincl.kernels.pointers import call_drift
 

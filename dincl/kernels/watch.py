@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.kernels.catch_up import carry
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.march import CLOSED, HELD, march_at

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.compiled.structs import written
 from dincl.kernels import penalty_steps, sweep_steps
-from dincl.kernels.handles import written
 from dincl.kernels.pair_list import BUILDS, CORRECTIONS, LOOKED_AT
 from dincl.kernels.system import COINCIDENT
 from dincl.rows.distance import DistanceRows

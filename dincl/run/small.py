@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
+from dincl.compiled.structs import written
 from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.kernels import system as codes
 from dincl.kernels.active_set import least_distance
 from dincl.kernels.factor import room
-from dincl.kernels.handles import written
 from dincl.kernels.system import Drift, SystemArrays
 from dincl.kernels.table import DISTANCE, room_for_list
 from dincl.rows.near import select

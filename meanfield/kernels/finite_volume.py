@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 
 Floats = NDArray[np.float64]
 # A cell with less density gives nothing away: products of it with a speed and a time step could leave the normal

@@ -27,7 +27,7 @@ COPIED = ("dincl", "docs", "meanfield", "tests", "tissue", "verification", "pypr
 MUTATED = (
     *("dincl/constraints", "dincl/drifts", "dincl/events", "dincl/geometry", "dincl/kernels", "dincl/minimise"),
     *("dincl/projection", "dincl/rows", "dincl/run", "dincl/scenes", "dincl/schemes", "dincl/cone.py", "dincl/csr.py"),
-    *("dincl/code_cache.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
+    *("dincl/compiled/cache.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
     "dincl/trajectory.py",
     *("meanfield/density", "meanfield/forces", "meanfield/kernels", "meanfield/model", "meanfield/solvers"),
     *("meanfield/transport", "tissue/events", "tissue/kernels", "tissue/model", "tissue/quasi_steady", "tissue/space"),

@@ -19,7 +19,7 @@ class EmtEvent:
 
     It fires in the step dt that ends at its time, or in which its time lies, and acts from the beginning of that step.
     Its functions are plain Python at top level of a file; numba compiles them, alone, when a run first needs them, and
-    any function that they call must be one of ``dincl.compile.inner``. They change the store in place.
+    any function that they call must be one of ``dincl.compiled.inner``. They change the store in place.
 
     Attributes
     ----------

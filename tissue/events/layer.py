@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.chains import chained_before, chained_behind
 from tissue.kernels.rules import call_leave
 from tissue.kernels.store import APICAL, CELLS, Store

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, TypeVar
 
-from dincl import compile as compiling
+from dincl import compiled as compiling
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
 def kernel(function: Function) -> Function:
-    """Compile a kernel of the tissue; see ``dincl.compile``.
+    """Compile a kernel of the tissue; see ``dincl.compiled``.
 
     The kernels take dozens of arrays and allocate none, so nobody counts references to arrays: counting took as long as
     computing.

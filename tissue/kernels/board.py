@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.kernels.handles import reader
+from dincl.compiled.structs import reader
 from tissue.kernels.curve import CurveNumbers
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.kernels.lanes import WIDTH

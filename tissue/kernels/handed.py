@@ -14,7 +14,7 @@ from numba.core import cgutils
 from numba.extending import NativeValue, unbox
 from numpy.random import Generator
 
-from dincl.kernels.handles import Handle, reader, written
+from dincl.compiled.structs import Handle, reader, written
 from tissue.kernels.lanes import instruction
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers
@@ -24,7 +24,7 @@ GENERATOR = 3
 
 
 class Handed:
-    """A named tuple of arrays and numbers in memory; kernels take it as its address, see ``dincl.kernels.handles``.
+    """A named tuple of arrays and numbers in memory; kernels take it as its address, see ``dincl.compiled.structs``.
 
     Attributes
     ----------

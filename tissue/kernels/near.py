@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.board import Board
 from tissue.kernels.lanes import WIDTH, load, maximum, positive_bits, spread, store
 from tissue.state.cells import Floats

@@ -12,7 +12,7 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.lanes import (
     constant,
     either,

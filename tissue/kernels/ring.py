@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.lanes import either, load, positive_bits, spread, store
 from tissue.state.cells import Floats
 

@@ -8,7 +8,7 @@ import numpy as np
 from llvmlite import ir
 from numba import types
 
-from dincl.kernels.handles import reader
+from dincl.compiled.structs import reader
 from tissue.kernels.handed import NUMBERS, kind_of_handle
 from tissue.kernels.lanes import instruction
 from tissue.kernels.store import STORE

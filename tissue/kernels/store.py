@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dincl.kernels.handles import reader
+from dincl.compiled.structs import reader
 from tissue.kernels.curve import CurveNumbers, curve_numbers
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.space.state import Space, no_space, with_room

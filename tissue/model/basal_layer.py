@@ -5,7 +5,7 @@ Of two neighbours of different types it is the mean of both.
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.board import Board
 from tissue.kernels.curve import course
 from tissue.kernels.lanes import either, fma, load, maximum, spread, store, where_positive

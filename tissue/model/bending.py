@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.lanes import fma
 
 Plane = tuple[Any, Any]

@@ -9,7 +9,7 @@ import math
 
 from numpy.random import Generator
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules

@@ -13,7 +13,7 @@ what they want that is capped.
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.events.known import FIRST
 
 # The bits of these events.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, Board
 from tissue.kernels.lanes import load, maximum, positive_bits, root, spread, store, where_positive

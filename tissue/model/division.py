@@ -6,7 +6,7 @@ from typing import Any
 
 from numpy.random import Generator
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules, call_place, call_split_in_space, call_splits

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.handed import numbers_of
 from tissue.kernels.rules import Rules, call_begin, call_last
 from tissue.kernels.store import CELLS, EMT_CELLS, Store

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.store import APICAL, BASAL, CELLS, Store
 from tissue.model.heights import height_above

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.curve import height_of
 from tissue.kernels.store import Store
 from tissue.space.state import SPATIAL

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.board import Board
 from tissue.kernels.chains import chained_behind
 from tissue.kernels.handed import numbers_of

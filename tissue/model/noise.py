@@ -6,7 +6,7 @@ import math
 
 from numpy.random import Generator
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.normals import WORDS
 from tissue.kernels.store import CELLS, Store
 from tissue.space.state import SPATIAL

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.board import Board
 from tissue.kernels.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.near import find_near, find_near_rows, list_around, list_before, window_around

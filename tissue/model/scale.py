@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
 from tissue.kernels.rules import call_position

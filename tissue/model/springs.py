@@ -8,7 +8,7 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.lanes import fma
 from tissue.state.cells import Cells
 

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, Board, Boards
 from tissue.kernels.handed import Handed, kind_of_handle

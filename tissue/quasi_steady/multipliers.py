@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.board import Board
 from tissue.kernels.near import find_near, list_ranges
 from tissue.state.cells import Floats, Integers

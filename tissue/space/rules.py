@@ -9,7 +9,7 @@ import math
 from threading import Lock
 from typing import Any
 
-from dincl.compile import c_function, inner
+from dincl.compiled import c_function, inner
 from tissue.kernels.rules import LEAVE, POSITION, SPLIT_IN_SPACE
 from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.emt import inherit_events

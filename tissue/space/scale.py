@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.store import Store
 from tissue.space.surface import Surface, differences, height
 from tissue.state.cells import Cells

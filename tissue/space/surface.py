@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dincl import checks
-from dincl.compile import inner
+from dincl.compiled import inner
 from dincl.errors import InvalidProblem
 from tissue.state.cells import Floats
 

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.compile import c_function, heard
+from dincl.compiled import c_function, heard
 from dincl.status import Status
 from tissue.division import BESIDE, DivisionRule
 from tissue.events.event import EmtEvent

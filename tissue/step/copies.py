@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.board import FAR, RUNNING, Board
 from tissue.kernels.chains import chained_before
 from tissue.kernels.curve import course

@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numba import types
 
-from dincl.compile import inner
-from dincl.kernels.handles import reader
+from dincl.compiled import inner
+from dincl.compiled.structs import reader
 from tissue.kernels.board import FLAT, Board
 from tissue.kernels.handed import NUMBERS, kind_of_handle, numbers_at
 from tissue.kernels.lanes import instruction

@@ -10,7 +10,7 @@ from typing import Any
 
 from numba import types
 
-from dincl.compile import c_function, inner
+from dincl.compiled import c_function, inner
 from tissue.kernels.board import Board, board_at, wide_board_at
 from tissue.kernels.lanes import WIDTH
 from tissue.kernels.normals import shake

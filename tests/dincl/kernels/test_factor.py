@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.active_set import across
 from dincl.kernels.factor import append, backward, border, clear, drop, forward, room
 from dincl.kernels.table import ROW, RowTable

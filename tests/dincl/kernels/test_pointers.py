@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.constants import LARGEST
 from dincl.kernels.pointers import FAILED, NOT_A_NUMBER, OK, call_drift
 from tests.dincl.run.drift_runs import asked
@@ -31,7 +31,7 @@ address = ctypes.cast(function, ctypes.c_void_p).value
 print(total(address, np.zeros((2, 2)), np.zeros(1)), sum(total.stats.cache_misses.values()))
 """
 CALLER = """
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.pointers import call_drift
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.table import AFFINE, CALLED, GRADIENTS, ask, find_near, gap, linearise, sort_near
 from dincl.rows.near import select
 from dincl.run.small import SmallSystem

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.pointers import OK, velocity
 from dincl.run.drift_pointer import DriftPointer
 

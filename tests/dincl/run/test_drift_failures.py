@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.drifts import attraction, compiled
 from dincl.kernels.pointers import OK, call_drift, velocity
 from dincl.run.drift_pointer import DriftPointer

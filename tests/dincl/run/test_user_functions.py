@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from dincl.kernels.pointers import call_drift
 from dincl.kernels.system import SETS
 from dincl.kernels.table import PLACES, ask

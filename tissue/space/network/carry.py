@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.space.network.chart import on_the_way, place_of, put, turn
 from tissue.space.network.halfedges import around, following, left_after_flip, preceding, rest_after_flip, set_rest
 from tissue.space.network.state import LONGEST_LOG, Network, Place

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.space.network.state import Network, Place
 from tissue.space.surface import CYLINDER, PLANE, SPHERE, Surface, nearest_image, normal
 from tissue.state.cells import Floats

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.space.network.chart import squared_distance, turn
 from tissue.space.network.state import Network
 from tissue.space.surface import Surface

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.space.network.halfedges import following, preceding
 from tissue.space.network.state import Network
 

@@ -6,8 +6,8 @@ from typing import Any, NamedTuple
 
 from numba import types
 
-from dincl.compile import c_function
-from dincl.kernels.handles import reader
+from dincl.compiled import c_function
+from dincl.compiled.structs import reader
 from tissue.kernels.handed import kind_of_handle, numbers_at
 from tissue.kernels.store import store_at
 from tissue.space.network.follow import STUCK, follow

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.space.step.board import ALL, CORRECTIONS, FOUND, THROWN, SpaceBoard
 from tissue.space.step.images import nearest, periods
 from tissue.space.step.lists import HALF_SKIN, MOST_STRAYS, find_strays, make_lists

@@ -8,8 +8,8 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from dincl.compiled.structs import reader
 from dincl.errors import InvalidProblem
-from dincl.kernels.handles import reader
 from tissue.kernels.board import aligned
 from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.kernels.lanes import WIDTH

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.store import BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store
 from tissue.model.springs import coefficient
 from tissue.space.network.halfedges import begins_edge, preceding

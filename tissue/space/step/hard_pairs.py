@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.space.step.board import ALL, FOUND, SpaceBoard
 
 

@@ -6,7 +6,7 @@ skin since, a pair that is not listed is beyond the range. A few nuclei may stra
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.lanes import WIDTH, fma, load, lowest_bit, positive_bits, where_positive
 from tissue.model.repulsion import SOFT
 from tissue.space.step.bins import find_beside, sort_in_bins

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.lanes import fma, load, store
 from tissue.kernels.normals import normals, shake
 from tissue.space.step.board import SpaceBoard

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST
 from tissue.kernels.lanes import WIDTH

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 
-from dincl.compile import inner
+from dincl.compiled import inner
 from tissue.kernels.handed import numbers_of
 from tissue.kernels.store import Store
 from tissue.space.network.halfedges import set_rest

@@ -7,7 +7,7 @@ from typing import Any
 
 from numba import types
 
-from dincl.compile import c_function, inner
+from dincl.compiled import c_function, inner
 from tissue.kernels.lanes import WIDTH
 from tissue.space.step.balls import separate_balls
 from tissue.space.step.basal import hold_together, keep_order, put_on_surface

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dincl.code_cache import CheckedFiles
+from dincl.compiled.cache import CheckedFiles
 
 PLAIN = "def scaled(x):\n    return 2 * x + 1\n\n\ndef called(x):\n    return 3.0 * x + 1.0\n"
 PROGRAM = """
@@ -16,7 +16,7 @@ import random
 from pathlib import Path
 from numba import types
 from called.plain import called, scaled
-from dincl.compile import c_function, kernel
+from dincl.compiled import c_function, kernel
 
 def run():
     # As another process would: nothing is known but the files.

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 CALLER = '''"""Calls."""
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from called.inner import factor
 from called.constants import SHIFT
 
@@ -18,7 +18,7 @@ def scaled(x: float) -> float:
     """Doc."""
     return factor() * x + SHIFT
 '''
-INNER = "from dincl.compile import kernel\n\n\n@kernel\ndef factor() -> float:\n    return 2.0\n"
+INNER = "from dincl.compiled import kernel\n\n\n@kernel\ndef factor() -> float:\n    return 2.0\n"
 KINDS = """
 from typing import NamedTuple
 
@@ -31,7 +31,7 @@ def made(x: float) -> Pair:
     return Pair(x)
 """
 TAKES_A_PAIR = """
-from dincl.compile import kernel
+from dincl.compiled import kernel
 from called.kinds import made
 
 
@@ -103,7 +103,7 @@ def test_nothing_else_is_compiled_again(folder: Path) -> None:
 @pytest.mark.slow
 def test_functions_of_one_name_are_told_apart(folder: Path) -> None:
     text = "@kernel\ndef same() -> float:\n    return {}\n\n\nfirst = same()\n"
-    both = "from dincl.compile import kernel\n\n\n" + text.format(1.0) + text.format(2.0).replace("first", "second")
+    both = "from dincl.compiled import kernel\n\n\n" + text.format(1.0) + text.format(2.0).replace("first", "second")
     (folder / "called" / "caller.py").write_text(both + "def scaled(x):\n    return first + 10 * second\n")
     program = "from called.caller import scaled; print(scaled(0))"
     env = os.environ | {"PYTHONPATH": os.pathsep.join([str(folder), *sys.path])}

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from dincl.announcement import Announcement
+from dincl.compiled.announcement import Announcement
 
 
 class Terminal(io.StringIO):

@@ -18,9 +18,9 @@ from numba.core.caching import CacheImpl, _CacheLocator
 from numba.core.ccallback import CFunc
 from numba.core.sigutils import normalize_signature
 
-from dincl.announcement import ANNOUNCEMENT
-from dincl.code_cache import checked
-from dincl.parts import PartCompiler
+from dincl.compiled.announcement import ANNOUNCEMENT
+from dincl.compiled.cache import checked
+from dincl.compiled.parts import PartCompiler
 from dincl.provenance import closure, libraries
 from dincl.provenance.source import digest_of, read_source, source
 
