@@ -42,8 +42,8 @@ from dincl.projection import (
     Projection,
 )
 from dincl.projection.project import project
-from dincl.run.bound import Stepper, StepState
 from dincl.run.outcome import Between, Event, RunOutcome
+from dincl.run.stepper import Stepper, StepState
 from dincl.schemes import (
     PBD,
     CatchUp,

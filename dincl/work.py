@@ -25,6 +25,8 @@ class Work:
         Calls of a projection's back end, and the iterations it reports.
     back_ends
         Names of the back ends that answered.
+    callbacks
+        Calls of Python by compiled steps: positions of moving sets, rows and projections that only Python knows.
     """
 
     degrees_of_freedom: int = 0
@@ -36,6 +38,7 @@ class Work:
     solver_calls: int = 0
     solver_iterations: int = 0
     back_ends: tuple[str, ...] = ()
+    callbacks: int = 0
 
     def count_call(self, back_end: str, iterations: int) -> None:
         """Add one call of a projection's back end."""

@@ -90,3 +90,30 @@ def _write(parts: Any, words: list[int]) -> None:
             words += struct.unpack("q", struct.pack("d", part))
         else:
             words.append(part)
+
+
+class StructPointer:
+    """A named tuple of arrays, named tuples and numbers in memory; kernels are given its address.
+
+    Attributes
+    ----------
+    value
+        The named tuple, whose arrays kernels change in place.
+    address
+        Where it is in memory, as long as this object lives.
+    """
+
+    def __init__(self, value: Any) -> None:
+        self.value = value
+        self._words = written(value)
+        self.address = int(self._words.ctypes.data)
+
+    def replace(self, path: str, array: Any) -> None:
+        """Put another array of the same type in place of one: ``replace("pairs.partner", longer)``."""
+        self.value = _replaced(self.value, path.split("."), array)
+        self._words[:] = written(self.value)
+
+
+def _replaced(value: Any, names: list[str], array: Any) -> Any:
+    name, *rest = names
+    return value._replace(**{name: _replaced(getattr(value, name), rest, array) if rest else array})

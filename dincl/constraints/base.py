@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.sweeper import Sweeper
+    from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
 
 
 class Constraint(ABC):
@@ -23,7 +23,7 @@ class Constraint(ABC):
     ``dincl.Moving(constraint, path)`` carries it along a path.
 
     All else is optional. ``check`` refuses a problem that the set does not fit. ``sweeper`` gives the exact projections
-    that PBD goes through; without it, they are those of the rows: each kind knows its own.
+    that PBD makes; without it, they are those of the rows.
 
     ``docs/extend/constraint.md`` says how a set or a kind of row is added to the package.
     """
@@ -35,9 +35,9 @@ class Constraint(ABC):
     def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
         """The rows that can be violated after every particle moved by at most ``reach`` from x (N, d), or more rows."""
 
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        """The exact projections onto the single rows, in their documented order, for states of the shape of x."""
-        return self.select(x, math.inf).sweeper(x.shape[1])
+    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | WallRows | Sweeper:
+        """What PBD projects onto, for states of the shape of x: rows one after another, or a Sweeper of your own."""
+        return self.select(x, math.inf)
 
     def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
         """Rows that show which particles the set ties: all of them, or enough to see that two rows share a particle."""

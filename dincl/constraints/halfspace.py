@@ -12,12 +12,11 @@ from dincl.constants import LARGEST
 from dincl.constraints.base import Constraint
 from dincl.csr import uniform
 from dincl.errors import InvalidProblem
-from dincl.rows.affine import AffineRows, WallSweeper
+from dincl.rows.affine import AffineRows
+from dincl.rows.sweeper import WallRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-    from dincl.rows.sweeper import Sweeper
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,5 +65,5 @@ class HalfSpace(Constraint):
         columns = np.arange(d) + d * near[:, None]
         return AffineRows(uniform(columns, np.tile(normal, (len(near), 1)), x.size), bound[near])
 
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return WallSweeper(np.asarray(self.normal), self.bounds(len(x)))
+    def sweeper(self, x: NDArray[np.float64]) -> WallRows:
+        return WallRows(np.asarray(self.normal), self.bounds(len(x)))

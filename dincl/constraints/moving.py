@@ -9,7 +9,6 @@ from dincl.callables import UserFunction
 from dincl.checks import describe
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
-from dincl.rows.sweeper import Sweeper, SweptRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.rows.base import RowsOfOneKind
-    from dincl.work import Work
+    from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
 
 PATH = UserFunction("path", ("t",), Status.CONSTRAINT_FAILED)
 
@@ -66,23 +65,6 @@ class Moving(Constraint):
     def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
         return self.constraint.pattern(x)
 
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
-        return _CarriedSweeper(self, self.constraint.sweeper(x))
-
-
-class _CarriedSweeper(Sweeper):
-    """The sweeps of a set at rest, seen from where it was carried."""
-
-    def __init__(self, moving: Moving, at_rest: Sweeper) -> None:
-        self._moving, self._at_rest = moving, at_rest
-        self.idle = at_rest.idle
-
-    @property
-    def swept(self) -> SweptRows | None:
-        return self._at_rest.swept
-
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        shift = self._moving.displacement(t, x.shape[1])
-        x -= shift
-        self._at_rest.sweep(t, x, work)
-        x += shift
+    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | WallRows | Sweeper:
+        """That of the set at rest."""
+        return self.constraint.sweeper(x)

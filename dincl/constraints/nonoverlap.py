@@ -11,12 +11,11 @@ from dincl.checks import indices, lengths, spread, within
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
 from dincl.rows.distance import DistanceRows
-from dincl.rows.pairs import PairSweeper, all_pairs, near_pairs
+from dincl.rows.pairs import all_pairs, near_pairs
+from dincl.rows.sweeper import DiscPairs
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
-
-    from dincl.rows.sweeper import Sweeper
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,9 +69,9 @@ class NonOverlap(Constraint):
         i, j = np.repeat(discs, np.diff(start)), discs[partner]
         return DistanceRows(i, j, radii[i] + radii[j], 1.0)
 
-    def sweeper(self, x: NDArray[np.float64]) -> Sweeper:
+    def sweeper(self, x: NDArray[np.float64]) -> DiscPairs:
         discs = self.discs(len(x))
-        return PairSweeper(self.radii(len(x))[discs], None if self.among is None else discs)
+        return DiscPairs(self.radii(len(x))[discs], None if self.among is None else discs)
 
     def pattern(self, x: NDArray[np.float64]) -> DistanceRows:
         """Of many discs, two pairs are enough."""

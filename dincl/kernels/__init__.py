@@ -1,14 +1,14 @@
 """Compiled loops on plain arrays, loaded on first use so that importing ``dincl`` does not import numba.
 
-Every kernel is stateless: arrays in, arrays out. Sweeps and searches for neighbours have plain Python twins that do the
-same floating-point operations in the same order, so that both agree bit for bit. The event-driven run is compared, to
-its stated error, with a plain form by other libraries, and the steps of a scheme with the steppers of bigger problems.
+Steps of schemes and searches for neighbours have plain reference implementations in ``tests/twins`` that do the same
+floating-point operations in the same order, so that both agree bit for bit. The event-driven run is compared, to its
+stated error, with a plain form by other libraries.
 """
 
 from importlib import import_module
 from types import ModuleType
 
-SUBMODULES = ("neighbours", "products", "sweeps")
+SUBMODULES = ("neighbours", "products")
 
 
 def __getattr__(name: str) -> ModuleType:

@@ -1,21 +1,20 @@
-"""Steps of the catch-up schemes for small systems."""
+"""Steps of the catch-up schemes."""
+
+from typing import Any
 
 import numpy as np
 
-from dincl.compiled import inner, kernel
-from dincl.constants import LARGEST
+from dincl.compiled import inner
 from dincl.kernels.active_set import nearest
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, times
+from dincl.kernels.steps import step_function, stepping_at
 from dincl.kernels.system import (
     COINCIDENT,
     MISSED,
-    NOT_A_NUMBER,
     OK,
     SETS,
     TOO_FAR,
-    Steps,
-    bounded,
     evaluate,
     farthest,
     longest,
@@ -170,37 +169,32 @@ def solve(place: int, t: float, around: Floats, carried: bool, exact: bool, tol:
     return MISSED if code == OK and not residual <= tol else code
 
 
-@kernel
-def advance(place: int, method: int, steps: Steps, x: Floats, tol: float) -> tuple[int, int]:
-    """Make steps x(t) -> x(t + h) of a catch-up scheme, in place; how it ended, and the step reached.
+@step_function
+def catch_up(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
+    """A step of a catch-up scheme; setting = h, the method, the tolerance of projections.
 
     What the midpoint rule needs first is a step of its own, less accurate.
     """
-    system = system_at(place)
-    program, velocity, middle, d = system.program, system.velocity, system.middle, system.sets.shift.shape[1]
-    h, length = steps.end / steps.number, 0.0
-    for step in range(steps.first, steps.last):
-        t = steps.origin + step * steps.end / steps.number
-        for stage in range(2 if method == MIDPOINT else 1):
-            around, now, rest, allowed = x, t, t + h, tol
-            if stage == 1:
-                around, now, rest = middle, t + 0.5 * h, t + 0.5 * h
-            code = evaluate(system.drift, d, now, around, velocity)
-            for k in range(x.size):
-                program.y[k] = x[k] + h * velocity[k]
-            if stage == 0:
-                length = h * longest(velocity, d)
-                allowed = max(tol, np.sqrt(tol * length)) if method == MIDPOINT else tol
-            if code == OK:
-                code = project(place, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
-            if code != OK:
-                return code, step
-            for k in range(x.size):
-                middle[k] = 0.5 * (x[k] + program.z[k])
-        if system.sets.ask[1] != 0.0:
-            return SETS, step
-        if not bounded(program.z, LARGEST):
-            return NOT_A_NUMBER, step
-        for k in range(x.size):
-            x[k] = program.z[k]
-    return OK, steps.last
+    run, h, method, tol = stepping_at(place), setting[0], setting[1], setting[2]
+    system = system_at(run.place)
+    program, velocity, middle, d = system.program, run.rate, system.middle, system.sets.shift.shape[1]
+    length = 0.0
+    for stage in range(2 if method == MIDPOINT else 1):
+        around, now, rest, allowed = run.x, t, t + h, tol
+        if stage == 1:
+            around, now, rest = middle, t + 0.5 * h, t + 0.5 * h
+        code = evaluate(system.drift, d, now, around, velocity)
+        for k in range(run.x.size):
+            program.y[k] = run.x[k] + h * velocity[k]
+        if stage == 0:
+            length = h * longest(velocity, d)
+            allowed = max(tol, np.sqrt(tol * length)) if method == MIDPOINT else tol
+        if code == OK:
+            code = project(run.place, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
+        if code != OK:
+            return code
+        for k in range(run.x.size):
+            middle[k] = 0.5 * (run.x[k] + program.z[k])
+    for k in range(run.x.size):
+        run.after[k] = program.z[k]
+    return SETS if system.sets.ask[1] != 0.0 else OK

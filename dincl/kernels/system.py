@@ -1,4 +1,4 @@
-"""What compiled steps of a small system share: the drift, the codes by which a step ends, lengths of moves."""
+"""What compiled steps share: the drift, the sets, the codes by which a step ends, lengths of moves."""
 
 from typing import NamedTuple
 
@@ -13,7 +13,7 @@ from dincl.kernels.pointers import velocity
 from dincl.kernels.table import ROW, NearRows, RowTable, Sets, room_for_list
 
 # How steps end; the first ones are those of ``active_set.nearest``.
-OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
+OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR, FLAT, UNSETTLED = range(12)
 
 
 class Drift(NamedTuple):
@@ -48,7 +48,16 @@ class SystemArrays(NamedTuple):
 # For its types.
 SYSTEM = SystemArrays(
     RowTable(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
-    Sets(0, np.zeros(1), np.zeros((0, 1)), np.zeros((0, 1)), np.zeros(0), np.zeros((0, 0))),
+    Sets(
+        0,
+        np.zeros(1),
+        np.zeros((0, 1)),
+        np.zeros((0, 1)),
+        np.zeros(0),
+        np.zeros(1, dtype=np.int64),
+        np.zeros(0, dtype=np.int64),
+        np.zeros(0),
+    ),
     room_for_list(0, 0, 0, 1),
     least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
     room(1, 0),
@@ -61,31 +70,24 @@ SYSTEM = SystemArrays(
 system_at = reader(SYSTEM)
 
 
-class Steps(NamedTuple):
-    """The steps k = first ... last - 1 of a grid, from t_k = origin + k end / number."""
-
-    origin: float
-    end: float
-    number: int
-    first: int
-    last: int
-
-
 @inner
 def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
     """F(t, x), finite: OK or DRIFT."""
     drift.calls[0] += 1
-    time, length, speed = drift.unit[0] * t, drift.unit[1], drift.unit[2]
-    for k in range(x.size):
-        drift.point[k] = length * x[k]
-    code = velocity(drift.address, time, drift.point, out, x.size // d, d, drift.data)
+    time, length, speed, point = drift.unit[0] * t, drift.unit[1], drift.unit[2], x
+    if length != 1.0:
+        point = drift.point
+        for k in range(x.size):
+            point[k] = length * x[k]
+    code = velocity(drift.address, time, point, out, x.size // d, d, drift.data)
     if code != OK:
         drift.failed[0], drift.calls[1] = time, code
         for k in range(x.size):
-            drift.failed[1 + k], drift.failed[1 + x.size + k] = drift.point[k], out[k]
+            drift.failed[1 + k], drift.failed[1 + x.size + k] = point[k], out[k]
         return DRIFT
-    for k in range(x.size):
-        out[k] /= speed
+    if speed != 1.0:
+        for k in range(x.size):
+            out[k] /= speed
     return OK
 
 

@@ -1,4 +1,4 @@
-"""The rows of a small problem in one table: their gaps and gradients at a point, and those near it."""
+"""Rows in one table: their values and gradients at a point, and those near it."""
 
 from typing import NamedTuple
 
@@ -7,12 +7,14 @@ from numpy.typing import NDArray
 
 from dincl.compiled import inner
 from dincl.kernels.arrays import Floats, Offsets
+from dincl.kernels.distance import square_distance
 from dincl.kernels.pointers import call_drift
 
-# Kinds of rows: of a distance, affine, or known to Python alone.
+# Kinds of rows: of a distance, affine, or evaluated by Python.
 DISTANCE, AFFINE, CALLED = 0, 1, 2
-# What Python is asked for: where sets are; the values and gradients of its rows, too; and how fast sets move.
-PLACES, GRADIENTS, SPEEDS = 1.0, 2.0, 3.0
+# What Python is asked for: where sets are; the values and gradients of its rows, too; and how fast sets move. Or to
+# project x onto the rows of a set, in place.
+PLACES, GRADIENTS, SPEEDS, SWEEP = 1.0, 2.0, 3.0, 4.0
 
 ROW = np.dtype(
     [
@@ -43,7 +45,8 @@ class RowTable(NamedTuple):
 class Sets(NamedTuple):
     """What Python fills in when its function at ``address`` is called.
 
-    ``ask[0]`` says what is wanted. ``ask[1]`` is not 0 once an answer failed; then nothing is asked any more.
+    ``ask[0]`` is the question, of the set ``ask[2]`` if of one. ``ask[1]`` is not 0 once an answer failed; then nothing
+    is asked any more.
     """
 
     address: int
@@ -51,7 +54,9 @@ class Sets(NamedTuple):
     shift: Floats  # (families, d): how far each set was carried
     speed: Floats  # (families, d): how fast it is carried
     value: Floats  # (called rows,): g
-    jacobian: Floats  # (called rows, n)
+    first: Offsets  # (called rows + 1,): the Jacobian dg/dx, row by row
+    column: Offsets
+    entry: Floats
 
 
 class NearRows(NamedTuple):
@@ -91,32 +96,48 @@ def distance(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
     """|X_i - X_j| of a row of distances."""
     row = rows.row[r]
     d = sets.shift.shape[1]
-    i, j, square = row.i * d, row.j * d, 0.0
+    if row.j >= 0:
+        return float(np.sqrt(square_distance(x, row.i * d, x, row.j * d, sets.shift[row.family])))
+    square = 0.0
     for k in range(d):
-        if row.j >= 0:
-            arrow = x[i + k] - x[j + k]
-        else:
-            arrow = x[i + k] - (rows.coefficient[rows.start[r] + k] + sets.shift[row.family, k])
+        arrow = x[row.i * d + k] - (rows.coefficient[rows.start[r] + k] + sets.shift[row.family, k])
         square += arrow * arrow
     return float(np.sqrt(square))
 
 
 @inner
-def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """g_r(x) of a distance; of other rows over the length of the gradient, which Python gave for called ones."""
+def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
+    """|grad g_r|^2 of an affine row, or of one that Python has just evaluated."""
+    row, square = rows.row[r], 0.0
+    if row.kind == AFFINE:
+        return float(row.square)
+    for p in range(sets.first[row.i], sets.first[row.i + 1]):
+        square += sets.entry[p] * sets.entry[p]
+    return square
+
+
+@inner
+def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
+    """g_r(x); of a row that Python evaluates, what it answered."""
     row = rows.row[r]
     if row.kind == DISTANCE:
         return float(row.sign * (distance(rows, sets, r, x) - row.length))
     if row.kind == CALLED:
-        square, place = 0.0, row.i
-        for k in range(x.size):
-            square += sets.jacobian[place, k] * sets.jacobian[place, k]
-        return float(sets.value[place] / np.sqrt(square) if square > 0.0 else sets.value[place])
-    d = sets.shift.shape[1]
-    value = 0.0
+        return float(sets.value[row.i])
+    value, d = 0.0, sets.shift.shape[1]
     for p in range(rows.start[r], rows.start[r + 1]):
         value += rows.coefficient[p] * (x[rows.column[p]] - sets.shift[row.family, rows.column[p] % d])
-    return float((value - row.length) / np.sqrt(row.square))
+    return float(value - row.length)
+
+
+@inner
+def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
+    """g_r(x) of a distance; of other rows over the length of the gradient."""
+    value = value_of(rows, sets, r, x)
+    if rows.row[r].kind == DISTANCE:
+        return value
+    square = square_of_gradient(rows, sets, r)
+    return float(value / np.sqrt(square) if square > 0.0 else value)
 
 
 @inner
@@ -143,14 +164,16 @@ def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -
             else:
                 gradient[first + k] = scale * (x[i + k] - rows.coefficient[first + k] - sets.shift[row.family, k])
         return float(row.sign * (length - row.length))
-    square = row.square
-    if row.kind == CALLED:
-        square = 0.0
-        for p in range(first, last):
-            square += sets.jacobian[row.i, p - first] * sets.jacobian[row.i, p - first]
+    square = square_of_gradient(rows, sets, r)
     scale = 1.0 / np.sqrt(square) if square > 0.0 else 1.0
-    for p in range(first, last):
-        gradient[p] = scale * (sets.jacobian[row.i, p - first] if row.kind == CALLED else rows.coefficient[p])
+    if row.kind == CALLED:
+        for p in range(first, last):
+            gradient[p] = 0.0
+        for p in range(sets.first[row.i], sets.first[row.i + 1]):
+            gradient[first + sets.column[p]] = scale * sets.entry[p]
+    else:
+        for p in range(first, last):
+            gradient[p] = scale * rows.coefficient[p]
     return gap(rows, sets, r, x)
 
 

@@ -47,9 +47,9 @@ class _GaussSeidelSolver(QpSolver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        from dincl.kernels import sweeps
+        from dincl.kernels.dual_sweeps import dual_sweeps
 
-        self._sweeps = sweeps.dual_sweeps
+        self._sweeps = dual_sweeps
 
     def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
         """By sweeps over the multipliers: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""

@@ -10,17 +10,16 @@ columns, particle by particle. Multipliers belong to g as written in a kind: the
 
 from dincl.rows.affine import AffineRows, linearised
 from dincl.rows.base import Rows, RowsOfOneKind
-from dincl.rows.curved import CurvedRows
 from dincl.rows.distance import DistanceRows
 from dincl.rows.near import Near
 from dincl.rows.polynomial import Polynomial
 from dincl.rows.smooth import SmoothRows
-from dincl.rows.sweeper import Sweeper
+from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
 from dincl.rows.together import RowsTogether
 
 __all__ = [
     "AffineRows",
-    "CurvedRows",
+    "DiscPairs",
     "DistanceRows",
     "Near",
     "Polynomial",
@@ -29,5 +28,6 @@ __all__ = [
     "RowsTogether",
     "SmoothRows",
     "Sweeper",
+    "WallRows",
     "linearised",
 ]

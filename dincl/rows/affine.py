@@ -7,19 +7,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl import kernels
-from dincl.csr import uniform
-from dincl.rows.base import RowsOfOneKind
+from dincl.rows.base import RowsOfOneKind, TableRows
 from dincl.rows.polynomial import Polynomial
-from dincl.rows.sweeper import Sweeper, SweptRows
-from dincl.rows.tabulated import TableRows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.csr import Csr
     from dincl.rows.base import Rows
-    from dincl.work import Work
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,9 +53,6 @@ class AffineRows(RowsOfOneKind):
     def structure(self) -> tuple[Any, ...]:
         return ("affine", self.matrix.indptr.tobytes(), self.matrix.indices.tobytes())
 
-    def sweeper(self, d: int) -> Sweeper:
-        return AffineSweeper(self)
-
     def tabulated(self, d: int) -> TableRows:
         from dincl.kernels.table import AFFINE
 
@@ -84,39 +76,3 @@ def linearised(rows: Rows, x: NDArray[np.float64]) -> AffineRows:
         return rows
     matrix = rows.jacobian(x)
     return AffineRows(matrix, matrix.times(x.ravel()) - rows.values(x))
-
-
-class AffineSweeper(Sweeper):
-    """Rows a . x >= b in their order: a violated one moves x by (b - a . x) a / |a|^2."""
-
-    def __init__(self, rows: AffineRows) -> None:
-        self._rows, self._matrix, self._bound = rows, rows.matrix, rows.bound
-        self.idle = len(rows.bound) == 0
-        self._norm2 = rows.matrix.norms_squared()
-
-    @property
-    def swept(self) -> SweptRows:
-        return SweptRows("affine", self._rows)
-
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        matrix = self._matrix
-        work.constraint_projections += kernels.sweeps.sweep_affine(
-            x.reshape(-1), matrix.indptr, matrix.indices, matrix.data, self._bound, self._norm2
-        )
-
-
-class WallSweeper(Sweeper):
-    """One wall n . X_i >= bound_i, i ascending: the same for rows of one unit normal, one for each particle."""
-
-    def __init__(self, normal: NDArray[np.float64], bound: NDArray[np.float64]) -> None:
-        self._normal, self._bound = normal, bound
-
-    @property
-    def swept(self) -> SweptRows:
-        count, d = len(self._bound), len(self._normal)
-        columns = np.arange(count * d).reshape(count, d)
-        matrix = uniform(columns, np.tile(self._normal, (count, 1)), count * d)
-        return SweptRows("wall", AffineRows(matrix, self._bound))
-
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        work.constraint_projections += kernels.sweeps.sweep_half_space(x, self._normal, self._bound)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,8 +12,18 @@ if TYPE_CHECKING:
 
     from dincl.csr import Csr
     from dincl.rows.polynomial import Polynomial
-    from dincl.rows.sweeper import Sweeper
-    from dincl.rows.tabulated import TableRows
+
+
+class TableRows(NamedTuple):
+    """Rows of one kind as compiled code reads them, m of them; ``entries`` counts those of each row.
+
+    ``numbers`` maps names of fields of ``kernels.table.ROW`` to arrays (m,); what is missing is zero.
+    """
+
+    numbers: dict[str, Any]
+    entries: NDArray[np.int64]
+    column: NDArray[np.int64]
+    coefficient: NDArray[np.float64]
 
 
 class Rows(ABC):
@@ -40,8 +50,8 @@ class Rows(ABC):
 class RowsOfOneKind(Rows):
     """Rows that share one formula; ``len(rows)`` is m.
 
-    A kind must have the abstract methods, here and in Rows (``CurvedRows`` has a sweeper for rows without formula). The
-    others say what else is known of its formula; they may stay as they are, which costs speed and not correctness.
+    A kind must have the abstract methods, here and in Rows. The others say what else is known of its formula; they may
+    stay as they are, which costs speed and not correctness.
     """
 
     # Rows that are their own linearisation.
@@ -67,10 +77,6 @@ class RowsOfOneKind(Rows):
     @abstractmethod
     def label(self, k: int, d: int) -> str:
         """Row k in words, for messages about particles in dimension d."""
-
-    @abstractmethod
-    def sweeper(self, d: int) -> Sweeper:
-        """The exact projections onto these rows, one after another, for particles in dimension d."""
 
     def by_kind(self) -> tuple[RowsOfOneKind, ...]:
         return (self,)

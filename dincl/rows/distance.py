@@ -7,25 +7,21 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl import kernels
 from dincl.csr import uniform
 from dincl.errors import StepFailure
 from dincl.norms import norms
-from dincl.rows.curved import CurvedRows
+from dincl.rows.base import RowsOfOneKind, TableRows
 from dincl.rows.polynomial import Polynomial
-from dincl.rows.sweeper import Sweeper, SweptRows
-from dincl.rows.tabulated import TableRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.csr import Csr
-    from dincl.work import Work
 
 
 @dataclass(frozen=True, eq=False)
-class DistanceRows(CurvedRows):
+class DistanceRows(RowsOfOneKind):
     """g(x) = sign (|X_i - X_j| - length) >= 0, where without ``j`` the fixed point ``anchor`` takes the place of X_j.
 
     ``sign`` is +1 (keep apart) or -1 (hold together); ``i``, ``j``, ``length`` of shape (m,), ``anchor`` of (m, d).
@@ -83,9 +79,6 @@ class DistanceRows(CurvedRows):
     @property
     def structure(self) -> tuple[Any, ...]:
         return ("distance", self.sign, self.i.tobytes(), None if self.j is None else self.j.tobytes())
-
-    def sweeper(self, d: int) -> Sweeper:
-        return DistanceSweeper(self, d)
 
     def tabulated(self, d: int) -> TableRows:
         from dincl.kernels.table import DISTANCE
@@ -153,24 +146,3 @@ class DistanceRows(CurvedRows):
             np.add((d * end)[:, None], np.arange(d), out=places[:, mine])
             np.multiply(vectors, 1.0 - 2.0 * k, out=data[:, mine])
         return uniform(places, data, columns)
-
-
-class DistanceSweeper(Sweeper):
-    """Distance rows in their order: both ends move half the way, or the free end the whole way from an anchor."""
-
-    def __init__(self, rows: DistanceRows, d: int) -> None:
-        self._rows = rows
-        self.idle = len(rows.i) == 0
-        self._j = np.full(len(rows.i), -1) if rows.j is None else rows.j
-        self._anchor = np.zeros((0, d)) if rows.anchor is None else rows.anchor
-
-    @property
-    def swept(self) -> SweptRows:
-        return SweptRows("distances", self._rows)
-
-    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
-        rows = self._rows
-        corrections, code, row = kernels.sweeps.sweep_distance(x, rows.i, self._j, rows.length, rows.sign, self._anchor)
-        work.constraint_projections += corrections
-        if code == kernels.sweeps.COINCIDENT:
-            raise rows.coincidence(row)

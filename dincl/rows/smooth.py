@@ -10,7 +10,7 @@ import numpy as np
 
 from dincl.callables import UserFunction
 from dincl.csr import csr
-from dincl.rows.curved import CurvedRows
+from dincl.rows.base import RowsOfOneKind
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class SmoothRows(CurvedRows):
+class SmoothRows(RowsOfOneKind):
     """g(x - shift) >= 0 for callables g: (N, d) -> (m,) and derivative: (N, d) -> (m, N*d), dense or sparse.
 
     ``total`` is m before rows were taken, and ``index`` names those taken; ``names`` are those of the two callables in

@@ -1,4 +1,4 @@
-"""Gauss-Seidel sweeps: exact projections onto the single rows of one constraint, one after another, in place.
+"""What a Gauss-Seidel sweep projects onto: the rows of one constraint, one after another, in place.
 
 This is (2.5) and (2.9), ``P_{S_M} ... P_{S_1}``; the order is that of the rows.
 """
@@ -6,7 +6,7 @@ This is (2.5) and (2.9), ``P_{S_M} ... P_{S_1}``; the order is that of the rows.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
     import numpy as np
@@ -15,39 +15,30 @@ if TYPE_CHECKING:
     from dincl.work import Work
 
 
-class SweptRows(NamedTuple):
-    """What a sweeper goes through, row after row, for compiled code that does the same.
+class DiscPairs(NamedTuple):
+    """Discs that may not overlap: i ascending, then j < i ascending; each overlapping pair parts by half the overlap.
 
-    ``formula`` is that of ``kernels.sweep_steps``: "pairs", "distances", "wall" or "affine"; ``rows`` are of one kind.
+    ``radius`` has shape (m,); ``among`` names the particles that are discs, None if all particles are.
     """
 
-    formula: str
-    rows: Any
+    radius: NDArray[np.float64]
+    among: NDArray[np.int64] | None
+
+
+class WallRows(NamedTuple):
+    """n . X_i >= bound_i for all particles i, ascending, with a unit normal (d,) and bounds (N,)."""
+
+    normal: NDArray[np.float64]
+    bound: NDArray[np.float64]
 
 
 class Sweeper(ABC):
-    """The projections onto the rows of one constraint; an ``idle`` one has no rows, and need not be asked.
-
-    A sweeper belongs to one run: it may keep a neighbour list, on which its result does not depend.
-    """
-
-    idle = False
-
-    def __init_subclass__(cls, **keywords: Any) -> None:
-        """A class that overrides ``sweep`` alone does something else than what it derives from."""
-        super().__init_subclass__(**keywords)
-        if "sweep" in cls.__dict__ and "swept" not in cls.__dict__:
-            cls.swept = Sweeper.swept  # type: ignore[method-assign]
-
-    @property
-    def swept(self) -> SweptRows | None:
-        """The rows, if nothing but a formula of compiled code is applied to them; None if only ``sweep`` knows."""
-        return None
+    """Projections of your own onto the rows of one constraint."""
 
     @abstractmethod
     def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
         """Project x (N, d) onto row after row, in place, and add their number to ``work.constraint_projections``.
 
-        The set is meant as it is at time t, which says nothing to a set at rest. StepFailure where a projection has no
-        direction.
+        The set is where it is at rest, also if it is Moving: x is then seen from there. StepFailure where a projection
+        has no direction.
         """

@@ -1,4 +1,4 @@
-"""All rows of the constraints of a small problem in one table, as compiled code reads them."""
+"""Rows of the constraints of a problem in one table, as compiled code reads them."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.rows.tabulated import TableRows
+from dincl.rows.base import TableRows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -15,23 +15,26 @@ if TYPE_CHECKING:
 
 # More rows, or particles, than these are not listed all at once: those of 200 discs.
 MOST_PARTICLES = 200
-# Sweeps over more particles than these are as fast without compiled steps, which look at all pairs for a list.
-MOST_SWEPT = 100
 
 
-def tabulate(blocks: Sequence[RowsOfOneKind], n: int, d: int) -> tuple[Any, tuple[int, ...]]:
-    """The rows of all blocks, one below the other, and the indices of blocks that only Python can evaluate."""
+def tabulate(blocks: Sequence[RowsOfOneKind], n: int, d: int, entries_called: int) -> tuple[Any, tuple[int, ...]]:
+    """The rows of all blocks, one below the other, and the indices of blocks that only Python can evaluate.
+
+    ``entries_called`` is the number of entries of a row of those: n where gradients are stored, or 0.
+    """
     from dincl.kernels.table import CALLED, ROW, RowTable
 
     called: list[int] = []
     parts = []
+    before = 0
     for family, block in enumerate(blocks):
         part = block.tabulated(d)
         if part is None:
-            m, before = len(block), sum(len(blocks[other]) for other in called)
+            m, e = len(block), entries_called
             called.append(family)
             numbers = {"kind": CALLED, "i": before + np.arange(m), "j": -1, "sway": np.inf}
-            part = TableRows(numbers, np.full(m, n), np.tile(np.arange(n), m), np.zeros(m * n))
+            part = TableRows(numbers, np.full(m, e), np.tile(np.arange(e), m), np.zeros(m * e))
+            before += m
         row = np.zeros(len(part.entries), dtype=ROW)
         for name, values in part.numbers.items():
             row[name] = values

@@ -3,62 +3,115 @@
 from __future__ import annotations
 
 import time
-from abc import abstractmethod
-from typing import TYPE_CHECKING
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
-from dincl.kernels.system import OK, Steps
-from dincl.run.bound import Reached, Stepper, StepState
-from dincl.run.grid import TimeGrid
+from dincl.kernels import steps as kernels
+from dincl.kernels.steps import Grid, Stepping
+from dincl.kernels.system import OK
+from dincl.run.grid import Output, TimeGrid
 from dincl.run.small import SmallSystem
+from dincl.run.stepper import Reached, Stepper, StepState
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.rows.near import Selection
+    from dincl.run.families import SweptSets
 
-# Steps in the first call; each call has twice as many as the last one while it takes less than this [s], so that an
-# interrupt, or a budget, does not wait.
-FEWEST, SHORT = 64, 0.02
+# In the first call, particles times steps; each call makes twice as many steps as the last one while it takes less than
+# this [s], so that an interrupt, or a budget, does not wait.
+FIRST, SHORT = 6400, 0.02
 
 
 class CompiledStepper(Stepper):
-    """A scheme whose steps are a kernel, bound to a problem of few particles."""
+    """A scheme whose step is compiled, bound to a problem.
 
-    def __init__(self, problem: Problem, selection: Selection | None = None) -> None:
+    Parameters
+    ----------
+    step
+        The step, compiled by ``dincl.kernels.steps.step_function``.
+    setting
+        The numbers that the step reads from setting[1], setting[2], ...
+    swept
+        The sets as sweeps go through them; None for a scheme that solves programs for all rows that are near.
+    v0
+        Velocity at the start, (N, d), of a second-order scheme.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        step: Any,
+        setting: Sequence[float],
+        *,
+        swept: SweptSets | None = None,
+        v0: NDArray[np.float64] | None = None,
+    ) -> None:
         super().__init__(problem)
-        self.system = SmallSystem(problem, selection)
+        self._step, self._swept, self._v0 = step, swept, v0
+        if swept is None:
+            self.system = SmallSystem(problem)
+        else:
+            self.system = SmallSystem(problem, swept.selection, sweepers=swept.sweepers, solver=False)
+        self.system.sets.work = self.work
+        n = problem.x0.size
+        self._empty = kernels.no_output(n)
+        self._pointer = StructPointer(
+            Stepping(
+                place=self.system.place,
+                families=kernels.NO_FAMILIES if swept is None else swept.arrays,
+                x=np.zeros(n),
+                v=np.zeros(0 if v0 is None else n),
+                after=np.zeros(n),
+                rate=np.zeros(n),
+                setting=np.array([0.0, *setting]),
+                output=self._empty,
+            )
+        )
 
-    @abstractmethod
-    def call(self, steps: Steps, x: NDArray[np.float64], v: NDArray[np.float64]) -> tuple[int, int]:
-        """Make the steps in x and v (N d,), in place; how it ended, see ``kernels.system``, and at which step."""
+    def start(self) -> StepState:
+        return StepState(self.problem.x0, self._v0)
 
     def step(self, t: float, h: float, state: StepState) -> StepState:
-        reached = self._go(t, TimeGrid(h, 1), 0, 1, state)
+        reached = self._go(t, TimeGrid(h, 1), 0, 1, state, None)
         if reached.failure:
             raise reached.failure
         return reached.state
 
-    def advance(self, on: TimeGrid, k: int, end: int, state: StepState) -> Reached:
-        first = k
-        reached = self._go(0.0, on, k, end, state)
-        self.work.steps += reached.k - first
+    def advance(self, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None = None) -> Reached:
+        reached = self._go(0.0, on, k, end, state, output)
+        self.work.steps += reached.k - k
         return reached
 
-    def _go(self, origin: float, on: TimeGrid, k: int, end: int, state: StepState) -> Reached:
-        shape = self.problem.x0.shape
-        x, v = (np.array(part).ravel() if part is not None else np.zeros(0) for part in state)
-        most, code = FEWEST, OK
-        with self.system.drift, self.system.sets:
+    def _go(self, origin: float, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None) -> Reached:
+        shape, run = self.problem.x0.shape, self._pointer.value
+        run.x[:] = state.x.ravel()
+        if run.v.size:
+            v = self._v0 if state.v is None else state.v
+            run.v[:] = np.asarray(v).ravel()
+        if output is not None:
+            self._pointer.replace("output", _arrays(output, run.x.size))
+        most, code = max(FIRST // len(self.problem.x0), 1), OK
+        with self.system.drift, self.system.sets, ExitStack() as searches:
+            for search in self._swept.searches if self._swept else ():
+                searches.enter_context(search)
             while k < end and code == OK:
                 began = time.perf_counter()
-                code, k = self.call(Steps(origin, on.t_end, on.steps, k, min(end, k + most)), x, v)
-                self.count()
+                grid = Grid(origin, on.t_end, on.steps, k, min(end, k + most))
+                code, k = kernels.advance(self._pointer.address, self._step.address, grid)
+                self._count()
                 most = 2 * most if time.perf_counter() - began < SHORT else most
-        reached = StepState(x.reshape(shape), v.reshape(shape) if v.size else None)
+        if output is not None:
+            self._pointer.replace("output", self._empty)
+        v = run.v.reshape(shape).copy() if run.v.size else None
+        reached = StepState(run.x.reshape(shape).copy(), v)
         try:
             if code != OK:
                 self.fail(code)
@@ -66,10 +119,21 @@ class CompiledStepper(Stepper):
             return Reached(k, reached, failure)
         return Reached(k, reached, None)
 
-    def count(self) -> None:
+    def _count(self) -> None:
         """Add what was done since this was asked last to the counters."""
+        if self._swept:
+            self._swept.count(self.work)
         self.system.count(self.work)
 
     def fail(self, code: int) -> None:
-        """Raise what this code stands for."""
-        self.system.failure(code)
+        """Raise StepFailure, or what a function of the user raised, for the code by which a step ended."""
+        if self._swept and not self.system.sets.failed:
+            self._swept.failure(code)
+        tol = float(self._pointer.value.setting[-1])
+        self.system.failure(code, tol)
+
+
+def _arrays(output: Output, n: int) -> kernels.Output:
+    """The output as kernels take it."""
+    x, before, velocity = (part.reshape(-1, n) for part in (output.x, output.before, output.velocity))
+    return kernels.Output(output.step, output.weight, x, before, velocity, output.filled)

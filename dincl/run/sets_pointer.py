@@ -1,4 +1,4 @@
-"""What compiled code has to ask Python about sets, as a C function: where they are, and rows that only Python knows."""
+"""What compiled code asks Python about sets: where they are, rows that Python evaluates, projections that it makes."""
 
 from __future__ import annotations
 
@@ -9,16 +9,24 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from dincl.errors import StepFailure
-from dincl.kernels.table import GRADIENTS, SPEEDS, Sets
+from dincl.kernels.table import GRADIENTS, SPEEDS, SWEEP, Sets
 from dincl.rows.near import derivative
 from dincl.run.callback import Callback
 from dincl.run.drift_pointer import C_FUNCTION, PLACE, numbers_at
 from dincl.run.kinks import NO_KINKS, kinks_of, smooth_around
 
 if TYPE_CHECKING:
-    from dincl.rows.near import Selection
-    from dincl.run.units import Units
+    from collections.abc import Callable, Mapping
 
+    from dincl.compiled.structs import StructPointer
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.rows.near import Selection
+    from dincl.rows.sweeper import Sweeper
+    from dincl.run.units import Units
+    from dincl.work import Work
+
+# A Jacobian of no more entries than this has room for all of them.
+MOST_DENSE = 100_000
 # Of the differences that give the velocities of moving sets [time], where nobody says otherwise.
 SPACING = 1e-3
 
@@ -30,6 +38,12 @@ class SetsPointer(Callback):
     ----------
     arrays
         What ``dincl.kernels.table`` reads. Its address, which is 0 if there is nothing to ask, lives as long as this.
+    system
+        The struct that holds the arrays as its field ``sets``: arrays that have become too short are replaced there.
+    sweepers, work
+        Projections of the user by index of their constraint, and the work of the run that they count.
+    calls
+        How many questions were answered.
     spacing
         Of the differences that give the velocities of moving sets [time].
     kinks
@@ -38,21 +52,34 @@ class SetsPointer(Callback):
         Why kinks could not be found, if so.
     """
 
-    def __init__(self, selection: Selection, called: tuple[int, ...], units: Units) -> None:
+    system: StructPointer
+    work: Work
+
+    def __init__(
+        self, selection: Selection, called: tuple[int, ...], units: Units, sweepers: Mapping[int, Sweeper]
+    ) -> None:
         count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
-        self.kinks, self._units = NO_KINKS, units
+        self.kinks, self._units, self.sweepers, self.calls = NO_KINKS, units, sweepers, 0
         self.foreseen: StepFailure | None = None
         self._error: BaseException | None = None
         moving = {f: one for f, one in enumerate(selection.constraints) if one.displacement(0.0, d) is not None}
         self._paths: dict[int, Any] = {f: partial(one.displacement, d=d) for f, one in moving.items()}
-        self._called = [(f, selection.blocks[f]) for f in called]
+        self._called: list[tuple[int, RowsOfOneKind]] = [(f, selection.blocks[f]) for f in called]
         self._shape, m = (count, d), sum(len(block) for _, block in self._called)
         self.python: Any = self._answer
         self._callback = C_FUNCTION(self.python)
-        address = int(ctypes.cast(self._callback, PLACE).value or 0) if self._paths or m else 0
-        empty = np.zeros((families, d)), np.zeros((families, d)), np.zeros(m), np.zeros((m, count * d))
-        self.arrays = Sets(address, np.zeros(2), *empty)
+        asks, entries = bool(self._paths or m or sweepers), min(m * count * d, MOST_DENSE)
+        self.arrays = Sets(
+            address=int(ctypes.cast(self._callback, PLACE).value or 0) if asks else 0,
+            ask=np.zeros(3),
+            shift=np.zeros((families, d)),
+            speed=np.zeros((families, d)),
+            value=np.zeros(m),
+            first=np.zeros(m + 1, dtype=np.int64),
+            column=np.zeros(entries, dtype=np.int64),
+            entry=np.zeros(entries),
+        )
 
     def failure(self) -> NoReturn:
         """Raise what was raised while an answer was made."""
@@ -69,8 +96,13 @@ class SetsPointer(Callback):
         self._error, self.arrays.ask[1] = error, 1.0
 
     def _answer(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
+        self.calls += 1
         try:
-            self._fill(t, x)
+            if self.arrays.ask[0] == SWEEP:
+                family = int(self.arrays.ask[2])
+                self.sweepers[family].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
+            else:
+                self._fill(t, x)
         except BaseException as error:  # noqa: BLE001  # raised again by ``failure``; here it would be printed
             self.keep(error)
             return 1
@@ -84,15 +116,31 @@ class SetsPointer(Callback):
             if sets.ask[0] == SPEEDS:
                 smooth = smooth_around(t, self.kinks)
                 sets.speed[family] = derivative(self._paths[family], t, self.spacing, smooth) / unit.speed
-        if sets.ask[0] < GRADIENTS or not self._called:
-            return
-        x, first = numbers_at(place, self._shape) * unit.length, 0
+        if sets.ask[0] >= GRADIENTS and self._called:
+            self._evaluate(numbers_at(place, self._shape) * unit.length)
+
+    def _evaluate(self, x: Any) -> None:
+        """Write values and Jacobian of the rows that Python evaluates."""
+        sets, unit, row, entry = self.arrays, self._units, 0, 0
         for family, block in self._called:
-            rows: Any = block.shifted(sets.shift[family] * unit.length) if family in self._paths else block
-            last = first + len(block)
-            sets.value[first:last] = rows.values(x) / unit.length
-            sets.jacobian[first:last] = rows.jacobian(x).dense()
-            first = last
+            moved = block.shifted(sets.shift[family] * unit.length) if family in self._paths else block
+            values, matrix = moved.values(x), moved.jacobian(x)
+            rows, entries = slice(row, row + len(values)), slice(entry, entry + len(matrix.data))
+            if entries.stop > len(self.arrays.entry):
+                self._grow(2 * entries.stop)
+            sets = self.arrays
+            sets.value[rows] = values / unit.length
+            sets.first[row + 1 : rows.stop + 1] = entry + matrix.indptr[1:]
+            sets.column[entries], sets.entry[entries] = matrix.indices, matrix.data
+            row, entry = rows.stop, entries.stop
+
+    def _grow(self, most: int) -> None:
+        """Make room for so many entries of the Jacobian."""
+        self.arrays = self.arrays._replace(
+            column=np.resize(self.arrays.column, most), entry=np.resize(self.arrays.entry, most)
+        )
+        self.system.replace("sets.column", self.arrays.column)
+        self.system.replace("sets.entry", self.arrays.entry)
 
     def find_kinks(self, end: float) -> None:
         """Find where velocities of sets jump until ``end``, unless a path fails: a run may keep what it reaches."""
@@ -100,3 +148,44 @@ class SetsPointer(Callback):
             self.kinks = kinks_of(list(self._paths.values()), end)
         except StepFailure as failure:
             self.foreseen = failure
+
+
+class PairSearch(Callback):
+    """The search for near pairs of many discs, called when their list is too old.
+
+    Attributes
+    ----------
+    list
+        The struct ``dincl.kernels.pair_list.PairList``, in which the list is replaced.
+    address
+        That of the search.
+    """
+
+    list: StructPointer
+
+    def __init__(self, radius: Any, d: int, search: Callable[[Any, Any], tuple[Any, Any]]) -> None:
+        self._radius, self._d, self._search = radius, d, search
+        self._error: BaseException | None = None
+        self.python: Any = self._answer
+        self._callback = C_FUNCTION(self.python)
+        self.address = int(ctypes.cast(self._callback, PLACE).value or 0)
+
+    def keep(self, error: BaseException) -> None:
+        self._error = error
+
+    def failure(self) -> None:
+        """Raise what the search raised, if anything."""
+        error, self._error = self._error, None
+        if error is not None:
+            raise error
+
+    def _answer(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
+        try:
+            place = numbers_at(x, (len(self._radius), self._d))
+            start, partner = self._search(place, self._radius + self.list.value.skin[0])
+            self.list.replace("start", start)
+            self.list.replace("partner", partner)
+        except BaseException as error:  # noqa: BLE001  # raised again by ``failure``
+            self.keep(error)
+            return 1
+        return 0

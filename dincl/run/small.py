@@ -1,4 +1,4 @@
-"""A problem of few particles as compiled code sees it: one table of rows, the drift by its address, room to work in."""
+"""A problem as compiled code sees it: one table of rows, the drift by its address, arrays to write to."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
-from dincl.compiled.structs import written
+from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.kernels import system as codes
@@ -23,11 +23,15 @@ from dincl.run.units import Units
 from dincl.status import Status
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from dincl.problem import Problem
     from dincl.rows.near import Selection
+    from dincl.rows.sweeper import Sweeper
     from dincl.work import Work
 
 ONE = Units()
+NONE: Mapping[int, Sweeper] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
 FAILURES = {
@@ -40,7 +44,7 @@ FAILURES = {
 
 
 class SmallSystem:
-    """A small problem, bound to one run.
+    """A problem, bound to one run.
 
     Attributes
     ----------
@@ -50,24 +54,34 @@ class SmallSystem:
         The rows in its table: all of them, if not given.
     units
         In which the arrays are; the problem and its functions keep their own.
+    solver
+        Whether programs are solved for the rows in the table, which takes more memory.
     arrays, place
         What kernels take, and the handle by which they do; they may be called inside of ``with drift, sets``.
     drift, sets
         What the arrays point to.
     """
 
-    def __init__(self, problem: Problem, selection: Selection | None = None, units: Units = ONE) -> None:
+    def __init__(
+        self,
+        problem: Problem,
+        selection: Selection | None = None,
+        units: Units = ONE,
+        *,
+        sweepers: Mapping[int, Sweeper] = NONE,
+        solver: bool = True,
+    ) -> None:
         self.problem, self.units = problem, units
         if selection is None:
             selection = select(problem.constraints, 0.0, problem.x0, np.inf)
         self.selection = selection
         n, d = problem.x0.size, problem.x0.shape[1]
-        rows, called = tabulate(self.selection.blocks, n, d)
+        rows, called = tabulate(self.selection.blocks, n, d, n if solver else 0)
         rows.row["length"] /= units.length
         rows.coefficient[np.repeat(rows.row["kind"] == DISTANCE, np.diff(rows.start))] /= units.length
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units)
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units, sweepers)
         m, families = len(rows.row), len(problem.constraints)
-        most = min(m, n) + 1
+        most = min(m, n) + 1 if solver else 1
         self.arrays = SystemArrays(
             rows=rows,
             sets=self.sets.arrays,
@@ -87,9 +101,9 @@ class SmallSystem:
             move=np.zeros((families, d)),
             blamed=np.zeros(1, dtype=np.int64),
         )
-        self._words = written(self.arrays)
-        self.place = int(self._words.ctypes.data)
-        self._counted = (0, 0, 0.0, 0.0)
+        self._pointer = self.sets.system = StructPointer(self.arrays)
+        self.place = self._pointer.address
+        self._counted = (0, 0, 0.0, 0.0, 0)
 
     @cached_property
     def names(self) -> tuple[tuple[int, str], ...]:
@@ -101,11 +115,12 @@ class SmallSystem:
         arrays, before = self.arrays, self._counted
         drifts, builds = int(arrays.drift.calls[0]), int(arrays.near.number[1])
         iterations, calls = float(arrays.program.answer[0]), float(arrays.program.answer[2])
-        self._counted = (drifts, builds, iterations, calls)
+        self._counted = (drifts, builds, iterations, calls, self.sets.calls)
         work.drift_evaluations += drifts - before[0]
         work.neighbour_builds += builds - before[1]
         work.solver_iterations += round(iterations - before[2])
         work.solver_calls += round(calls - before[3])
+        work.callbacks += self.sets.calls - before[4]
         if calls > 0 and NAME not in work.back_ends:
             work.back_ends += (NAME,)
         self.drift.made(drifts - before[0])

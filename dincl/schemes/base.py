@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.run.bound import Stepper
     from dincl.run.outcome import RunOutcome
+    from dincl.run.stepper import Stepper
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
 from dincl.rows.table import MOST_PARTICLES
-from dincl.run.bound import Stepper, StepState
+from dincl.run.stepper import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -39,9 +39,10 @@ class CatchUp(FixedStep):
     def stepper(self, problem: Problem) -> Stepper:
         self.projection.check(problem)
         if isinstance(self.projection, ActiveSet) and len(problem.x0) <= MOST_PARTICLES:
-            from dincl.run.compiled_catch_up import EXACT, LINEARISED, CompiledCatchUp
+            from dincl.kernels.catch_up import EXACT, LINEARISED, catch_up
+            from dincl.run.compiled import CompiledStepper
 
-            return CompiledCatchUp(problem, LINEARISED if self.linearised else EXACT, self.projection.tol)
+            return CompiledStepper(problem, catch_up, [LINEARISED if self.linearised else EXACT, self.projection.tol])
         return _CatchUpStepper(problem, self)
 
 

@@ -11,7 +11,7 @@ from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projection, check_projection
 from dincl.projection.feasible import FeasibleSet
 from dincl.rows.table import MOST_PARTICLES
-from dincl.run.bound import Stepper, StepState
+from dincl.run.stepper import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
@@ -50,9 +50,10 @@ class MidpointCatchUp(FixedStep):
     def stepper(self, problem: Problem) -> Stepper:
         self.projection.check(problem)
         if isinstance(self.projection, ActiveSet) and len(problem.x0) <= MOST_PARTICLES:
-            from dincl.run.compiled_catch_up import MIDPOINT, CompiledCatchUp
+            from dincl.kernels.catch_up import MIDPOINT, catch_up
+            from dincl.run.compiled import CompiledStepper
 
-            return CompiledCatchUp(problem, MIDPOINT, self.projection.tol)
+            return CompiledStepper(problem, catch_up, [MIDPOINT, self.projection.tol])
         return _MidpointStepper(problem, self)
 
 

@@ -9,13 +9,11 @@ import numpy as np
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
-from dincl.rows.near import Near
-from dincl.rows.table import MOST_PARTICLES
-from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
+    from dincl.run.stepper import Stepper
 
 
 @dataclass(frozen=True)
@@ -47,32 +45,9 @@ class Penalty(FixedStep):
             raise InvalidProblem(f"exponent = {describe(self.exponent)}: must be 1 or 2")
 
     def stepper(self, problem: Problem) -> Stepper:
-        if len(problem.x0) <= MOST_PARTICLES:
-            from dincl.run.compiled_sweeps import CompiledPenalty
+        from dincl.kernels.sweep_steps import penalty
+        from dincl.run.compiled import CompiledStepper
+        from dincl.run.families import SweptSets
 
-            compiled = CompiledPenalty.of(problem, self.strength, self.exponent)
-            if compiled is not None:
-                return compiled
-        return PenaltyStepper(problem, self)
-
-
-class PenaltyStepper(Stepper):
-    """The method for any number of particles, and sets of which only their functions are known."""
-
-    def __init__(self, problem: Problem, scheme: Penalty) -> None:
-        super().__init__(problem)
-        self._near = Near(problem.constraints, self.work)
-        self._scheme = scheme
-
-    def step(self, t: float, h: float, state: StepState) -> StepState:
-        """x_k + dt (F + penalty force), both at t_k."""
-        velocity = self.velocity(t, state.x)
-        reach = h * float(np.abs(velocity).max())
-        rows = self._near.rows(t, state.x, reach)
-        values = rows.values(state.x)
-        if (values < 0).any():
-            overlap = np.maximum(-values, 0.0)
-            push = overlap if self._scheme.exponent == 2 else np.sign(overlap)
-            force = rows.jacobian(state.x).transposed_times(push).reshape(state.x.shape)
-            velocity = velocity + self._scheme.strength * force
-        return StepState(state.x + h * velocity)
+        setting = [self.strength, float(self.exponent)]
+        return CompiledStepper(problem, penalty, setting, swept=SweptSets(problem, projected=False))

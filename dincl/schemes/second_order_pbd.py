@@ -9,15 +9,14 @@ import numpy as np
 
 from dincl.checks import array, integer
 from dincl.errors import InvalidProblem
-from dincl.rows.table import MOST_SWEPT
-from dincl.run.bound import Stepper, StepState
 from dincl.schemes.base import FixedStep
-from dincl.schemes.pbd import MOST_SWEEPS, SweepThrough
+from dincl.schemes.pbd import MOST_SWEEPS, sweeping
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike, NDArray
+    from numpy.typing import ArrayLike
 
     from dincl.problem import Problem
+    from dincl.run.stepper import Stepper
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,28 +50,4 @@ class SecondOrderPBD(FixedStep):
         v0 = np.zeros_like(problem.x0) if self.v0 is None else np.asarray(self.v0)
         if v0.shape != problem.x0.shape:
             raise InvalidProblem(f"v0 of shape {v0.shape}: must have the shape of x0, {problem.x0.shape}")
-        if len(problem.x0) <= MOST_SWEPT:
-            from dincl.run.compiled_sweeps import CompiledSweeps
-
-            compiled = CompiledSweeps.of(problem, self.sweeps, v0)
-            if compiled is not None:
-                return compiled
-        return SecondOrderStepper(problem, v0, self.sweeps)
-
-
-class SecondOrderStepper(Stepper):
-    """The method for any number of particles, and sets with projections of their own."""
-
-    def __init__(self, problem: Problem, v0: NDArray[np.float64], sweeps: int) -> None:
-        super().__init__(problem)
-        self._v0 = v0
-        self._projections = SweepThrough(problem, sweeps)
-
-    def start(self) -> StepState:
-        return StepState(self.problem.x0, self._v0)
-
-    def step(self, t: float, h: float, state: StepState) -> StepState:
-        before = self._v0 if state.v is None else state.v
-        x = state.x + h * (before + h * self.velocity(t, state.x))
-        self._projections.apply(t + h, x, self)
-        return StepState(x, (x - state.x) / h)
+        return sweeping(problem, self.sweeps, v0)

@@ -6,7 +6,7 @@ import numpy as np
 
 import dincl
 from dincl.csr import uniform
-from dincl.rows import CurvedRows, Sweeper
+from dincl.rows import RowsOfOneKind, Sweeper
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +26,7 @@ class InEllipse(dincl.DifferentiableConstraint):
 
 
 @dataclass(frozen=True, eq=False)
-class EllipseRows(CurvedRows):
+class EllipseRows(RowsOfOneKind):
     """The same as a kind of row of its own: particles ``i`` (m,), and where the middle was carried."""
 
     i: np.ndarray

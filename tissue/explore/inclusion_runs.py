@@ -10,8 +10,8 @@ import numpy as np
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.norms import longest
 from dincl.problem import Problem
-from dincl.run.bound import Reached
 from dincl.run.grid import TimeGrid
+from dincl.run.stepper import Reached
 from dincl.schemes import FixedStep
 from dincl.status import Status
 from tissue.explore.inclusions import METHODS, PICTURES, Floats, Inclusion, reference

@@ -22,8 +22,8 @@ from dincl.files import replacing
 from dincl.projection import Projection
 from dincl.rows.affine import linearised
 from dincl.rows.near import Near
-from dincl.run.bound import Reached, Stepper
 from dincl.run.grid import TimeGrid
+from dincl.run.stepper import Reached, Stepper
 from dincl.scenes import pile
 from dincl.scenes.scene import Scene
 from dincl.work import Work

@@ -4,7 +4,7 @@ import numpy as np
 
 from dincl import scenes
 from dincl.kernels.accelerated import accelerated_sweeps
-from dincl.kernels.affine import dual_sweeps
+from dincl.kernels.dual_sweeps import dual_sweeps
 from dincl.rows.affine import linearised
 from tests.dincl.dense import full
 

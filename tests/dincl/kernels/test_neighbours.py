@@ -153,7 +153,7 @@ def test_generated_discs(data: st.DataObject, n: int, d: int, size: float, small
 def test_kernels_load_numba_only_when_asked() -> None:
     code = "import sys, dincl.kernels as k; before = 'numba' in sys.modules; k.neighbours; print(before, dir(k))"
     done = subprocess.run([sys.executable, "-c", code], check=True, capture_output=True, text=True)
-    assert done.stdout.strip() == "False ['neighbours', 'products', 'sweeps']"
+    assert done.stdout.strip() == "False ['neighbours', 'products']"
 
 
 def test_unknown_kernel_is_an_attribute_error() -> None:

@@ -71,19 +71,6 @@ def test_equals_the_printed_method(d, dt, rng):
     assert path.final == pytest.approx(literal_pbd(x0, pull, radius, walls, dt, 60), abs=1e-12)
 
 
-def test_the_neighbour_list_changes_nothing(rng, monkeypatch):
-    """Bit for bit the same with a list that is made anew at every step, kept for long, or holds all pairs."""
-    x0, radius = crowd(rng, 150, 2)
-    problem = dincl.Problem(x0, lambda t, x: -x, [dincl.NonOverlap(radius)])
-    finals = []
-    for first, widest in [(0.05, 1.0), (1e-9, 1e-9), (1e-9, 50.0), (100.0, 100.0)]:
-        monkeypatch.setattr("dincl.rows.pairs.FIRST_SKIN", first)
-        monkeypatch.setattr("dincl.rows.pairs.WIDEST_SKIN", widest)
-        path = dincl.solve(problem, dincl.PBD(0.02), t=[2.0])
-        finals.append((path.final.tobytes(), path.stats.constraint_projections))
-    assert len(set(finals)) == 1
-
-
 def test_a_disc_that_meets_no_other_pays_for_no_pair():
     x0 = np.stack([3.0 * np.arange(100), np.zeros(100)], axis=1)
     problem = dincl.Problem(x0, lambda t, x: np.full_like(x, -1.0), [dincl.NonOverlap(0.5)])

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from dincl import kernels
 from dincl.drifts import constant
+from dincl.kernels.dual_sweeps import dual_sweeps
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, TOL, named
 from verification.thesis.chapter2.stability.outcome import ERROR, measured
@@ -53,7 +53,7 @@ def contraction(rows: int) -> float:
     first = max(4, round(SETTLING * rows**2))
     errors, counts = [], (first, max(6, round(MEASURING * rows**2)))
     for sweeps in counts:
-        kernels.sweeps.dual_sweeps(u, indptr, indices, data, least, np.full(rows, 2.0), mu, sweeps, 0.0)
+        dual_sweeps(u, indptr, indices, data, least, np.full(rows, 2.0), mu, sweeps, 0.0)
         errors.append(float(np.abs(mu - right).max()))
     return float((errors[1] / errors[0]) ** (1 / counts[1]))
 

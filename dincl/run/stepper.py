@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.run.grid import TimeGrid
+    from dincl.run.grid import Output, TimeGrid
 
 
 class StepState(NamedTuple):
@@ -27,7 +27,7 @@ class StepState(NamedTuple):
 
 
 class Reached(NamedTuple):
-    """The step to which a run came, its state, and what kept it from going on; None if nothing did."""
+    """The step that a run reached, its state, and why it went no further; None if nothing failed."""
 
     k: int
     state: StepState
@@ -35,7 +35,7 @@ class Reached(NamedTuple):
 
 
 class Stepper(ABC):
-    """A scheme bound to one problem; what it keeps between steps (lists, warm starts) does not change its results.
+    """A scheme bound to one problem; what it stores between steps (lists, warm starts) does not change its results.
 
     Attributes
     ----------
@@ -57,8 +57,8 @@ class Stepper(ABC):
     def step(self, t: float, h: float, state: StepState) -> StepState:
         """The state at t + h from the one at t, in new arrays; StepFailure if there is none."""
 
-    def advance(self, on: TimeGrid, k: int, end: int, state: StepState) -> Reached:
-        """The steps from t_k to t_end, or until one cannot be made or leaves the finite numbers."""
+    def advance(self, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None = None) -> Reached:
+        """Make the steps from t_k to t_end, or until one fails or leaves the finite numbers; fill in the output."""
         for index in range(k, end):
             try:
                 after = self.step(on.time(index), on.h, state)
@@ -73,6 +73,8 @@ class Stepper(ABC):
                 detail = f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."
                 return Reached(index, state, StepFailure(Status.NON_FINITE, detail))
             self.work.steps += 1
+            if output is not None:
+                output.fill(index, state, after)
             state = after
         return Reached(end, state)
 

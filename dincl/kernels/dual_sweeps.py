@@ -1,62 +1,9 @@
-"""Gauss-Seidel sweeps over affine rows a.x >= b, in place: on the point itself, and on the multipliers."""
+"""Gauss-Seidel sweeps on the multipliers of a least-distance program (Hildreth)."""
 
 import numpy as np
 
 from dincl.compiled import kernel
 from dincl.kernels.arrays import Floats, Offsets
-
-
-@kernel
-def sweep_affine(x_flat: Floats, indptr: Offsets, indices: Offsets, data: Floats, bound: Floats, norm2: Floats) -> int:
-    """Project onto a.x >= b, row after row:  x += (b - a.x) / |a|^2 a  where a.x < b; returns the rows moved.
-
-    Parameters
-    ----------
-    x_flat : (n,)
-        Point, changed in place.
-    indptr, indices, data : (m + 1,), (k,), (k,)
-        The rows a in compressed sparse row form.
-    bound : (m,)
-        The right-hand sides b.
-    norm2 : (m,)
-        The squares |a|^2 > 0.
-    """
-    corrections = 0
-    for row in range(bound.size):
-        missing = bound[row]
-        for p in range(indptr[row], indptr[row + 1]):
-            missing -= data[p] * x_flat[indices[p]]
-        if missing > 0.0:
-            step = missing / norm2[row]
-            for p in range(indptr[row], indptr[row + 1]):
-                x_flat[indices[p]] += step * data[p]
-            corrections += 1
-    return corrections
-
-
-@kernel
-def sweep_half_space(x: Floats, normal: Floats, bound: Floats) -> int:
-    """Project all X_i onto normal.X_i >= bound_i:  X_i += (bound_i - normal.X_i) normal; returns the discs moved.
-
-    Parameters
-    ----------
-    x : (n, d)
-        Centres [length], changed in place.
-    normal : (d,)
-        Unit normal into the allowed side.
-    bound : (n,)
-        Least heights [length] over the plane through the origin.
-    """
-    corrections = 0
-    for i in range(x.shape[0]):
-        height = 0.0
-        for k in range(normal.size):
-            height += normal[k] * x[i, k]
-        if height < bound[i]:
-            for k in range(normal.size):
-                x[i, k] += (bound[i] - height) * normal[k]
-            corrections += 1
-    return corrections
 
 
 @kernel
