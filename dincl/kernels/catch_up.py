@@ -8,7 +8,8 @@ from dincl.compiled import inner
 from dincl.kernels.active_set import nearest
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, times
-from dincl.kernels.steps import step_function, stepping_at
+from dincl.kernels.pointers import call_drift
+from dincl.kernels.steps import Stepping, step_function, stepping_at
 from dincl.kernels.system import (
     COINCIDENT,
     MISSED,
@@ -22,7 +23,6 @@ from dincl.kernels.system import (
 )
 from dincl.kernels.table import GRADIENTS, PLACES, ask, distance_from_list, find_near, gap, linearise, sort_near
 
-LINEARISED, EXACT, MIDPOINT = 0, 1, 2
 # A projection that ends farther away than the rows reach is repeated with twice its distance, at most this often.
 MOST_REACHES = 60
 # Linearisations for one projection onto a curved set; a y that violates by less than this part of tol is its own.
@@ -169,32 +169,75 @@ def solve(place: int, t: float, around: Floats, carried: bool, exact: bool, tol:
     return MISSED if code == OK and not residual <= tol else code
 
 
+@inner
+def move_ahead(run: Stepping, t: float, at: Floats, h: float) -> int:
+    """Write x + h F(t, at) into y."""
+    system, x, y, rate = system_at(run.place), run.x, run.projection.y, run.rate
+    code = evaluate(system.drift, system.sets.shift.shape[1], t, at, rate)
+    for k in range(x.size):
+        y[k] = x[k] + h * rate[k]
+    return code
+
+
+@inner
+def call_projection(run: Stepping, place: int, t: float, around: Floats, later: float, reach: float, tol: float) -> int:
+    """Project y, searched from ``around``; a linearisation is carried with its sets to a later time."""
+    given, question = run.projection.around, run.projection.question
+    for k in range(given.size):
+        given[k] = around[k]
+    question[0], question[1], question[2] = later, reach, tol
+    code = call_drift(run.projection.address, t, given, run.projection.z, place, 0, question)
+    return SETS if code == OK and system_at(run.place).sets.ask[1] != 0.0 else code
+
+
+@inner
+def finish_step(run: Stepping) -> None:
+    """Take z for the state after the step."""
+    after, z = run.after, run.projection.z
+    for k in range(after.size):
+        after[k] = z[k]
+
+
+@step_function
+def project_onto_set(t: float, x: Any, z: Any, place: int, d: int, question: Any) -> int:
+    """The nearest point of S(t) by the active set; see ``steps.ProjectionArrays``."""
+    run = stepping_at(place)
+    return project(run.place, t, run.projection.around, question[1], question[0], True, question[2])
+
+
+@step_function
+def project_onto_linearised(t: float, x: Any, z: Any, place: int, d: int, question: Any) -> int:
+    """The nearest point of the linearisation of S(t) by the active set; see ``steps.ProjectionArrays``."""
+    run = stepping_at(place)
+    return project(run.place, t, run.projection.around, question[1], question[0], False, question[2])
+
+
 @step_function
 def catch_up(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
-    """A step of a catch-up scheme; setting = h, the method, the tolerance of projections.
+    """P_S(x + h F(t, x)) with the set at t + h; setting = h, tolerance."""
+    run, h = stepping_at(place), setting[0]
+    code = move_ahead(run, t, run.x, h)
+    if code == OK:
+        reach = 2.0 * h * longest(run.rate, system_at(run.place).sets.shift.shape[1])
+        code = call_projection(run, place, t + h, run.x, t + h, reach, setting[1])
+    finish_step(run)
+    return code
 
-    What the midpoint rule needs first is a step of its own, less accurate.
-    """
-    run, h, method, tol = stepping_at(place), setting[0], setting[1], setting[2]
-    system = system_at(run.place)
-    program, velocity, middle, d = system.program, run.rate, system.middle, system.sets.shift.shape[1]
-    length = 0.0
-    for stage in range(2 if method == MIDPOINT else 1):
-        around, now, rest, allowed = run.x, t, t + h, tol
-        if stage == 1:
-            around, now, rest = middle, t + 0.5 * h, t + 0.5 * h
-        code = evaluate(system.drift, d, now, around, velocity)
-        for k in range(run.x.size):
-            program.y[k] = run.x[k] + h * velocity[k]
-        if stage == 0:
-            length = h * longest(velocity, d)
-            allowed = max(tol, np.sqrt(tol * length)) if method == MIDPOINT else tol
-        if code == OK:
-            code = project(run.place, rest, around, 2.0 * length, t + h, method == EXACT, allowed)
-        if code != OK:
-            return code
-        for k in range(run.x.size):
-            middle[k] = 0.5 * (run.x[k] + program.z[k])
-    for k in range(run.x.size):
-        run.after[k] = program.z[k]
-    return SETS if system.sets.ask[1] != 0.0 else OK
+
+@step_function
+def midpoint_catch_up(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
+    """P_{S~(m)} (x + h F(t + h/2, m)), m the middle of a step of linearised catch-up, which may be less accurate."""
+    run, h, tol = stepping_at(place), setting[0], setting[1]
+    start, middle, z = run.x, run.after, run.projection.z
+    code = move_ahead(run, t, start, h)
+    length = h * longest(run.rate, system_at(run.place).sets.shift.shape[1])
+    if code == OK:
+        code = call_projection(run, place, t + h, start, t + h, 2.0 * length, max(tol, np.sqrt(tol * length)))
+    for k in range(start.size):
+        middle[k] = 0.5 * (start[k] + z[k])
+    if code == OK:
+        code = move_ahead(run, t + 0.5 * h, middle, h)
+    if code == OK:
+        code = call_projection(run, place, t + 0.5 * h, middle, t + h, 2.0 * length, tol)
+    finish_step(run)
+    return code

@@ -21,7 +21,7 @@ from dincl.kernels.pointers import call_drift
 from dincl.kernels.system import NOT_A_NUMBER, OK, bounded
 
 
-class Grid(NamedTuple):
+class StepRange(NamedTuple):
     """The steps k = first ... last - 1 from t_k = origin + k end / number."""
 
     origin: float
@@ -31,7 +31,7 @@ class Grid(NamedTuple):
     last: int
 
 
-class Output(NamedTuple):
+class OutputArrays(NamedTuple):
     """K output times, increasing, and what is kept for each of them."""
 
     step: Offsets  # (K,): the step k in which the time lies, t_k < t <= t_{k+1}
@@ -40,6 +40,19 @@ class Output(NamedTuple):
     before: Floats  # (K, n): the state at t_k
     velocity: Floats  # (K, n): and, for second-order schemes, the velocity
     filled: Offsets  # (1,): how many are kept so far
+
+
+class ProjectionArrays(NamedTuple):
+    """The nearest point of S(t), or of its linearisation, to y, searched from ``around``: z.
+
+    The function at ``address`` has the signature of ``DRIFT``: it is given t, and ``question`` in place of the data.
+    """
+
+    address: int
+    y: Floats  # (n,)
+    around: Floats  # (n,)
+    z: Floats  # (n,)
+    question: Floats  # the time to which the linearisation is carried, the reach, the tolerance
 
 
 class Stepping(NamedTuple):
@@ -52,19 +65,21 @@ class Stepping(NamedTuple):
     after: Floats  # (n,): the state after a step
     rate: Floats  # (n,): velocities or forces, to write to
     setting: Floats  # the length of the step, and what the scheme was given
-    output: Output
+    output: OutputArrays
+    projection: ProjectionArrays
 
 
-def no_output(n: int) -> Output:
+def no_output(n: int) -> OutputArrays:
     """Output of no time, for n coordinates."""
     steps, table = np.zeros(0, dtype=np.int64), np.zeros((0, n))
-    return Output(steps, np.zeros(0), table, table, table, np.zeros(1, dtype=np.int64))
+    return OutputArrays(steps, np.zeros(0), table, table, table, np.zeros(1, dtype=np.int64))
 
 
 # Those of a scheme that looks at all near rows together.
 NO_FAMILIES = sets.EXAMPLE
 _NONE = np.zeros(0)
-stepping_at = reader(Stepping(0, NO_FAMILIES, _NONE, _NONE, _NONE, _NONE, _NONE, no_output(0)))
+NO_PROJECTION = ProjectionArrays(0, _NONE, _NONE, _NONE, _NONE)
+stepping_at = reader(Stepping(0, NO_FAMILIES, _NONE, _NONE, _NONE, _NONE, _NONE, no_output(0), NO_PROJECTION))
 
 
 def step_function(function: Callable[..., int]) -> Any:
@@ -73,7 +88,7 @@ def step_function(function: Callable[..., int]) -> Any:
 
 
 @kernel
-def advance(place: int, step: int, grid: Grid) -> tuple[int, int]:
+def advance(place: int, step: int, grid: StepRange) -> tuple[int, int]:
     """Make steps by the function at the address ``step``; how it ended, and the step reached.
 
     A step that cannot be made leaves the state as it was.
@@ -98,7 +113,7 @@ def advance(place: int, step: int, grid: Grid) -> tuple[int, int]:
 
 
 @inner
-def keep(output: Output, k: int, x: Floats, v: Floats, after: Floats) -> None:
+def keep(output: OutputArrays, k: int, x: Floats, v: Floats, after: Floats) -> None:
     """Keep the states at the output times of step k."""
     step, q = output.step, output.filled[0]
     found, before, velocity = output.x, output.before, output.velocity

@@ -13,7 +13,8 @@ from dincl.kernels.pointers import velocity
 from dincl.kernels.table import ROW, NearRows, RowTable, Sets, room_for_list
 
 # How steps end; the first ones are those of ``active_set.nearest``.
-OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR, FLAT, UNSETTLED = range(12)
+OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
+FLAT, UNSETTLED, PYTHON = range(10, 13)
 
 
 class Drift(NamedTuple):

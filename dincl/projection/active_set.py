@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.projection.base import Projection
 from dincl.projection.qp import QpAnswer, QpSolver
+from dincl.rows.table import MOST_PARTICLES
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -36,6 +37,13 @@ class ActiveSet(Projection):
 
     def solver(self) -> Solver:
         return _ActiveSetSolver(self.tol)
+
+    def compiled(self, count: int, *, linearised: bool) -> Any | None:
+        if count > MOST_PARTICLES:
+            return None
+        from dincl.kernels import catch_up
+
+        return catch_up.project_onto_linearised if linearised else catch_up.project_onto_set
 
 
 class _ActiveSetSolver(QpSolver):

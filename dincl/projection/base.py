@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -78,7 +78,14 @@ class Projection(ABC):
 
     @abstractmethod
     def solver(self) -> Solver:
-        """A solver for one run; it may keep warm starts and compiled problems."""
+        """A solver for one run; it may store warm starts and compiled problems."""
+
+    def compiled(self, count: int, *, linearised: bool) -> Any | None:
+        """The compiled projection of so many particles onto S, or its linearisation; None if Python projects.
+
+        It is a ``dincl.kernels.steps.step_function``, see ``dincl.kernels.steps.ProjectionArrays``.
+        """
+        return None
 
 
 def check_projection(projection: object) -> None:

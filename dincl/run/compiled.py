@@ -11,8 +11,9 @@ import numpy as np
 from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
 from dincl.kernels import steps as kernels
-from dincl.kernels.steps import Grid, Stepping
+from dincl.kernels.steps import OutputArrays, ProjectionArrays, Stepping, StepRange
 from dincl.kernels.system import OK
+from dincl.run.families import SweptSets
 from dincl.run.grid import Output, TimeGrid
 from dincl.run.small import SmallSystem
 from dincl.run.stepper import Reached, Stepper, StepState
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.run.families import SweptSets
+    from dincl.run.callback import Callback
 
 # In the first call, particles times steps; each call makes twice as many steps as the last one while it takes less than
 # this [s], so that an interrupt, or a budget, does not wait.
@@ -39,8 +40,10 @@ class CompiledStepper(Stepper):
         The step, compiled by ``dincl.kernels.steps.step_function``.
     setting
         The numbers that the step reads from setting[1], setting[2], ...
-    swept
-        The sets as sweeps go through them; None for a scheme that solves programs for all rows that are near.
+    system
+        The drift, the sets and their rows.
+    swept, projection
+        The sets as sweeps go through them, or the projection, of schemes that have one.
     v0
         Velocity at the start, (N, d), of a second-order scheme.
     """
@@ -51,15 +54,14 @@ class CompiledStepper(Stepper):
         step: Any,
         setting: Sequence[float],
         *,
+        system: SmallSystem,
         swept: SweptSets | None = None,
+        projection: ProjectionArrays = kernels.NO_PROJECTION,
         v0: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__(problem)
-        self._step, self._swept, self._v0 = step, swept, v0
-        if swept is None:
-            self.system = SmallSystem(problem)
-        else:
-            self.system = SmallSystem(problem, swept.selection, sweepers=swept.sweepers, solver=False)
+        self._step, self._swept, self._v0, self.system = step, swept, v0, system
+        self.callbacks: list[Callback] = [system.drift, system.sets, *(swept.searches if swept else ())]
         self.system.sets.work = self.work
         n = problem.x0.size
         self._empty = kernels.no_output(n)
@@ -73,8 +75,24 @@ class CompiledStepper(Stepper):
                 rate=np.zeros(n),
                 setting=np.array([0.0, *setting]),
                 output=self._empty,
+                projection=projection,
             )
         )
+
+    @classmethod
+    def sweeping(
+        cls,
+        problem: Problem,
+        step: Any,
+        setting: Sequence[float],
+        *,
+        projected: bool = True,
+        v0: NDArray[np.float64] | None = None,
+    ) -> CompiledStepper:
+        """A scheme that looks at one row after another; projections of the user are made if ``projected``."""
+        swept = SweptSets(problem, projected=projected)
+        system = SmallSystem(problem, swept.selection, sweepers=swept.sweepers, solver=False)
+        return cls(problem, step, setting, system=system, swept=swept, v0=v0)
 
     def start(self) -> StepState:
         return StepState(self.problem.x0, self._v0)
@@ -99,12 +117,12 @@ class CompiledStepper(Stepper):
         if output is not None:
             self._pointer.replace("output", _arrays(output, run.x.size))
         most, code = max(FIRST // len(self.problem.x0), 1), OK
-        with self.system.drift, self.system.sets, ExitStack() as searches:
-            for search in self._swept.searches if self._swept else ():
-                searches.enter_context(search)
+        with ExitStack() as callbacks:
+            for callback in self.callbacks:
+                callbacks.enter_context(callback)
             while k < end and code == OK:
                 began = time.perf_counter()
-                grid = Grid(origin, on.t_end, on.steps, k, min(end, k + most))
+                grid = StepRange(origin, on.t_end, on.steps, k, min(end, k + most))
                 code, k = kernels.advance(self._pointer.address, self._step.address, grid)
                 self._count()
                 most = 2 * most if time.perf_counter() - began < SHORT else most
@@ -133,7 +151,7 @@ class CompiledStepper(Stepper):
         self.system.failure(code, tol)
 
 
-def _arrays(output: Output, n: int) -> kernels.Output:
+def _arrays(output: Output, n: int) -> OutputArrays:
     """The output as kernels take it."""
     x, before, velocity = (part.reshape(-1, n) for part in (output.x, output.before, output.velocity))
-    return kernels.Output(output.step, output.weight, x, before, velocity, output.filled)
+    return OutputArrays(output.step, output.weight, x, before, velocity, output.filled)

@@ -51,9 +51,8 @@ class SweptSets:
             if isinstance(swept[f], Sweeper) and not projected:
                 swept[f] = one.select(problem.x0, np.inf)
         forms = np.array([_form(one) for one in swept], dtype=np.int64)
-        matrix = uniform(np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1)), problem.x0.size)
-        nothing = AffineRows(matrix, np.zeros(0))
-        blocks = tuple(one if form == ROWS else nothing for form, one in zip(forms, swept, strict=True))
+        rows = zip(forms, swept, no_rows(problem).blocks, strict=True)
+        blocks = tuple(one if form == ROWS else nothing for form, one, nothing in rows)
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
         self.sweepers = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
         self.searches: list[PairSearch] = []
@@ -125,6 +124,13 @@ class SweptSets:
             search.list = pointer
             self.searches.append(search)
         return pointer
+
+
+def no_rows(problem: Problem) -> Selection:
+    """A selection of no row."""
+    matrix = uniform(np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1)), problem.x0.size)
+    blocks = (AffineRows(matrix, np.zeros(0)),) * len(problem.constraints)
+    return Selection(problem.constraints, blocks, problem.x0.shape)
 
 
 def _form(swept: Any) -> int:

@@ -5,16 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from dincl.norms import longest
-from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projection, check_projection
-from dincl.projection.feasible import FeasibleSet
-from dincl.rows.table import MOST_PARTICLES
-from dincl.run.stepper import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
+    from dincl.run.stepper import Stepper
 
 
 @dataclass(frozen=True)
@@ -37,13 +33,10 @@ class CatchUp(FixedStep):
         check_projection(self.projection)
 
     def stepper(self, problem: Problem) -> Stepper:
-        self.projection.check(problem)
-        if isinstance(self.projection, ActiveSet) and len(problem.x0) <= MOST_PARTICLES:
-            from dincl.kernels.catch_up import EXACT, LINEARISED, catch_up
-            from dincl.run.compiled import CompiledStepper
+        from dincl.kernels.catch_up import catch_up
+        from dincl.run.catch_up import CatchUpStepper
 
-            return CompiledStepper(problem, catch_up, [LINEARISED if self.linearised else EXACT, self.projection.tol])
-        return _CatchUpStepper(problem, self)
+        return CatchUpStepper(problem, catch_up, self.projection, linearised=self.linearised)
 
 
 @dataclass(frozen=True)
@@ -56,13 +49,3 @@ class LinearisedCatchUp(CatchUp):
     """
 
     linearised: ClassVar[bool] = True
-
-
-class _CatchUpStepper(Stepper):
-    def __init__(self, problem: Problem, scheme: CatchUp) -> None:
-        super().__init__(problem)
-        self._set = FeasibleSet(problem, scheme.projection.solver(), self.work, linearised=scheme.linearised)
-
-    def step(self, t: float, h: float, state: StepState) -> StepState:
-        move = h * self.velocity(t, state.x)
-        return StepState(self._set.nearest(t + h, state.x + move, state.x, 2 * longest(move)).point)

@@ -2,20 +2,15 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from dincl.norms import longest
-from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projection, check_projection
-from dincl.projection.feasible import FeasibleSet
-from dincl.rows.table import MOST_PARTICLES
-from dincl.run.stepper import Stepper, StepState
 from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
+    from dincl.run.stepper import Stepper
 
 
 @dataclass(frozen=True)
@@ -48,28 +43,7 @@ class MidpointCatchUp(FixedStep):
         check_projection(self.projection)
 
     def stepper(self, problem: Problem) -> Stepper:
-        self.projection.check(problem)
-        if isinstance(self.projection, ActiveSet) and len(problem.x0) <= MOST_PARTICLES:
-            from dincl.kernels.catch_up import MIDPOINT, catch_up
-            from dincl.run.compiled import CompiledStepper
+        from dincl.kernels.catch_up import midpoint_catch_up
+        from dincl.run.catch_up import CatchUpStepper
 
-            return CompiledStepper(problem, catch_up, [MIDPOINT, self.projection.tol])
-        return _MidpointStepper(problem, self)
-
-
-class _MidpointStepper(Stepper):
-    def __init__(self, problem: Problem, scheme: MidpointCatchUp) -> None:
-        super().__init__(problem)
-        self._tol = scheme.projection.tol
-        self._solver = scheme.projection.solver()
-        self._set = FeasibleSet(problem, self._solver, self.work, linearised=True)
-
-    def step(self, t: float, h: float, state: StepState) -> StepState:
-        move = h * self.velocity(t, state.x)
-        length = longest(move)
-        self._solver.tol = max(self._tol, math.sqrt(self._tol * length))
-        predicted = self._set.nearest(t + h, state.x + move, state.x, 2 * length).point
-        middle = (state.x + predicted) / 2
-        self._solver.tol = self._tol
-        target = state.x + h * self.velocity(t + h / 2, middle)
-        return StepState(self._set.nearest(t + h / 2, target, middle, 2 * length, carried_to=t + h).point)
+        return CatchUpStepper(problem, midpoint_catch_up, self.projection, linearised=True)

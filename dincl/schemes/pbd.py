@@ -48,6 +48,5 @@ def sweeping(problem: Problem, sweeps: int, v0: NDArray[np.float64] | None = Non
     """The compiled step, bound to a problem; of second order if there is a velocity at the start."""
     from dincl.kernels.sweep_steps import pbd
     from dincl.run.compiled import CompiledStepper
-    from dincl.run.families import SweptSets
 
-    return CompiledStepper(problem, pbd, [sweeps], swept=SweptSets(problem, projected=True), v0=v0)
+    return CompiledStepper.sweeping(problem, pbd, [sweeps], v0=v0)

@@ -47,7 +47,5 @@ class Penalty(FixedStep):
     def stepper(self, problem: Problem) -> Stepper:
         from dincl.kernels.sweep_steps import penalty
         from dincl.run.compiled import CompiledStepper
-        from dincl.run.families import SweptSets
 
-        setting = [self.strength, float(self.exponent)]
-        return CompiledStepper(problem, penalty, setting, swept=SweptSets(problem, projected=False))
+        return CompiledStepper.sweeping(problem, penalty, [self.strength, float(self.exponent)], projected=False)

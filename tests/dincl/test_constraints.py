@@ -7,7 +7,6 @@ import dincl
 from dincl.kernels.sweep_steps import pbd
 from dincl.rows.affine import AffineRows, linearised
 from dincl.run.compiled import CompiledStepper
-from dincl.run.families import SweptSets
 from tests.dincl.catalog import CONSTRAINTS, quadratic, quadratic_jacobian
 
 cases = pytest.mark.parametrize(("name", "d"), [(name, d) for name in CONSTRAINTS for d in (1, 2, 3)])
@@ -106,7 +105,7 @@ def after_a_sweep(family, y):
     """What PBD makes of y (N, d), which may lie anywhere."""
     problem = dincl.Problem(y, lambda t, x: 0 * x)
     object.__setattr__(problem, "constraints", (family,))
-    stepper = CompiledStepper(problem, pbd, [1], swept=SweptSets(problem, projected=True))
+    stepper = CompiledStepper.sweeping(problem, pbd, [1])
     return stepper.step(0.0, 1.0, dincl.StepState(y)).x
 
 

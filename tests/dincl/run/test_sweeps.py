@@ -13,7 +13,6 @@ from dincl.kernels.pair_list import ALL_PAIRS
 from dincl.kernels.sweep_steps import pbd
 from dincl.rows import Sweeper
 from dincl.run.compiled import CompiledStepper
-from dincl.run.families import SweptSets
 from dincl.run.loop import run_steps
 from dincl.run.stepper import StepState
 from tests.dincl.catalog import SCENES
@@ -139,7 +138,7 @@ def test_a_sweep_over_any_discs(data, d, n):
     radius = data.draw(hnp.arrays(np.float64, n, elements=st.floats(0.01, 1.5)))
     apart = 4.0 * np.arange(n)[:, None] * np.eye(d)[0]
     problem = dincl.Problem(apart, lambda t, x: 0 * x, [dincl.NonOverlap(radius)])
-    stepper = CompiledStepper(problem, pbd, [1], swept=SweptSets(problem, projected=True))
+    stepper = CompiledStepper.sweeping(problem, pbd, [1])
     expected = x.copy()
     try:
         reference.sweep(problem, 0.0, expected)
