@@ -1,6 +1,6 @@
 """Constrained particles coupled to a macroscopic component: DAE, reduced ODE, mean-field limit, moments, W1.
 
-``InvalidModel`` and ``Status`` are the classes of dincl: what is wrong, and how a run ended, is said in one way.
+``InvalidModel`` is dincl's class ``InvalidProblem``, ``Status`` is dincl's class of that name.
 """
 
 from dincl.errors import InvalidProblem as InvalidModel
@@ -11,14 +11,14 @@ from meanfield.errors import NotClosed, SolveFailed
 from meanfield.model.examples import LinearFibre, StraightFibre, TissueElement, WavyFibre
 from meanfield.model.model import Model
 from meanfield.model.state import State
-from meanfield.solvers.carried import carry_density
 from meanfield.solvers.characteristics import Flow, solve_characteristics
 from meanfield.solvers.dae import solve_dae
-from meanfield.solvers.grid.motion import GridMotion
+from meanfield.solvers.grid.grid_motion import GridMotion
 from meanfield.solvers.grid.pde import solve_pde
 from meanfield.solvers.moments import MomentMotion, Moments, sample_moments, solve_moments
 from meanfield.solvers.motion import Motion, SolverWork
 from meanfield.solvers.ode import solve_ode
+from meanfield.solvers.push_forward import push_forward
 from meanfield.solvers.rattle import solve_rattle
 from meanfield.solvers.reduction import Positions, Reduction, reduce
 from meanfield.transport.wasserstein import Weighted, w1
@@ -45,7 +45,7 @@ __all__ = [
     "TissueElement",
     "WavyFibre",
     "Weighted",
-    "carry_density",
+    "push_forward",
     "reduce",
     "sample_moments",
     "solve_characteristics",

@@ -1,4 +1,4 @@
-"""The errors that only this package has; bad input raises dincl's InvalidProblem."""
+"""Errors of this package alone; invalid input raises dincl's InvalidProblem."""
 
 from __future__ import annotations
 
@@ -11,11 +11,14 @@ if TYPE_CHECKING:
 
 
 class NotClosed(InvalidProblem):
-    """A reduction asked for that does not hold for this model; the message says what stands against it."""
+    """A reduction that does not hold for the model; the message says why."""
 
 
 class SolveFailed(RuntimeError):
-    """A run that ended early: ``result`` holds what was computed until then, ``status`` why and what to try."""
+    """A run that ended early.
+
+    ``result`` holds the output times reached, ``status`` says why the run ended and what to try, ``detail`` where.
+    """
 
     def __init__(self, status: Status, detail: str, result: Any) -> None:
         super().__init__(f"{status.value} {detail}".rstrip())
@@ -24,5 +27,5 @@ class SolveFailed(RuntimeError):
         self.result = result
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # As it is made: an exception is otherwise made anew from its message alone, which fails between processes.
+        # By default an exception is rebuilt from its message alone, which fails between processes.
         return type(self), (self.status, self.detail, self.result)

@@ -20,7 +20,7 @@ from scipy.special import stdtrit
 
 from dincl import InvalidProblem
 from dincl.checks import describe, integer, number
-from meanfield import Density, Model, State, carry_density, solve_characteristics, solve_ode, w1
+from meanfield import Density, Model, State, push_forward, solve_characteristics, solve_ode, w1
 from meanfield.transport import discrete
 from verification.lines import weighted_line
 from verification.order import CONFIDENCE
@@ -188,7 +188,7 @@ def mean_field_limit(
     """Solve the limit to ``tol`` by characteristics; ``particle_tol`` is for the particles to be compared with it."""
     flow = solve_characteristics(model, density, y0, v0, t, tol)
     start, velocity = np.asarray(y0, dtype=np.float64), np.asarray(v0, dtype=np.float64)
-    laws = [carry_density(model, density, start, y) if model.nx == 1 else None for y in flow.y]
+    laws = [push_forward(model, density, start, y) if model.nx == 1 else None for y in flow.y]
     return MeanFieldLimit(model, start, velocity, flow.t, particle_tol, flow.y, tuple(laws))
 
 

@@ -1,1 +1,1 @@
-"""Densities of the particles: given by a function, or piecewise polynomial."""
+"""Densities of the particles, given by a function or as a piecewise polynomial."""

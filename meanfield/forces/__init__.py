@@ -1,1 +1,1 @@
-"""What a measure of particles does to the macroscopic component, and its particles to each other."""
+"""Effective mass and force of a measure of particles, and the interaction of its particles."""

@@ -1,4 +1,4 @@
-"""Sums of a smooth kernel over all pairs of points on a line in O(N p), by interpolation in Chebyshev points."""
+"""Sums of a smooth kernel over all pairs of N points on a line in O(N p), by Chebyshev interpolation of degree p."""
 
 from __future__ import annotations
 
@@ -15,42 +15,44 @@ if TYPE_CHECKING:
 
     Kernel = Callable[[NDArray[np.float64]], NDArray[np.float64]]
 
-# Degrees tried, and the size of the last coefficients, relative to the largest, at which an expansion is complete.
+# Degrees tried. A degree is sufficient if the last TAIL_TERMS coefficients are this small relative to the largest one.
 DEGREES = (16, 32, 64, 128)
-COMPLETE = 1e-14
-LAST = 3
-# Points that are worked on together, so that their polynomials stay in the cache.
-BLOCK = 8192
+SUFFICIENT = 1e-14
+TAIL_TERMS = 3
+# Points per block: their polynomials fit into the cache.
+CACHE_BLOCK = 8192
 
 
 @dataclass(frozen=True)
 class Interpolant:
-    """The interval that holds all points, and the degree that a kernel needs on it."""
+    """Interval that contains all points, and the degree of interpolation that a kernel needs on it."""
 
     centre: float
     half: float
     degree: int
 
-    def summed(self, kernel: Kernel, x: NDArray[np.float64], w: NDArray[np.float64]) -> NDArray[np.float64]:
-        """sum_k w_k kernel(x_k - x_i) for each i, from points x (Q,) and weights (Q,).
+    def sum_pairs(self, kernel: Kernel, x: NDArray[np.float64], w: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute sum_k w_k kernel(x_k - x_i) for each i, from points x (Q,) and weights (Q,).
 
-        The kernel is interpolated in both variables: sources at the nodes from the sums of w T_j(x), the sum as a
-        function of x_i from its values at the nodes.
+        The kernel is interpolated in both variables. The moments of w T_j(x) give equivalent weights at the nodes; the
+        sum, a function of x_i, is interpolated from its values at the nodes.
         """
         s = (x - self.centre) / self.half
         nodes = chebyshev.chebpts1(self.degree + 1)
         values = chebyshev.chebvander(nodes, self.degree)
         scale = np.full(self.degree + 1, 2.0 / (self.degree + 1))
         scale[0] /= 2
-        sources = values @ (scale * self._moments(s, w))
-        field = kernel((self.half * (nodes[None, :] - nodes[:, None])).ravel()).reshape(len(nodes), -1) @ sources
-        return np.asarray(chebyshev.chebval(s, scale * (field @ values)))
+        node_weights = values @ (scale * self._moments(s, w))
+        at_nodes = (
+            kernel((self.half * (nodes[None, :] - nodes[:, None])).ravel()).reshape(len(nodes), -1) @ node_weights
+        )
+        return np.asarray(chebyshev.chebval(s, scale * (at_nodes @ values)))
 
     def _moments(self, s: NDArray[np.float64], w: NDArray[np.float64]) -> NDArray[np.float64]:
-        """sum_k w_k T_j(s_k) for each degree j."""
+        """Compute sum_k w_k T_j(s_k) for each degree j."""
         found = np.zeros(self.degree + 1)
-        for begin in range(0, len(s), BLOCK):
-            part = slice(begin, begin + BLOCK)
+        for begin in range(0, len(s), CACHE_BLOCK):
+            part = slice(begin, begin + CACHE_BLOCK)
             before, now, twice = w[part].copy(), w[part] * s[part], 2 * s[part]
             found[:2] += before.sum(), now.sum()
             for j in range(2, self.degree + 1):
@@ -59,23 +61,23 @@ class Interpolant:
         return found
 
 
-def line(kernels: tuple[Kernel, ...], x: NDArray[np.float64]) -> Interpolant | None:
-    """The line through points x (Q,) on which kernels are resolved to rounding; None if they are not smooth enough.
+def interpolant(kernels: tuple[Kernel, ...], x: NDArray[np.float64]) -> Interpolant | None:
+    """Choose the degree that resolves kernels to rounding at points x (Q,); None if no degree of DEGREES does.
 
-    A kernel that is a polynomial of degree p to accuracy e on all differences is one in each of its two points, so
-    that interpolation in both errs by (1 + 2 log p)^2 e at most.
+    A kernel that is a polynomial of degree p in x_k - x_i to accuracy e is a polynomial of degree p in each of the two
+    points. Interpolation in both points then has an error of at most (1 + 2 log p)^2 e.
     """
     low, high = float(x.min()), float(x.max())
     if low == high:
         return None
     for degree in DEGREES:
-        if all(_complete(kernel, high - low, degree) for kernel in kernels):
+        if all(_resolves(kernel, high - low, degree) for kernel in kernels):
             return Interpolant((low + high) / 2, (high - low) / 2, degree)
     return None
 
 
-def _complete(kernel: Kernel, length: float, degree: int) -> bool:
-    """Whether the last coefficients of a kernel on [-length, length] are at rounding, the even and the odd ones."""
+def _resolves(kernel: Kernel, length: float, degree: int) -> bool:
+    """Return whether the last coefficients of a kernel on [-length, length], even and odd ones, are at rounding."""
     coefficients: Any = chebyshev.chebinterpolate(lambda s: kernel(length * s), degree)
     size = np.abs(coefficients)
-    return bool(size[-LAST:].max() <= COMPLETE * size.max())
+    return bool(size[-TAIL_TERMS:].max() <= SUFFICIENT * size.max())

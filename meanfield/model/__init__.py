@@ -1,1 +1,1 @@
-"""What defines a model, its derivatives, and the state it starts from."""
+"""Models, their derivatives, and the states from which runs start."""

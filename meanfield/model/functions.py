@@ -1,4 +1,4 @@
-"""The derivatives of a model as NumPy functions of all particles at once."""
+"""Derivatives of a model as NumPy functions of all particles at once."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
     from meanfield.model.symbolic import Expressions
 
-# What each function is of, and the expressions it gives; W0 and F0 are of one row X that is not read.
+# Inputs and outputs of each function. W0 and F0 take an array X of one row, which sets the number of rows returned.
 SIGNATURES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
     "level": (("X", "y"), ("level",)),
     "jacobians": (("X", "y"), ("gX", "gy")),
@@ -34,25 +34,29 @@ PARTICLE = {"X", "U", "r"}
 MATRICES = {"gX", "gy", "phi"}
 
 
-def function(expressions: Expressions, name: str) -> Callable[..., list[NDArray[np.float64]]]:
-    """One function of SIGNATURES: arrays (Q, n) of particles and (n,) of y, v in; (Q, n) or (Q, n, m) out."""
+def numpy_function(expressions: Expressions, name: str) -> Callable[..., list[NDArray[np.float64]]]:
+    """Build one function of SIGNATURES.
+
+    Returns
+    -------
+    function
+        of arrays (Q, n) of the particles and (n,) of y and v; returns arrays (Q, n) or (Q, n, m).
+    """
     inputs, outputs = SIGNATURES[name]
     parts = [getattr(expressions, output) for output in outputs]
-    made = program([getattr(expressions, i) for i in inputs], parts)
-    elements = vectorised(made, inputs, [i in PARTICLE for i in inputs])
+    operations = program([getattr(expressions, i) for i in inputs], parts)
+    elements = vectorised(operations, inputs, [i in PARTICLE for i in inputs])
     shapes = [part.shape if output in MATRICES else part.shape[:1] for output, part in zip(outputs, parts, strict=True)]
 
-    def evaluated(*values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+    def evaluate(*values: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         with np.errstate(all="ignore"):
-            return _stacked(elements(*values), shapes, len(values[0]))
+            return _stack(elements(*values), shapes, len(values[0]))
 
-    return evaluated
+    return evaluate
 
 
-def _stacked(
-    elements: list[NDArray[np.float64]], shapes: list[tuple[int, ...]], rows: int
-) -> list[NDArray[np.float64]]:
-    """Elements, listed column by column, as arrays with the particles first."""
+def _stack(elements: list[NDArray[np.float64]], shapes: list[tuple[int, ...]], rows: int) -> list[NDArray[np.float64]]:
+    """Assemble elements, listed column by column, into arrays whose first axis is the particles."""
     found = []
     begin = 0
     for shape in shapes:

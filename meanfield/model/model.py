@@ -1,4 +1,4 @@
-"""Constrained particles coupled to a macroscopic component: what defines a model, and its derivatives."""
+"""Model of constrained particles coupled to a macroscopic component, and its derivatives."""
 
 from __future__ import annotations
 
@@ -11,23 +11,23 @@ import numpy as np
 from dincl.checks import describe, integer, number, shaped
 from dincl.errors import FunctionFailed, InvalidProblem, StepFailure
 from dincl.status import Status
-from meanfield.model.functions import PARTICLE, SIGNATURES, function
-from meanfield.model.symbolic import Expressions, expressions, functions
+from meanfield.model.functions import PARTICLE, SIGNATURES, numpy_function
+from meanfield.model.symbolic import Expressions, casadi_functions, expressions
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import ArrayLike, NDArray
 
-# Inverses of dg/dX are written out by minors, which is sensible for particles in space.
-MOST_DIMENSIONS = 3
-MOST_MACROSCOPIC = 12
+# Inverses of dg/dX are written out by minors, whose number grows fast with the dimension.
+MAX_DIMENSIONS = 3
+MAX_MACROSCOPIC = 12
 FLOAT = np.dtype(np.float64)
 
 
 @dataclass(frozen=True, eq=False)
 class Model:
-    """N particles X_i with g(X_i, y) = const and a macroscopic component y, from the Lagrangian (5.8)::
+    """Model of N particles X_i with g(X_i, y) = const and a macroscopic component y, with the Lagrangian (5.8)::
 
         L = |y'|^2/2 - W0(y) + 1/N sum_i (m/2 |X_i'|^2 - W1(X_i) - 1/(2N) sum_k V(X_k - X_i))
             - 1/N sum_j lambda_j.(g(X_j, y) - g(X_j(0), y(0)))
@@ -35,27 +35,27 @@ class Model:
     Parameters
     ----------
     g
-        constraint function of (X, y), nx components, twice differentiable, dg/dX invertible where the motion goes.
+        constraint function of (X, y) with nx components, twice differentiable; dg/dX invertible along the motion.
     W0, W1
         potential energies of y and of one particle, scalars.
     V
         potential of the interaction, a function of r = X_k - X_i with V(-r) = V(r) and V(0) = 0; None: no interaction.
-        (The text asks for V(-r) = -V(r), for which the energy of all pairs is zero and K is not antisymmetric.)
+        (The thesis requires V(-r) = -V(r); then the energy of all pairs is zero and K is not antisymmetric.)
     m
         mass of a particle, > 0.
     nx, ny
         dimensions of a particle (at most 3) and of y (at most 12).
 
     The functions are callables on CasADi expressions (a ``casadi.Function`` is one), or CasADi expressions in symbols
-    named X, y, r (one component) or X_0, X_1, ... Everything derived from them is made once, on first use. A model
-    pickles whatever it was made from: its functions come back as CasADi functions, with the same values.
+    named X, y, r (one component) or X_0, X_1, ... Derivatives are computed once, on first use. Every model pickles;
+    after unpickling, its functions are CasADi functions with the same values.
 
     Raises
     ------
     FunctionFailed
-        at construction, if a function raises, with what it raised as cause; by a method, where it is not finite.
+        at construction, if a function raises (its exception is the cause); by a method, if a value is not finite.
     InvalidProblem
-        at construction, if a number or a function cannot be right; by a method, if an argument cannot.
+        at construction, if a number or a function is invalid; by a method, if an argument is invalid.
 
     Source: Section 2.1 of chapter 5, (5.4)-(5.8).
     """
@@ -70,111 +70,114 @@ class Model:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "m", number("m", self.m, positive=True))
-        object.__setattr__(self, "nx", integer("nx", self.nx, least=1, most=MOST_DIMENSIONS))
-        object.__setattr__(self, "ny", integer("ny", self.ny, least=1, most=MOST_MACROSCOPIC))
+        object.__setattr__(self, "nx", integer("nx", self.nx, least=1, most=MAX_DIMENSIONS))
+        object.__setattr__(self, "ny", integer("ny", self.ny, least=1, most=MAX_MACROSCOPIC))
         _ = self.expressions
         if self.V is not None:
             self._check_even()
 
     @cached_property
     def expressions(self) -> Expressions:
-        """The derivatives as CasADi expressions."""
+        """Derivatives as CasADi expressions."""
         return expressions({"g": self.g, "W0": self.W0, "W1": self.W1, "V": self.V}, self.nx, self.ny)
 
     @cached_property
     def _functions(self) -> dict[str, Callable[..., list[NDArray[np.float64]]]]:
-        """The functions of ``expressions`` that were asked for."""
+        """NumPy functions built so far, by their names in SIGNATURES."""
         return {}
 
     def __reduce__(self) -> tuple[Any, ...]:
-        # As CasADi functions, since lambdas do not pickle and symbols that are pickled one by one lose each other.
-        made = functions(self.expressions)
-        V = None if self.V is None else made["V"]
-        return Model, (made["g"], made["W0"], made["W1"], V, self.m, self.nx, self.ny)
+        # Lambdas do not pickle, and expressions that are pickled one by one no longer share their symbols.
+        functions = casadi_functions(self.expressions)
+        V = None if self.V is None else functions["V"]
+        return Model, (functions["g"], functions["W0"], functions["W1"], V, self.m, self.nx, self.ny)
 
     def level(self, X: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """g(X_i, y) of shape (Q, nx), for X (Q, nx) and y (ny,)."""
-        (level,) = self._evaluated("level", X, y)
+        """Compute g(X_i, y) of shape (Q, nx), for X (Q, nx) and y (ny,)."""
+        (level,) = self._evaluate("level", X, y)
         return level
 
     def jacobians(self, X: ArrayLike, y: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """dg/dX of shape (Q, nx, nx) and dg/dy of shape (Q, nx, ny)."""
-        gX, gy = self._evaluated("jacobians", X, y)
+        """Compute dg/dX of shape (Q, nx, nx) and dg/dy of shape (Q, nx, ny)."""
+        gX, gy = self._evaluate("jacobians", X, y)
         return gX, gy
 
     def phi(self, X: ArrayLike, y: ArrayLike) -> NDArray[np.float64]:
-        """Phi = -(dg/dX)^{-1} dg/dy of shape (Q, nx, ny): X_i' = Phi_i y' (5.9)."""
-        (phi,) = self._evaluated("phi", X, y)
+        """Compute Phi = -(dg/dX)^{-1} dg/dy of shape (Q, nx, ny): X_i' = Phi_i y' (5.9)."""
+        (phi,) = self._evaluate("phi", X, y)
         return phi
 
     def omega(self, X: ArrayLike, y: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
-        """Omega[v, v] of shape (Q, nx): X_i'' = Phi_i y'' + Omega_i[y', y'] (5.10)."""
-        (omega,) = self._evaluated("omega", X, y, v)
+        """Compute Omega[v, v] of shape (Q, nx): X_i'' = Phi_i y'' + Omega_i[y', y'] (5.10)."""
+        (omega,) = self._evaluate("omega", X, y, v)
         return omega
 
     def curvature(self, X: ArrayLike, y: ArrayLike, U: ArrayLike, v: ArrayLike) -> NDArray[np.float64]:
-        """D^2 g[(U, v), (U, v)] of shape (Q, nx): g'' = dg/dX X'' + dg/dy y'' + curvature."""
-        (curvature,) = self._evaluated("curvature", X, y, U, v)
+        """Compute D^2 g[(U, v), (U, v)] of shape (Q, nx): g'' = dg/dX X'' + dg/dy y'' + curvature."""
+        (curvature,) = self._evaluate("curvature", X, y, U, v)
         return curvature
 
     def F0(self, y: ArrayLike) -> NDArray[np.float64]:
-        """-grad W0 of shape (ny,)."""
-        (force,) = self._evaluated("F0", np.zeros((1, self.nx)), y)
+        """Compute -grad W0(y) of shape (ny,)."""
+        (force,) = self._evaluate("F0", np.zeros((1, self.nx)), y)
         return np.asarray(force[0])
 
     def F1(self, X: ArrayLike) -> NDArray[np.float64]:
-        """-grad W1 of shape (Q, nx)."""
-        (force,) = self._evaluated("F1", X)
+        """Compute -grad W1(X_i) of shape (Q, nx)."""
+        (force,) = self._evaluate("F1", X)
         return force
 
     def K(self, r: ArrayLike) -> NDArray[np.float64]:
-        """Force grad V(r) of a particle at X + r upon one at X, shape (Q, nx) (5.4)."""
-        (force,) = self._evaluated("K", r)
+        """Compute the force grad V(r) that a particle at X + r exerts on a particle at X, shape (Q, nx) (5.4)."""
+        (force,) = self._evaluate("K", r)
         return force
 
     def energy0(self, y: ArrayLike) -> float:
-        """W0(y)."""
-        (energy,) = self._evaluated("W0", np.zeros((1, self.nx)), y)
+        """Compute W0(y)."""
+        (energy,) = self._evaluate("W0", np.zeros((1, self.nx)), y)
         return float(energy[0, 0])
 
     def energy1(self, X: ArrayLike) -> NDArray[np.float64]:
-        """W1 of each particle, shape (Q,)."""
-        (energy,) = self._evaluated("W1", X)
+        """Compute W1(X_i) of each particle, shape (Q,)."""
+        (energy,) = self._evaluate("W1", X)
         return np.asarray(energy[:, 0])
 
     def pair_energy(self, r: ArrayLike) -> NDArray[np.float64]:
-        """V(r) of shape (Q,)."""
-        (energy,) = self._evaluated("V", r)
+        """Compute V(r) of shape (Q,)."""
+        (energy,) = self._evaluate("V", r)
         return np.asarray(energy[:, 0])
 
-    def _evaluated(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
-        """One of the functions; FunctionFailed where it has no finite value."""
-        arrays = [self._taken(*given) for given in zip(SIGNATURES[name][0], values, strict=False)]
+    def _evaluate(self, name: str, *values: ArrayLike) -> list[NDArray[np.float64]]:
+        """Evaluate a function of SIGNATURES; FunctionFailed if a value is not finite."""
+        arrays = [self._argument(*given) for given in zip(SIGNATURES[name][0], values, strict=False)]
         if name not in self._functions:
-            self._functions[name] = function(self.expressions, name)
+            self._functions[name] = numpy_function(self.expressions, name)
         found = self._functions[name](*arrays)
         if not all(np.isfinite(part).all() for part in found):
             status = Status.SINGULAR if name in ("phi", "omega", "level", "jacobians") else Status.NON_FINITE
             raise FunctionFailed(status, f"{name} of the model has no finite value.")
         return found
 
-    def _taken(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
-        """An argument of a function as an array of its shape; what is one is passed on, for solvers call these too."""
+    def _argument(self, name: str, value: ArrayLike) -> NDArray[np.float64]:
+        """Return an argument as an array of the right shape.
+
+        Solvers call this often with arrays of the right shape, which are returned without further checks.
+        """
         axes, n = (2, self.nx) if name in PARTICLE else (1, self.ny)
         if type(value) is np.ndarray and value.dtype == FLOAT and value.ndim == axes and value.shape[-1] == n:
             return value
         return shaped(name, value, (None, n) if axes == 2 else (n,))
 
     def _check_even(self) -> None:
-        """V(-r) = V(r) and V(0) = 0, tried on points in general position."""
+        """Check V(-r) = V(r) and V(0) = 0 at points in general position."""
         points = np.sin(1.0 + np.arange(8 * self.nx, dtype=np.float64)).reshape(8, self.nx)
         try:
-            there, back = self.pair_energy(points), self.pair_energy(-points)
+            forward, backward = self.pair_energy(points), self.pair_energy(-points)
             at_zero = float(self.pair_energy(np.zeros((1, self.nx)))[0])
         except StepFailure as error:
             raise InvalidProblem(f"V = {describe(self.V)}: must be finite, with V(0) = 0") from error
-        if not np.allclose(there, back, rtol=1e-9, atol=1e-12) or at_zero != 0:
+        if not np.allclose(forward, backward, rtol=1e-9, atol=1e-12) or at_zero != 0:
             raise InvalidProblem(
-                f"V = {describe(self.V)}: must satisfy V(-r) = V(r) and V(0) = 0, but V({points[0]}) = {there[0]:g}, "
-                f"V({-points[0]}) = {back[0]:g}, V(0) = {at_zero:g}"
+                f"V = {describe(self.V)}: must satisfy V(-r) = V(r) and V(0) = 0, but V({points[0]}) = {forward[0]:g}, "
+                f"V({-points[0]}) = {backward[0]:g}, V(0) = {at_zero:g}"
             )

@@ -1,4 +1,4 @@
-"""Where a motion starts."""
+"""States from which runs start."""
 
 from __future__ import annotations
 
@@ -16,13 +16,14 @@ if TYPE_CHECKING:
 
     from meanfield.model.model import Model
 
-# A restart may be off by what the run before was allowed to leave, and by the rounding of numbers of its size.
+# The final state of a run, from which another run restarts, misses the constraint by up to SLACK times its tolerance
+# and by rounding, relative to its size.
 SLACK = 10.0
-ROUNDING = 1e-13
+START_ROUNDING = 1e-13
 
 
 class FullState(NamedTuple):
-    """A state that suits a model: X (N, nx), y, v (ny,), particle velocities U and constants c_i = level (N, nx)."""
+    """State of a model: X (N, nx), y, v (ny,), particle velocities U (N, nx) and constants c_i = level (N, nx)."""
 
     X: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -38,15 +39,15 @@ class State:
     Parameters
     ----------
     U
-        velocities of the particles (N, nx); None: those that the constraint asks for, Phi(X, y) v.
+        velocities of the particles (N, nx); None: Phi(X, y) v, as the constraint requires.
     level
-        the constants g(X_i, y) is to keep, (N, nx); None: those of X and y. A restart passes both on, so that the
-        constraint does not wander from one run to the next.
+        constants c_i of the constraint g(X_i, y) = c_i, (N, nx); None: g(X_i, y) at this state. A restart passes U and
+        level on, so that the constraint does not drift from run to run.
 
     Raises
     ------
     InvalidProblem
-        if an array is not finite or the shapes do not fit together.
+        if an array is not finite or the shapes do not match.
     """
 
     X: ArrayLike
@@ -65,14 +66,14 @@ class State:
             given = getattr(self, name)
             object.__setattr__(self, name, None if given is None else shaped(name, given, X.shape))
 
-    def checked(self, model: Model, tol: float) -> FullState:
-        """The state with all that follows from it.
+    def complete(self, model: Model, tol: float) -> FullState:
+        """Fill in U and level and check the state against the model.
 
         Raises
         ------
         InvalidProblem
-            if the dimensions are not the model's, g has no finite value or no full rank there, or the state is off the
-            constraint or its velocity form by more than ``10 tol``.
+            if the dimensions are not the model's, g is not finite or dg/dX has no full rank, or the constraint or its
+            derivative in time is violated by more than ``10 tol``.
         """
         X, y, v = np.asarray(self.X), np.asarray(self.y), np.asarray(self.v)
         if X.shape[1] != model.nx or y.shape != (model.ny,):
@@ -80,38 +81,36 @@ class State:
                 f"a state with X {X.shape} and y {y.shape}: must have X of shape (N, {model.nx}) and y ({model.ny},)"
             )
         try:
-            phi, found = model.phi(X, y), model.level(X, y)
+            phi, values = model.phi(X, y), model.level(X, y)
         except StepFailure as error:
-            raise InvalidProblem(
-                f"y = {describe(y)}: must be where dg/dX has full rank (5.5); {error.detail}"
-            ) from error
-        level = found if self.level is None else np.asarray(self.level)
-        needed = np.asarray(phi @ v)
-        U = needed if self.U is None else np.asarray(self.U)
-        _on("g(X, y) - level", found - level, level, tol)
-        _on("U - Phi v", U - needed, needed, tol)
+            raise InvalidProblem(f"y = {describe(y)}: dg/dX must have full rank there (5.5); {error.detail}") from error
+        level = values if self.level is None else np.asarray(self.level)
+        required = np.asarray(phi @ v)
+        U = required if self.U is None else np.asarray(self.U)
+        _check_residual("g(X, y) - level", values - level, level, tol)
+        _check_residual("U - Phi v", U - required, required, tol)
         return FullState(X, y, v, U, level)
 
 
-def _on(name: str, residual: NDArray[np.float64], size: NDArray[np.float64], tol: float) -> None:
-    """A residual of a constraint that vanishes to tolerance."""
-    allowed = SLACK * tol + ROUNDING * float(np.abs(size).max(initial=1.0))
+def _check_residual(name: str, residual: NDArray[np.float64], size: NDArray[np.float64], tol: float) -> None:
+    """Check that the residual of a constraint vanishes to tolerance."""
+    allowed = SLACK * tol + START_ROUNDING * float(np.abs(size).max(initial=1.0))
     worst = float(np.abs(residual).max())
     if worst > allowed:
         particle = int(np.abs(residual).max(axis=1).argmax())
         raise InvalidProblem(
-            f"{name} = {worst:.3g} for particle {particle}: the start must be on the constraint, to {allowed:.3g}; "
-            "leave U and level out to take those that X, y and v give"
+            f"{name} = {worst:.3g} for particle {particle}: the start must satisfy the constraint to {allowed:.3g}; "
+            "without U and level, both follow from X, y and v"
         )
 
 
-def oriented(model: Model, start: FullState) -> float:
-    """The common sign of det dg/dX at a start.
+def orientation_at(model: Model, start: FullState) -> float:
+    """Return the common sign of det dg/dX of all particles.
 
     Raises
     ------
     InvalidProblem
-        if the particles lie on both sides of a singular dg/dX.
+        if the signs differ, or dg/dX is singular for a particle.
     """
     gX, _ = model.jacobians(start.X, start.y)
     signs = np.sign(np.linalg.det(gX))

@@ -1,4 +1,4 @@
-"""The derivatives of a model by CasADi's differentiation; the only file of this package that imports CasADi."""
+"""Symbolic derivatives of a model; the only module of this package that imports CasADi."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
 
 def library() -> Any:
-    """CasADi, loaded on first use."""
+    """Import CasADi on first use."""
     with needs("A model of meanfield", "meanfield"):
         import casadi
 
@@ -27,9 +27,9 @@ def library() -> Any:
 
 
 class Expressions(NamedTuple):
-    """Symbols X (nx), y, v (ny), U, r (nx), and what follows from the Lagrangian (5.8) in them.
+    """Symbols X (nx), y, v (ny), U, r (nx), and expressions in these symbols derived from the Lagrangian (5.8).
 
-    gX = dg/dX, gy = dg/dy, phi = -gX^{-1} gy (5.9), omega = Omega[v, v] (5.10), determinant = det gX,
+    level = g(X, y), gX = dg/dX, gy = dg/dy, phi = -gX^{-1} gy (5.9), omega = Omega[v, v] (5.10), determinant = det gX,
     curvature = D^2 g[(U, v), (U, v)], F0 = -grad W0(y), F1 = -grad W1(X), K = grad V(r) with r = X_k - X_i (5.4).
     Without interaction V = K = 0.
     """
@@ -55,14 +55,14 @@ class Expressions(NamedTuple):
 
 
 def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
-    """Differentiate the functions g, W0, W1 and V of a model, given by these names; V is None without interaction.
+    """Differentiate the functions of a model, a mapping with keys g, W0, W1 and V; V is None without interaction.
 
     Raises
     ------
     FunctionFailed
-        if a function of the model raises; the cause is what it raised.
+        if a function of the model raises; its exception is the cause.
     InvalidProblem
-        if a function of the model is no expression of its arguments of the right shape.
+        if a function does not return an expression of the right shape in its arguments.
     """
     ca = library()
     X, U, r = (ca.SX.sym(name, nx) for name in ("X", "U", "r"))
@@ -84,9 +84,9 @@ def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
         gX=gX,
         gy=gy,
         phi=phi,
-        omega=affine(_along(flow, (X, y), (flow, v)), X),
+        omega=affine(_derivative_along(flow, (X, y), (flow, v)), X),
         determinant=ca.det(gX),
-        curvature=_along(_along(level, (X, y), (U, v)), (X, y), (U, v)),
+        curvature=_derivative_along(_derivative_along(level, (X, y), (U, v)), (X, y), (U, v)),
         F0=-ca.gradient(W0, y),
         F1=-ca.gradient(W1, X),
         K=ca.gradient(V, r),
@@ -96,17 +96,17 @@ def expressions(functions: Mapping[str, Any], nx: int, ny: int) -> Expressions:
     )
 
 
-def functions(e: Expressions) -> dict[str, Any]:
-    """g, W0, W1 and V of some expressions as CasADi functions, which pickle whatever they were made from."""
+def casadi_functions(e: Expressions) -> dict[str, Any]:
+    """Build CasADi functions of g, W0, W1 and V, which pickle."""
     ca = library()
     parts = {"g": ([e.X, e.y], e.level), "W0": ([e.y], e.W0), "W1": ([e.X], e.W1), "V": ([e.r], e.V)}
     return {name: ca.Function(name, symbols, [value]) for name, (symbols, value) in parts.items()}
 
 
 def affine(expression: Any, X: Any) -> Any:
-    """An expression whose second derivative in X vanishes as value at 0 plus slope times X, others as they are.
+    """Write an expression that is affine in X as value at 0 plus slope times X; return other expressions unchanged.
 
-    So written, a particle needs a product for each of its coordinates, whatever the coefficients in y cost.
+    In this form a particle needs one product per coordinate; the coefficients depend on y alone.
     """
     ca = library()
     column = ca.vec(expression)
@@ -119,29 +119,30 @@ def affine(expression: Any, X: Any) -> Any:
     return ca.densify(ca.reshape(straight, *expression.shape))
 
 
-def _along(value: Any, symbols: tuple[Any, Any], direction: tuple[Any, Any]) -> Any:
-    """The derivative of an expression in (X, y) along a direction in both."""
+def _derivative_along(value: Any, symbols: tuple[Any, Any], direction: tuple[Any, Any]) -> Any:
+    """Differentiate an expression in (X, y) along a direction."""
     ca = library()
     return sum(ca.jtimes(value, symbol, part) for symbol, part in zip(symbols, direction, strict=True))
 
 
 def _expression(name: str, given: Any, symbols: dict[str, Any]) -> Any:
-    """A callable on symbols, or an expression in symbols of the names used here, as an expression in ours."""
-    made = _called(name, given, symbols) if callable(given) else given
+    """Express a function of the model in our symbols; it is a callable, or an expression in symbols of these names."""
+    value = _call(name, given, symbols) if callable(given) else given
     try:
-        found = _built(made)
+        expression = _convert(value)
     except MemoryError:
         raise
     except Exception as error:
         signature = f"{name}({', '.join(symbols)})"
-        raise InvalidProblem(f"{signature} = {describe(made)}: must be built from CasADi operations") from error
-    return found if callable(given) else _renamed(name, found, symbols)
+        raise InvalidProblem(f"{signature} = {describe(value)}: must be built from CasADi operations") from error
+    return expression if callable(given) else _substitute_symbols(name, expression, symbols)
 
 
-def _built(value: Any) -> Any:
-    """Expressions and numbers, or a list of these, as one expression; TypeError for anything else.
+def _convert(value: Any) -> Any:
+    """Convert an expression, numbers, or a list of both, to one expression; TypeError for anything else.
 
-    CasADi is given nothing else: it waits for the end of what has none, and three axes end the process.
+    Other values do not reach CasADi, which iterates endlessly over an infinite iterator and crashes the process on an
+    array with three axes.
     """
     ca = library()
     if isinstance(value, (ca.SX, ca.DM)):
@@ -149,15 +150,15 @@ def _built(value: Any) -> Any:
     if isinstance(value, np.ndarray) and value.dtype.kind == "O":
         value = list(value.flat)
     if isinstance(value, (list, tuple)) and any(isinstance(part, ca.SX) for part in value):
-        return ca.vertcat(*(part if isinstance(part, ca.SX) else _built(part) for part in value))
+        return ca.vertcat(*(part if isinstance(part, ca.SX) else _convert(part) for part in value))
     numbers = plain(value)
     if numbers is None or numbers.ndim > 2:
-        raise TypeError("no expression")
+        raise TypeError("not an expression")
     return ca.SX(ca.DM(numbers))
 
 
-def _called(name: str, given: Callable[..., Any], symbols: dict[str, Any]) -> Any:
-    """What a function of the user gives for symbols."""
+def _call(name: str, given: Callable[..., Any], symbols: dict[str, Any]) -> Any:
+    """Call a user's function with symbols."""
     try:
         return UserFunction(name, tuple(symbols), Status.FUNCTION_FAILED).call(given, *symbols.values())
     except FunctionFailed as failed:
@@ -165,22 +166,22 @@ def _called(name: str, given: Callable[..., Any], symbols: dict[str, Any]) -> An
         raise FunctionFailed(failed.status, detail) from failed.__cause__
 
 
-def _renamed(name: str, expression: Any, symbols: dict[str, Any]) -> Any:
-    """An expression in the user's symbols X, y (or X_0, X_1, ...) in terms of ours."""
+def _substitute_symbols(name: str, expression: Any, symbols: dict[str, Any]) -> Any:
+    """Replace the user's symbols X, y (or X_0, X_1, ...) by our symbols of the same names."""
     ca = library()
     ours = {}
     for symbol, vector in symbols.items():
         ours.update({symbol: vector[0]} if vector.numel() == 1 else {})
         ours.update({f"{symbol}_{k}": vector[k] for k in range(vector.numel())})
-    found = ca.symvar(expression)
-    strange = sorted({s.name() for s in found} - ours.keys())
-    if strange:
-        raise InvalidProblem(f"{name} contains the symbol {strange[0]}: allowed are {', '.join(sorted(ours))}")
-    return ca.substitute(expression, ca.vertcat(*found), ca.vertcat(*(ours[s.name()] for s in found)))
+    used = ca.symvar(expression)
+    unknown = sorted({s.name() for s in used} - ours.keys())
+    if unknown:
+        raise InvalidProblem(f"{name} contains the symbol {unknown[0]}: allowed are {', '.join(sorted(ours))}")
+    return ca.substitute(expression, ca.vertcat(*used), ca.vertcat(*(ours[s.name()] for s in used)))
 
 
 def _shaped(expression: Any, name: str, rows: int) -> Any:
-    """An expression that is a column of so many rows, whichever way it was written."""
+    """Return an expression as a dense column of ``rows`` components."""
     ca = library()
     if expression.numel() != rows:
         raise InvalidProblem(f"{name} has {expression.numel()} components: must have {rows}")
@@ -188,18 +189,18 @@ def _shaped(expression: Any, name: str, rows: int) -> Any:
 
 
 def program(inputs: Sequence[Any], outputs: Sequence[Any]) -> tuple[Instruction, ...]:
-    """The elementary operations that compute outputs from inputs, common ones once, in an order that can be run."""
+    """List the elementary operations that compute outputs from inputs, in order; common subexpressions appear once."""
     ca = library()
     function = ca.Function("f", list(inputs), ca.cse([ca.densify(e) for e in outputs]))
     names = {getattr(ca, n): n.removeprefix("OP_").lower() for n in dir(ca) if re.fullmatch(r"OP_[A-Z0-9_]+", n)}
-    made = []
+    instructions = []
     for k in range(function.n_instructions()):
         operation = names[function.instruction_id(k)]
         result, arguments = function.instruction_output(k), tuple(function.instruction_input(k))
         if operation == "output":
-            made.append(Instruction(operation, result[1], arguments, place=result[0]))
+            instructions.append(Instruction(operation, result[1], arguments, place=result[0]))
         elif operation == "const":
-            made.append(Instruction(operation, result[0], (), constant=function.instruction_constant(k)))
+            instructions.append(Instruction(operation, result[0], (), constant=function.instruction_constant(k)))
         else:
-            made.append(Instruction(operation, result[0], arguments))
-    return tuple(made)
+            instructions.append(Instruction(operation, result[0], arguments))
+    return tuple(instructions)

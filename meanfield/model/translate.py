@@ -1,6 +1,6 @@
-"""A list of elementary operations as lines of Python, and as a NumPy function on all particles at once.
+"""Translation of elementary operations to lines of Python, and to a NumPy function of all particles at once.
 
-Constants are arguments of the generated code, so that models that differ only in their numbers share one compilation.
+Constants are arguments of the generated code: models that differ only in their constants share one compilation.
 """
 
 from __future__ import annotations
@@ -35,8 +35,8 @@ TEMPLATES = {
 class Instruction(NamedTuple):
     """One elementary operation: ``value[result] = operation(value[arguments])``.
 
-    For "input" the arguments are (number of the input, element), for "output" the result is element ``result`` of
-    output ``place``; elements of matrices are counted column by column.
+    For "input", the arguments are (number of the input, element). For "output", the result is element ``result`` of
+    output number ``place``. Elements of matrices are counted column by column.
     """
 
     operation: str
@@ -47,26 +47,26 @@ class Instruction(NamedTuple):
 
 
 class Body(NamedTuple):
-    """Generated lines: those that are the same for all particles, those for each, and the name of each output."""
+    """Generated lines, ``common`` to all particles and ``per_particle``, names of the outputs, and constants."""
 
     common: tuple[str, ...]
-    each: tuple[str, ...]
+    per_particle: tuple[str, ...]
     outputs: tuple[str, ...]
     constants: tuple[float, ...]
 
 
 def body(program: Sequence[Instruction], inputs: Sequence[str], particle: Sequence[bool]) -> Body:
-    """Write a program down line by line.
+    """Generate the lines of a program.
 
     Parameters
     ----------
     inputs
-        one format per input of the program, with the element in place of ``{}``.
+        one format string per input of the program; ``{}`` stands for the element.
     particle
-        whether an input belongs to the particle, so that what depends on it is computed for each.
+        whether an input belongs to a particle; results that depend on such inputs are computed per particle.
     """
     common: list[str] = []
-    each: list[str] = []
+    per_particle: list[str] = []
     constants: list[float] = []
     named: dict[int, tuple[str, bool]] = {}
     outputs: dict[tuple[int, int], str] = {}
@@ -81,11 +81,11 @@ def body(program: Sequence[Instruction], inputs: Sequence[str], particle: Sequen
             constants.append(step.constant)
         else:
             arguments = [named[k] for k in step.arguments]
-            own = any(is_own for _, is_own in arguments)
-            lines = each if own else common
+            varies = any(argument_varies for _, argument_varies in arguments)
+            lines = per_particle if varies else common
             lines.append(f"t{number} = {_formula(step.operation, [name for name, _ in arguments])}")
-            named[step.result] = (f"t{number}", own)
-    return Body(tuple(common), tuple(each), tuple(outputs[k] for k in sorted(outputs)), tuple(constants))
+            named[step.result] = (f"t{number}", varies)
+    return Body(tuple(common), tuple(per_particle), tuple(outputs[k] for k in sorted(outputs)), tuple(constants))
 
 
 def _formula(operation: str, names: Sequence[str]) -> str:
@@ -99,24 +99,25 @@ def _formula(operation: str, names: Sequence[str]) -> str:
 def vectorised(
     program: Sequence[Instruction], inputs: Sequence[str], particle: Sequence[bool]
 ) -> Callable[..., list[NDArray[np.float64]]]:
-    """A NumPy function of the inputs: arrays (Q, n) of what belongs to particles, (n,) of what does not.
+    """Translate a program to a NumPy function.
 
     Returns
     -------
     function
-        of all inputs in order; gives the elements of all outputs one after another, each of shape (Q,) or ().
+        of all inputs in order: arrays (Q, n) for inputs of particles, (n,) for others. It returns the elements of all
+        outputs in order, each of shape (Q,) or ().
     """
-    forms = [f"{name}[:, {{}}]" if own else f"{name}[{{}}]" for name, own in zip(inputs, particle, strict=True)]
+    forms = [f"{name}[:, {{}}]" if varies else f"{name}[{{}}]" for name, varies in zip(inputs, particle, strict=True)]
     text = body(program, forms, particle)
-    lines = [f"def f({', '.join(inputs)}, numbers):", *text.common, *text.each, f"return [{', '.join(text.outputs)}]"]
-    function = executed("\n    ".join(lines))
+    header, result = f"def f({', '.join(inputs)}, numbers):", f"return [{', '.join(text.outputs)}]"
+    function = define("\n    ".join([header, *text.common, *text.per_particle, result]))
     constants = np.array(text.constants)
     return lambda *values: function(*values, constants)
 
 
 @cache
-def executed(source: str) -> Any:
-    """The function that a generated source defines."""
-    place: dict[str, Any] = {"np": np}
-    exec(compile(source, "<model>", "exec"), place)
-    return place["f"]
+def define(source: str) -> Any:
+    """Return the function ``f`` that generated source code defines."""
+    namespace: dict[str, Any] = {"np": np}
+    exec(compile(source, "<model>", "exec"), namespace)
+    return namespace["f"]

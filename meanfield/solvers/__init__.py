@@ -1,1 +1,1 @@
-"""Ways from a start to a motion, one per file, and what they share."""
+"""Solvers of the equations of motion, one method per module, and modules that they share."""

@@ -1,4 +1,4 @@
-"""The arguments of the solvers, checked."""
+"""Checks of the arguments that solvers share."""
 
 from __future__ import annotations
 
@@ -16,27 +16,27 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
 
-# Tolerances of the integrators: below, rounding decides; above, nothing is computed.
+# Range of tolerances: below, rounding exceeds the tolerance; above, results have no correct digit.
 TIGHTEST, LOOSEST = 1e-13, 1e-1
 
 
-def model_given(value: Any) -> None:
-    """A Model, or InvalidProblem."""
+def check_model(value: Any) -> None:
+    """Raise InvalidProblem unless the argument is a Model."""
     checks.instance("model", value, Model, "a meanfield.Model")
 
 
-def state_given(value: Any) -> None:
-    """A State, or InvalidProblem."""
+def check_state(value: Any) -> None:
+    """Raise InvalidProblem unless the argument is a State."""
     checks.instance("start", value, State, "a meanfield.State")
 
 
-def density_given(value: Any) -> None:
-    """A Density, or InvalidProblem."""
+def check_density(value: Any) -> None:
+    """Raise InvalidProblem unless the argument is a Density."""
     checks.instance("density", value, Density, "a meanfield.Density")
 
 
-def times(value: ArrayLike) -> NDArray[np.float64]:
-    """Times to keep, >= 0 and increasing, of shape (K,); a run starts at 0 and ends at the last one, which is > 0."""
+def output_times(value: ArrayLike) -> NDArray[np.float64]:
+    """Return the output times (K,); InvalidProblem unless they are >= 0 and increasing, and the last one > 0."""
     t = checks.shaped("t", value, (None,))
     if t[0] < 0 or (np.diff(t) <= 0).any() or t[-1] == 0:
         raise InvalidProblem(f"t = {checks.describe(t)}: must be increasing times >= 0, the last one > 0")
@@ -44,7 +44,7 @@ def times(value: ArrayLike) -> NDArray[np.float64]:
 
 
 def tolerance(value: Any) -> float:
-    """A tolerance that double precision can keep."""
+    """Return a tolerance; InvalidProblem unless it is from 1e-13 to 0.1."""
     tol = checks.number("tol", value, positive=True)
     if not TIGHTEST <= tol <= LOOSEST:
         raise InvalidProblem(f"tol = {tol:g}: must be from {TIGHTEST:g} to {LOOSEST:g}")
@@ -54,16 +54,16 @@ def tolerance(value: Any) -> float:
 def checked_start(
     model: Model, density: Density, y0: ArrayLike, v0: ArrayLike, t: ArrayLike
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """y0, v0 (ny,) and the times to keep (K,), for a density over the space of the model's particles.
+    """Return y0, v0 (ny,) and the output times (K,) of a run from a density.
 
     Raises
     ------
     InvalidProblem
-        if one of them cannot be right.
+        if an argument is invalid, or the dimensions of density and model differ.
     """
-    model_given(model)
-    density_given(density)
+    check_model(model)
+    check_density(density)
     if density.nx != model.nx:
-        raise InvalidProblem(f"density has nx = {density.nx}: must be {model.nx}, that of the model")
+        raise InvalidProblem(f"density has nx = {density.nx}: must be {model.nx}, as in the model")
     y, v = checks.shaped("y0", y0, (model.ny,)), checks.shaped("v0", v0, (model.ny,))
-    return y, v, times(t)
+    return y, v, output_times(t)

@@ -1,4 +1,4 @@
-"""The constrained equations of motion (5.6), integrated as they are by IDAS."""
+"""Constrained equations of motion (5.6) with multipliers as unknowns, integrated by IDAS."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from dincl.checks import describe, flag
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.errors import SolveFailed
-from meanfield.model.state import FullState, State, oriented
+from meanfield.model.state import FullState, State, orientation_at
 from meanfield.model.symbolic import library
-from meanfield.solvers.arguments import model_given, state_given, times, tolerance
-from meanfield.solvers.index import accelerations, consistent, system
+from meanfield.solvers.arguments import check_model, check_state, output_times, tolerance
+from meanfield.solvers.index_one import accelerations, consistent_values, index_one_system
 from meanfield.solvers.motion import Motion, SolverWork
 
 if TYPE_CHECKING:
@@ -24,19 +24,19 @@ if TYPE_CHECKING:
 
     from meanfield.model.model import Model
 
-# IDAS bounds the error of a step; over a run the errors add up to some tens of that.
+# IDAS bounds the error of a step; over a run the errors add up to some tens of that bound.
 SAFETY = 30.0
-# Steps between two kept times.
-MOST_STEPS = 100_000
-# Coordinates of particles with interaction: Newton's matrix is full then, and building it takes their number cubed.
-MOST_INTERACTING = 120
-# CasADi does not go on to an output closer than 1e-9 to the one before; the run has length 1 there.
-CLOSEST = 1e-8
-# Looks back from a failure, in parts of its time: IDAS tells that to six digits.
-BEFORE = np.array([1e-2, 1e-3, 1e-4, 1e-5])
-# A run that failed where det dg/dX had become this much smaller, or larger, than at the start, failed because of it.
-FADED = 0.2
-# CasADi keeps the counters of a call with memory of ours here; 0 is its own.
+# Steps between two output times.
+MAX_IDAS_STEPS = 100_000
+# Coordinates of particles with interaction: the Newton matrix is dense then, and building it takes O(n^3) operations.
+MAX_INTERACTING_COORDINATES = 120
+# Smallest distance of output times relative to the run. CasADi, for which the run has length 1, skips 1e-9.
+MIN_SPACING = 1e-8
+# Relative distances in time from a failure at which its cause is sought; IDAS reports the time to six digits.
+RETREATS = np.array([1e-2, 1e-3, 1e-4, 1e-5])
+# A failure is attributed to det dg/dX if its ratio to the value at the start is below this value or above its inverse.
+SINGULAR_RATIO = 0.2
+# Number of CasADi's memory object that holds the counters of a call with our buffers; 0 is used by its other calls.
 MEMORY = 1
 
 CAUSES = {
@@ -62,54 +62,55 @@ def solve_dae(model: Model, start: State, t: ArrayLike, tol: float, *, throw: bo
         0 = g_X U_i + g_y v
         0 = g_X (F1 + 1/N sum_k K(X_k, X_i) - g_X^T lambda_i)/m + g_y y'' + D^2 g[(U_i, v), (U_i, v)]
 
-    They have index 1 (``solvers.index``): g, g' and g'' hold at every step to the accuracy of Newton's method, and
-    at kept times, which are interpolated, to a part of tol: nothing drifts off. lambda is under the same error control
-    as y. Compared with the form of Gear, Gupta and Leimkuhler (index 2) at 1e-10: in as many steps that one finds y as
-    well, but lambda to 1e-6 only, and with lambda under error control it fails at once. A step takes O(N) operations,
-    with interaction O(N^3).
+    They have index 1 (``solvers.index_one``). At every step g, g' and g'' hold to the accuracy of Newton's method; at
+    output times, which are interpolated, to a fraction of tol. The constraint does not drift. lambda is under the same
+    error control as y. The form of Gear, Gupta and Leimkuhler (index 2), compared at 1e-10, takes as many steps and is
+    as accurate in y, but lambda is accurate to 1e-6 only, and the form fails if lambda is under error control. A step
+    takes O(N) operations, with interaction O(N^3).
 
     Parameters
     ----------
     t
-        times to keep, >= 0 and increasing, not closer than 1e-8 of the run; it starts at 0 and ends at the last one.
+        output times, >= 0 and increasing, at least 1e-8 of the run apart; the run starts at 0 and ends at the last one.
     tol
-        error of all unknowns that a run over two periods keeps up to a factor of twenty: in the mean square, relative
-        to 1 + the value + the largest of its kind (y, v, X, U, lambda) at the start; 1e-13 is lost to rounding.
+        tolerance of the error of all unknowns in the mean square, relative to 1 + the value + the largest value of its
+        kind (y, v, X, U, lambda) at the start. Runs over two periods exceed it by a factor of up to twenty; 1e-13 is
+        below rounding.
     throw
-        raise SolveFailed on failure; else return the motion until then, with its Status.
+        raise SolveFailed on failure; otherwise return the output times reached, with their Status.
 
     Returns
     -------
     Motion
-        whose multipliers are the unknowns of the integrator.
+        its multipliers are the unknowns of the integrator.
 
     Raises
     ------
     InvalidProblem
-        if t, tol or the start cannot be right, or particles with interaction are too many.
+        if t, tol or the start is invalid, or particles with interaction have more than 120 coordinates.
     SolveFailed
         if dg/dX loses its rank, a value is not finite, or the steps become too many or too small.
 
     Source: (5.6), (5.7); Mattsson and Soederlind, SIAM J. Sci. Comput. 14 (1993) 677.
     """
-    model_given(model)
-    state_given(start)
-    kept, tol, raises = times(t), tolerance(tol), flag("throw", throw)
-    gaps = np.diff(kept, prepend=0.0)
-    if (gaps[gaps > 0] < CLOSEST * kept[-1]).any():
-        raise InvalidProblem(f"t = {describe(kept)}: must be times at least {CLOSEST:g} of the last one apart")
-    first = start.checked(model, tol)
-    most = MOST_INTERACTING // model.nx
+    check_model(model)
+    check_state(start)
+    times, tol, raises = output_times(t), tolerance(tol), flag("throw", throw)
+    gaps = np.diff(times, prepend=0.0)
+    if (gaps[gaps > 0] < MIN_SPACING * times[-1]).any():
+        raise InvalidProblem(f"t = {describe(times)}: times must differ by at least {MIN_SPACING:g} of the last one")
+    first = start.complete(model, tol)
+    most = MAX_INTERACTING_COORDINATES // model.nx
     if model.V is not None and len(first.X) > most:
-        raise InvalidProblem(f"N = {len(first.X)} particles with interaction: must be at most {most} here")
-    motion = _solved(model, first, kept, tol)
+        raise InvalidProblem(f"N = {len(first.X)} particles with interaction: must be at most {most} for solve_dae")
+    motion = _solve(model, first, times, tol)
     if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 
 
 class _Run(NamedTuple):
-    """Rows of y, v, X, U, lambda and the number of flipped particles, as far as it came; what IDAS said and counted."""
+    """Values of y, v, X, U, lambda and ``flipped`` at the output times reached; message and counters of IDAS."""
 
     y: NDArray[np.float64]
     v: NDArray[np.float64]
@@ -122,10 +123,10 @@ class _Run(NamedTuple):
 
 
 class _Problem:
-    """The equations of one start as CasADi's integrator takes them, in the time s = t/duration."""
+    """Equations of a run for CasADi's integrator, in the time s = t/duration."""
 
     def __init__(self, model: Model, start: FullState, duration: float, tol: float) -> None:
-        X, U = consistent(model, start.X, start.y, start.v, start.level)
+        X, U = consistent_values(model, start.X, start.y, start.v, start.level)
         found = accelerations(model, X, U, start.y, start.v)
         gX, gy = model.jacobians(X, start.y)
         sums = np.einsum("jik,ji->jk", gy, found.multipliers).cumsum(axis=0) / len(X)
@@ -134,37 +135,37 @@ class _Problem:
         sizes = [np.full(part.size, 1 + np.abs(part).max()) for part in parts]
         self.x, self.z = np.concatenate(parts[:2]), np.concatenate(parts[2:])
         self._shape, self._duration = X.shape, duration
-        made = system(model, start.level, np.full(len(X), oriented(model, start)))
-        self._equations = {"x": made.differential, "z": made.algebraic, "ode": duration * made.rates}
-        self._equations |= {"alg": made.residuals, "quad": made.flipped}
+        system = index_one_system(model, start.level, np.full(len(X), orientation_at(model, start)))
+        self._equations = {"x": system.differential, "z": system.algebraic, "ode": duration * system.rates}
+        self._equations |= {"alg": system.residuals, "quad": system.flipped}
         self._options = {
             "reltol": tol / SAFETY,
             "abstolv": list(tol / SAFETY * np.concatenate(sizes)),
             "init_xdot": list(duration * np.concatenate([start.v, found.y])),
             "calc_ic": False,
-            "max_num_steps": MOST_STEPS,
+            "max_num_steps": MAX_IDAS_STEPS,
             "show_eval_warnings": False,
         }
 
-    def run(self, kept: NDArray[np.float64]) -> _Run:
-        """Integrate to the last of the times without a restart in between.
+    def run(self, times: NDArray[np.float64]) -> _Run:
+        """Integrate to the last output time without restarts.
 
-        CasADi raises when IDAS gives up, and its results are lost; those written to memory of ours before are not.
+        When IDAS fails, CasADi raises and its results are lost. Results up to the failure remain in our buffers.
         """
-        outputs = list(kept / self._duration)
+        outputs = list(times / self._duration)
         integrator = library().integrator("motion", "idas", self._equations, 0.0, outputs, self._options)
-        results = [np.full((len(kept), size), np.nan) for size in (self.x.size, self.z.size, 1)]
+        results = [np.full((len(times), size), np.nan) for size in (self.x.size, self.z.size, 1)]
         memory, call = integrator.buffer()
         for k, value in enumerate((self.x, self.z)):
             memory.set_arg(k, value.data)
         for k, result in enumerate(results):
             memory.set_res(k, result.reshape(-1).data)
-        said, message = io.StringIO(), ""
-        with redirect_stderr(said):
+        log, message = io.StringIO(), ""
+        with redirect_stderr(log):
             try:
                 call()
             except RuntimeError as error:
-                message = f"{error} {said.getvalue()}"
+                message = f"{error} {log.getvalue()}"
         return self._split(results, message, integrator.stats(MEMORY))
 
     def _split(self, results: list[NDArray[np.float64]], message: str, counters: dict[str, Any]) -> _Run:
@@ -175,22 +176,22 @@ class _Problem:
         return _Run(x[:, :ny], x[:, ny:], X, U, multipliers, flipped[:, 0], message, counters)
 
 
-def _solved(model: Model, start: FullState, kept: NDArray[np.float64], tol: float) -> Motion:
-    """The motion until the last kept time, or the last one that was reached on the right side of (5.5)."""
+def _solve(model: Model, start: FullState, times: NDArray[np.float64], tol: float) -> Motion:
+    """Compute the motion until the last output time, or the last one reached without a violation of (5.5)."""
     try:
-        problem = _Problem(model, start, kept[-1], tol)
+        problem = _Problem(model, start, times[-1], tol)
     except StepFailure as error:
-        few, many = np.empty((0, model.ny)), np.empty((0, *start.X.shape))
-        nothing = _Run(few, few, many, many, many, kept[:0], "", {})
-        return _motion(model, start, kept[:0], nothing, 0, error.status, error.detail)
-    run = problem.run(kept)
-    good = int((run.flipped == 0).cumprod().sum())
+        no_y, no_X = np.empty((0, model.ny)), np.empty((0, *start.X.shape))
+        empty = _Run(no_y, no_y, no_X, no_X, no_X, times[:0], "", {})
+        return _motion(model, start, times[:0], empty, 0, error.status, error.detail)
+    run = problem.run(times)
+    valid = int((run.flipped == 0).cumprod().sum())
     status, detail = Status.SUCCESS, ""
-    if good < len(run.flipped):
-        status, detail = Status.SINGULAR, f"det dg/dX changes its sign before t = {kept[good]:.6g}."
-    elif good < len(kept):
-        status, detail = _cause(model, problem, run.message, kept[-1])
-    return _motion(model, start, kept[:good], run, problem.x.size + problem.z.size, status, detail)
+    if valid < len(run.flipped):
+        status, detail = Status.SINGULAR, f"det dg/dX changes its sign before t = {times[valid]:.6g}."
+    elif valid < len(times):
+        status, detail = _cause(model, problem, run.message, times[-1])
+    return _motion(model, start, times[:valid], run, problem.x.size + problem.z.size, status, detail)
 
 
 def _motion(
@@ -213,25 +214,25 @@ def _motion(
 
 
 def _cause(model: Model, problem: _Problem, message: str, duration: float) -> tuple[Status, str]:
-    """What IDAS said; unless a second run, to just before, shows a better reason."""
+    """Return the cause of a failure: the message of IDAS, or a better reason from a second run to just before it."""
     code = next((code for code in CAUSES if code in message), "IDAS")
     status = CAUSES.get(code, Status.NOT_CONVERGED)
-    told = re.search(r"At t = ([0-9.e+-]+)", message)
-    end = duration * float(told[1].rstrip(".")) if told else 0.0
-    before = problem.run(end * (1 - BEFORE)) if end > 0 else None
+    reported = re.search(r"At t = ([0-9.e+-]+)", message)
+    end = duration * float(reported[1].rstrip(".")) if reported else 0.0
+    before = problem.run(end * (1 - RETREATS)) if end > 0 else None
     if before is not None and len(before.flipped):
-        if (before.flipped != 0).any() or _faded(model, problem, before):
+        if (before.flipped != 0).any() or _nearly_singular(model, problem, before):
             return Status.SINGULAR, f"det dg/dX goes to zero or infinity near t = {end:.6g}."
-        if status is Status.TOO_MANY_STEPS and before.counters["nsteps"] < MOST_STEPS / 2:
+        if status is Status.TOO_MANY_STEPS and before.counters["nsteps"] < MAX_IDAS_STEPS / 2:
             return Status.STEP_TOO_SMALL, f"The step vanished near t = {end:.6g}."
     return status, f"{code} near t = {end:.6g}."
 
 
-def _faded(model: Model, problem: _Problem, run: _Run) -> bool:
-    """Whether det dg/dX is far from what it was at the start, where a run ended."""
+def _nearly_singular(model: Model, problem: _Problem, run: _Run) -> bool:
+    """Return whether det dg/dX at the end of a run is far from its value at the start."""
     try:
         gX, _ = model.jacobians(run.X[-1], run.y[-1])
     except StepFailure:
         return True
     ratio = np.linalg.det(gX) / problem.determinants
-    return bool(ratio.min() < FADED or ratio.max() > 1 / FADED)
+    return bool(ratio.min() < SINGULAR_RATIO or ratio.max() > 1 / SINGULAR_RATIO)

@@ -1,4 +1,4 @@
-"""The moment equations, where they close: a handful of unknowns for any number of particles (Remark 5.20)."""
+"""Moment equations of models for which they close: a few unknowns for any number of particles (Remark 5.20)."""
 
 from __future__ import annotations
 
@@ -11,16 +11,15 @@ import numpy as np
 from dincl.checks import describe, flag, items, shaped
 from dincl.errors import InvalidProblem, StepFailure
 from meanfield import plotting
-from meanfield.density.weights import checked
 from meanfield.errors import NotClosed, SolveFailed
-from meanfield.forces.field import accelerated
+from meanfield.forces.field import solve_mass
 from meanfield.forces.interaction import pair_energy
-from meanfield.forces.weights import each
 from meanfield.model.closure import closure, obstacle
-from meanfield.solvers.arguments import model_given, times, tolerance
+from meanfield.solvers.arguments import check_model, output_times, tolerance
 from meanfield.solvers.integrate import integrate
 from meanfield.solvers.motion import SolverWork
 from meanfield.solvers.result import SolverResult
+from meanfield.weights import checked_weights, full_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -31,12 +30,12 @@ if TYPE_CHECKING:
     from meanfield.model.closure import MomentClosure
     from meanfield.model.model import Model
 
-# A second moment may be below that of a point mass by the rounding of numbers of its size, however small that is.
-ROUNDING = 1e-12
+# A covariance may be negative by rounding, relative to the second moment.
+MOMENT_ROUNDING = 1e-12
 
 
 class Moments(NamedTuple):
-    """rho = int x f dx (nx,) and the second moment, which is no covariance, sigma = int x x^T f dx (nx, nx)."""
+    """Mean rho = int x f dx (nx,) and second moment sigma = int x x^T f dx (nx, nx), not centred."""
 
     mean: NDArray[np.float64]
     second: NDArray[np.float64]
@@ -44,7 +43,7 @@ class Moments(NamedTuple):
 
 @dataclass(frozen=True, eq=False, repr=False)
 class MomentMotion(SolverResult):
-    """y, y' (K, ny) and the moments rho (K, nx), sigma (K, nx, nx) at K times; how the run ended, and what it cost."""
+    """Macroscopic state y, y' (K, ny) and moments rho (K, nx), sigma (K, nx, nx) at K output times, status and work."""
 
     model: Model
     t: NDArray[np.float64]
@@ -57,7 +56,7 @@ class MomentMotion(SolverResult):
     work: SolverWork
 
     def energy(self) -> NDArray[np.float64]:
-        """Total energy (5.50) at each kept time, shape (K,): all its integrands are quadratic in x."""
+        """Compute the total energy (5.50) at each output time, shape (K,); its integrands are quadratic in x."""
         found = []
         for y, v, rho, sigma in zip(self.y, self.v, self.mean, self.second, strict=True):
             X, w = points(Moments(rho, sigma))
@@ -78,17 +77,17 @@ class MomentMotion(SolverResult):
     def _size(self) -> str:
         return f"nx = {self.model.nx}, ny = {self.model.ny}"
 
-    def _pictures(self) -> list[Callable[[Any], None]]:
+    def _plots(self) -> list[Callable[[Any], None]]:
         return [partial(plotting.draw_bands, t=self.t, mean=self.mean, deviation=self._deviation())]
 
     def _deviation(self) -> NDArray[np.float64]:
-        """Standard deviation of each coordinate, (K, nx)."""
+        """Compute the standard deviation of each coordinate, (K, nx)."""
         variance = np.einsum("kii->ki", self.second) - self.mean**2
         return np.asarray(np.sqrt(np.maximum(variance, 0.0)))
 
 
 def points(moments: Moments) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """2 nx points of equal weight with given moments: the mean plus and minus sqrt(nx) times the axes of the spread."""
+    """Construct 2 nx points of equal weight with given moments: mean plus and minus sqrt(nx) principal deviations."""
     mean, second = moments
     values, axes = np.linalg.eigh(second - np.outer(mean, mean))
     arms = (axes * np.sqrt(np.maximum(values, 0.0) * len(mean))).T
@@ -96,16 +95,16 @@ def points(moments: Moments) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
 
 
 def sample_moments(X: ArrayLike, weights: ArrayLike | None) -> Moments:
-    """The moments of particles (N, nx) of weights (N,) that sum to 1; None: 1/N each.
+    """Compute the moments of particles (N, nx) with weights (N,) that sum to 1; None: 1/N each.
 
     Raises
     ------
     InvalidProblem
-        if X is of another shape or not finite, or weights are negative or do not sum to 1.
+        if X has another shape or is not finite, or weights are negative or do not sum to 1.
     """
-    at = shaped("X", X, (None, None))
-    w = each(None if weights is None else checked("weights", weights, len(at)), len(at))
-    return Moments(w @ at, (at * w[:, None]).T @ at)
+    x = shaped("X", X, (None, None))
+    w = full_weights(None if weights is None else checked_weights("weights", weights, len(x)), len(x))
+    return Moments(w @ x, (x * w[:, None]).T @ x)
 
 
 def solve_moments(
@@ -117,8 +116,8 @@ def solve_moments(
         rho'   = A rho + b                                     (the blank of (5.69))
         sigma' = A sigma + sigma A^T + b rho^T + rho b^T
 
-    They follow from (5.42b) by multiplying with x and x x^T and integrating by parts: d/dt int h f dx = int (grad h .
-    Phi[y']) f dx. They hold without assuming a shape of f.
+    The last two equations follow from (5.42b), multiplied by x and x x^T and integrated by parts: d/dt int h f dx =
+    int (grad h . Phi[y']) f dx. They hold for every shape of f.
 
     Parameters
     ----------
@@ -130,42 +129,42 @@ def solve_moments(
     Raises
     ------
     NotClosed
-        if Phi, Omega or F1 is not affine in x, or K not linear in x' - x: higher moments would be needed.
+        if Phi, Omega or F1 is not affine in x, or K is not linear in x' - x: higher moments would be needed.
     InvalidProblem
-        if an argument cannot be right.
+        if an argument is invalid.
     SolveFailed
         if the run ends early.
 
     Source: Remark 5.20, (5.67)-(5.69).
     """
-    model_given(model)
+    check_model(model)
     raises = flag("throw", throw)
     closed = closure(model)
     if closed is None:
         raise NotClosed(f"the moment equations of the model do not close: {obstacle(model)}")
-    kept, tol = times(t), tolerance(tol)
-    unknowns = _Unknowns(model, closed, _checked(model, moments0), y0, v0)
-    result = integrate(unknowns, kept, tol)
-    parts = [unknowns.split(z) for z in result.z]
+    times, tol = output_times(t), tolerance(tol)
+    system = _MomentSystem(model, closed, _checked(model, moments0), y0, v0)
+    result = integrate(system, times, tol)
+    parts = [system.split(z) for z in result.z]
     y, v, mean, second = (
-        np.array([part[k] for part in parts]).reshape(len(parts), *shape) for k, shape in enumerate(unknowns.shapes)
+        np.array([part[k] for part in parts]).reshape(len(parts), *shape) for k, shape in enumerate(system.shapes)
     )
-    work = SolverWork(unknowns.start.size, result.steps, result.evaluations)
-    motion = MomentMotion(model, kept[: len(y)], y, v, mean, second, result.status, result.detail, work)
+    work = SolverWork(system.start.size, result.steps, result.evaluations)
+    motion = MomentMotion(model, times[: len(y)], y, v, mean, second, result.status, result.detail, work)
     if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 
 
 def _checked(model: Model, moments: Moments) -> Moments:
-    """Moments that some density has."""
+    """Return moments as arrays; InvalidProblem unless a measure has these moments."""
     given = items("moments0", moments, object, "Moments(mean, second)")
     if len(given) != len(Moments._fields):
         raise InvalidProblem(f"moments0 = {describe(moments)}: must be Moments(mean, second)")
     mean = shaped("moments0.mean", given[0], (model.nx,))
     second = shaped("moments0.second", given[1], (model.nx, model.nx))
     least = np.linalg.eigvalsh(second - np.outer(mean, mean)).min()
-    slack = ROUNDING * np.abs(second).max()
+    slack = MOMENT_ROUNDING * np.abs(second).max()
     if np.abs(second - second.T).max() > slack or least < -slack:
         raise InvalidProblem(
             f"moments0.second = {second.tolist()}: must be symmetric, and second - mean mean^T, of least eigenvalue "
@@ -174,8 +173,8 @@ def _checked(model: Model, moments: Moments) -> Moments:
     return Moments(mean, (second + second.T) / 2)
 
 
-class _Unknowns:
-    """The unknowns y, v, rho and the upper half of sigma."""
+class _MomentSystem:
+    """System of the unknowns y, v, rho and the upper half of sigma."""
 
     def __init__(self, model: Model, closed: MomentClosure, moments: Moments, y0: ArrayLike, v0: ArrayLike) -> None:
         self._model, self._closed = model, closed
@@ -183,39 +182,39 @@ class _Unknowns:
         self.shapes = ((model.ny,), (model.ny,), (model.nx,), (model.nx, model.nx))
         y, v = shaped("y0", y0, (model.ny,)), shaped("v0", v0, (model.ny,))
         self.start = np.concatenate([y, v, moments.mean, moments.second[self._upper]])
-        self.shares = np.ones(self.start.size)
+        self.error_weights = np.ones(self.start.size)
         derivative, self.orientation = self.derivative(self.start)
         if not np.isfinite(derivative).all():
-            raise InvalidProblem(f"y0 = {describe(y)}: must be where dg/dX has full rank (5.5)")
+            raise InvalidProblem(f"y0 = {describe(y)}: dg/dX must have full rank there (5.5)")
 
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-        """z' and the orientation at z; NaN where there is none."""
+        """Compute z' and the orientation at z; NaN where they are undefined."""
         y, v, rho, sigma = self.split(z)
         n, ny = self._model.nx, self._model.ny
         with np.errstate(all="ignore"):
-            shares = np.array(self._closed.shares(rho, sigma.ravel(), y, v))
+            integrals = np.array(self._closed.integrals(rho, sigma.ravel(), y, v))
             flow = np.array(self._closed.flow(y, v))
             A, b = flow[: n * n].reshape(n, n).T, flow[n * n :]
-            turned = A @ sigma + np.outer(b, rho)
-            change = [A @ rho + b, (turned + turned.T)[self._upper]]
-            mass = np.eye(ny) + shares[: ny * ny].reshape(ny, ny)
-            force = shares[ny * ny :]
-        if not (np.isfinite(shares).all() and np.isfinite(flow).all()):
+            half = A @ sigma + np.outer(b, rho)
+            rates = [A @ rho + b, (half + half.T)[self._upper]]
+            mass = np.eye(ny) + integrals[: ny * ny].reshape(ny, ny)
+            force = integrals[ny * ny :]
+        if not (np.isfinite(integrals).all() and np.isfinite(flow).all()):
             return np.full_like(z, np.nan), np.nan
-        a = accelerated(mass, self._model.F0(y) + force)
-        return np.concatenate([v, a, *change]), self._oriented(rho, y)
+        a = solve_mass(mass, self._model.F0(y) + force)
+        return np.concatenate([v, a, *rates]), self._orientation(rho, y)
 
     def split(
         self, z: NDArray[np.float64]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """y, v, rho and sigma."""
+        """Split z into y, v, rho and sigma."""
         n, ny = self._model.nx, self._model.ny
         sigma = np.empty((n, n))
         sigma[self._upper] = z[2 * ny + n :]
         sigma.T[self._upper] = z[2 * ny + n :]
         return z[:ny], z[ny : 2 * ny], z[2 * ny : 2 * ny + n], sigma
 
-    def _oriented(self, rho: NDArray[np.float64], y: NDArray[np.float64]) -> float:
+    def _orientation(self, rho: NDArray[np.float64], y: NDArray[np.float64]) -> float:
         try:
             return float(np.sign(np.linalg.det(self._model.jacobians(rho[None, :], y)[0][0])))
         except StepFailure:

@@ -1,4 +1,4 @@
-"""The reduced equations (5.11): y by Newton's law with effective mass and force, the particles by transport."""
+"""Reduced equations (5.11): Newton's law for y with effective mass and force, transport of the particles."""
 
 from __future__ import annotations
 
@@ -10,9 +10,9 @@ from dincl import checks
 from meanfield.errors import SolveFailed
 from meanfield.forces.field import field
 from meanfield.model.model import Model
-from meanfield.model.state import FullState, State, oriented
-from meanfield.solvers.arguments import state_given, times, tolerance
-from meanfield.solvers.integrate import Integrand, Integrated, integrate
+from meanfield.model.state import FullState, State, orientation_at
+from meanfield.solvers.arguments import check_state, output_times, tolerance
+from meanfield.solvers.integrate import OdeSolution, OdeSystem, integrate
 from meanfield.solvers.motion import Motion, SolverWork, multipliers
 from meanfield.solvers.reduction import Reduction
 
@@ -29,21 +29,21 @@ def solve_ode(model: Model | Reduction, start: State, t: ArrayLike, tol: float, 
         a Model, whose particles are integrated: 2 ny + N nx unknowns; or ``reduce(model)``, whose particles follow from
         y in closed form: 2 ny unknowns.
     t
-        times to keep, >= 0 and increasing; the run starts at 0 and ends at the last one.
+        output times, >= 0 and increasing; the run starts at 0 and ends at the last one.
     tol
         local error of a step, relative to 1 + |value|: for y and v each, for the particles in the mean square.
     throw
-        raise SolveFailed on failure; else return the motion until then, with its Status.
+        raise SolveFailed on failure; otherwise return the output times reached, with their Status.
 
     Returns
     -------
     Motion
-        whose multipliers are recovered from (A.12).
+        its multipliers are computed by (A.12).
 
     Raises
     ------
     InvalidProblem
-        if t, tol or the start cannot be right.
+        if t, tol or the start is invalid.
     SolveFailed
         if dg/dX loses its rank, the step becomes too small or a value is not finite.
 
@@ -62,52 +62,52 @@ def solve_weighted(
     throw: bool = True,
     most_steps: int | None = None,
 ) -> Motion:
-    """As ``solve_ode``, for particles of given weights (N,) that sum to 1: the flow (5.40) of a measure of points.
+    """Solve as ``solve_ode``, for particles with weights (N,) that sum to 1: the flow (5.40) of a measure of points.
 
-    ``most_steps`` are those that the integrator may make; None: as many as in ``solve_ode``.
+    ``most_steps`` limits the steps of the integrator; None: as in ``solve_ode``.
     """
     whole = model.model if isinstance(model, Reduction) else model
     checks.instance("model", whole, Model, "a meanfield.Model, or reduce() of one")
-    state_given(start)
-    kept, tol, raises = times(t), tolerance(tol), checks.flag("throw", throw)
-    first = start.checked(whole, tol)
-    unknowns: _Unknowns = (
-        model.unknowns(first, weights) if isinstance(model, Reduction) else _Transported(model, first, weights)
+    check_state(start)
+    times, tol, raises = output_times(t), tolerance(tol), checks.flag("throw", throw)
+    first = start.complete(whole, tol)
+    system: _ParticleSystem = (
+        model.system(first, weights) if isinstance(model, Reduction) else _TransportSystem(model, first, weights)
     )
-    result = integrate(unknowns, kept, tol, most_steps)
-    motion = _motion(whole, first, weights, kept, unknowns, result)
+    result = integrate(system, times, tol, most_steps)
+    motion = _motion(whole, first, weights, times, system, result)
     if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 
 
-class _Unknowns(Integrand, Protocol):
-    """An integrand whose unknowns give the particles."""
+class _ParticleSystem(OdeSystem, Protocol):
+    """System whose unknowns determine the positions of the particles."""
 
     def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        """X of shape (N, nx)."""
+        """Return X of shape (N, nx) at z."""
         ...
 
 
-class _Transported:
-    """The unknowns (y, v, X_1, ..., X_N)."""
+class _TransportSystem:
+    """System of the unknowns (y, v, X_1, ..., X_N)."""
 
     def __init__(self, model: Model, start: FullState, weights: NDArray[np.float64] | None) -> None:
         self._model, self._weights, self._shape = model, weights, start.X.shape
         self.start = np.concatenate([start.y, start.v, start.X.ravel()])
-        self.orientation = oriented(model, start)
-        # Each of y and v counts as much as the mean of all particles.
-        self.shares = np.ones(self.start.size)
-        self.shares[: 2 * model.ny] = start.X.size
+        self.orientation = orientation_at(model, start)
+        # Each component of y and v weighs as much as all particles together.
+        self.error_weights = np.ones(self.start.size)
+        self.error_weights[: 2 * model.ny] = start.X.size
 
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-        """z' and the orientation at z; NaN where there is none."""
+        """Compute z' and the orientation at z; NaN where they are undefined."""
         y, v, X = self._split(z)
         found = field(self._model, X, self._weights, y, v)
         return np.concatenate([v, found.acceleration(), found.U.ravel()]), found.orientation
 
     def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        """X of shape (N, nx) at z."""
+        """Return X of shape (N, nx) at z."""
         return self._split(z)[2]
 
     def _split(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
@@ -119,18 +119,18 @@ def _motion(
     model: Model,
     start: FullState,
     weights: NDArray[np.float64] | None,
-    kept: NDArray[np.float64],
-    unknowns: _Unknowns,
-    result: Integrated,
+    times: NDArray[np.float64],
+    system: _ParticleSystem,
+    result: OdeSolution,
 ) -> Motion:
-    """The particles, their velocities and multipliers at the kept times that were reached."""
+    """Compute the particles, their velocities and multipliers at the output times reached."""
     ny = model.ny
     y, v = result.z[:, :ny], result.z[:, ny : 2 * ny]
-    X = np.array([unknowns.positions(z) for z in result.z]).reshape(-1, *start.X.shape)
-    U, forces = np.empty_like(X), np.empty_like(X)
+    X = np.array([system.positions(z) for z in result.z]).reshape(-1, *start.X.shape)
+    U, lambdas = np.empty_like(X), np.empty_like(X)
     for k, a in enumerate(result.derivatives[:, ny : 2 * ny]):
         U[k] = model.phi(X[k], y[k]) @ v[k]
-        forces[k] = multipliers(model, X[k], weights, y[k], v[k], a)
-    work = SolverWork(unknowns.start.size, result.steps, result.evaluations)
-    reached = kept[: len(y)]
-    return Motion(model, reached, y, v, X, U, forces, start.level, weights, result.status, result.detail, work)
+        lambdas[k] = multipliers(model, X[k], weights, y[k], v[k], a)
+    work = SolverWork(system.start.size, result.steps, result.evaluations)
+    reached = times[: len(y)]
+    return Motion(model, reached, y, v, X, U, lambdas, start.level, weights, result.status, result.detail, work)

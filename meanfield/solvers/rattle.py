@@ -1,4 +1,4 @@
-"""RATTLE for (5.6): leapfrog with multipliers that keep the constraint and its velocity form, and its compositions."""
+"""RATTLE for (5.6), leapfrog with multipliers for the constraint and its derivative, and symmetric compositions."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from dincl.checks import describe, flag, integer, number
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.status import Status
 from meanfield.errors import SolveFailed
-from meanfield.forces.field import accelerated
+from meanfield.forces.field import solve_mass
 from meanfield.forces.interaction import forces
-from meanfield.model.state import FullState, State, oriented
-from meanfield.solvers.arguments import model_given, state_given, times
-from meanfield.solvers.index import FINE, MOST_CORRECTIONS, accelerations, solved
+from meanfield.model.state import FullState, State, orientation_at
+from meanfield.solvers.arguments import check_model, check_state, output_times
+from meanfield.solvers.index_one import MAX_NEWTON_ITERATIONS, NEWTON_TOLERANCE, accelerations, solve_blocks
 from meanfield.solvers.motion import Motion, SolverWork
 
 if TYPE_CHECKING:
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from meanfield.model.model import Model
 
-# Lengths of the substeps, up to the middle one; the others mirror them.
+# Lengths of the substeps for each order, up to the middle substep; the others follow by symmetry.
 # Order 4: Suzuki, Phys. Lett. A 146 (1990) 319. Orders 6 and 8: Kahan and Li, Math. Comp. 66 (1997) 1089, s9odr6a and
 # s17odr8a; printed in Hairer, Lubich and Wanner, Geometric Numerical Integration, 2nd ed., V.3.2.
 SUZUKI = 1 / (4 - 4 ** (1 / 3))
@@ -51,11 +51,11 @@ HALVES: dict[int, tuple[float, ...]] = {
     ),
 }
 SUBSTEPS = {order: half + half[-2::-1] for order, half in HALVES.items()}
-MOST_STEPS = 10_000_000
-# A kept interval that is a multiple of dt but for rounding is not given one step more.
-ROUNDING = 1e-9
-# How far a start may be off the constraint: the first step leads it back.
-ASTRAY = 1e-9
+MAX_RATTLE_STEPS = 10_000_000
+# An interval that is a multiple of dt up to this relative rounding gets no additional step.
+INTERVAL_ROUNDING = 1e-9
+# Tolerance of the constraint at the start; the first step reduces its violation to rounding.
+START_TOLERANCE = 1e-9
 
 
 def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int = 2, *, throw: bool = True) -> Motion:
@@ -67,61 +67,63 @@ def solve_rattle(model: Model, start: State, t: ArrayLike, dt: float, order: int
         X_i += h U_i,                                y += h v
         U_i += h/(2m) (F1 + K_i - g_X^T mu_i),       v += h/2 (F0 - 1/N sum_j g_y^T mu_j)          at the new positions
 
-    lambda_i acts on X_i and, with all others, on y: Newton's matrix is one block per particle and a part of rank ny, so
-    an iteration takes O(N) and a system of size ny. It goes on until rounding: both constraints hold after each step.
+    lambda_i acts on X_i and, with all other multipliers, on y. The Newton matrix is one block per particle plus a
+    matrix of rank ny; an iteration takes O(N) operations and a system of size ny. Newton's method converges to
+    rounding: the constraint and its derivative hold after each step.
 
     Parameters
     ----------
     t
-        times to keep, >= 0 and increasing; the run starts at 0 and ends at the last one.
+        output times, >= 0 and increasing; the run starts at 0 and ends at the last one.
     dt
-        longest step; each kept interval is divided into equal ones.
+        longest step; each interval between output times is divided into equal steps.
     order
-        2, or 4, 6, 8 with 5, 9, 17 substeps per step, some of which go back in time.
+        2, or 4, 6, 8 with 5, 9, 17 substeps per step, some of them backwards in time.
     throw
-        raise SolveFailed on failure; else return the motion until then, with its Status.
+        raise SolveFailed on failure; otherwise return the output times reached, with their Status.
 
     Returns
     -------
     Motion
-        whose multipliers are those of (5.6) at the kept times, from the state there.
+        its multipliers are those of (5.6), computed from the states at the output times.
 
     Raises
     ------
     InvalidProblem
-        if t, dt, order or the start cannot be right.
+        if t, dt, order or the start is invalid.
     SolveFailed
-        if dg/dX loses its rank, the constraint is not met by the end of a step, or a value is not finite.
+        if dg/dX loses its rank, Newton's method does not converge, or a value is not finite.
 
     Source: (5.6); Andersen, J. Comput. Phys. 52 (1983) 24; Hairer, Lubich and Wanner, VII.1.4.
     """
-    model_given(model)
-    state_given(start)
+    check_model(model)
+    check_state(start)
     raises = flag("throw", throw)
-    kept, dt = times(t), number("dt", dt, positive=True)
+    times, dt = output_times(t), number("dt", dt, positive=True)
     if integer("order", order, least=2, most=8) not in SUBSTEPS:
         raise InvalidProblem(f"order = {describe(order)}: must be one of {', '.join(map(str, SUBSTEPS))}")
-    if kept[-1] > MOST_STEPS * dt:
-        raise InvalidProblem(f"dt = {dt:g}: must be at least {kept[-1] / MOST_STEPS:g}, for {MOST_STEPS} steps at most")
-    first = start.checked(model, ASTRAY)
+    if times[-1] > MAX_RATTLE_STEPS * dt:
+        least = times[-1] / MAX_RATTLE_STEPS
+        raise InvalidProblem(f"dt = {dt:g}: must be at least {least:g}, for {MAX_RATTLE_STEPS} steps at most")
+    first = start.complete(model, START_TOLERANCE)
     run = _Run(model, first, SUBSTEPS[order])
     status, detail = Status.SUCCESS, ""
     try:
         with np.errstate(all="ignore"):
-            run.over(kept, dt)
+            run.integrate(times, dt)
     except StepFailure as error:
         status, detail = error.status, f"{error.detail.rstrip('.')}, after t = {run.time:.6g}."
-    motion = run.motion(kept, status, detail)
+    motion = run.motion(times, status, detail)
     if raises and not motion.status:
         raise SolveFailed(motion.status, motion.detail, motion)
     return motion
 
 
 class _Point(NamedTuple):
-    """Positions and velocities, derivatives of g, back = g_X^{-1} g_y, and accelerations a of X and w of y.
+    """Positions and velocities, derivatives of g, ratio = g_X^{-1} g_y, and accelerations a of X and w of y.
 
-    The accelerations are those by the forces, or at the end of a step with the multipliers mu: as the first guess of
-    the next step they do no harm, since its lambda_i act along the same directions, and save an iteration.
+    The accelerations are those of the forces; at the end of a step they include the multipliers mu. As initial guess of
+    the next step they save an iteration. The result is the same, because lambda_i acts in the same directions as mu_i.
     """
 
     X: NDArray[np.float64]
@@ -130,48 +132,48 @@ class _Point(NamedTuple):
     v: NDArray[np.float64]
     gX: NDArray[np.float64]
     gy: NDArray[np.float64]
-    back: NDArray[np.float64]
+    ratio: NDArray[np.float64]
     a: NDArray[np.float64]
     w: NDArray[np.float64]
 
 
 class _Run:
-    """The steps of one run, and the states kept."""
+    """Steps of one run, and its states at the output times reached."""
 
     def __init__(self, model: Model, start: FullState, lengths: tuple[float, ...]) -> None:
         self._model, self._level, self._lengths = model, start.level, lengths
         self._start = start
-        self._sign = oriented(model, start)
-        self._kept: list[tuple[_Point, NDArray[np.float64]]] = []
+        self._sign = orientation_at(model, start)
+        self._outputs: list[tuple[_Point, NDArray[np.float64]]] = []
         self._steps = self._newton = 0
         self.time = 0.0
 
-    def over(self, kept: NDArray[np.float64], dt: float) -> None:
-        """Step over the kept times."""
+    def integrate(self, times: NDArray[np.float64], dt: float) -> None:
+        """Step to the last output time."""
         start = self._start
-        point = self._at(start.X, start.y, start.U, start.v)
-        for before, time in pairwise([0.0, *kept]):
-            steps = math.ceil((time - before) / dt * (1 - ROUNDING))
+        point = self._point(start.X, start.y, start.U, start.v)
+        for before, time in pairwise([0.0, *times]):
+            steps = math.ceil((time - before) / dt * (1 - INTERVAL_ROUNDING))
             for k in range(steps):
                 self.time = before + (time - before) * k / steps
                 for length in self._lengths:
-                    point = self._stepped(point, length * (time - before) / steps)
+                    point = self._step(point, length * (time - before) / steps)
                 self._steps += 1
-            self._kept.append((point, accelerations(self._model, point.X, point.U, point.y, point.v).multipliers))
+            self._outputs.append((point, accelerations(self._model, point.X, point.U, point.y, point.v).multipliers))
 
-    def motion(self, kept: NDArray[np.float64], status: Status, detail: str) -> Motion:
-        """The states kept so far."""
+    def motion(self, times: NDArray[np.float64], status: Status, detail: str) -> Motion:
+        """Return the states at the output times reached."""
         shape, ny = self._start.X.shape, self._model.ny
-        points = [point for point, _ in self._kept]
+        points = [point for point, _ in self._outputs]
         evaluations = self._steps * len(self._lengths)
         return Motion(
             model=self._model,
-            t=kept[: len(points)],
+            t=times[: len(points)],
             y=np.array([p.y for p in points]).reshape(-1, ny),
             v=np.array([p.v for p in points]).reshape(-1, ny),
             X=np.array([p.X for p in points]).reshape(-1, *shape),
             U=np.array([p.U for p in points]).reshape(-1, *shape),
-            multipliers=np.array([multipliers for _, multipliers in self._kept]).reshape(-1, *shape),
+            multipliers=np.array([multipliers for _, multipliers in self._outputs]).reshape(-1, *shape),
             level=self._level,
             weights=None,
             status=status,
@@ -179,48 +181,49 @@ class _Run:
             work=SolverWork(2 * (ny + shape[0] * shape[1]), self._steps, evaluations, self._newton),
         )
 
-    def _stepped(self, old: _Point, h: float) -> _Point:
-        """One step of RATTLE; the velocities after its first half carry the correction for lambda."""
+    def _step(self, old: _Point, h: float) -> _Point:
+        """Make one step of RATTLE; the corrections by lambda are part of the velocities after its first half."""
         U, v = old.U + h / 2 * old.a, old.v + h / 2 * old.w
-        for _ in range(MOST_CORRECTIONS):
+        for _ in range(MAX_NEWTON_ITERATIONS):
             X, y = old.X + h * U, old.y + h * v
             _check_finite(X, y)
             gX, gy = self._model.jacobians(X, y)
-            dX, dy = self._corrected(gX, gy, self._model.level(X, y) - self._level, old.back)
+            dX, dy = self._correction(gX, gy, self._model.level(X, y) - self._level, old.ratio)
             U, v = U + dX / h, v + dy / h
             self._newton += 1
-            if max(np.abs(dX).max(), np.abs(dy).max()) <= FINE * (1 + max(np.abs(X).max(), np.abs(y).max())):
+            size = 1 + max(np.abs(X).max(), np.abs(y).max())
+            if max(np.abs(dX).max(), np.abs(dy).max()) <= NEWTON_TOLERANCE * size:
                 break
         else:
             raise StepFailure(Status.NOT_CONVERGED, f"The constraint was not met in a step of length {h:.3g}.")
-        new = self._at(old.X + h * U, old.y + h * v, U, v)
+        new = self._point(old.X + h * U, old.y + h * v, U, v)
         U, v = U + h / 2 * new.a, v + h / 2 * new.w
         residual = (new.gX @ U[:, :, None])[:, :, 0] + new.gy @ v
-        dU, dv = self._corrected(new.gX, new.gy, residual, new.back)
+        dU, dv = self._correction(new.gX, new.gy, residual, new.ratio)
         return new._replace(U=U + dU, v=v + dv, a=new.a + 2 / h * dU, w=new.w + 2 / h * dv)
 
-    def _corrected(
+    def _correction(
         self,
         gX: NDArray[np.float64],
         gy: NDArray[np.float64],
         residual: NDArray[np.float64],
-        back: NDArray[np.float64],
+        ratio: NDArray[np.float64],
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """(dX, dy) that solve g_X dX_i + g_y dy = -residual_i and are what multipliers do.
+        """Solve g_X dX_i + g_y dy = -residual_i for corrections (dX, dy) that multipliers can cause.
 
-        Multipliers l_i do m dX_i = -G_X^T l_i, dy = -1/N sum_j G_y^T l_j with the Jacobians G where they act, hence
-        dy = m/N sum_j back_j^T dX_j with back = G_X^{-1} G_y. With dX_i from the first equation, ny unknowns are left.
+        Multipliers l_i cause m dX_i = -G_X^T l_i, dy = -1/N sum_j G_y^T l_j with the Jacobians G where they act, hence
+        dy = m/N sum_j ratio_j^T dX_j with ratio = G_X^{-1} G_y. Eliminating dX_i leaves ny unknowns.
         """
-        both = solved(gX, np.concatenate((residual[:, :, None], gy), axis=2))
+        both = solve_blocks(gX, np.concatenate((residual[:, :, None], gy), axis=2))
         fixed, slope = both[:, :, 0], both[:, :, 1:]
         scale = self._model.m / len(gX)
-        matrix = np.eye(self._model.ny) + scale * np.einsum("jik,jil->kl", back, slope)
-        dy = accelerated(matrix, -scale * np.einsum("jik,ji->k", back, fixed))
+        matrix = np.eye(self._model.ny) + scale * np.einsum("jik,jil->kl", ratio, slope)
+        dy = solve_mass(matrix, -scale * np.einsum("jik,ji->k", ratio, fixed))
         if not np.isfinite(dy).all():
             raise StepFailure(Status.NON_FINITE, "A correction of y is not finite.")
         return -fixed - slope @ dy, dy
 
-    def _at(
+    def _point(
         self, X: NDArray[np.float64], y: NDArray[np.float64], U: NDArray[np.float64], v: NDArray[np.float64]
     ) -> _Point:
         model = self._model
@@ -228,9 +231,9 @@ class _Run:
         if (np.sign(np.linalg.det(gX)) != self._sign).any():
             raise StepFailure(Status.SINGULAR, "det dg/dX changes its sign.")
         force = model.F1(X) if model.V is None else model.F1(X) + forces(model, X, None)
-        return _Point(X, y, U, v, gX, gy, solved(gX, gy), force / model.m, model.F0(y))
+        return _Point(X, y, U, v, gX, gy, solve_blocks(gX, gy), force / model.m, model.F0(y))
 
 
 def _check_finite(X: NDArray[np.float64], y: NDArray[np.float64]) -> None:
     if not (np.isfinite(X).all() and np.isfinite(y).all()):
-        raise StepFailure(Status.NON_FINITE, "The positions left the finite numbers.")
+        raise StepFailure(Status.NON_FINITE, "The positions are not finite.")

@@ -1,4 +1,4 @@
-"""What of a model need not be integrated: which reduction holds, and the equations that are left."""
+"""Reductions of a model: which unknowns follow from y in closed form, and the equations of the others."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from dincl.checks import integer
 from meanfield.errors import NotClosed
 from meanfield.forces.field import field
 from meanfield.model.closure import closure, obstacle
-from meanfield.model.state import oriented
+from meanfield.model.state import orientation_at
 from meanfield.model.symbolic import library, program
 from meanfield.model.translate import vectorised
-from meanfield.solvers.arguments import model_given
+from meanfield.solvers.arguments import check_model
 from meanfield.solvers.moments import points, sample_moments
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 class Positions(Enum):
-    """How the particles follow from y; ``value`` is the sentence for a reader."""
+    """Relation between the particles and y; ``value`` states it in a sentence."""
 
     SHIFT = "Phi = G is constant: X_i(t) = X_i(0) + G (y(t) - y(0))."
     AFFINE = "g is affine in X: X_i(t) = B(y)^{-1} (c_i - b(y)) with g = B(y) X + b(y)."
@@ -38,11 +38,11 @@ class Positions(Enum):
 
 @dataclass(frozen=True, eq=False)
 class Reduction:
-    """The least that has to be integrated for a model.
+    """Reduction of a model to the unknowns that must be integrated.
 
-    ``positions`` says how the particles follow from y; ``obstacle`` what keeps effective mass and force from being
-    functions of the first two moments, None if nothing does. With positions in closed form ``solve_ode`` integrates
-    2 ny unknowns, and if the moments close too, a step costs the same for any number of particles.
+    ``positions`` states how the particles follow from y. ``obstacle`` states why effective mass and force are not
+    functions of the first two moments, None if they are. With positions in closed form, ``solve_ode`` integrates 2 ny
+    unknowns; if the moment equations close too, the cost of a step does not depend on the number of particles.
 
     Source: after (5.31); Remark 5.20.
     """
@@ -55,13 +55,13 @@ class Reduction:
         return Reduction, (self.model, self.positions, self.obstacle)
 
     def degrees_of_freedom(self, particles: int) -> int:
-        """Unknowns that ``solve_ode`` integrates for so many particles, an integer >= 1."""
+        """Count the unknowns that ``solve_ode`` integrates for a number of particles, an integer >= 1."""
         particles = integer("particles", particles, least=1)
-        carried = particles * self.model.nx if self.positions is Positions.FLOW else 0
-        return 2 * self.model.ny + carried
+        coordinates = particles * self.model.nx if self.positions is Positions.FLOW else 0
+        return 2 * self.model.ny + coordinates
 
     def moment_unknowns(self) -> int:
-        """Unknowns of ``solve_moments``: y, y', rho and the upper half of sigma.
+        """Count the unknowns of ``solve_moments``: y, y', rho and the upper half of sigma.
 
         Raises
         ------
@@ -73,8 +73,8 @@ class Reduction:
         nx = self.model.nx
         return 2 * self.model.ny + nx + nx * (nx + 1) // 2
 
-    def unknowns(self, start: FullState, weights: NDArray[np.float64] | None) -> Explicit:
-        """The reduced system (y, v) for an integrator.
+    def system(self, start: FullState, weights: NDArray[np.float64] | None) -> ReducedSystem:
+        """Build the reduced system of the unknowns (y, v).
 
         Raises
         ------
@@ -82,12 +82,12 @@ class Reduction:
             if the particles do not follow from y in closed form.
         """
         if self.positions is Positions.FLOW:
-            raise NotClosed(f"no reduction holds: {self.positions.value} Solve the model itself.")
-        return Explicit(self, start, weights)
+            raise NotClosed(f"no reduction holds: {self.positions.value} Pass the model to solve_ode.")
+        return ReducedSystem(self, start, weights)
 
     @cached_property
-    def place(self) -> Callable[..., list[NDArray[np.float64]]]:
-        """X as a function of arrays (level, y): elements of shape (N,)."""
+    def closed_form(self) -> Callable[..., list[NDArray[np.float64]]]:
+        """X as a function of arrays (level, y): a list of its components, of shape (N,) or ()."""
         ca = library()
         e = self.model.expressions
         c = ca.SX.sym("c", self.model.nx)
@@ -97,17 +97,17 @@ class Reduction:
 
 
 def reduce(model: Model) -> Reduction:
-    """Which reduction holds for a model: look at ``positions`` and ``obstacle`` of what is returned.
+    """Find the reduction that holds for a model; see its ``positions`` and ``obstacle``.
 
-    The question is put to the expressions, so that a form in which something does not visibly cancel may be missed;
-    what is found holds.
+    Reductions are found from the expressions of the model. A reduction that is found holds; one that depends on terms
+    that do not cancel symbolically may be missed.
 
     Raises
     ------
     InvalidProblem
-        if it is no Model.
+        if the argument is no Model.
     """
-    model_given(model)
+    check_model(model)
     ca = library()
     e = model.expressions
     phi = ca.vec(e.phi)
@@ -120,30 +120,30 @@ def reduce(model: Model) -> Reduction:
     return Reduction(model, positions, obstacle(model))
 
 
-class Explicit:
-    """The unknowns (y, v) alone: the particles, or their moments, follow from y."""
+class ReducedSystem:
+    """System of the unknowns (y, v); the particles, or their moments, follow from y in closed form."""
 
     def __init__(self, reduction: Reduction, start: FullState, weights: NDArray[np.float64] | None) -> None:
-        self._model, self._place = reduction.model, reduction.place
+        self._model, self._closed_form = reduction.model, reduction.closed_form
         self._level, self._weights = start.level, weights
         self.start = np.concatenate([start.y, start.v])
-        self.orientation = oriented(self._model, start)
-        self.shares = np.ones(self.start.size)
-        # X is affine in the constants c, so few of them with the moments of all give the moments of all particles.
-        self._few = points(sample_moments(start.level, weights)) if closure(self._model) else None
+        self.orientation = orientation_at(self._model, start)
+        self.error_weights = np.ones(self.start.size)
+        # X is affine in the constants c_i: a few constants with the same moments give the moments of all particles.
+        self._representatives = points(sample_moments(start.level, weights)) if closure(self._model) else None
 
     def derivative(self, z: NDArray[np.float64]) -> tuple[NDArray[np.float64], float]:
-        """z' and the orientation at z; NaN where there is none."""
+        """Compute z' and the orientation at z; NaN where they are undefined."""
         ny = self._model.ny
         y, v = z[:ny], z[ny:]
-        level, weights = (self._level, self._weights) if self._few is None else self._few
-        found = field(self._model, self._placed(level, y), weights, y, v)
+        level, weights = self._representatives or (self._level, self._weights)
+        found = field(self._model, self._positions(level, y), weights, y, v)
         return np.concatenate([v, found.acceleration()]), found.orientation
 
     def positions(self, z: NDArray[np.float64]) -> NDArray[np.float64]:
-        """X of shape (N, nx) at z."""
-        return self._placed(self._level, z[: self._model.ny])
+        """Return X of shape (N, nx) at z."""
+        return self._positions(self._level, z[: self._model.ny])
 
-    def _placed(self, level: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
-        elements: list[Any] = self._place(level, y)
+    def _positions(self, level: NDArray[np.float64], y: NDArray[np.float64]) -> NDArray[np.float64]:
+        elements: list[Any] = self._closed_form(level, y)
         return np.column_stack([np.broadcast_to(element, len(level)) for element in elements])

@@ -1,4 +1,4 @@
-"""How the results of all solvers show themselves: one line, a table, a page of a notebook, a figure."""
+"""Representations of the results of all solvers: one line, a table, HTML for a notebook, a figure."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ if TYPE_CHECKING:
 
     from dincl.status import Status
 
-# Rows of the table on a page of a notebook.
-SHOWN = 12
-# Densities on a line that are drawn over each other.
-DENSITIES = 4
+# Rows of the table in a notebook.
+TABLE_ROWS = 12
+# Densities on a line in one plot.
+PLOTTED_DENSITIES = 4
 
 
 class SolverResult(ABC):
-    """A motion at K kept times: times t (K,), macroscopic state y and velocity v (K, ny), and how the run ended."""
+    """Result at K output times: times t (K,), macroscopic state y and velocity v (K, ny), and status of the run."""
 
     t: NDArray[np.float64]
     y: NDArray[np.float64]
@@ -37,10 +37,10 @@ class SolverResult(ABC):
 
     @abstractmethod
     def energy(self) -> NDArray[np.float64]:
-        """Total energy at each kept time, (K,); FunctionFailed where an energy of the model has no finite value."""
+        """Compute the total energy at each output time, (K,); FunctionFailed if a value is not finite."""
 
     def to_frame(self) -> Any:
-        """A pandas DataFrame, a row for each kept time: t, y1, ..., v1, ..., the energy, and what else is measured."""
+        """Build a pandas DataFrame with a row per output time: t, y1, ..., v1, ..., energy, and further measures."""
         with needs("to_frame", "meanfield"):
             import pandas as pd
 
@@ -50,7 +50,7 @@ class SolverResult(ABC):
         return pd.DataFrame(columns | {"energy": self.energy()} | self._measures())
 
     def plot(self, ax: Any = None) -> Any:
-        """Draw y(t) and v(t); on a figure of its own also what should stay zero, and the particles or their density.
+        """Draw y(t) and v(t); on a new figure also quantities that should stay zero, and particles or their density.
 
         Parameters
         ----------
@@ -60,51 +60,51 @@ class SolverResult(ABC):
         Returns
         -------
         Axes
-            those of y and v; ``.figure`` is the whole.
+            axes of y and v; ``.figure`` is the figure.
         """
         panels: list[Callable[[Any], None]] = [partial(plotting.draw_components, t=self.t, y=self.y, v=self.v)]
         if ax is None:
             energy = self.energy()
             drifts = {"change of energy": energy - energy[:1]} | self._drifts()
-            panels += [partial(plotting.draw_drifts, t=self.t, drifts=drifts), *self._pictures()]
+            panels += [partial(plotting.draw_drifts, t=self.t, drifts=drifts), *self._plots()]
         return plotting.draw(panels, ax)
 
     def __repr__(self) -> str:
-        kept = f"{len(self.t)} kept times" + (f" to t = {self.t[-1]:g}" if len(self.t) else "")
-        return f"{type(self).__name__}({self.status.name}, {kept}, {self._size()})"
+        outputs = f"{len(self.t)} output times" + (f" to t = {self.t[-1]:g}" if len(self.t) else "")
+        return f"{type(self).__name__}({self.status.name}, {outputs}, {self._size()})"
 
     def _repr_html_(self) -> str:
         frame = self.to_frame()
-        said = "" if self.status else f"<p>{escape(self.status.value)} {escape(self.detail)}</p>"
-        table = frame.to_html(index=False, max_rows=SHOWN, float_format="{:.8g}".format)
-        return f"<p><code>{escape(repr(self))}</code></p>{said}{table}"
+        failure = "" if self.status else f"<p>{escape(self.status.value)} {escape(self.detail)}</p>"
+        table = frame.to_html(index=False, max_rows=TABLE_ROWS, float_format="{:.8g}".format)
+        return f"<p><code>{escape(repr(self))}</code></p>{failure}{table}"
 
-    def _kept(self, k: Any) -> int:
-        """An index of a kept time, which may count from the end; InvalidProblem if it is none."""
+    def _output_index(self, k: Any) -> int:
+        """Check an index of an output time, which may count from the end; InvalidProblem if it is out of range."""
         count = len(self.t)
         if count == 0:
-            raise InvalidProblem(f"k = {describe(k)}: the run ended before its first kept time")
+            raise InvalidProblem(f"k = {describe(k)}: the run ended before its first output time")
         return integer("k", k, least=-count, most=count - 1)
 
     def _measures(self) -> dict[str, NDArray[np.float64]]:
-        """Columns of the table besides y, v and the energy, each (K,)."""
+        """Return the columns of the table besides y, v and the energy, each (K,)."""
         return self._drifts()
 
     @abstractmethod
     def _drifts(self) -> dict[str, NDArray[np.float64]]:
-        """What should stay zero besides the change of the energy, each (K,)."""
+        """Return the quantities that should stay zero besides the change of the energy, each (K,)."""
 
     @abstractmethod
     def _size(self) -> str:
-        """How large the system is, for the one line."""
+        """Return the size of the system for ``repr``."""
 
-    def _pictures(self) -> list[Callable[[Any], None]]:
-        """Panels of the particles or of their density; none in space."""
+    def _plots(self) -> list[Callable[[Any], None]]:
+        """Return plots of the particles or their density; none in three dimensions."""
         return []
 
 
-def chosen(count: int, most: int) -> list[int]:
-    """At most so many of the kept times, the first and the last among them."""
+def spread_indices(count: int, most: int) -> list[int]:
+    """Return at most ``most`` equally spread indices from 0 to count - 1, both included."""
     if count <= most:
         return list(range(count))
     return [round(k * (count - 1) / (most - 1)) for k in range(most)]

@@ -1,1 +1,1 @@
-"""The Wasserstein distance W1 between points and densities."""
+"""Wasserstein distance W1 between points and densities."""

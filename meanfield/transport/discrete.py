@@ -1,9 +1,12 @@
-"""Exact optimal transport between weighted points in any dimension, with a certificate; the only door to POT.
+"""Exact optimal transport between weighted points in any dimension, with proved bounds.
 
-The linear program  min sum_ij P_ij |x_i - y_j|  is solved on few pairs. Its prices (u, v) are then compared with the
-cost of all pairs, whole boxes of points at once: pairs with u_i + v_j > |x_i - y_j| are added, and the program is
-solved anew. Lowering u_i by max_j (u_i + v_j - |x_i - y_j|) makes the prices feasible, so that their value is a lower
-bound of W1; the plan gives an upper one. Where both meet, the value is proved, although most pairs were never in it.
+The linear program  min sum_ij P_ij |x_i - y_j|  is solved on few candidate pairs (column generation). Its dual
+variables (u, v) are then compared with the costs of all pairs, one box of points with another at a time. Pairs with
+u_i + v_j > |x_i - y_j| are added, and the program is solved again. Lowering u_i by max_j (u_i + v_j - |x_i - y_j|)
+makes the dual variables feasible: their value is a lower bound of W1. The plan gives an upper bound. When the bounds
+meet, the value is proved, although most pairs were never part of the program.
+
+This is the only module that imports POT.
 """
 
 from __future__ import annotations
@@ -24,24 +27,24 @@ from meanfield.errors import SolveFailed
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-# Up to this number of pairs all of them are given to the program at once: 8 MB for the costs, some 0.2 s.
+# Up to this number of pairs, the program has all of them: 8 MB for the costs, about 0.2 s.
 ALL_PAIRS = 1_000_000
-# Places on each side: at 1e5 one value takes 2 to 4 minutes and 0.6 GB.
-MOST_POINTS = 200_000
-# Between the bounds, in units of the diameter: the simplex method keeps its prices to some 1e-12.
-CLOSED = 1e-11
-# A coarse program only guides the next finer one.
-GUIDE = 1e-3
-# Points that a coarse point stands for; points of a box that is priced as a whole; nearest points that are candidates.
-CLUSTER, BOX, NEAR = 4, 64, 10
-# Added for each point and round, the most violated first.
-ADDED = 6
-# Measured: 3 to 12, from 1e3 to 1e5 points.
-MOST_ROUNDS = 30
-# Masses are whole numbers of units: of a power of 2, so that POT's scaling of one sum to the other changes nothing.
-UNITS = 2.0**52
-# Pivots: POT's own limit of 1e5 is reached at a thousand points; the simplex method ends by itself.
-MOST_PIVOTS = 10**9
+# Different points on each side: at 1e5 points one value takes 2 to 4 minutes and 0.6 GB.
+MAX_TRANSPORT_POINTS = 200_000
+# Largest gap between the bounds, in units of the diameter: the simplex method is accurate to about 1e-12.
+GAP = 1e-11
+# Relative gap of a coarse program, which only supplies candidate pairs and dual variables for the next finer program.
+COARSE_GAP = 1e-3
+# Points per coarse point; points per box whose costs are computed together; nearest points that become candidates.
+CLUSTER_SIZE, BOX_SIZE, NEIGHBOURS = 4, 64, 10
+# Violated pairs added per point and round, the most violated first.
+PAIRS_PER_POINT = 6
+# Measured: 3 to 12 rounds, from 1e3 to 1e5 points.
+MAX_ROUNDS = 30
+# The total mass in integer units: a power of 2, so that POT's rescaling of one sum to the other is exact.
+MASS_UNITS = 2.0**52
+# POT's default limit of 1e5 pivots is reached at a thousand points; the simplex method terminates without a limit.
+MAX_PIVOTS = 10**9
 
 
 class Bounds(NamedTuple):
@@ -53,10 +56,10 @@ class Bounds(NamedTuple):
 
 class _Points(NamedTuple):
     at: Floats  # (n, d)
-    mass: Floats  # (n,), whole numbers
+    mass: Floats  # (n,), integers
 
     def merged(self) -> _Points:
-        """Those that have mass, each place once."""
+        """Merge points at the same place and drop points without mass."""
         present = self.mass > 0
         at, place = np.unique(self.at[present], axis=0, return_inverse=True)
         return _Points(at, np.bincount(place.ravel(), self.mass[present]).astype(np.float64))
@@ -77,108 +80,112 @@ class _Boxes(NamedTuple):
 
 
 def bounds(x: Floats, a: Floats, y: Floats, b: Floats, gap: float = 0.0) -> Bounds:
-    """W1 of sum_i a_i delta(x_i) and sum_j b_j delta(y_j) for the Euclidean distance, between proved bounds.
+    """Compute proved bounds of W1 of sum_i a_i delta(x_i) and sum_j b_j delta(y_j), for the Euclidean distance.
 
     Parameters
     ----------
     x, a
-        Points (n, d) and their masses > 0 (n,), which sum to 1.
+        points (n, d) and their masses > 0 (n,), which sum to 1.
     y, b
-        The same on the other side.
+        points (k, d) and masses (k,) of the other measure.
     gap
-        Stop where upper - lower <= gap upper; 0: at rounding, 1e-11 of the diameter.
+        stop when upper - lower <= gap upper; 0: when the gap is at rounding, 1e-11 of the diameter.
 
     Raises
     ------
     InvalidProblem
-        If there are more points, in different places, than one can wait for.
+        if a measure has more than 200 000 different points.
     SolveFailed
-        If the linear program did not end at its optimum; there is no partial result.
+        if the linear program did not reach its optimum; there is no partial result.
     """
     size = float(np.linalg.norm(np.maximum(x.max(0), y.max(0)) - np.minimum(x.min(0), y.min(0))))
     if size == 0.0:
         return Bounds(0.0, 0.0)
-    middle, whole = y.mean(axis=0), _whole(a, b)
-    one, other = (_Points((at - middle) / size, mass).merged() for at, mass in zip((x, y), whole, strict=True))
-    if max(len(one.at), len(other.at)) > MOST_POINTS:
+    middle, masses = y.mean(axis=0), _integer_masses(a, b)
+    one, other = (_Points((at - middle) / size, mass).merged() for at, mass in zip((x, y), masses, strict=True))
+    if max(len(one.at), len(other.at)) > MAX_TRANSPORT_POINTS:
         raise InvalidProblem(
-            f"{len(one.at)} and {len(other.at)} points: exact transport in d >= 2 takes {MOST_POINTS} each"
+            f"{len(one.at)} and {len(other.at)} points: must be at most {MAX_TRANSPORT_POINTS} each for exact transport"
         )
     found = _solve(one, other, gap).bounds
     return Bounds(max(found.lower, 0.0) * size, found.upper * size)
 
 
-def _whole(a: Floats, b: Floats) -> tuple[Floats, Floats]:
-    """Masses as whole numbers with one sum: then flows are exact, and rounding makes no program infeasible."""
+def _integer_masses(a: Floats, b: Floats) -> tuple[Floats, Floats]:
+    """Round masses to integers of equal sum: flows are then exact, and rounding cannot make a program infeasible."""
     if len(a) == len(b) and np.all(a == a[0]) and np.all(b == b[0]):
         return np.ones(len(a)), np.ones(len(b))
-    # Sums are rounded, not masses: so errors do not add up.
-    sums = [np.round(np.cumsum(mass) / mass.sum() * UNITS) for mass in (a, b)]
-    for below in sums:
-        below[-1] = UNITS
+    # Cumulative sums are rounded instead of masses, so that errors do not accumulate.
+    sums = [np.round(np.cumsum(mass) / mass.sum() * MASS_UNITS) for mass in (a, b)]
+    for cumulative in sums:
+        cumulative[-1] = MASS_UNITS
     return np.diff(sums[0], prepend=0.0), np.diff(sums[1], prepend=0.0)
 
 
 def _solve(x: _Points, y: _Points, gap: float) -> _Plan:
-    """Optimal plan and prices: of all pairs if they are few, else of those that coarser points and prices suggest."""
+    """Compute an optimal plan and its dual variables.
+
+    The program has all pairs if they are few. Otherwise a coarser problem, solved the same way, supplies candidate
+    pairs and dual variables.
+    """
     if len(x.at) * len(y.at) <= ALL_PAIRS:
-        return _of_all_pairs(x, y)
-    (few_x, in_x, part_x), (few_y, in_y, part_y) = _clustered(x), _clustered(y)
-    coarse = _solve(few_x, few_y, GUIDE)
+        return _solve_all_pairs(x, y)
+    (coarse_x, in_x, part_x), (coarse_y, in_y, part_y) = _cluster(x), _cluster(y)
+    coarse = _solve(coarse_x, coarse_y, COARSE_GAP)
     refined = [
         (np.repeat(part_x[i], len(part_y[j])), np.tile(part_y[j], len(part_x[i])))
         for i, j in zip(coarse.rows.tolist(), coarse.columns.tolist(), strict=True)
     ]
-    codes = np.concatenate([rows * len(y.at) + columns for rows, columns in refined] + [_near(x.at, y.at)])
-    return _priced(x, y, codes, coarse.u[in_x], coarse.v[in_y], gap)
+    codes = np.concatenate([rows * len(y.at) + columns for rows, columns in refined] + [_nearest(x.at, y.at)])
+    return _generate_columns(x, y, codes, coarse.u[in_x], coarse.v[in_y], gap)
 
 
-def _of_all_pairs(x: _Points, y: _Points) -> _Plan:
+def _solve_all_pairs(x: _Points, y: _Points) -> _Plan:
     costs = _distances(x.at[:, None], y.at)
     plan = _optimum(x, y, costs)
-    lacking = np.minimum((costs - plan.u[:, None] - plan.v).min(axis=1), 0.0)
-    proved = plan._replace(bounds=_proved(x, y, plan.u + lacking, plan.v, plan.bounds.upper))
-    if proved.bounds.upper - proved.bounds.lower > CLOSED:
+    correction = np.minimum((costs - plan.u[:, None] - plan.v).min(axis=1), 0.0)
+    proved = plan._replace(bounds=_proved(x, y, plan.u + correction, plan.v, plan.bounds.upper))
+    if proved.bounds.upper - proved.bounds.lower > GAP:
         raise SolveFailed(Status.NOT_CONVERGED, "(transport: POT stopped before the optimum)", None)
     return proved
 
 
 def _proved(x: _Points, y: _Points, u: Floats, v: Floats, upper: float) -> Bounds:
-    """The value of feasible prices below that of a plan."""
+    """Return the value of feasible dual variables as lower bound, beside the upper bound of a plan."""
     return Bounds(min(float(x.mass @ u + y.mass @ v) / float(x.mass.sum()), upper), upper)
 
 
-def _priced(x: _Points, y: _Points, codes: Indices, u: Floats, v: Floats, gap: float) -> _Plan:
-    """Solve on candidate pairs, code = row n_y + column, and add violated ones until the bounds meet."""
+def _generate_columns(x: _Points, y: _Points, codes: Indices, u: Floats, v: Floats, gap: float) -> _Plan:
+    """Solve on candidate pairs, code = row n_y + column, and add violated pairs until the bounds meet."""
     boxes_x, boxes_y = _boxes(x.at), _boxes(y.at)
     codes = np.unique(codes)
-    for tried in range(MOST_ROUNDS):
+    for attempt in range(MAX_ROUNDS):
         rows, columns = np.divmod(codes, len(y.at))
-        # Known prices, taken off the costs, lead the first pivots: ten times faster.
+        # With known dual variables subtracted from the costs, the simplex method is ten times faster.
         costs = _distances(x.at[rows], y.at[columns]) - u[rows] - v[columns]
         plan = _optimum(x, y, coo_array((costs, (rows, columns)), shape=(len(x.at), len(y.at))))
         u, v = plan.u + u, plan.v + v
-        violated, lacking = _violated(x.at, y.at, u, v, boxes_x, boxes_y)
-        proved = _proved(x, y, u + lacking, v, plan.bounds.upper)
-        if proved.upper - proved.lower <= max(CLOSED, gap * proved.upper):
+        violated, correction = _violated(x.at, y.at, u, v, boxes_x, boxes_y)
+        proved = _proved(x, y, u + correction, v, plan.bounds.upper)
+        if proved.upper - proved.lower <= max(GAP, gap * proved.upper):
             return plan._replace(u=u, v=v, bounds=proved)
-        if tried == 0:
-            # Most candidates are far from use. Later ones stay, so that the rounds cannot run in circles.
+        if attempt == 0:
+            # Half of the first candidates are dropped. Pairs added later stay, so that the rounds cannot cycle.
             reduced = costs - plan.u[rows] - plan.v[columns]
             codes = np.append(codes[reduced <= np.median(reduced)], plan.rows * len(y.at) + plan.columns)
         codes = np.unique(np.append(codes, violated))
-    detail = f"(transport: not all pairs are priced after {MOST_ROUNDS} rounds)"
+    detail = f"(transport: pairs are still violated after {MAX_ROUNDS} rounds)"
     raise SolveFailed(Status.NOT_CONVERGED, detail, None)
 
 
 def _optimum(x: _Points, y: _Points, costs: Floats | coo_array) -> _Plan:
-    """The optimal plan for given costs, of all pairs or of some; its upper bound is the distance that it carries."""
+    """Compute the optimal plan for given costs of all or some pairs; its upper bound is the cost in distances."""
     with needs("w1 of points in d >= 2", "meanfield"):
         import ot
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the same message is in the log
-        plan, log = ot.emd(x.mass, y.mass, costs, numItermax=MOST_PIVOTS, log=True, center_dual=False)
+        plan, log = ot.emd(x.mass, y.mass, costs, numItermax=MAX_PIVOTS, log=True, center_dual=False)
     if log["warning"] is not None:
         raise SolveFailed(Status.NOT_CONVERGED, f"(POT: {log['warning']})", None)
     flow = coo_array(plan)
@@ -188,36 +195,39 @@ def _optimum(x: _Points, y: _Points, costs: Floats | coo_array) -> _Plan:
 
 
 def _violated(x: Floats, y: Floats, u: Floats, v: Floats, boxes_x: _Boxes, boxes_y: _Boxes) -> tuple[Indices, Floats]:
-    """Codes of pairs with |x_i - y_j| < u_i + v_j, up to ADDED for each i, and min_j (|x_i - y_j| - u_i - v_j, 0)."""
-    highest = np.array([v[members].max() for members in boxes_y.members])
-    lacking, found = np.zeros(len(x)), [np.empty(0, dtype=np.int64)]
-    for mine, low, high in zip(*boxes_x, strict=True):
-        apart = np.linalg.norm(np.maximum(np.maximum(boxes_y.low - high, low - boxes_y.high), 0.0), axis=1)
-        close = np.flatnonzero(apart < u[mine].max() + highest)
-        if not close.size:
+    """Find pairs with |x_i - y_j| < u_i + v_j, and corrections of u that make the dual variables feasible.
+
+    Returns the codes of at most PAIRS_PER_POINT pairs for each i, and min_j (|x_i - y_j| - u_i - v_j, 0).
+    """
+    largest = np.array([v[members].max() for members in boxes_y.members])
+    correction, found = np.zeros(len(x)), [np.empty(0, dtype=np.int64)]
+    for members, low, high in zip(*boxes_x, strict=True):
+        separation = np.linalg.norm(np.maximum(np.maximum(boxes_y.low - high, low - boxes_y.high), 0.0), axis=1)
+        candidates = np.flatnonzero(separation < u[members].max() + largest)
+        if not candidates.size:
             continue
-        others = np.concatenate([boxes_y.members[k] for k in close])
-        reduced = _distances(x[mine][:, None], y[others][None]) - u[mine][:, None] - v[others]
-        lacking[mine] = np.minimum(reduced.min(axis=1), 0.0)
-        most = min(ADDED, len(others)) - 1
-        worst = np.argpartition(reduced, most, axis=1)[:, : most + 1]
-        row, place = np.nonzero(np.take_along_axis(reduced, worst, axis=1) < -CLOSED)
-        found.append(mine[row] * len(y) + others[worst[row, place]])
-    return np.concatenate(found), lacking
+        others = np.concatenate([boxes_y.members[k] for k in candidates])
+        reduced = _distances(x[members][:, None], y[others][None]) - u[members][:, None] - v[others]
+        correction[members] = np.minimum(reduced.min(axis=1), 0.0)
+        last = min(PAIRS_PER_POINT, len(others)) - 1
+        worst = np.argpartition(reduced, last, axis=1)[:, : last + 1]
+        row, column = np.nonzero(np.take_along_axis(reduced, worst, axis=1) < -GAP)
+        found.append(members[row] * len(y) + others[worst[row, column]])
+    return np.concatenate(found), correction
 
 
-def _near(x: Floats, y: Floats) -> Indices:
-    """Codes of each point with its nearest ones on the other side."""
-    from_x = cKDTree(y).query(x, min(NEAR, len(y)))[1].reshape(len(x), -1)
-    from_y = cKDTree(x).query(y, min(NEAR, len(x)))[1].reshape(len(y), -1)
+def _nearest(x: Floats, y: Floats) -> Indices:
+    """Return the codes of all pairs of a point and one of its nearest points on the other side."""
+    from_x = cKDTree(y).query(x, min(NEIGHBOURS, len(y)))[1].reshape(len(x), -1)
+    from_y = cKDTree(x).query(y, min(NEIGHBOURS, len(x)))[1].reshape(len(y), -1)
     one = np.arange(len(x))[:, None] * len(y) + from_x
     other = from_y * len(y) + np.arange(len(y))[:, None]
     return np.concatenate([one.ravel(), other.ravel()])
 
 
-def _clustered(points: _Points) -> tuple[_Points, Indices, list[Indices]]:
-    """The centres of mass of small boxes; for each point its box, and for each box its points."""
-    parts = _boxes(points.at, CLUSTER).members
+def _cluster(points: _Points) -> tuple[_Points, Indices, list[Indices]]:
+    """Return the centres of mass of small boxes, the box of each point, and the points of each box."""
+    parts = _boxes(points.at, CLUSTER_SIZE).members
     label = np.empty(len(points.at), dtype=np.int64)
     label[np.concatenate(parts)] = np.repeat(np.arange(len(parts)), [len(part) for part in parts])
     mass = np.bincount(label, points.mass).astype(np.float64)
@@ -225,9 +235,9 @@ def _clustered(points: _Points) -> tuple[_Points, Indices, list[Indices]]:
     return _Points(np.stack(centre, axis=1), mass), label, parts
 
 
-def _boxes(points: Floats, most: int = BOX) -> _Boxes:
-    """The points in boxes of at most ``most``, from the leaves of a tree."""
-    leaves, waiting = [], [cKDTree(points, leafsize=most).tree]
+def _boxes(points: Floats, size: int = BOX_SIZE) -> _Boxes:
+    """Divide points into boxes of at most ``size`` points, the leaves of a tree."""
+    leaves, waiting = [], [cKDTree(points, leafsize=size).tree]
     while waiting:
         node = waiting.pop()
         if node.lesser is None:

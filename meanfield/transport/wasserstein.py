@@ -1,4 +1,4 @@
-"""The Monge-Kantorovich (Wasserstein) distance W1, by which the thesis compares distributions of particles."""
+"""Monge-Kantorovich (Wasserstein) distance W1, with which the thesis compares distributions of particles."""
 
 from __future__ import annotations
 
@@ -12,25 +12,25 @@ from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from meanfield.density.density import Density
 from meanfield.density.panels import DEGREE, Panels
-from meanfield.density.weights import checked
+from meanfield.weights import checked_weights
 
 Floats = NDArray[np.float64]
 
-# What W1 is of, for messages.
+# Arguments of W1, for messages.
 MEASURES = "finite points (n,) or (n, nx), Weighted points, a Density or Panels"
-# Exact for a distribution function on a panel, of degree DEGREE + 1, with one point to spare for signs.
-NODES, SHARES = np.polynomial.legendre.leggauss(DEGREE + 2)
-# Values at the nodes -> Legendre coefficients.
-TO_SERIES = (np.polynomial.legendre.legvander(NODES, DEGREE + 1) * SHARES[:, None]).T
+# Gauss points on a panel, where distribution functions have degree DEGREE + 1; the series needs as many coefficients.
+SERIES_NODES, SERIES_WEIGHTS = np.polynomial.legendre.leggauss(DEGREE + 2)
+# Maps values at the nodes to Legendre coefficients.
+TO_SERIES = (np.polynomial.legendre.legvander(SERIES_NODES, DEGREE + 1) * SERIES_WEIGHTS[:, None]).T
 TO_SERIES *= (np.arange(DEGREE + 2) + 0.5)[:, None]
-# Pieces with a change of sign are halved until what is left of them is below rounding: a factor 4 each time.
-ROUNDING, MOST_HALVINGS = 1e-17, 60
-# Pieces that are integrated together, to stay in memory.
-BLOCK = 100_000
+# Pieces with a change of sign are halved until their integral, which falls by a factor 4 each time, is below rounding.
+NEGLIGIBLE_PIECE, MAX_PIECE_HALVINGS = 1e-17, 60
+# Pieces that are integrated together, for memory.
+PIECES_PER_BLOCK = 100_000
 
 
 class Weighted(NamedTuple):
-    """The measure sum_i w_i delta(x - x_i): points (n,) or (n, nx), weights w >= 0 (n,) that sum to 1."""
+    """Measure sum_i w_i delta(x - x_i): points (n,) or (n, nx), weights w >= 0 (n,) that sum to 1."""
 
     points: ArrayLike
     weights: ArrayLike
@@ -45,24 +45,24 @@ class _Points(NamedTuple):
 
 
 def w1(a: Measure, b: Measure) -> float:
-    """W1(a, b) = sup { int phi d(a - b) : Lip(phi) <= 1 }; in one dimension int |F_a(x) - F_b(x)| dx.
+    """Compute W1(a, b) = sup { int phi d(a - b) : Lip(phi) <= 1 }; in one dimension int |F_a(x) - F_b(x)| dx.
 
-    In one dimension it is exact to rounding, for points, densities, and points against densities. In two and three it
-    takes points only, and is exact to 1e-11 of their diameter, which ``meanfield.transport.discrete`` proves.
+    In one dimension the value is exact to rounding, for points and densities. In two and three dimensions a and b must
+    be points; the value is exact to 1e-11 of their diameter, which ``meanfield.transport.discrete`` proves.
 
     Parameters
     ----------
     a, b
-        Points (n,) or (n, nx) of equal weight; ``Weighted`` points; a ``Density``; or ``Panels``, as
+        points (n,) or (n, nx) of equal weight; ``Weighted`` points; a ``Density``; or ``Panels``, as
         ``GridMotion.density`` returns them.
 
     Raises
     ------
     InvalidProblem
-        If a or b is something else, if their dimensions differ, or if there is a density in d >= 2: there, draw points
-        by ``sample()``, or take ``Weighted(*density.nodes(n))``.
+        if a or b is no measure, their dimensions differ, or one is a density in two or three dimensions: draw points by
+        ``sample()`` then, or use ``Weighted(*density.nodes(n))``.
     SolveFailed
-        If the linear program of exact transport was not solved.
+        if the linear program of exact transport was not solved.
 
     Notes
     -----
@@ -71,13 +71,13 @@ def w1(a: Measure, b: Measure) -> float:
     one, other = _measure("a", a), _measure("b", b)
     dimensions = [1 if isinstance(m, Panels) else m.at.shape[1] for m in (one, other)]
     if dimensions[0] != dimensions[1]:
-        raise InvalidProblem(f"b has {dimensions[1]} dimensions: must have those of a, {dimensions[0]}")
+        raise InvalidProblem(f"b has {dimensions[1]} dimensions: must have as many as a, {dimensions[0]}")
     if isinstance(one, Panels):
-        return _panels_apart(one, other) if isinstance(other, Panels) else _points_from_panels(other, one)
+        return _w1_panels(one, other) if isinstance(other, Panels) else _w1_points_panels(other, one)
     if isinstance(other, Panels):
-        return _points_from_panels(one, other)
+        return _w1_points_panels(one, other)
     if dimensions[0] == 1:
-        return _points_apart(one, other)
+        return _w1_points(one, other)
     with needs("w1 of points in d >= 2", "meanfield"):
         from meanfield.transport import discrete
 
@@ -90,8 +90,8 @@ def _measure(name: str, value: Measure) -> _Points | Panels:
     if isinstance(value, Density):
         if value.nx > 1:
             raise InvalidProblem(
-                f"{name} is a density in {value.nx} dimensions: W1 must be taken of points there; draw them by "
-                "sample(), or take Weighted(*density.nodes(n))"
+                f"{name} is a density in {value.nx} dimensions: must be points; draw them by sample(), or use "
+                "Weighted(*density.nodes(n))"
             )
         return value.panels
     weighted = isinstance(value, Weighted)
@@ -100,12 +100,12 @@ def _measure(name: str, value: Measure) -> _Points | Panels:
     points = checks.shaped(label, raw[:, None] if raw.ndim == 1 else raw, (None, None))
     if not isinstance(value, Weighted):
         return _Points(points, np.full(len(points), 1.0 / len(points)))
-    weights = checked(f"{name}.weights", value.weights, len(points))
+    weights = checked_weights(f"{name}.weights", value.weights, len(points))
     return _Points(points, weights / weights.sum())
 
 
 def _levels(points: _Points) -> tuple[Floats, Floats]:
-    """Points of one dimension in increasing order, and F there (n,), the last one exactly 1."""
+    """Sort points of one dimension; return them and F at them (n,), the last value exactly 1."""
     order = np.argsort(points.at[:, 0], kind="stable")
     level = np.cumsum(points.mass[order])
     equal = points.mass[0] == points.mass
@@ -115,27 +115,27 @@ def _levels(points: _Points) -> tuple[Floats, Floats]:
     return points.at[order, 0], level
 
 
-def _points_apart(a: _Points, b: _Points) -> float:
-    """Both distribution functions are constant between consecutive points."""
-    (x, below_x), (y, below_y) = _levels(a), _levels(b)
+def _w1_points(a: _Points, b: _Points) -> float:
+    """Integrate |F_a - F_b|, which is constant between consecutive points."""
+    (x, F_x), (y, F_y) = _levels(a), _levels(b)
     cuts = np.sort(np.concatenate([x, y]))
-    below = [
-        np.append(0.0, level)[np.searchsorted(at, cuts[:-1], side="right")]
-        for at, level in ((x, below_x), (y, below_y))
-    ]
-    return float(np.abs(below[0] - below[1]) @ np.diff(cuts))
+    F_a, F_b = (
+        np.append(0.0, level)[np.searchsorted(at, cuts[:-1], side="right")] for at, level in ((x, F_x), (y, F_y))
+    )
+    return float(np.abs(F_a - F_b) @ np.diff(cuts))
 
 
-def _points_from_panels(points: _Points, panels: Panels) -> float:
-    """Between points and edges |c - F| with constant c and monotone F: signs change at the quantile of c, if at all.
+def _w1_points_panels(points: _Points, panels: Panels) -> float:
+    """Integrate |c - F|, with constant c and monotone F between consecutive points and edges.
 
-    Integrals of c - F are taken piece by piece: a difference of antiderivatives would lose their small values.
+    The sign of c - F changes at most once, at the quantile of c. Integrals are computed piece by piece, because small
+    values would be lost in a difference of antiderivatives.
     """
     x, level = _levels(points)
     cuts = np.union1d(x, panels.edges)
     c = np.append(0.0, level)[np.searchsorted(x, cuts[:-1], side="right")]
-    below = panels.distribution(cuts)
-    crossed = (below[:-1] < c) & (c < below[1:])
+    F = panels.distribution(cuts)
+    crossed = (F[:-1] < c) & (c < F[1:])
     low, high = cuts[:-1], cuts[1:].copy()
     between = low[crossed]
     if crossed.any():
@@ -144,32 +144,35 @@ def _points_from_panels(points: _Points, panels: Panels) -> float:
     ends = np.concatenate([np.where(crossed, np.nan, high), high[crossed]])
     ends[np.flatnonzero(crossed)] = between
     c = np.concatenate([c, c[crossed]])
-    # Exact for F on a panel: its degree is one more than that of the density.
-    nodes, shares = np.polynomial.legendre.leggauss(panels.coefficients.shape[1] // 2 + 1)
+    # Exact for F on a panel, whose degree is one more than the degree of the density.
+    nodes, weights = np.polynomial.legendre.leggauss(panels.coefficients.shape[1] // 2 + 1)
     total = 0.0
-    for begin in range(0, len(c), BLOCK):
-        part = slice(begin, begin + BLOCK)
+    for begin in range(0, len(c), PIECES_PER_BLOCK):
+        part = slice(begin, begin + PIECES_PER_BLOCK)
         middle, half = (starts[part] + ends[part]) / 2, (ends[part] - starts[part]) / 2
         values = panels.distribution((middle[:, None] + half[:, None] * nodes).ravel()).reshape(len(middle), -1)
-        total += float(half @ np.abs((c[part, None] - values) @ shares))
+        total += float(half @ np.abs((c[part, None] - values) @ weights))
     return total
 
 
-def _panels_apart(a: Panels, b: Panels) -> float:
-    """Between edges a polynomial: pieces are halved until the Legendre series shows a sign, or nothing is left."""
+def _w1_panels(a: Panels, b: Panels) -> float:
+    """Integrate |F_a - F_b|, a polynomial between edges.
+
+    Pieces are halved until the Legendre series proves that the sign is constant, or the integral is negligible.
+    """
     cuts = np.union1d(a.edges, b.edges)
     low, high = cuts[:-1], cuts[1:]
     total, size = 0.0, cuts[-1] - cuts[0]
-    for _ in range(MOST_HALVINGS):
+    for _ in range(MAX_PIECE_HALVINGS):
         middle, half = (low + high) / 2, (high - low) / 2
-        x = (middle[:, None] + half[:, None] * NODES).ravel()
-        apart = (a.distribution(x) - b.distribution(x)).reshape(len(middle), -1)
-        series = apart @ TO_SERIES.T
-        varies = np.abs(series[:, 1:]).sum(axis=1)
+        x = (middle[:, None] + half[:, None] * SERIES_NODES).ravel()
+        difference = (a.distribution(x) - b.distribution(x)).reshape(len(middle), -1)
+        series = difference @ TO_SERIES.T
+        variation = np.abs(series[:, 1:]).sum(axis=1)
         mean = np.abs(series[:, 0])
-        open_ = (mean < varies) & (half * varies > ROUNDING * size)
-        total += float(2 * half[~open_] @ mean[~open_])
-        low, middle, high = low[open_], middle[open_], high[open_]
+        undecided = (mean < variation) & (half * variation > NEGLIGIBLE_PIECE * size)
+        total += float(2 * half[~undecided] @ mean[~undecided])
+        low, middle, high = low[undecided], middle[undecided], high[undecided]
         low, high = np.concatenate([low, middle]), np.concatenate([middle, high])
         if not low.size:
             break

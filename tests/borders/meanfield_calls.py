@@ -1,4 +1,4 @@
-"""The public functions, constructors and results of meanfield, with values that are right; small, so that runs are."""
+"""Public functions, constructors and results of meanfield, each with valid arguments of short runs."""
 
 import warnings
 from functools import partial
@@ -14,8 +14,8 @@ FIBRE = {"m": POSITIVE, "k0": POSITIVE, "y_rest": (1.0,), "k1": POSITIVE}
 NAMES = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
 ELEMENT = meanfield.TissueElement(m=0.5, k0=1.0, y_rest=[1.0, 1.0, 0.0], k1=0.5)
 WAVY = meanfield.WavyFibre(**NAMES)
-PULLED = Model(lambda X, y: X - y, lambda y: y**2, lambda X: X**2, lambda r: r**2, m=0.5)
-MODELS = (meanfield.StraightFibre(**NAMES), meanfield.LinearFibre(**NAMES), WAVY, PULLED)
+INTERACTING = Model(lambda X, y: X - y, lambda y: y**2, lambda X: X**2, lambda r: r**2, m=0.5)
+MODELS = (meanfield.StraightFibre(**NAMES), meanfield.LinearFibre(**NAMES), WAVY, INTERACTING)
 REDUCTIONS = tuple(map(meanfield.reduce, MODELS[:2]))
 STARTS = (State([[0.5], [1.0]], [1.2], [0.3]), State([[0.1], [0.2], [0.3]], [1.0], [0.0]))
 POINTS = ([[0.5], [1.0]], np.array([[0.1], [-0.2], [0.3]]))
@@ -24,7 +24,7 @@ TIMES, TOL = ([0.1], [0.0, 0.2], [0.1, 0.3]), (1e-4, 1e-6)
 UNIFORM, BUMP = Density.uniform(0.0, 1.0), Density.bump(1.0, 0.5)
 PLANE = Density.uniform((0.0, 0.0), (1.0, 1.0))
 DENSITIES = (UNIFORM, BUMP, Density.normal(0.5, 0.1))
-PANELS = Panels.steps([0.0, 0.5, 1.0], [0.5, 1.5])
+PANELS = Panels.piecewise_constant([0.0, 0.5, 1.0], [0.5, 1.5])
 MOMENTS = (Moments(np.array([1.0]), np.array([[1.5]])), Moments([0.5], [[0.5]]))
 RNG = (np.random.default_rng(0),)
 RUN = {"t": TIMES, "tol": TOL, "throw": FLAG}
@@ -38,12 +38,12 @@ PLACES = ([[0.0, 0.0], [1.0, 0.5]], Weighted([[0.0, 1.0]], [1.0]))
 
 
 def read(result):
-    """All that a result tells."""
-    told = [result.energy(), repr(result), result.y, result.v]
+    """Evaluate all methods of a result."""
+    values = [result.energy(), repr(result), result.y, result.v]
     for name in ("constraint_drift", "velocity_drift", "mass", "mean", "second_moment"):
         found = getattr(result, name, None)
-        told.append(found() if callable(found) else found)
-    return told
+        values.append(found() if callable(found) else found)
+    return values
 
 
 def dae(model, start, t, tol, throw=True):
@@ -71,48 +71,48 @@ def moments(model, moments0, y0, v0, t, tol, throw=True):
 
 
 def built(*arguments, **named):
-    """A model. CasADi warns whoever uses functions of NumPy on its symbols, which is for the user to hear."""
+    """Build a model; CasADi's warnings about NumPy functions of symbols are for users and are ignored here."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FutureWarning)
         return Model(*arguments, **named)
 
 
-def made(g, W0, W1, V, m):
-    """A model of the user's functions, solved."""
+def user_model(g, W0, W1, V, m):
+    """Solve a model of user-defined functions."""
     return read(meanfield.solve_ode(built(g, W0, W1, V, m), STARTS[0], [0.1], 1e-4))
 
 
-def asked(model, X, y, v):
-    """All that a model tells."""
-    told = [model.level(X, y), *model.jacobians(X, y), model.phi(X, y), model.omega(X, y, v)]
-    told += [model.curvature(X, y, X, v), model.F0(y), model.F1(X), model.K(X), model.energy0(y)]
-    return [*told, model.energy1(X), model.pair_energy(X)]
+def model_values(model, X, y, v):
+    """Evaluate all methods of a model."""
+    values = [model.level(X, y), *model.jacobians(X, y), model.phi(X, y), model.omega(X, y, v)]
+    values += [model.curvature(X, y, X, v), model.F0(y), model.F1(X), model.K(X), model.energy0(y)]
+    return [*values, model.energy1(X), model.pair_energy(X)]
 
 
-def drawn(density, n, rng, x):
-    """All that a density tells."""
-    told = [density.density(x), density.sample(rng, n), density.nodes(n), density.moments()]
-    return [*told, density.quantiles(n), density.panels]
+def density_values(density, n, rng, x):
+    """Evaluate all methods of a density."""
+    values = [density.density(x), density.sample(rng, n), density.nodes(n), density.moments()]
+    return [*values, density.quantiles(n), density.panels]
 
 
-def own(pdf, sampler, n, rng):
-    """A density of the user's functions, drawn from."""
+def user_density(pdf, sampler, n, rng):
+    """Sample a density of user-defined functions."""
     density = Density(pdf, 0.0, 1.0, sampler=sampler)
     return [density.sample(rng, n), density.quantiles(n), density.nodes(n)]
 
 
-def own_plane(pdf, n, rng):
-    """The same in the plane."""
+def user_density_in_the_plane(pdf, n, rng):
+    """Sample a density of user-defined functions in the plane."""
     return Density(pdf, (0.0, 0.0), (1.0, 1.0)).sample(rng, n)
 
 
-def carried(model, density, y0, y):
-    """A density that is carried, and points of it."""
-    return meanfield.carry_density(model, density, y0, y).quantiles(3)
+def pushed_forward(model, density, y0, y):
+    """Compute quantiles of a density that is pushed forward."""
+    return meanfield.push_forward(model, density, y0, y).quantiles(3)
 
 
-def counted(model, particles):
-    """What a reduction tells."""
+def reduction_values(model, particles):
+    """Evaluate all methods of a reduction."""
     reduction = meanfield.reduce(model)
     return [reduction.positions, reduction.degrees_of_freedom(particles), reduction.moment_unknowns()]
 
@@ -132,13 +132,17 @@ CALLS = (
     Call("uniform", Density.uniform, {"lower": (0.0, (0.0, -1.0)), "upper": (1.0, (1.0, 1.0))}),
     Call("normal", Density.normal, {"mean": (0.0, (0.0, 1.0)), "deviation": (0.5, (0.5, 1.0), np.eye(2))}),
     Call("bump", Density.bump, {"centre": (0.0, (0.0, 1.0)), "radius": (0.5, (0.5, 1.0))}),
-    Call("drawn", partial(drawn, BUMP), {"n": NATURAL, "rng": RNG, "x": POINTS}),
-    Call("own", own, {"pdf": PDFS, "sampler": SAMPLERS, "n": NATURAL, "rng": RNG}),
-    Call("own_plane", own_plane, {"pdf": PDFS[:1], "n": NATURAL, "rng": RNG}),
+    Call("density_values", partial(density_values, BUMP), {"n": NATURAL, "rng": RNG, "x": POINTS}),
+    Call("user_density", user_density, {"pdf": PDFS, "sampler": SAMPLERS, "n": NATURAL, "rng": RNG}),
+    Call("user_density_in_the_plane", user_density_in_the_plane, {"pdf": PDFS[:1], "n": NATURAL, "rng": RNG}),
     Call("sample", PLANE.sample, {"rng": RNG, "n": NATURAL}),
     Call("nodes", PLANE.nodes, {"n": NATURAL}),
     Call("Panels", Panels, {"edges": ([0.0, 1.0], [0.0, 0.5, 1.0]), "coefficients": ([[1.0]], [[1.0], [1.0]])}),
-    Call("steps", Panels.steps, {"edges": ([0.0, 0.5, 1.0],), "averages": ([1.0, 1.0], [0.5, 1.5])}),
+    Call(
+        "piecewise_constant",
+        Panels.piecewise_constant,
+        {"edges": ([0.0, 0.5, 1.0],), "averages": ([1.0, 1.0], [0.5, 1.5])},
+    ),
     *(Call(f.__name__, f, {"x": ([0.25, 0.5], [0.0])}) for f in (PANELS.density, PANELS.distribution)),
     Call("panels.quantile", PANELS.quantile, {"p": ([0.25, 0.5], [0.0])}),
     Call("w1", meanfield.w1, {"a": MEASURES, "b": MEASURES}),
@@ -147,10 +151,13 @@ CALLS = (
         "weighted", lambda p, w, b: meanfield.w1(Weighted(p, w), b), {"p": MEASURES[:2], "w": ([1.0],), "b": MEASURES}
     ),
     Call("sample_moments", meanfield.sample_moments, {"X": POINTS, "weights": (None, [0.25, 0.75])}),
-    Call("carry_density", carried, {"model": MODELS, "density": DENSITIES, "y0": MACRO, "y": MACRO}),
-    Call("reduce", counted, {"model": MODELS, "particles": NATURAL}),
-    *(Call("asked", partial(asked, model), {"X": POINTS, "y": MACRO, "v": VELOCITY}) for model in MODELS[2:]),
-    Call("made", made, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE}),
+    Call("push_forward", pushed_forward, {"model": MODELS, "density": DENSITIES, "y0": MACRO, "y": MACRO}),
+    Call("reduce", reduction_values, {"model": MODELS, "particles": NATURAL}),
+    *(
+        Call("model_values", partial(model_values, model), {"X": POINTS, "y": MACRO, "v": VELOCITY})
+        for model in MODELS[2:]
+    ),
+    Call("user_model", user_model, {"g": G, "W0": W, "W1": W, "V": V, "m": POSITIVE}),
     Call("state", MOTION.state, {"k": (0, 1, -1)}),
     Call("solve_dae", dae, {"model": MODELS, "start": STARTS, **RUN}, ("throw",)),
     Call("solve_ode", ode, {"model": (*MODELS, *REDUCTIONS), "start": STARTS, **RUN}, ("throw",)),

@@ -1,4 +1,4 @@
-"""Generated calls of meanfield: an answer without a NaN, or a documented error; no other one, no warning, no wait."""
+"""Generated calls of meanfield: each ends quickly, without warnings, with finite numbers or a documented error."""
 
 import itertools
 
@@ -7,7 +7,7 @@ import pytest
 
 import meanfield
 from dincl import FunctionFailed
-from meanfield.density.panels import MOST_PANELS
+from meanfield.density.panels import MAX_PANELS
 from tests.borders.harness import complaints
 from tests.borders.meanfield_calls import CALLS
 
@@ -26,12 +26,12 @@ def test_many_generated_calls():
 
 
 def noise(x):
-    """A function that no polynomial follows."""
+    """Evaluate a function that oscillates too fast for polynomials."""
     return 1.0 + np.sin(1e9 * x[:, 0])
 
 
 def failing(x):
-    """A density with a mistake."""
+    """Raise a KeyError, as a density with a mistake."""
     return {}["k"]
 
 
@@ -44,12 +44,12 @@ def test_a_density_that_is_hard_to_integrate_is_refused_after_counted_work():
 
     with pytest.raises(meanfield.InvalidModel, match="pdf is not resolved by 100000 panels of 16 values"):
         meanfield.Density(counted, 0.0, 1.0)
-    assert sum(seen) < 2 * 16 * MOST_PANELS
+    assert sum(seen) < 2 * 16 * MAX_PANELS
 
 
 def test_rejection_ends_after_counted_work(monkeypatch):
-    monkeypatch.setattr("meanfield.density.density.MOST_ROUNDS", 3)
-    monkeypatch.setattr("meanfield.density.density.MOST_TRIES", 10)
+    monkeypatch.setattr("meanfield.density.density.MAX_REJECTION_ROUNDS", 3)
+    monkeypatch.setattr("meanfield.density.density.MAX_TRIES", 10)
     density = meanfield.Density(lambda x: np.ones(len(x)), (0.0, 0.0), (1.0, 1.0))
     with pytest.raises(meanfield.InvalidModel, match=r"3 rounds of at most 10 points gave 2\d of 100 by rejection"):
         density.sample(np.random.default_rng(0), 100)
@@ -73,6 +73,6 @@ def test_what_a_function_of_a_model_raises_is_the_cause(name):
 
 
 @pytest.mark.parametrize("given", [itertools.count(), np.ones((1, 1, 1)), [[1.0], [2.0, 3.0]]])
-def test_casadi_is_given_nothing_that_it_does_not_survive(given):
+def test_values_that_would_crash_casadi_are_refused(given):
     with pytest.raises(meanfield.InvalidModel, match=r"W0\(y\) = .*: must be built from CasADi operations"):
         meanfield.Model(lambda X, y: X - y, lambda y: given, lambda X: X**2)

@@ -1,4 +1,4 @@
-"""Starts, closed forms in 40 digits and plain formulas of the models, for the tests of all solvers of particles."""
+"""Starts, solutions in closed form to 40 digits and NumPy formulas of the models, for tests of all particle solvers."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ class Exact(NamedTuple):
 
 
 def harmonic(stiffness: Any, pull: Any, mass: Any, times: NDArray[np.float64]) -> list[tuple[Any, Any, Any]]:
-    """y, y' and y'' of mass y'' = pull - stiffness y at each time, to 40 digits."""
+    """Compute y, y' and y'' of mass y'' = pull - stiffness y at each time, to 40 digits."""
     with mpmath.workdps(40):
         omega, rest = mpmath.sqrt(stiffness / mass), pull / stiffness
         a, b = mpmath.mpf(Y0) - rest, mpmath.mpf(V0) / omega
@@ -48,7 +48,7 @@ def harmonic(stiffness: Any, pull: Any, mass: Any, times: NDArray[np.float64]) -
 
 
 def straight(start: State, t: NDArray[np.float64]) -> Exact:
-    """X_i = c_i y, so m X_i'' = F1 - lambda_i/y gives lambda_i = y (F1 - m c_i y''), and the sum of (5.6b) the rest."""
+    """Solve Example 5.2: X_i = c_i y, lambda_i = y (F1 - m c_i y'') from m X_i'' = F1 - lambda_i/y, y from (5.6b)."""
     c = [mpmath.mpf(x) / mpmath.mpf(Y0) for x in np.asarray(start.X)[:, 0]]
     square = sum(x**2 for x in c) / len(c)
     motion = harmonic(K0 + K1 * square, mpmath.mpf(K0) * REST, 1 + M * square, t)
@@ -58,7 +58,7 @@ def straight(start: State, t: NDArray[np.float64]) -> Exact:
 
 
 def linear(start: State, t: NDArray[np.float64]) -> Exact:
-    """X_i = y + d_i and lambda_i = F1 - m y''; (5.6b) with g_y = -1 gives (1 + m) y'' = F0 + <F1>."""
+    """Solve Example 5.3: X_i = y + d_i, lambda_i = F1 - m y''; (5.6b) with g_y = -1 gives (1 + m) y'' = F0 + <F1>."""
     d = [mpmath.mpf(x) - mpmath.mpf(Y0) for x in np.asarray(start.X)[:, 0]]
     mean = sum(d) / len(d)
     motion = harmonic(mpmath.mpf(K0) + K1, mpmath.mpf(K0) * REST - K1 * mean, 1 + mpmath.mpf(M), t)
@@ -67,38 +67,38 @@ def linear(start: State, t: NDArray[np.float64]) -> Exact:
 
 def exact(
     motion: list[tuple[Any, Any, Any]],
-    place: Callable[[Any], list[Any]],
+    positions: Callable[[Any], list[Any]],
     rate: Callable[[Any], list[Any]],
     multiplier: Callable[[Any, Any, Any], Any],
 ) -> Exact:
-    """Arrays from y, y', y'' and the particles as functions of them; ``rate`` also gives X'' from y''."""
+    """Build arrays from y, y', y'' and the particles as functions of them; ``rate`` maps y' to X' and y'' to X''."""
     multipliers = [
-        [multiplier(y, x, a) for x, a in zip(place(y), rate(second), strict=True)] for y, _, second in motion
+        [multiplier(y, x, a) for x, a in zip(positions(y), rate(second), strict=True)] for y, _, second in motion
     ]
     return Exact(
         np.array([[y] for y, _, _ in motion], dtype=float),
         np.array([[v] for _, v, _ in motion], dtype=float),
-        np.array([place(y) for y, _, _ in motion], dtype=float)[..., None],
+        np.array([positions(y) for y, _, _ in motion], dtype=float)[..., None],
         np.array([rate(v) for _, v, _ in motion], dtype=float)[..., None],
         np.array(multipliers, dtype=float)[..., None],
     )
 
 
 def worst(motion: Motion, other: Any) -> float:
-    """The largest difference in anything a solver returns."""
+    """Compute the largest difference of a motion from an exact solution, over all its arrays."""
     return max(float(np.abs(getattr(motion, name) - getattr(other, name)).max()) for name in Exact._fields)
 
 
 CLOSED = {"straight": (StraightFibre, straight), "linear": (LinearFibre, linear)}
 
 
-# Plain formulas of the models, complex numbers allowed, so that derivatives can be had without the library.
+# Formulas of the models that accept complex numbers, for derivatives by complex steps, independent of CasADi.
 def g_element(X: Any, y: Any) -> Any:
     return np.linalg.solve(np.array([[y[0], y[2]], [y[2], y[1]]]), X)
 
 
 def g_askew(X: Any, y: Any) -> Any:
-    """A constraint whose Jacobians are not symmetric, det dg/dX = 1 + X_0^2 + X_0/2 > 0."""
+    """Evaluate a constraint whose Jacobians are not symmetric, with det dg/dX = 1 + X_0^2 + X_0/2 > 0."""
     return [X[0] + X[1] / 2 + X[0] ** 3 / 3 - y[0], X[1] - X[0] ** 2 / 2 - y[1] * (1 + y[0] / 4)]
 
 

@@ -1,4 +1,4 @@
-"""The list of models that contract tests of the mean-field package run over, each with a start in general position."""
+"""Models on which the contract tests of meanfield run, each with a start in general position."""
 
 import casadi as ca
 import numpy as np
@@ -44,7 +44,7 @@ MODELS = {
 
 
 def start(name: str, particles: int) -> meanfield.State:
-    """A state with particles drawn from a normal distribution."""
+    """Build a state whose particles are drawn from a normal distribution."""
     model = MODELS[name]
     X = np.random.default_rng(7).normal(0.3, 0.8, size=(particles, model.nx))
     return meanfield.State(X=X, y=np.array([1.2, 0.9, 0.1])[: model.ny], v=np.array([0.3, -0.2, 0.5])[: model.ny])

@@ -1,4 +1,4 @@
-"""The characteristics of the mean-field limit: closed forms, particle runs, the stated error, the carried density."""
+"""Characteristics of the mean-field limit: closed forms, particle runs, the stated error, the density at the nodes."""
 
 from __future__ import annotations
 
@@ -31,28 +31,28 @@ def test_straight_fibre_is_a_harmonic_oscillator() -> None:
         np.testing.assert_allclose(flow.density(k), BUMP.density(flow.X[k] / y[k]) / y[k], rtol=1e-9, atol=1e-12)
 
 
-def test_carried_density_is_mass_over_length() -> None:
+def test_density_at_the_nodes_is_mass_over_length() -> None:
     flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], TIMES, 1e-10)
     nodes, _ = BUMP.nodes(len(flow.level_density))
-    carried = Legendre.fit(nodes[:, 0], flow.X[2, :, 0], 24, domain=[-0.7, 1.3])
+    positions = Legendre.fit(nodes[:, 0], flow.X[2, :, 0], 24, domain=[-0.7, 1.3])
     np.testing.assert_allclose(
-        flow.density(2) * carried.deriv()(nodes[:, 0]), BUMP.density(nodes), rtol=1e-6, atol=1e-8
+        flow.density(2) * positions.deriv()(nodes[:, 0]), BUMP.density(nodes), rtol=1e-6, atol=1e-8
     )
 
 
-def test_many_particles_come_to_the_same() -> None:
+def test_many_particles_converge_to_the_flow() -> None:
     density = Density.uniform(-0.7, 1.3)
     flow = solve_characteristics(WAVY, density, [0.2], [0.5], TIMES, 1e-11)
     errors = []
     for n in (500, 2000):
         motion = solve_ode(WAVY, State(X=density.quantiles(n), y=[0.2], v=[0.5]), TIMES, 1e-11)
         errors.append(np.abs(motion.y - flow.y).max())
-    # Points in the middles of probabilities are a rule of second order here.
+    # Quantiles of the midpoints of [(i-1)/n, i/n] are a quadrature rule of second order here.
     assert errors[1] < 1e-7
     assert errors[0] / errors[1] == pytest.approx(16.0, rel=0.1)
 
 
-def test_energy_is_kept() -> None:
+def test_energy_is_conserved() -> None:
     drifts = []
     for tol in (1e-5, 1e-10):
         flow = solve_characteristics(WAVY, BUMP, [0.2], [0.5], [0.0, *TIMES], tol)
@@ -61,8 +61,8 @@ def test_energy_is_kept() -> None:
 
 
 @pytest.mark.parametrize("tol", [1e-3, 1e-6, 1e-9])
-def test_stated_quadrature_error_is_honest(tol: float) -> None:
-    steep = meanfield.WavyFibre(**SPRINGS, amplitude=0.8)  # nearly singular, so that few nodes do not do
+def test_stated_quadrature_error_bounds_the_error(tol: float) -> None:
+    steep = meanfield.WavyFibre(**SPRINGS, amplitude=0.8)  # nearly singular: few nodes are not enough
     density = Density.uniform(-1.0, 4.0)
     flow = solve_characteristics(steep, density, [0.2], [0.5], TIMES, tol)
     nodes, weights = density.nodes(1000)
@@ -74,7 +74,7 @@ def test_stated_quadrature_error_is_honest(tol: float) -> None:
 
 
 def test_attraction_stiffens_the_fibre() -> None:
-    """V = k r^2/2 adds k var(X)/y^2 to the stiffness of the straight fibre."""
+    """Test that V = k r^2/2 adds k var(X)/y^2 to the stiffness of the straight fibre."""
     model = meanfield.Model(
         g=lambda X, y: X / y, W0=lambda y: (y - 1) ** 2 / 2, W1=lambda X: X**2 / 4, V=lambda r: 0.4 * r**2, m=0.5
     )
@@ -102,8 +102,8 @@ def test_measure_meets_the_density_of_the_grid() -> None:
         assert w1(flow.measure(k), grid.density(k)) < np.diff(points[:, 0]).max() / 2
 
 
-def test_too_few_nodes_are_said(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(characteristics, "MOST_NODES", 32)
+def test_too_few_nodes_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(characteristics, "MAX_NODES", 32)
     flow = solve_characteristics(WAVY, Density.uniform(-5.0, 9.0), [0.2], [0.5], TIMES, 1e-9, throw=False)
     assert flow.status is Status.NOT_CONVERGED
     assert flow.quadrature_error > 1e-9

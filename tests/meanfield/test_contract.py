@@ -1,4 +1,4 @@
-"""What holds for every solver on every model: shapes, start, constraint, energy, agreement, how failure comes back."""
+"""Contract of every solver on every model: shapes, start, constraint, energy, agreement, failures."""
 
 from dataclasses import FrozenInstanceError
 from functools import partial
@@ -19,7 +19,7 @@ def reduced(model, state, t, **options):
     return meanfield.solve_ode(meanfield.reduce(model), state, t, 1e-8, **options)
 
 
-# Each solver of particles, at a setting that is good for ERROR.
+# Each solver of particles, at a setting with an error below ERROR.
 SOLVERS = {
     "ode": partial(meanfield.solve_ode, tol=1e-8),
     "reduced": reduced,
@@ -40,13 +40,13 @@ def solved(solver, name):
 
 @pytest.fixture(scope="module")
 def best():
-    """The motions at a tighter tolerance."""
+    """Compute the motions at a tighter tolerance."""
     return {name: meanfield.solve_ode(MODELS[name], start(name, PARTICLES), TIMES, 1e-12) for name in MODELS}
 
 
 @ON_ALL
 @pytest.mark.parametrize("name", EVERY)
-def test_motion_is_the_same_on_every_way(solver, name, best):
+def test_solvers_agree(solver, name, best):
     motion, model, state = solved(solver, name), MODELS[name], start(name, PARTICLES)
     if motion is None:
         return
@@ -67,8 +67,8 @@ def test_motion_is_the_same_on_every_way(solver, name, best):
 
 
 @ON_ALL
-def test_failure_comes_back_or_is_raised(solver):
-    """The fibre is pushed through y = 0 near t = 0.33."""
+def test_a_failure_is_returned_or_raised(solver):
+    """Test a fibre that is pushed through y = 0 near t = 0.33."""
     state = meanfield.State(X=[[0.5], [-1.0]], y=[1.0], v=[-3.0])
     t = [0.0, 0.1, 0.2, 0.6, 0.7]
     motion = SOLVERS[solver](MODELS["straight"], state, t, throw=False)
@@ -86,8 +86,8 @@ def test_failure_comes_back_or_is_raised(solver):
 @pytest.mark.parametrize(
     ("state", "t", "message"),
     [
-        (meanfield.State([[0.2]], [1.0], [1.0], level=[[0.0]]), [1.0], "must be on the constraint"),
-        (meanfield.State([[0.2]], [1.0], [1.0], U=[[7.0]]), [1.0], "must be on the constraint"),
+        (meanfield.State([[0.2]], [1.0], [1.0], level=[[0.0]]), [1.0], "must satisfy the constraint"),
+        (meanfield.State([[0.2]], [1.0], [1.0], U=[[7.0]]), [1.0], "must satisfy the constraint"),
         (meanfield.State([[0.2, 0.1]], [1.0], [1.0]), [1.0], "must have X of shape"),
         (meanfield.State([[0.2]], [0.0], [1.0]), [1.0], "full rank"),
         (meanfield.State([[0.2]], [1.0], [1.0]), [2.0, 1.0], "increasing times"),

@@ -1,4 +1,4 @@
-"""The constrained equations by IDAS: closed forms, the equations themselves, the reduced ODE, and how runs end."""
+"""Constrained equations by IDAS: closed forms, the equations themselves, the reduced ODE, and failures."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from meanfield import (
 )
 from meanfield.forces.interaction import forces
 from meanfield.solvers import dae
-from meanfield.solvers.index import accelerations
+from meanfield.solvers.index_one import accelerations
 from tests.meanfield.exact import CLOSED, FIBRE, K0, K1, PLAIN, REST, TIMES, M, fibre_start, start_of, straight, worst
 from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4
 
@@ -47,14 +47,14 @@ def test_many_particles_to_nine_digits() -> None:
 
 
 def complex_step(f: Callable[[Any], Any], x: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The derivative (rows of f, components of x), exact to rounding."""
+    """Compute the derivative (rows of f, components of x), exact to rounding."""
     steps = 1e-30j * np.eye(len(x))
     return np.stack([np.imag(f(x + step)) / 1e-30 for step in steps], axis=-1)
 
 
 @pytest.mark.parametrize("name", PLAIN)
 def test_satisfies_the_constrained_equations(name: str) -> None:
-    """Second time derivatives by differences of order 6 in the positions alone."""
+    """Test (5.6) with second time derivatives from differences of order 6 of the positions."""
     make, g = PLAIN[name]
     start = start_of(name, 6)
     h = 0.02
@@ -87,7 +87,7 @@ def test_agrees_with_the_reduced_equations(name: str, tol: float) -> None:
 
 
 def test_stiff_springs_over_many_periods_to_twelve_digits() -> None:
-    """Multipliers of size 1e6 pass through zero: a tolerance of 1e-12 for their value alone cannot be kept."""
+    """Test multipliers of size 1e6 that pass through zero: a purely relative tolerance of 1e-12 is impossible there."""
     model = WavyFibre(m=M, k0=1e6, y_rest=REST, k1=K1)
     motion = solve_dae(model, fibre_start(3), [0.0, 0.05], 1e-12)
     assert motion.energy()[1] == pytest.approx(motion.energy()[0], rel=1e-9)
@@ -110,9 +110,9 @@ def test_the_unstabilised_form_converges_with_order_four() -> None:
 
 
 def test_accelerations_solve_the_whole_linear_system() -> None:
-    """Each equation for X'', y'' and lambda, with D^2 g by differences of g."""
+    """Test each equation for X'', y'' and lambda, with D^2 g from differences of g."""
     model = PLAIN["askew"][0]()
-    start = start_of("askew", 3).checked(model, 1e-9)
+    start = start_of("askew", 3).complete(model, 1e-9)
     found = accelerations(model, start.X, start.U, start.y, start.v)
     gX, gy = model.jacobians(start.X, start.y)
     force = model.F1(start.X) + forces(model, start.X, None)
@@ -126,14 +126,14 @@ def test_accelerations_solve_the_whole_linear_system() -> None:
     assert found.y == pytest.approx(model.F0(start.y) - pushed)
 
 
-def test_kept_times_do_not_restart_the_integrator() -> None:
+def test_output_times_do_not_restart_the_integrator() -> None:
     model = WavyFibre(**FIBRE)
     few, many = (solve_dae(model, fibre_start(5), np.linspace(0, 4, k), 1e-9) for k in (2, 401))
     assert few.y[-1] == pytest.approx(many.y[-1], abs=1e-8)
     assert many.work.steps < 1.1 * few.work.steps
 
 
-def test_goes_on_from_a_kept_state() -> None:
+def test_restarts_from_an_output_state() -> None:
     model = WavyFibre(**FIBRE)
     whole = solve_dae(model, fibre_start(5), [1.0, 2.0], 1e-9)
     half = solve_dae(model, whole.state(0), [1.0], 1e-9)
@@ -142,8 +142,8 @@ def test_goes_on_from_a_kept_state() -> None:
     assert (half.level == whole.level).all()
 
 
-def test_a_start_off_the_constraint_by_less_than_tol_is_put_onto_it() -> None:
-    model, start = WavyFibre(**FIBRE), fibre_start(5).checked(WavyFibre(**FIBRE), 1e-6)
+def test_a_start_that_violates_the_constraint_by_less_than_tol_is_projected() -> None:
+    model, start = WavyFibre(**FIBRE), fibre_start(5).complete(WavyFibre(**FIBRE), 1e-6)
     off = State(X=start.X + 1e-7, y=start.y, v=start.v, U=start.U - 1e-7, level=start.level)
     motion = solve_dae(model, off, [0.0, 1.0], 1e-6)
     assert max(motion.constraint_drift().max(), motion.velocity_drift().max()) < 1e-9
@@ -166,7 +166,7 @@ def test_length_zero_is_singular_and_the_part_before_is_right(capfd: pytest.Capt
 
 @pytest.mark.parametrize("tol", [1e-5, 1e-10])
 def test_a_fold_of_the_constraint_is_singular(tol: float, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(dae, "MOST_STEPS", 5000)
+    monkeypatch.setattr(dae, "MAX_IDAS_STEPS", 5000)
     with pytest.raises(SolveFailed, match="det dg/dX") as caught:
         solve_dae(FOLD, State(X=[[0.1], [0.3]], y=[0.2], v=[0.1]), [0.1, 5.0], tol)
     assert caught.value.status is Status.SINGULAR
@@ -177,10 +177,10 @@ def test_a_singularity_in_finite_time_and_too_many_steps(
     monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:
     start = State(X=[[0.5]], y=[1.0], v=[0.0])
-    monkeypatch.setattr(dae, "MOST_STEPS", 5000)
+    monkeypatch.setattr(dae, "MAX_IDAS_STEPS", 5000)
     motion = solve_dae(BLOW_UP, start, [0.1, 9.0], 1e-6, throw=False)
     assert (motion.status, len(motion.t)) == (Status.STEP_TOO_SMALL, 1)
-    monkeypatch.setattr(dae, "MOST_STEPS", 50)
+    monkeypatch.setattr(dae, "MAX_IDAS_STEPS", 50)
     motion = solve_dae(WavyFibre(**FIBRE), start, [0.1, 90.0], 1e-6, throw=False)
     assert (motion.status, len(motion.t)) == (Status.TOO_MANY_STEPS, 1)
     assert np.isfinite(motion.multipliers).all()
@@ -198,15 +198,15 @@ def test_a_force_that_is_not_finite_at_the_start() -> None:
     ("change", "message"),
     [
         ({"t": [1.0, 0.5]}, "t = .*increasing"),
-        ({"t": [1.0, 1.0 + 1e-9]}, "t = .*apart"),
+        ({"t": [1.0, 1.0 + 1e-9]}, "t = .*must differ by"),
         ({"tol": 0.0}, "tol = 0.0: must be"),
         ({"tol": 1e-16}, "tol = 1e-16: must be"),
         ({"start": State(X=[[1.0, 2.0]], y=[1.0], v=[0.0])}, "X of shape"),
-        ({"start": State(X=[[1.0]], y=[1.0], v=[0.5], U=[[0.1]])}, "must be on the constraint"),
+        ({"start": State(X=[[1.0]], y=[1.0], v=[0.5], U=[[0.1]])}, "must satisfy the constraint"),
         ({"start": State(X=[[1.0]], y=[0.0], v=[0.5])}, "full rank"),
     ],
 )
-def test_refuses_input_that_cannot_be_right(change: dict[str, Any], message: str) -> None:
+def test_refuses_invalid_input(change: dict[str, Any], message: str) -> None:
     given: dict[str, Any] = {"start": fibre_start(2), "t": [1.0], "tol": 1e-6} | change
     with pytest.raises(InvalidModel, match=message):
         solve_dae(StraightFibre(**FIBRE), **given)

@@ -1,4 +1,4 @@
-"""Densities of the particles: what is refused, moments, nodes, samples, quantiles; piecewise polynomials."""
+"""Densities of the particles: moments, nodes, samples, quantiles, piecewise polynomials, invalid input."""
 
 import numpy as np
 import pytest
@@ -42,7 +42,7 @@ def test_samples_follow_the_density(name, rng):
     np.testing.assert_allclose(x.T @ x / len(x), second, rtol=0, atol=0.04 * np.diag(second).max())
 
 
-def test_samples_on_a_line_pass_the_test_of_kolmogorov(rng):
+def test_samples_on_a_line_pass_the_kolmogorov_smirnov_test(rng):
     x = KINK.sample(rng, 20_000)[:, 0]
     assert stats.kstest(x, KINK.panels.distribution).pvalue > 0.01
 
@@ -89,14 +89,14 @@ def test_a_density_is_zero_outside_its_box():
     assert BUMP.panels.density(np.array([-1.6, 0.5, 2.6])) == pytest.approx([0.0, 315 / 512, 0.0], abs=1e-15)
 
 
-def test_a_jump_that_was_not_named_is_found():
+def test_an_unlisted_jump_is_resolved():
     density = Density(lambda x: np.where(x[:, 0] < 0.3, 0.5 / 0.3, 0.5 / 0.7), [0.0], [1.0])
     x = np.array([0.15, 0.3, 0.65])
     np.testing.assert_allclose(density.panels.distribution(x), [0.25, 0.5, 0.75], rtol=0, atol=1e-14)
 
 
-def test_panels_of_a_grid_are_linear_in_between():
-    panels = Panels.steps([0.0, 1.0, 1.5, 3.0], [0.5, 0.0, 1 / 3])
+def test_distribution_of_a_piecewise_constant_density_is_linear_on_cells():
+    panels = Panels.piecewise_constant([0.0, 1.0, 1.5, 3.0], [0.5, 0.0, 1 / 3])
     x = np.array([-1.0, 0.5, 1.0, 1.2, 1.5, 2.25, 4.0])
     np.testing.assert_allclose(panels.distribution(x), [0, 0.25, 0.5, 0.5, 0.5, 0.75, 1], rtol=0, atol=1e-16)
     np.testing.assert_allclose(panels.quantile(np.array([0.25, 0.75, 1.0])), [0.5, 2.25, 3.0], rtol=0, atol=1e-15)
@@ -123,9 +123,9 @@ BAD = {
     "p = nan": lambda: NORMAL.panels.quantile(np.array([0.5, np.nan])),
     "probabilities": lambda: NORMAL.panels.quantile([0.5, 1.5]),
     "x = inf": lambda: NORMAL.panels.distribution(np.array([np.inf])),
-    "increasing": lambda: Panels.steps([0.0, 0.0], [1.0]),
-    "panel 1": lambda: Panels.steps([0.0, 1.0, 2.0], [1.1, -0.1]),
-    "the mass is 2": lambda: Panels.steps([0.0, 1.0], [2.0]),
+    "increasing": lambda: Panels.piecewise_constant([0.0, 0.0], [1.0]),
+    "panel 1": lambda: Panels.piecewise_constant([0.0, 1.0, 2.0], [1.1, -0.1]),
+    "the mass is 2": lambda: Panels.piecewise_constant([0.0, 1.0], [2.0]),
 }
 
 

@@ -1,4 +1,4 @@
-"""The derivatives of a model: against finite differences, CasADi's own evaluation and each other."""
+"""Derivatives of a model: against finite differences, CasADi's evaluation and each other."""
 
 import casadi as ca
 import mpmath
@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 import meanfield
+from meanfield.forces import trig
 from meanfield.forces.field import field, field_by_numpy
-from meanfield.forces.interaction import FEW
-from meanfield.kernels import trig
+from meanfield.forces.interaction import MIN_COMPILED
 from meanfield.model.symbolic import program
 from meanfield.model.translate import TEMPLATES, vectorised
 from tests.meanfield.models import EVERY, MODELS, start
@@ -17,20 +17,20 @@ STEP = 1e-5
 FREE = {"W0": ca.sumsqr, "W1": ca.sumsqr}
 
 
-def place(name):
-    """A model, particles, y and a velocity of each."""
+def example(name):
+    """Return a model, particles X, y, v and particle velocities."""
     model, state = MODELS[name], start(name, 6)
     return model, state.X, state.y, state.v, np.random.default_rng(3).normal(size=state.X.shape)
 
 
 def slope(function, h=STEP):
-    """The derivative of a function of one number at 0, to h^4."""
+    """Compute the derivative of a function of one number at 0, with an error of order h^4."""
     return (8 * (function(h) - function(-h)) - (function(2 * h) - function(-2 * h))) / (12 * h)
 
 
 @pytest.mark.parametrize("name", EVERY)
 def test_first_derivatives(name):
-    model, X, y, v, U = place(name)
+    model, X, y, v, U = example(name)
     gX, gy = model.jacobians(X, y)
     along = (gX @ U[..., None])[..., 0] + gy @ v
     np.testing.assert_allclose(along, slope(lambda h: model.level(X + h * U, y + h * v)), rtol=1e-8, atol=1e-9)
@@ -46,7 +46,7 @@ def test_first_derivatives(name):
 
 @pytest.mark.parametrize("name", EVERY)
 def test_phi_keeps_the_constraint(name):
-    model, X, y, v, _ = place(name)
+    model, X, y, v, _ = example(name)
     U = model.phi(X, y) @ v
     np.testing.assert_allclose(slope(lambda h: model.level(X + h * U, y + h * v)), 0, atol=1e-9)
     assert np.abs(U).max() > 0.1
@@ -54,8 +54,8 @@ def test_phi_keeps_the_constraint(name):
 
 @pytest.mark.parametrize("name", EVERY)
 def test_second_derivatives(name):
-    """g is constant to third order along X + h Phi v + h^2/2 (Phi a + Omega), y + h v + h^2/2 a."""
-    model, X, y, v, U = place(name)
+    """Test that g is constant to third order along X + h Phi v + h^2/2 (Phi a + Omega), y + h v + h^2/2 a."""
+    model, X, y, v, U = example(name)
     a = v[::-1] + 0.5
     first, second = model.phi(X, y) @ v, model.phi(X, y) @ a + model.omega(X, y, v)
 
@@ -70,24 +70,25 @@ def test_second_derivatives(name):
         lambda h: sum(np.matvec(J, d) for J, d in zip(model.jacobians(X + h * U, y + h * v), (U, v), strict=True))
     )
     np.testing.assert_allclose(model.curvature(X, y, U, v), bend, rtol=1e-8, atol=1e-8)
-    # omega and curvature are two ways to the same acceleration
+    # omega and curvature determine the same acceleration
     np.testing.assert_allclose(
         (gX @ model.omega(X, y, v)[..., None])[..., 0], -model.curvature(X, y, first, v), rtol=1e-10, atol=1e-12
     )
 
 
 @pytest.mark.parametrize(
-    ("name", "particles"), [*((name, 6) for name in MODELS), ("straight", FEW), ("wavy", FEW), ("attracting", FEW)]
+    ("name", "particles"),
+    [*((name, 6) for name in MODELS), ("straight", MIN_COMPILED), ("wavy", MIN_COMPILED), ("attracting", MIN_COMPILED)],
 )
-def test_field_is_the_sum_of_what_particles_do(name, particles, rng):
+def test_field_is_the_sum_over_particles(name, particles, rng):
     model, state = MODELS[name], start(name, particles)
     X, y, v = state.X, state.y, state.v
     w = rng.dirichlet(np.ones(len(X))) if name in ("wavy", "element", "spatial") else None
-    shares = np.full(len(X), 1 / len(X)) if w is None else w
+    weights = np.full(len(X), 1 / len(X)) if w is None else w
     phi = model.phi(X, y)
-    pull = np.array([sum(s * model.K(z[None] - x[None])[0] for s, z in zip(shares, X, strict=True)) for x in X])
-    mass = np.eye(model.ny) + model.m * np.einsum("q,qab,qac->bc", shares, phi, phi)
-    force = np.einsum("q,qab,qa->b", shares, phi, model.F1(X) + pull - model.m * model.omega(X, y, v))
+    pairs = np.array([sum(s * model.K(z[None] - x[None])[0] for s, z in zip(weights, X, strict=True)) for x in X])
+    mass = np.eye(model.ny) + model.m * np.einsum("q,qab,qac->bc", weights, phi, phi)
+    force = np.einsum("q,qab,qa->b", weights, phi, model.F1(X) + pairs - model.m * model.omega(X, y, v))
     for found in (field(model, X, w, y, v), field_by_numpy(model, X, w, y, v)):
         np.testing.assert_allclose(found.mass, mass, rtol=1e-13)
         np.testing.assert_allclose(found.force, model.F0(y) + force, rtol=1e-12, atol=1e-13)
@@ -103,21 +104,21 @@ def test_sums_over_many_particles_keep_their_digits():
 
 
 def test_sine_and_cosine_of_the_loop():
-    x = np.concatenate([np.linspace(-7, 7, 201), np.linspace(-trig.FARTHEST, trig.FARTHEST, 200)])
+    x = np.concatenate([np.linspace(-7, 7, 201), np.linspace(-trig.MAX_ANGLE, trig.MAX_ANGLE, 200)])
     with mpmath.workprec(150):
         wrong = [max(abs(trig.sin(a) - mpmath.sin(a)), abs(trig.cos(a) - mpmath.cos(a))) for a in x.tolist()]
     assert max(wrong) < 2e-16
 
 
-def test_far_angles_are_left_to_the_library():
-    X = np.linspace(1e8, 1e9, FEW)[:, None]
+def test_angles_out_of_range_use_the_library():
+    X = np.linspace(1e8, 1e9, MIN_COMPILED)[:, None]
     y, v = np.array([0.0]), np.array([1.0])
     np.testing.assert_allclose(
         field(MODELS["wavy"], X, None, y, v).U, field_by_numpy(MODELS["wavy"], X, None, y, v).U, rtol=1e-15
     )
 
 
-def test_examples_have_constant_effective_mass_but_the_wave():
+def test_effective_mass_changes_only_for_the_wavy_fibre():
     for name, changes in (("straight", False), ("linear", False), ("element", False), ("wavy", True)):
         motion = meanfield.solve_ode(MODELS[name], start(name, 5), t=[0.0, 1.0], tol=1e-10)
         masses = [field(MODELS[name], X, None, y, v).mass for X, y, v in zip(motion.X, motion.y, motion.v, strict=True)]
@@ -125,7 +126,7 @@ def test_examples_have_constant_effective_mass_but_the_wave():
 
 
 def elementary(X):
-    """Each operation that is translated, of numbers within its domain."""
+    """List every operation that is translated, applied to numbers in its domain."""
     x, z = X[0], X[1]
     return [
         x + z, x - z, x * z, x / z, -x, x**2, 2 * x, 1 / x, ca.fabs(-x), x**z, x**1.7, ca.fmin(x, z), ca.fmax(x, z),
@@ -146,7 +147,7 @@ def test_translation_against_casadi(rng):
     assert TEMPLATES.keys() - {step.operation for step in steps} <= {"assign", "constpow", "pow"}
 
 
-def test_what_cannot_be_translated_is_refused():
+def test_an_untranslatable_operation_is_refused():
     model = meanfield.Model(g=lambda X, y: X - y, W0=ca.erf, W1=lambda X: X**2)
     with pytest.raises(meanfield.InvalidModel, match="operation erf"):
         model.energy0([1.0])

@@ -1,4 +1,4 @@
-"""The reduced equations: against closed forms in high precision, the constrained equations, the energy, each other."""
+"""Reduced equations: against closed forms in high precision, the constrained equations, the energy, each other."""
 
 import math
 
@@ -26,7 +26,7 @@ def test_against_closed_forms(name, reduced):
 
 @pytest.mark.parametrize("name", EVERY)
 def test_solves_the_constrained_equations(name):
-    """(5.6) with accelerations by finite differences of the motion: nothing of the reduction is used."""
+    """Test (5.6) with accelerations from finite differences of the motion, independent of the reduction."""
     model, h = MODELS[name], 0.02
     t = 0.3 + h * np.arange(-2, 3)
     motion = meanfield.solve_ode(model, start(name, 5), t=t, tol=1e-13)
@@ -44,7 +44,7 @@ def test_solves_the_constrained_equations(name):
 
 
 @pytest.mark.parametrize("name", EVERY)
-def test_energy_is_kept_to_tolerance(name):
+def test_energy_is_conserved_to_tolerance(name):
     drifts = []
     for tol in (1e-5, 1e-11):
         motion = meanfield.solve_ode(MODELS[name], start(name, 5), t=[0.0, 1.0, 3.0], tol=tol)
@@ -86,7 +86,7 @@ def test_reduced_motion_is_the_motion(name):
         np.testing.assert_allclose(getattr(reduced, part), getattr(whole, part), atol=1e-9)
 
 
-def test_shift_with_nonlinear_forces_needs_all_particles_but_no_more_unknowns():
+def test_shift_with_nonlinear_forces_sums_all_particles_but_integrates_y_alone():
     model = meanfield.Model(g=lambda X, y: X - y, W0=lambda y: y**2, W1=lambda X: X**4 / 4)
     reduction = meanfield.reduce(model)
     assert (reduction.positions, reduction.obstacle) == (Positions.SHIFT, "F1 is not affine in X")
@@ -121,7 +121,7 @@ def test_moments_that_do_not_close():
         meanfield.solve_moments(MODELS["linear"], meanfield.Moments([1.0], [[0.5]]), [0.0], [1.0], t=[1.0], tol=1e-6)
 
 
-def test_run_that_goes_on_is_the_run():
+def test_a_restarted_run_continues_the_motion():
     model, state = MODELS["wavy"], start("wavy", 4)
     whole = meanfield.solve_ode(model, state, t=[1.0, 2.0], tol=1e-11)
     rest = meanfield.solve_ode(model, whole.state(0), t=[1.0], tol=1e-11)
@@ -132,7 +132,7 @@ def test_run_that_goes_on_is_the_run():
 
 @pytest.mark.parametrize("reduced", [False, True])
 def test_fibre_that_is_pushed_through_zero_ends_there(reduced):
-    """y = 1 - ... reaches 0: dg/dX = 1/y changes its sign."""
+    """Test a run in which y = 1 - ... reaches 0, where dg/dX = 1/y changes its sign."""
     model = meanfield.reduce(MODELS["straight"]) if reduced else MODELS["straight"]
     state = meanfield.State(X=[[0.5], [-1.0]], y=[1.0], v=[-3.0])
     with pytest.raises(meanfield.SolveFailed, match="full rank") as caught:
@@ -161,7 +161,7 @@ ELEMENT = {"model": MODELS["element"], "y0": [1.2, 0.9, 0.1], "v0": [0.0, 0.0, 0
 
 @pytest.mark.parametrize("size", [1e-9, 1e2, 1e6])
 def test_moments_without_variance_along_one_direction(size, rng):
-    """Particles on a line: rounding makes the least variance negative, by a part of the size of the moments."""
+    """Test particles on a line: rounding makes the least variance negative, relative to the size of the moments."""
     least = []
     for _ in range(50):
         X = size * np.outer(rng.normal(size=5), rng.normal(size=2))
@@ -182,7 +182,7 @@ def test_moments_that_no_density_has_are_refused_at_every_size(size):
 
 
 def test_fold_ends_the_motion():
-    """X + 1.5 sin X has a maximum at X = 2.30, y = 3.42: no particle can be carried beyond."""
+    """Test a fold: X + 1.5 sin X has a maximum at X = 2.30, y = 3.42, which no particle can pass."""
     motion = meanfield.solve_ode(FOLD, meanfield.State([[0.1]], [0.2], [8.0]), t=[0.1, 9.0], tol=1e-8, throw=False)
     assert motion.status in (Status.SINGULAR, Status.STEP_TOO_SMALL)
     assert len(motion.t) == 1
@@ -194,7 +194,7 @@ def test_fold_ends_the_motion():
         ("wavy", meanfield.State([[0.0]], [0.0], [1.0], level=[[0.1]]), r"g\(X, y\) - level = 0.1 for particle 0"),
         ("wavy", meanfield.State([[0.0]], [0.0], [1.0], U=[[0.5]]), r"U - Phi v = 0.167 for particle 0"),
         ("wavy", meanfield.State([[0.0]], [0.0, 1.0], [1.0, 1.0]), r"must have X of shape \(N, 1\) and y \(1,\)"),
-        ("straight", meanfield.State([[0.0]], [0.0], [1.0]), r"y = array\(\[0.\]\): must be where dg/dX has full rank"),
+        ("straight", meanfield.State([[0.0]], [0.0], [1.0]), r"y = array\(\[0.\]\): dg/dX must have full rank"),
         ("fold", meanfield.State([[0.0], [3.0]], [0.0], [1.0]), "1 positive and 1 other values at the start"),
     ],
 )
@@ -227,5 +227,5 @@ def test_force_that_is_not_finite():
     model = meanfield.Model(g=lambda X, y: X - y, W0=lambda y: -1 / y, W1=lambda X: X**2)
     falling = meanfield.solve_ode(model, meanfield.State([[0.0]], [1.0], [0.0]), t=[9.0], tol=1e-6, throw=False)
     assert falling.status in (Status.STEP_TOO_SMALL, Status.NON_FINITE)
-    with pytest.raises(meanfield.InvalidModel, match="all forces of the model are finite"):
+    with pytest.raises(meanfield.InvalidModel, match="all forces of the model must be finite"):
         meanfield.solve_ode(model, meanfield.State([[0.0]], [0.0], [0.0]), t=[1.0], tol=1e-6)

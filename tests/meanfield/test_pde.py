@@ -1,4 +1,4 @@
-"""The mean-field PDE on a grid: mass, sign, order, closed forms, and where it ends."""
+"""Mean-field PDE on a grid: mass, sign, order, closed forms, and failures."""
 
 from __future__ import annotations
 
@@ -14,11 +14,12 @@ from scipy.optimize import brentq
 import meanfield
 from dincl import InvalidProblem, Status
 from meanfield import Density, SolveFailed, solve_characteristics, solve_pde, w1
-from meanfield.kernels import finite_volume, twins
+from meanfield.solvers.grid import finite_volume
 from meanfield.solvers.grid import run as grid_run
 from meanfield.solvers.grid.cells import CellGrid
 from meanfield.solvers.grid.run import GridRun
 from meanfield.solvers.grid.step import GridState, GridSystem
+from tests.twins import meanfield_finite_volume as reference
 
 Array = NDArray[np.float64]
 SPRINGS = {"m": 0.5, "k0": 1.0, "y_rest": 1.0, "k1": 0.5}
@@ -28,7 +29,7 @@ ROUNDING = 1e-14
 
 
 def exact_averages(grid: CellGrid, density: Callable[[Array], Array]) -> Array:
-    """Cell averages of a smooth density on the whole space."""
+    """Compute cell averages of a density that is smooth on the whole space."""
     far = np.full(len(grid.edges), np.inf)
     return grid.averages(SimpleNamespace(density=density, lower=-far, upper=far, breaks=()))
 
@@ -41,19 +42,19 @@ def slope(cells: list[int], errors: list[float]) -> float:
 
 
 def random_step(rng: np.random.Generator, n0: int, n1: int) -> tuple[Array, Array, Array, Array]:
-    """Densities with holes, speeds of both signs, and a time step with which the largest share is 1."""
+    """Draw densities with holes, speeds of both signs, and a time step for which the largest outflow fraction is 1."""
     f = rng.uniform(size=(n0, n1)) * (rng.uniform(size=(n0, n1)) < 0.7)
     speed0, speed1 = rng.normal(size=(n0 + 1, n1)), rng.normal(size=(n0, n1 + 1))
-    share, _ = twins.euler_step(f, speed0, speed1, np.array([0.2, 0.1]), f, 0.0, np.empty_like(f))
-    return f, speed0, speed1, np.array([0.2, 0.1]) / share
+    outflow, _ = reference.euler_step(f, speed0, speed1, np.array([0.2, 0.1]), f, 0.0, np.empty_like(f))
+    return f, speed0, speed1, np.array([0.2, 0.1]) / outflow
 
 
 @pytest.mark.parametrize("shape", [(1, 1), (2, 1), (50, 1), (1, 3), (23, 17)])
-def test_kernel_equals_its_twin(rng: np.random.Generator, shape: tuple[int, int]) -> None:
+def test_kernel_equals_its_reference_implementation(rng: np.random.Generator, shape: tuple[int, int]) -> None:
     f, speed0, speed1, ratio = random_step(rng, *shape)
     base, compiled, plain = rng.uniform(size=shape), np.empty(shape), np.empty(shape)
     found = finite_volume.euler_step(f, speed0, speed1, ratio, base, 0.75, compiled)
-    expected = twins.euler_step(f, speed0, speed1, ratio, base, 0.75, plain)
+    expected = reference.euler_step(f, speed0, speed1, ratio, base, 0.75, plain)
     np.testing.assert_array_equal(compiled, plain)
     np.testing.assert_allclose(found, expected, rtol=ROUNDING)
 
@@ -62,8 +63,8 @@ def test_largest_step_keeps_sign_and_mass(rng: np.random.Generator) -> None:
     for _ in range(20):
         f, speed0, speed1, ratio = random_step(rng, 20, 15)
         out = np.empty_like(f)
-        share, _ = finite_volume.euler_step(f, speed0, speed1, ratio, f, 0.0, out)
-        assert share == pytest.approx(1.0, rel=1e-12)
+        outflow, _ = finite_volume.euler_step(f, speed0, speed1, ratio, f, 0.0, out)
+        assert outflow == pytest.approx(1.0, rel=1e-12)
         assert out.min() >= -ROUNDING
         assert out.sum() == pytest.approx(f.sum(), rel=ROUNDING)
 
@@ -72,21 +73,21 @@ def test_a_larger_step_can_lose_the_sign() -> None:
     f, speed, none = np.array([[0.0], [1.0], [0.0]]), np.array([[0.0], [-1.0], [1.0], [0.0]]), np.zeros((3, 2))
     for ratio, sign in ((0.5, 0.0), (0.51, -1.0)):
         out = np.empty_like(f)
-        share, _ = finite_volume.euler_step(f, speed, none, np.array([ratio, 0.0]), f, 0.0, out)
-        assert share == 2 * ratio
+        outflow, _ = finite_volume.euler_step(f, speed, none, np.array([ratio, 0.0]), f, 0.0, out)
+        assert outflow == 2 * ratio
         assert np.sign(out[1, 0]) == sign
 
 
-def test_a_step_that_is_too_long_is_void() -> None:
+def test_a_step_that_is_too_long_is_rejected() -> None:
     grid = CellGrid((np.linspace(-1.0, 3.0, 41),))
     z = GridState(grid.averages(BUMP)[:, None], np.array([0.0]), np.array([0.5]))
-    stepper = GridSystem(LINEAR, grid, orientation=1.0)
-    for dt, void in ((0.095, False), (0.101, True)):  # 2 v dt / h > 1 from dt = 0.1 on, and v grows
-        trial = stepper.tried(z, stepper.rate(z)._replace(a=np.array([0.0])), dt)
-        assert (trial.share > 1) == void
-        assert (trial.state is z) == void
-    run = GridRun(stepper, z, stepper.rate(z), end=1.0, dt=1.0)
-    run.go_to(0.5)
+    system = GridSystem(LINEAR, grid, orientation=1.0)
+    for dt, rejected in ((0.095, False), (0.101, True)):  # 2 v dt / h > 1 from dt = 0.1 on, and v grows
+        trial = system.attempt(z, system.rate(z)._replace(a=np.array([0.0])), dt)
+        assert (trial.outflow > 1) == rejected
+        assert (trial.state is z) == rejected
+    run = GridRun(system, z, system.rate(z), end=1.0, dt=1.0)
+    run.advance_to(0.5)
     assert run.now == 0.5
     assert run.state.f.min() >= 0
 
@@ -95,7 +96,7 @@ def test_a_step_that_is_too_long_is_void() -> None:
 
 
 def linear_fibre(y0: float, v0: float, mean: float, t: float) -> float:
-    """y of LINEAR: (1 + m) y'' = -k0 (y - y_rest) - k1 (mean + y - y0)."""
+    """Compute y of LINEAR: (1 + m) y'' = -k0 (y - y_rest) - k1 (mean + y - y0)."""
     stiffness = SPRINGS["k0"] + SPRINGS["k1"]
     rest = (SPRINGS["k0"] * SPRINGS["y_rest"] - SPRINGS["k1"] * (mean - y0)) / stiffness
     omega = np.sqrt(stiffness / (1 + SPRINGS["m"]))
@@ -103,7 +104,7 @@ def linear_fibre(y0: float, v0: float, mean: float, t: float) -> float:
 
 
 def straight_fibre(y0: float, v0: float, second: float, t: float) -> float:
-    """y of STRAIGHT: (1 + m s) y'' = -k0 (y - y_rest) - k1 s y with s = second / y0^2 constant."""
+    """Compute y of STRAIGHT: (1 + m s) y'' = -k0 (y - y_rest) - k1 s y with s = second / y0^2 constant."""
     s = second / y0**2
     stiffness = SPRINGS["k0"] + SPRINGS["k1"] * s
     rest, omega = SPRINGS["k0"] * SPRINGS["y_rest"] / stiffness, np.sqrt(stiffness / (1 + SPRINGS["m"] * s))
@@ -126,11 +127,11 @@ def test_straight_fibre_scales_with_second_order() -> None:
         assert slope(cells, errors[name]) == pytest.approx(2.0, abs=0.2)
 
 
-def test_wavy_fibre_meets_its_characteristics_with_second_order() -> None:
+def test_wavy_fibre_converges_to_its_characteristics_with_second_order() -> None:
     cells, t, y0 = [70, 140, 280, 560], np.linspace(0.25, 1.5, 6), np.array([0.2])
     flow = solve_characteristics(WAVY, BUMP, y0, [0.5], t, 1e-11)
 
-    def carried(x: Array) -> Array:
+    def pushed_forward(x: Array) -> Array:
         level, start = WAVY.level(x, flow.y[-1]), x.copy()
         for _ in range(30):
             start -= (WAVY.level(start, y0) - level) / (1 + np.cos(start) / 2)
@@ -139,7 +140,7 @@ def test_wavy_fibre_meets_its_characteristics_with_second_order() -> None:
     errors: dict[str, list[float]] = {"y": [], "v": [], "f": []}
     for n in cells:
         grid = solve_pde(WAVY, BUMP, y0, [0.5], t, cells=n, bounds=(-1.0, 3.0))
-        exact = exact_averages(CellGrid(grid.edges), carried)
+        exact = exact_averages(CellGrid(grid.edges), pushed_forward)
         errors["f"].append(np.abs(grid.f[-1] - exact).sum() * 4 / n)
         errors["y"].append(np.abs(grid.y - flow.y).max())
         errors["v"].append(np.abs(grid.v - flow.v).max())
@@ -149,7 +150,7 @@ def test_wavy_fibre_meets_its_characteristics_with_second_order() -> None:
 
 
 @pytest.mark.slow
-def test_density_comes_back_with_second_order() -> None:
+def test_density_after_a_period_is_the_initial_one_with_second_order() -> None:
     cells, errors = [60, 120, 240], []
     for n in cells:
         grid = solve_pde(LINEAR, BUMP, [0.0], [0.5], [0.0, 2 * np.pi], cells=n, bounds=(-1.2, 2.8))
@@ -160,7 +161,7 @@ def test_density_comes_back_with_second_order() -> None:
 
 
 @pytest.mark.parametrize("n", [25, 200])
-def test_a_jump_stays_non_negative_within_bounds_found_beforehand(n: int) -> None:
+def test_a_jump_stays_non_negative_within_computed_bounds(n: int) -> None:
     t = [1.0, 2.0, 4.0]
     grid = solve_pde(LINEAR, BOX, [0.0], [0.5], t, cells=n)
     assert grid.status
@@ -197,7 +198,7 @@ def stretch(y: Array) -> Array:
 
 
 def element_in_the_plane(density: Density, y0: Array, v0: Array, t: float) -> Array:
-    """L = |y'|^2/2 + m/2 tr(F' C F'^T) - k0/2 |y - y_rest|^2 - k1/2 tr(F C F^T) with C = E[xi xi^T]: linear in y."""
+    """Solve L = |y'|^2/2 + m/2 tr(F' C F'^T) - k0/2 |y - y_rest|^2 - k1/2 tr(F C F^T), C = E[xi xi^T], linear in y."""
     inverse = np.linalg.inv(stretch(y0))
     C = inverse @ density.moments()[1] @ inverse.T
     rows = [np.array([[1.0, 0, 0], [0, 0, 1]]), np.array([[0, 0, 1.0], [0, 1, 0]])]
@@ -208,7 +209,7 @@ def element_in_the_plane(density: Density, y0: Array, v0: Array, t: float) -> Ar
     return rest + (expm(t * system) @ np.concatenate([y0 - rest, v0]))[:3]
 
 
-# --- where it ends ---------------------------------------------------------------------------------------------------
+# --- failures --------------------------------------------------------------------------------------------------------
 
 
 def test_density_at_the_wall_ends_the_run() -> None:
@@ -237,7 +238,7 @@ def test_singular_models_end_the_run() -> None:
 
 
 def test_nothing_moves_at_rest() -> None:
-    """At the origin without forces the size of y and y' is 0: nothing is divided by it."""
+    """Test y = y' = 0 without forces: the error control must not divide by their size."""
     free = meanfield.LinearFibre(m=0.5, k0=1.0, y_rest=0.0, k1=0.0)
     grid = solve_pde(free, BUMP, [0.0], [0.0], [0.5, 1.0], cells=20, bounds=(-2.0, 4.0))
     assert grid.status is Status.SUCCESS
@@ -246,7 +247,7 @@ def test_nothing_moves_at_rest() -> None:
 
 
 def test_too_many_steps_end_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(grid_run, "MOST_STEPS", 10)
+    monkeypatch.setattr(grid_run, "MAX_GRID_STEPS", 10)
     grid = solve_pde(LINEAR, BUMP, [0.0], [0.5], [2.0], bounds=(-2.0, 4.0), throw=False)
     assert grid.status is Status.TOO_MANY_STEPS
     assert grid.work.steps == 10

@@ -1,4 +1,4 @@
-"""RATTLE and its compositions: orders, constraints to rounding, reversibility, energy, and how runs end."""
+"""RATTLE and its compositions: orders, constraints to rounding, reversibility, energy, and failures."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_substeps_are_a_symmetric_division_of_the_step(order: int) -> None:
 
 
 @pytest.mark.parametrize("order", [2, 6])
-def test_goes_back_to_where_it_came_from(order: int) -> None:
+def test_is_time_reversible(order: int) -> None:
     there = solve_rattle(WAVY, fibre_start(5), [2.0], 0.1, order).state(0)
     turned = State(X=there.X, y=there.y, v=-np.asarray(there.v), U=-np.asarray(there.U), level=there.level)
     back = solve_rattle(WAVY, turned, [2.0], 0.1, order)
@@ -117,7 +117,7 @@ BLOW_UP = Model(g=lambda X, y: X - y, W0=lambda y: -(y**4), W1=lambda X: 0 * X)
         (BLOW_UP, State(X=[[0.5]], y=[1.0], v=[0.0]), Status.NON_FINITE),
     ],
 )
-def test_a_failed_run_gives_the_part_before(model: Model, start: State, status: Status) -> None:
+def test_a_failed_run_returns_the_output_times_reached(model: Model, start: State, status: Status) -> None:
     t = [0.1, 0.2, 30.0]
     motion = solve_rattle(model, start, t, 0.05, throw=False)
     assert motion.status is status
@@ -147,10 +147,10 @@ def test_a_step_too_long_for_the_constraint_and_the_remedy() -> None:
         ({"order": [2]}, "order = .*: must be an integer"),
         ({"t": [0.0]}, "t = .*last one > 0"),
         ({"start": element_start(2)}, "X of shape"),
-        ({"start": State(X=[[1.0]], y=[1.0], v=[0.5], U=[[0.1]])}, "must be on the constraint"),
+        ({"start": State(X=[[1.0]], y=[1.0], v=[0.5], U=[[0.1]])}, "must satisfy the constraint"),
     ],
 )
-def test_refuses_input_that_cannot_be_right(change: dict[str, Any], message: str) -> None:
+def test_refuses_invalid_input(change: dict[str, Any], message: str) -> None:
     given: dict[str, Any] = {"start": fibre_start(2), "t": [1.0], "dt": 0.1} | change
     with pytest.raises(InvalidModel, match=message):
         solve_rattle(WAVY, **given)

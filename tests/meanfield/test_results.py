@@ -1,4 +1,4 @@
-"""The results of all solvers: their one line, table, page, figure, and that they pickle with all they know."""
+"""Results of all solvers: one line, table, HTML, figure and pickling."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import pytest
 
 import meanfield as mf
 from meanfield import plotting
-from meanfield.solvers.result import SolverResult, chosen
+from meanfield.solvers.result import SolverResult, spread_indices
 from tests.meanfield.models import EVERY, MODELS, start
 
 mpl.use("Agg")
@@ -63,7 +63,7 @@ def _closed_figures():
 
 def test_one_line_says_kind_status_times_and_size(result):
     line = repr(result)
-    assert line.startswith(f"{type(result).__name__}(SUCCESS, 3 kept times to t = 1, ")
+    assert line.startswith(f"{type(result).__name__}(SUCCESS, 3 output times to t = 1, ")
     assert f"ny = {result.y.shape[1]}" in line
     assert len(line) < 100
 
@@ -80,7 +80,7 @@ def test_table_has_a_row_for_each_time(result):
     assert table.notna().all().all()
 
 
-def test_table_tells_what_each_kind_can_prove():
+def test_table_has_the_measures_of_each_kind():
     motion, grid, moments = (RESULTS[name]() for name in ("Motion", "GridMotion", "MomentMotion"))
     np.testing.assert_array_equal(motion.to_frame()["constraint_drift"], motion.constraint_drift())
     np.testing.assert_array_equal(grid.to_frame()["mass"], grid.mass())
@@ -88,7 +88,7 @@ def test_table_tells_what_each_kind_can_prove():
     np.testing.assert_allclose(moments.to_frame()["deviation1"], spread, rtol=1e-14)
 
 
-def test_page_holds_line_and_table(result):
+def test_html_contains_line_and_table(result):
     page = result._repr_html_()
     assert repr(result) in page
     assert "<td>0.50000000</td>" in page or "<td>0.5</td>" in page
@@ -117,7 +117,7 @@ def test_given_axes_take_y_and_v_alone(result):
 
 
 def test_picture_has_the_particles_on_the_zero_level():
-    """With level 0 for all particles the thick line of g = 0 runs through their path."""
+    """Test that the thick line g = 0 runs through the path of a particle at level 0."""
     X = np.array([[1.0]])
     y = X[0] + 0.5 * np.sin(X[0])
     motion = mf.solve_dae(FIBRE, mf.State(X=X, y=y, v=[0.3]), np.linspace(0, 1, 5), 1e-9)
@@ -131,7 +131,7 @@ def test_picture_has_the_particles_on_the_zero_level():
 
 @pytest.mark.parametrize("name", ["Motion", "Motion, plane"])
 def test_levels_in_the_picture_are_those_of_g(name, monkeypatch):
-    """On a plane around the particles: that of y and X in one dimension, that of both coordinates at the last y."""
+    """Test the level lines on the plane of y and X for nx = 1, and of both coordinates at the last y for nx = 2."""
     drawn: list[Any] = []
     monkeypatch.setattr(plotting, "draw_levels", lambda *given: drawn.append(given))
     motion: Any = RESULTS[name]()
@@ -149,12 +149,12 @@ def test_levels_in_the_picture_are_those_of_g(name, monkeypatch):
         np.testing.assert_allclose([level[i, j] for level in levels], expected, rtol=1e-14)
 
 
-def test_a_run_that_failed_at_once_is_shown_too():
+def test_a_run_that_failed_at_once_has_a_table_and_a_figure():
     model = mf.StraightFibre(m=0.5, k0=1.0, y_rest=-5.0, k1=0.0)
     motion = mf.solve_ode(model, mf.State(X=[[0.5]], y=[0.1], v=[-2.0]), [5.0], 1e-8, throw=False)
     assert not motion.status
     assert len(motion.t) == 0
-    assert repr(motion).startswith(f"Motion({motion.status.name}, 0 kept times, N = 1")
+    assert repr(motion).startswith(f"Motion({motion.status.name}, 0 output times, N = 1")
     assert motion.status.value in motion._repr_html_()
     assert len(motion.plot().figure.axes) == 2
 
@@ -198,7 +198,7 @@ def test_densities_pickle(density):
     np.testing.assert_array_equal(again.density(one), density.density(one))
 
 
-def test_a_density_of_a_lambda_says_what_does_not_pickle():
+def test_a_density_of_a_lambda_names_the_function_that_does_not_pickle():
     density = mf.Density(lambda x: np.full(len(x), 0.5), 0.0, 2.0)
     with pytest.raises(pickle.PicklingError, match=r"pdf = <function.*give functions that are defined at the top"):
         pickle.dumps(density)
@@ -214,6 +214,8 @@ def test_a_failure_pickles_with_its_result():
     np.testing.assert_array_equal(again.result.y, caught.value.result.y)
 
 
-@pytest.mark.parametrize(("count", "most", "kept"), [(3, 4, [0, 1, 2]), (4, 4, [0, 1, 2, 3]), (41, 4, [0, 13, 27, 40])])
-def test_chosen_times_hold_the_first_and_the_last(count, most, kept):
-    assert chosen(count, most) == kept
+@pytest.mark.parametrize(
+    ("count", "most", "expected"), [(3, 4, [0, 1, 2]), (4, 4, [0, 1, 2, 3]), (41, 4, [0, 13, 27, 40])]
+)
+def test_spread_indices_contain_the_first_and_the_last(count, most, expected):
+    assert spread_indices(count, most) == expected

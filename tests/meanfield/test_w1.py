@@ -19,12 +19,12 @@ from verification.rates import IID, PAIR, QUANTILES
 from verification.thesis.chapter5 import sampling
 
 UNIFORM, NORMAL = Density.uniform(0.0, 1.0), Density.normal(0.0, 1.0)
-HALVES = Panels.steps([0.0, 0.5, 1.0], [0.4, 1.6])
+HALVES = Panels.piecewise_constant([0.0, 0.5, 1.0], [0.4, 1.6])
 
 
 @pytest.fixture
 def few_pairs(monkeypatch):
-    """Let three levels of points guide each other already for few points."""
+    """Lower the size from which coarser points are used, so that 500 points take several levels."""
     monkeypatch.setattr(discrete, "ALL_PAIRS", 2000)
 
 
@@ -62,7 +62,7 @@ def test_quantiles_of_a_uniform_density_are_at_1_over_4n(n):
     assert w1(UNIFORM.quantiles(n), UNIFORM) == pytest.approx(1 / (4 * n), rel=1e-13)
 
 
-def test_points_against_points_is_that_of_scipy(rng):
+def test_points_against_points_agree_with_scipy(rng):
     x, y, w, u = rng.normal(size=500), rng.normal(0.5, 2.0, 300), rng.random(500), rng.random(300)
     assert w1(x, y) == pytest.approx(wasserstein_distance(x, y), rel=1e-13)
     weighted = w1(Weighted(x, w / w.sum()), Weighted(y, u / u.sum()))
@@ -74,7 +74,7 @@ def test_many_points(rng):
     assert w1(x, x + 0.25) == pytest.approx(0.25, abs=1e-13)
 
 
-def test_points_against_a_density_is_that_of_mpmath():
+def test_points_against_a_density_agree_with_mpmath():
     points = [-1.3, 0.1, 0.4, 2.2]
     with mpmath.workdps(30):
         total = mpmath.mpf(0)
@@ -131,7 +131,7 @@ def test_few_pairs_give_the_distance_of_all_pairs(d, rng):
 
 @pytest.mark.usefixtures("few_pairs")
 def test_few_pairs_of_weighted_points_on_a_lattice(rng):
-    # The prices of a lattice are far from unique. Moving all mass by (3, 4) / 100 costs 0.05, whatever the weights.
+    # The dual variables of a lattice are far from unique. Moving all mass by (3, 4) / 100 costs 0.05 for all weights.
     x = np.array(list(product(np.linspace(0, 1, 18), repeat=2)))
     w = rng.random(len(x)) * (rng.random(len(x)) < 0.9)
     w /= w.sum()
@@ -160,20 +160,20 @@ def test_clouds_far_apart(rng):
 
 
 @pytest.mark.usefixtures("few_pairs")
-def test_rounds_that_are_not_enough_are_an_error(rng, monkeypatch):
-    monkeypatch.setattr(discrete, "MOST_ROUNDS", 1)
-    with pytest.raises(SolveFailed, match="not all pairs"):
+def test_too_few_rounds_are_an_error(rng, monkeypatch):
+    monkeypatch.setattr(discrete, "MAX_ROUNDS", 1)
+    with pytest.raises(SolveFailed, match="pairs are still violated"):
         w1(*rng.random((2, 500, 2)))
 
 
 def test_a_simplex_method_that_stops_early_is_an_error(rng, monkeypatch):
-    monkeypatch.setattr(discrete, "MOST_PIVOTS", 10)
+    monkeypatch.setattr(discrete, "MAX_PIVOTS", 10)
     with pytest.raises(SolveFailed, match="numItermax"):
         w1(rng.random((50, 2)), rng.random((50, 2)))
 
 
-def made_up(d, law):
-    """40 values for each size, 10 % above and below the law in turn."""
+def synthetic(d, law):
+    """Build 40 values for each size, alternately 10 % above and below the law."""
     counts = np.repeat([10, 100, 300, 1000, 3000], 40)
     values = law(counts) * (1 + 0.1 * np.tile([-1, 1], 100))
     rows = {"d": d, "start": PAIR, "N": counts, "w1": values, "seconds": 0.0}
@@ -181,8 +181,8 @@ def made_up(d, law):
 
 
 @pytest.mark.parametrize("p", [-0.5, -1 / 3])
-def test_the_exponent_of_made_up_rates_is_found(p):
-    found = sampling.exponents(made_up(3, lambda n: 2 * np.where(n < 100, 7.0, n**p))).iloc[0]
+def test_the_exponent_of_synthetic_rates_is_found(p):
+    found = sampling.exponents(synthetic(3, lambda n: 2 * np.where(n < 100, 7.0, n**p))).iloc[0]
     assert found["exponent"] == pytest.approx(p, abs=1e-12)
     # 1.96 sigma of a line through four points of deviation 0.1 / sqrt 40.
     half = 1.96 * 0.1 / np.sqrt(39) / np.sqrt(4 * np.log([100, 300, 1000, 3000]).var())
@@ -190,8 +190,8 @@ def test_the_exponent_of_made_up_rates_is_found(p):
     assert (found["from"], found["to"]) == (100, 3000)
 
 
-def test_laws_of_made_up_rates_are_told_apart():
-    means = [made_up(d, lambda n: np.sqrt((0.4 + 0.13 * np.log(n)) / n)) for d in (1, 2, 3)]
+def test_laws_of_synthetic_rates_are_distinguished():
+    means = [synthetic(d, lambda n: np.sqrt((0.4 + 0.13 * np.log(n)) / n)) for d in (1, 2, 3)]
     found = sampling.laws(pd.concat(means)).set_index(["d", "law"]).loc[2]
     best = found.loc["((a + b log N) / N)^1/2"]
     assert (best["a"], best["b"]) == pytest.approx((0.4, 0.13), abs=1e-12)
@@ -200,7 +200,7 @@ def test_laws_of_made_up_rates_are_told_apart():
     assert found["misfit"].drop(best.name).min() > 2
 
 
-def test_kept_rates():
+def test_kept_rates_have_proved_bounds():
     table = pd.read_parquet(sampling.FILE)
     assert (table["lower"] <= table["upper"]).all()
     assert (table["upper"] - table["lower"] <= sampling.GAP * table["upper"]).all()
@@ -217,7 +217,7 @@ def test_kept_rates():
 
 
 @pytest.mark.parametrize(("d", "start"), [(1, IID), (1, QUANTILES), (2, PAIR)])
-def test_a_kept_rate_is_made_again(d, start):
+def test_a_kept_rate_is_reproduced(d, start):
     key = {"d": d, "start": start, "N": 100, "repeat": 0}
     kept = pd.read_parquet(sampling.FILE).set_index(list(sampling.KEY)).loc[tuple(key.values())]
     assert sampling.value(key)[0]["w1"] == pytest.approx(kept["w1"], rel=1e-12)
@@ -233,7 +233,7 @@ BAD = {
     "sum 0.9": ([0.0], Weighted([0.0, 1.0], [0.4, 0.5])),
     "a.weights": (Weighted([0.0, 1.0], [1.0]), [0.0]),
     "a = 'text'": ("text", [0.0]),
-    "takes 200000 each": (np.arange(400_002.0).reshape(-1, 2), np.ones((1, 2))),
+    "must be at most 200000 each": (np.arange(400_002.0).reshape(-1, 2), np.ones((1, 2))),
 }
 
 

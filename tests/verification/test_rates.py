@@ -174,12 +174,12 @@ def test_bad_input(changed, message):
         v.w1_rates(**given)
 
 
-def test_a_density_is_carried_in_one_dimension_and_keeps_its_mass():
+def test_a_density_is_pushed_forward_in_one_dimension_and_keeps_its_mass():
     model = mf.WavyFibre(m=0.5, k0=1.0, y_rest=1.5, k1=0.5)
     start = np.array([1.0])
     flow = mf.solve_characteristics(model, LAW, start, [0.5], [1.0], 1e-10)
-    law = mf.carry_density(model, LAW, start, flow.y[0])
+    law = mf.push_forward(model, LAW, start, flow.y[0])
     np.testing.assert_allclose(law.density(flow.X[0]), flow.density(0), rtol=1e-7, atol=1e-9)
     assert pickle.loads(pickle.dumps(law)).density([[1.2]]) == law.density([[1.2]])
-    with pytest.raises(InvalidProblem, match="one dimension"):
-        mf.carry_density(model, SQUARE, start, flow.y[0])
+    with pytest.raises(InvalidProblem, match="both must be 1"):
+        mf.push_forward(model, SQUARE, start, flow.y[0])

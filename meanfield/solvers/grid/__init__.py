@@ -1,1 +1,1 @@
-"""The mean-field PDE on a grid that stays where it is."""
+"""Finite volumes for the mean-field PDE on a fixed grid."""

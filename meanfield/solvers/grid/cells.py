@@ -1,4 +1,4 @@
-"""A regular grid of one or two axes that stays where it is, and the averages of a density over its cells."""
+"""Fixed regular grid of one or two axes, and averages of a density over its cells."""
 
 from __future__ import annotations
 
@@ -8,19 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from meanfield.density.quadrature import product_points
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from meanfield.density.density import Density
 
-# Gauss points per axis and smooth piece of a cell: exact for polynomials of degree 9, so that the error of a cell
-# average is far below that of the scheme.
+# Gauss points per axis and smooth piece of a cell. They are exact for polynomials of degree 9, so that the error of a
+# cell average is far below the error of the scheme.
 GAUSS_POINTS = 5
 
 
 @dataclass(frozen=True, eq=False)
 class CellGrid:
-    """Cells between equidistant edges.
+    """Grid of cells between equidistant edges.
 
     Parameters
     ----------
@@ -47,20 +49,20 @@ class CellGrid:
 
     @cached_property
     def centres(self) -> NDArray[np.float64]:
-        """Midpoints of the cells, shape (cells in all, axes)."""
-        return _points([(e[1:] + e[:-1]) / 2 for e in self.edges])
+        """Midpoints of the cells, shape (number of cells, axes)."""
+        return product_points([(e[1:] + e[:-1]) / 2 for e in self.edges])
 
     @cached_property
     def faces(self) -> tuple[NDArray[np.float64], ...]:
-        """Midpoints of the faces across each axis: walls included, cells + 1 along their own axis."""
+        """Midpoints of the faces across each axis, walls included: cells + 1 along that axis."""
         middles = [(e[1:] + e[:-1]) / 2 for e in self.edges]
-        return tuple(_points([*middles[:a], self.edges[a], *middles[a + 1 :]]) for a in range(len(self.edges)))
+        return tuple(product_points([*middles[:a], self.edges[a], *middles[a + 1 :]]) for a in range(len(self.edges)))
 
     def averages(self, density: Density) -> NDArray[np.float64]:
-        """Averages of a density over the cells by Gauss quadrature, cells cut where the density is not smooth."""
+        """Compute cell averages of a density by Gauss quadrature; cells are split where the density is not smooth."""
         ends = zip(density.lower, density.upper, strict=True)
         rules = [_rule(e, [*end, *density.breaks], end) for e, end in zip(self.edges, ends, strict=True)]
-        values = density.density(_points([points for points, _, _ in rules]))
+        values = density.density(product_points([points for points, _, _ in rules]))
         total = values.reshape([len(points) for points, _, _ in rules])
         for axis, (_, weights, first) in enumerate(rules):
             moved = np.moveaxis(total, axis, -1) * weights
@@ -68,18 +70,13 @@ class CellGrid:
         return total / self.volume
 
 
-def _points(axes: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    """All points of a product of axes, the last axis fastest."""
-    return np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes))
-
-
 def _rule(
     edges: NDArray[np.float64], cuts: list[float], ends: tuple[float, float]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.intp]]:
-    """Gauss points, their weights (0 outside ``ends``), and the number of the first point of each cell."""
+    """Compute Gauss points, their weights (0 outside ``ends``), and the index of the first point of each cell."""
     pieces = np.union1d(edges, [cut for cut in cuts if edges[0] < cut < edges[-1]])
     middle, half = (pieces[1:] + pieces[:-1]) / 2, np.diff(pieces) / 2
-    gauss, share = np.polynomial.legendre.leggauss(GAUSS_POINTS)
+    gauss, gauss_weights = np.polynomial.legendre.leggauss(GAUSS_POINTS)
     inside = (ends[0] < middle) & (middle < ends[1])
-    points, weights = middle[:, None] + half[:, None] * gauss, (inside * half)[:, None] * share
+    points, weights = middle[:, None] + half[:, None] * gauss, (inside * half)[:, None] * gauss_weights
     return points.ravel(), weights.ravel(), np.searchsorted(pieces, edges[:-1]) * GAUSS_POINTS

@@ -11,9 +11,9 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from dincl.study import Key, Row, Study
-from meanfield import GridMotion, Moments, carry_density, solve_characteristics, solve_moments, solve_pde, w1
-from meanfield.solvers.carried import origins
+from meanfield import GridMotion, Moments, push_forward, solve_characteristics, solve_moments, solve_pde, w1
 from meanfield.solvers.grid.cells import CellGrid
+from meanfield.solvers.push_forward import origins
 from verification.order import estimate, order_text
 from verification.thesis.chapter5 import cases, exact
 
@@ -112,7 +112,7 @@ def _errors(name: str, motion: GridMotion, known: Limit) -> dict[str, Any]:
     distance = np.nan
     if model.nx == 1:
         true = exact.averages(model, law, y0, known.y, grid.edges[0])
-        distance = w1(motion.density(0), carry_density(model, law, y0, known.y))
+        distance = w1(motion.density(0), push_forward(model, law, y0, known.y))
     else:
         low, high = np.asarray(BOXES[name])
         true = grid.averages(Carried(name, known.y, low, high))  # type: ignore[arg-type]

@@ -15,8 +15,8 @@ import numpy as np
 from dincl import Status
 from dincl.checks import number
 from meanfield import Motion, SolverWork
-from meanfield.solvers.arguments import times, tolerance
-from meanfield.solvers.index import accelerations
+from meanfield.solvers.arguments import output_times, tolerance
+from meanfield.solvers.index_one import accelerations
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -51,8 +51,8 @@ def solve_naive(model: Model, start: State, t: ArrayLike, tol: float) -> Motion:
     """
     from scipy.integrate import solve_ivp
 
-    kept, tol = times(t), tolerance(tol)
-    first = start.checked(model, tol)
+    kept, tol = output_times(t), tolerance(tol)
+    first = start.complete(model, tol)
     derivative, z = _derivative(model, first), _packed(first)
     rows: list[NDArray[np.float64]] = []
     before, evaluations = 0.0, 0
@@ -68,8 +68,8 @@ def solve_naive(model: Model, start: State, t: ArrayLike, tol: float) -> Motion:
 
 def solve_naive_rk4(model: Model, start: State, t: ArrayLike, dt: float) -> Motion:
     """As ``solve_naive`` by the classical Runge-Kutta scheme, with equal steps of at most dt between kept times."""
-    kept, dt = times(t), number("dt", dt, positive=True)
-    first = start.checked(model, dt)
+    kept, dt = output_times(t), number("dt", dt, positive=True)
+    first = start.complete(model, dt)
     derivative = _derivative(model, first)
     z, before, rows, steps = _packed(first), 0.0, [], 0
     for time in kept:

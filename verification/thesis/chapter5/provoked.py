@@ -57,7 +57,7 @@ class Provoked(NamedTuple):
 def off_constraint(name: str, solver: str) -> Provoked:
     """A start whose U or level is off by OFF is refused, and the message says by how much."""
     model, start = cases.model("wavy"), cases.few("wavy", 5)
-    true = start.checked(model, 1e-8)
+    true = start.complete(model, 1e-8)
     wrong = getattr(true, name) + OFF
     try:
         SOLVERS[solver](

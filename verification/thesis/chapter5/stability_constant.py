@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
 from meanfield import Model, Motion, State, StraightFibre, solve_ode, w1
-from meanfield.solvers.index import consistent
+from meanfield.solvers.index_one import consistent_values
 from verification.lines import slope
 from verification.thesis.chapter5 import cases
 
@@ -142,7 +142,7 @@ def lipschitz(model: Model, reached: pd.DataFrame) -> float:
     guess = np.full((FINE, 1), (reached["least_X"].min() + reached["largest_X"].max()) / 2)
     fastest, rows = float(np.abs(v).max()), []
     for at in y:
-        X, _ = consistent(model, guess, np.array([at]), np.zeros(1), level[:, None])
+        X, _ = consistent_values(model, guess, np.array([at]), np.zeros(1), level[:, None])
         phi, _, force = _shares(model, X, at, v)
         by_x = _differences(_shares(model, X - STEP, at, v), _shares(model, X + STEP, at, v))
         by_y = _differences(_shares(model, X, at - STEP, v), _shares(model, X, at + STEP, v))

@@ -4,8 +4,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from meanfield import Density, State, carry_density, solve_ode, w1
-from meanfield.solvers.carried import origins
+from meanfield import Density, State, push_forward, solve_ode, w1
+from meanfield.solvers.push_forward import origins
 from verification.rates import IID, PAIR, QUANTILES
 from verification.thesis.chapter5 import (
     agreement,
@@ -46,7 +46,7 @@ def test_the_closed_form_solves_the_equations_of_motion(name):
 
 def test_a_density_is_carried_as_its_points_are():
     model, law, y0, y = cases.model("wavy"), cases.law("wavy"), np.array([1.0]), np.array([1.6])
-    moved = carry_density(model, law, y0, y)
+    moved = push_forward(model, law, y0, y)
     points = origins(model, law.quantiles(400), y0, y)  # forwards: from y0 to y
     assert np.abs(model.level(points, y) - model.level(law.quantiles(400), y0)).max() < 1e-14
     assert w1(points, moved) < 1.5e-3  # 400 quantiles of a law of width 1.2, stretched
@@ -260,7 +260,7 @@ def test_streams_are_independent():
 
 def test_the_starts_are_regular():
     for name in cases.CASES:
-        start = cases.few(name, 3).checked(cases.model(name), 1e-12)
+        start = cases.few(name, 3).complete(cases.model(name), 1e-12)
         assert np.isfinite(start.U).all()
     assert isinstance(cases.law("cube"), Density)
 

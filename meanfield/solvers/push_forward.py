@@ -1,4 +1,4 @@
-"""A density on a line after y has changed: exact, since the constraint tells from where each particle came."""
+"""Push-forward of a density on a line by the constraint: exact, because g(X, y) and mass are conserved."""
 
 from __future__ import annotations
 
@@ -10,8 +10,8 @@ import numpy as np
 from dincl.checks import shaped
 from dincl.errors import InvalidProblem
 from meanfield.density.density import Density
-from meanfield.solvers.arguments import density_given, model_given
-from meanfield.solvers.index import consistent
+from meanfield.solvers.arguments import check_density, check_model
+from meanfield.solvers.index_one import consistent_values
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -19,8 +19,8 @@ if TYPE_CHECKING:
     from meanfield.model.model import Model
 
 
-def carry_density(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -> Density:
-    """The density at the macroscopic state y of particles that had ``density`` at y0, for nx = 1::
+def push_forward(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -> Density:
+    """Compute the density, at the macroscopic state y, of particles that had ``density`` at y0, for nx = 1::
 
         f(x) = f0(x0) |dg/dX(x, y)| / |dg/dX(x0, y0)|,   g(x0, y0) = g(x, y)
 
@@ -32,28 +32,28 @@ def carry_density(model: Model, density: Density, y0: ArrayLike, y: ArrayLike) -
     Raises
     ------
     InvalidProblem
-        in more than one dimension, or if the model has no finite value there.
+        in more than one dimension, or if a value of the model is not finite.
 
-    Source: (5.40), by the conservation of g(X, y) and of mass.
+    Source: (5.40), with conservation of g(X, y) and of mass.
     """
-    model_given(model)
-    density_given(density)
+    check_model(model)
+    check_density(density)
     if model.nx != 1 or density.nx != 1:
-        raise InvalidProblem(f"nx = {model.nx}, of the density {density.nx}: a density is carried in one dimension")
+        raise InvalidProblem(f"nx = {model.nx} of the model, {density.nx} of the density: both must be 1")
     before, after = shaped("y0", y0, (model.ny,)), shaped("y", y, (model.ny,))
     ends = np.sort(origins(model, np.array([density.lower, density.upper]), before, after)[:, 0])
-    return Density(_Carried(model, density, before, after), ends[:1], ends[1:])
+    return Density(_PushedForward(model, density, before, after), ends[:1], ends[1:])
 
 
 def origins(
     model: Model, x: NDArray[np.float64], y: NDArray[np.float64], y0: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Where particles at x (n, nx), when the macroscopic state is y, were when it was y0: g(., y0) = g(x, y)."""
-    return consistent(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
+    """Trace particles at x (n, nx) from the macroscopic state y back to y0: solve g(x0, y0) = g(x, y) for x0."""
+    return consistent_values(model, x, y0, np.zeros_like(y0), model.level(x, y))[0]
 
 
 @dataclass(frozen=True, eq=False)
-class _Carried:
+class _PushedForward:
     model: Model
     density: Density
     y0: NDArray[np.float64]

@@ -1,10 +1,10 @@
-"""Sine and cosine without branches, so that a loop over particles stays in vector registers.
+"""Sine and cosine without branches, with which a loop over particles is vectorised.
 
-x = n pi/2 + r with |r| <= pi/4, where n pi/2 is taken off in three parts whose products with n are exact (Cody and
-Waite); then Taylor polynomials, whose next terms are below 1e-18. The error is below 2e-16 for |x| <= FARTHEST.
+x = n pi/2 + r with |r| <= pi/4, where n pi/2 is subtracted in three parts whose products with n are exact (Cody and
+Waite); then Taylor polynomials, whose next terms are below 1e-18. The error is below 2e-16 for |x| <= MAX_ANGLE.
 
-Both are compiled on import: compiled on first use they would take over the reordering of sums from the loop that
-calls them, which joins the three parts into one.
+Both functions are compiled when this module is imported. Compiled on first use they would inherit the fast-math flags
+of the calling loop, which allow the compiler to add the three parts into one.
 """
 
 from __future__ import annotations
@@ -16,21 +16,21 @@ import numpy as np
 
 # The first two parts of pi/2 have 33 bits, so that products with n < 2^20 are exact.
 PART_1, PART_2, PART_3 = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
-FARTHEST = 2.0**20
+MAX_ANGLE = 2.0**20
 QUARTERS = 2 / math.pi
-# Highest power first: of r^2 in (sin r - r) / r^3 and in (cos r - 1 + r^2/2) / r^4.
+# Coefficients of (sin r - r) / r^3 and of (cos r - 1 + r^2/2) / r^4 as polynomials in r^2, highest power first.
 SINE = tuple((-1) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1))
 COSINE = tuple((-1) ** k / math.factorial(2 * k) for k in range(9, 1, -1))
 
 
 @numba.njit("UniTuple(float64, 4)(float64)", error_model="numpy")
 def _pieces(x: float) -> tuple[float, float, float, float]:
-    """sin r, cos r, and whether n and floor(n/2) are odd, as 1 or 0."""
+    """Compute sin r, cos r, and 1 or 0 for odd or even n and floor(n/2)."""
     n = np.rint(x * QUARTERS)
     r = ((x - n * PART_1) - n * PART_2) - n * PART_3
     z = r * r
     sine, cosine = SINE[0], COSINE[0]
-    # Written out: a loop over a tuple would not be unrolled.
+    # Horner's scheme is written out because numba does not unroll a loop over a tuple.
     sine, cosine = sine * z + SINE[1], cosine * z + COSINE[1]
     sine, cosine = sine * z + SINE[2], cosine * z + COSINE[2]
     sine, cosine = sine * z + SINE[3], cosine * z + COSINE[3]
@@ -44,14 +44,14 @@ def _pieces(x: float) -> tuple[float, float, float, float]:
 
 @numba.njit("float64(float64)", error_model="numpy")
 def sin(x: float) -> float:
-    """Sine of |x| <= FARTHEST."""
-    sine, cosine, odd, turned = _pieces(x)
-    return (1.0 - 2.0 * turned) * (cosine if odd == 1.0 else sine)
+    """Compute the sine of |x| <= MAX_ANGLE."""
+    sine, cosine, odd, odd_half = _pieces(x)
+    return (1.0 - 2.0 * odd_half) * (cosine if odd == 1.0 else sine)
 
 
 @numba.njit("float64(float64)", error_model="numpy")
 def cos(x: float) -> float:
-    """Cosine of |x| <= FARTHEST."""
-    sine, cosine, odd, turned = _pieces(x)
-    sign = (1.0 - 2.0 * turned) * (1.0 - 2.0 * odd)
+    """Compute the cosine of |x| <= MAX_ANGLE."""
+    sine, cosine, odd, odd_half = _pieces(x)
+    sign = (1.0 - 2.0 * odd_half) * (1.0 - 2.0 * odd)
     return sign * (sine if odd == 1.0 else cosine)
