@@ -13,8 +13,7 @@ from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from dincl.csr import Csr
+    from scipy.sparse import csr_array
 
 # Accuracy relative to |u|, and the number of unknowns up to which a dense active-set method is the faster one.
 TOLERANCE = 1e-10
@@ -32,9 +31,9 @@ class Split(NamedTuple):
     residual: float
 
 
-def split(u: NDArray[np.float64], gradients: Csr) -> Split:
+def split(u: NDArray[np.float64], gradients: csr_array) -> Split:
     """Moreau's decomposition of u (n,) along the cone {A^T lambda : lambda >= 0} of the rows of A, to 1e-10 |u|."""
-    polar = AffineRows(gradients._replace(data=-gradients.data), np.zeros(gradients.rows))
+    polar = AffineRows(-gradients, np.zeros(gradients.shape[0]))
     return nearest(polar, u, length(u))
 
 
@@ -48,6 +47,6 @@ def nearest(rows: AffineRows, u: NDArray[np.float64], size: float) -> Split:
     return Split(size * found.multipliers, size * found.point.ravel(), found.residual)
 
 
-def distance_to_cone(u: NDArray[np.float64], gradients: Csr) -> float:
+def distance_to_cone(u: NDArray[np.float64], gradients: csr_array) -> float:
     """min |u - A^T lambda| over lambda >= 0, for u of shape (n,) and the rows of A; accurate to 1e-10 |u|."""
     return length(split(u, gradients).rest)

@@ -10,8 +10,8 @@ import numpy as np
 from dincl.checks import array, lengths, number, spread, vector
 from dincl.constants import LARGEST
 from dincl.constraints.base import Constraint
-from dincl.csr import uniform
 from dincl.errors import InvalidProblem
+from dincl.matrices import from_equal_rows
 from dincl.rows.affine import AffineRows
 from dincl.rows.sweeper import WallRows
 
@@ -63,7 +63,7 @@ class HalfSpace(Constraint):
         near = np.flatnonzero(x @ normal - bound <= reach)
         d = len(normal)
         columns = np.arange(d) + d * near[:, None]
-        return AffineRows(uniform(columns, np.tile(normal, (len(near), 1)), x.size), bound[near])
+        return AffineRows(from_equal_rows(columns, np.tile(normal, (len(near), 1)), x.size), bound[near])
 
     def sweeper(self, x: NDArray[np.float64]) -> WallRows:
         return WallRows(np.asarray(self.normal), self.bounds(len(x)))

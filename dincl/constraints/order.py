@@ -9,8 +9,8 @@ import numpy as np
 
 from dincl.checks import indices, integer, within
 from dincl.constraints.base import Constraint
-from dincl.csr import uniform
 from dincl.errors import InvalidProblem
+from dincl.matrices import from_equal_rows
 from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:
@@ -48,7 +48,7 @@ class Ordered(Constraint):
         """All rows, for states of the shape of x."""
         columns = np.asarray(self.chain) * x.shape[1] + self.axis
         entries = np.column_stack((columns[1:], columns[:-1]))
-        matrix = uniform(entries, np.tile([1.0, -1.0], (len(entries), 1)), x.size)
+        matrix = from_equal_rows(entries, np.tile([1.0, -1.0], (len(entries), 1)), x.size)
         return AffineRows(matrix, np.zeros(len(entries)))
 
     def select(self, x: NDArray[np.float64], reach: float) -> AffineRows:

@@ -16,6 +16,7 @@ from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.jumps import MOST_JUMPS
 from dincl.kernels.march import STATE, Path, begin_march, room_for_path
+from dincl.matrices import row_squares
 from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
 from dincl.projection.feasible import FeasibleSet
@@ -67,7 +68,7 @@ def size_of(problem: Problem, end: float) -> float:
     if found > 0:
         return found
     rows = problem.rows_within(0.0, x0, np.inf)
-    slopes = np.sqrt(rows.jacobian(x0).norms_squared())
+    slopes = np.sqrt(row_squares(rows.jacobian(x0)))
     gaps = rows.values(x0) / np.where(slopes > 0, slopes, 1.0)
     ways = [end * longest(problem.velocity(0.0, x0)), *gaps]
     return min((float(way) for way in ways if way > 0), default=1.0)

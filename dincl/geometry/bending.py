@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.rows.together import RowsTogether
 
 # Central differences of the gradients, with this step relative to the largest coordinate: the cube root of rounding.
@@ -36,15 +36,15 @@ class Bending:
 
     def __init__(self, rows: RowsTogether, keep: NDArray[np.bool_], x: NDArray[np.float64]) -> None:
         self._x, self._rows, self._keep = x, rows, keep
-        self._gradients: Csr = rows.jacobian(x).take(keep)
-        self._dense = self._gradients.dense()
+        self._gradients: csr_array = rows.jacobian(x)[keep]
+        self._dense = self._gradients.toarray()
         step = STEP * max(1.0, float(np.abs(x).max()))
         self._hessians = np.empty((*self._dense.shape, x.size))
         for place in range(x.size):
             shift = np.zeros(x.size)
             shift[place] = step
-            ahead, behind = (rows.jacobian(x + sign * shift.reshape(x.shape)).take(keep) for sign in (1, -1))
-            self._hessians[:, :, place] = (ahead.dense() - behind.dense()) / (2 * step)
+            ahead, behind = (rows.jacobian(x + sign * shift.reshape(x.shape))[keep] for sign in (1, -1))
+            self._hessians[:, :, place] = (ahead.toarray() - behind.toarray()) / (2 * step)
 
     def direction(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """The w (n,) for multipliers (m,), of unit length."""
@@ -76,6 +76,6 @@ class Bending:
         """y moved along the gradients to where the gaps of the rows that push are zero; exact where these agree."""
         for _ in range(NEWTON):
             gap = self._rows.values(y)[self._keep][pushing]
-            matrix = self._rows.jacobian(y).take(self._keep).dense()[pushing]
+            matrix = self._rows.jacobian(y)[self._keep].toarray()[pushing]
             y = y - np.linalg.lstsq(matrix, gap, rcond=PUSHING)[0].reshape(y.shape)
         return y

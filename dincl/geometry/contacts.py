@@ -8,12 +8,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dincl.matrices import divided, row_squares
 from dincl.rows.near import select
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.problem import Problem
     from dincl.rows.near import Name, Selection
 
@@ -52,16 +53,16 @@ class ContactRows:
         """g(t, x), shape (m,)."""
         return self.rows.at(t).values(x)
 
-    def gradients(self, t: float, x: NDArray[np.float64]) -> tuple[Csr, NDArray[np.float64], NDArray[np.float64]]:
+    def gradients(self, t: float, x: NDArray[np.float64]) -> tuple[csr_array, NDArray[np.float64], NDArray[np.float64]]:
         """Unit gradients (m, N d), the lengths that they had (m,), and the least speeds along them, b (m,).
 
         A contact is kept where the velocity v has n_k . v >= b_k; b is zero for sets at rest. A gradient that vanishes
         stays as it is, with length 1.
         """
         matrix = self.rows.at(t).jacobian(x)
-        length = np.sqrt(matrix.norms_squared())
+        length = np.sqrt(row_squares(matrix))
         length[length == 0] = 1.0
-        unit = matrix._replace(data=matrix.data / length[matrix.row_of_entry])
+        unit = divided(matrix, length)
         return unit, length, self.rows.least_speeds(t, unit, self.spacing)
 
     def carried(self, start: float, end: float) -> float:

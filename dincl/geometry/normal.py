@@ -12,14 +12,15 @@ from dincl.checks import array, describe, number
 from dincl.cone import TOLERANCE, nearest, split
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import checked, closed, failures_told, of_shape
+from dincl.matrices import combined, divided, row_squares
 from dincl.norms import length
 from dincl.rows.affine import AffineRows
 from dincl.rows.near import select
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.problem import Problem
     from dincl.rows.near import Name
 
@@ -46,13 +47,14 @@ class NormalCone:
     """
 
     names: tuple[Name, ...]
-    matrix: Csr
+    matrix: csr_array
     shape: tuple[int, int]
 
     @property
     def generators(self) -> NDArray[np.float64]:
         """grad g_k, shape (m, N, d); they point into S, so the cone is spanned by their negatives."""
-        return self.matrix.dense().reshape(-1, *self.shape)
+        generators: NDArray[np.float64] = self.matrix.toarray().reshape(-1, *self.shape)
+        return generators
 
     def multipliers(self, u: ArrayLike) -> NDArray[np.float64]:
         """lambda (m,) >= 0 of the nearest point of the cone to u, -sum_k lambda_k grad g_k.
@@ -64,7 +66,7 @@ class NormalCone:
     def normal_part(self, u: ArrayLike) -> NDArray[np.float64]:
         """P_N(u), shape (N, d): the nearest point of the cone to u."""
         weights = self._split(u)[0]
-        return -self.matrix.transposed_times(weights).reshape(self.shape)
+        return -combined(self.matrix, weights).reshape(self.shape)
 
     def tangent_part(self, u: ArrayLike) -> NDArray[np.float64]:
         """P_T(u) = u - P_N(u), shape (N, d), with T = {v : grad g_k . v >= 0 for all k}, the polar cone of N."""
@@ -85,14 +87,14 @@ class NormalCone:
         1 for at most one row. Its dual is a least distance, 1/gamma = min |v| with n_k . v >= 1 for the unit gradients
         n_k, which is solved; 0 if there is no such v: then some gradients cancel.
         """
-        length = np.sqrt(self.matrix.norms_squared())
+        length = np.sqrt(row_squares(self.matrix))
         if not len(length):
             return 1.0
         if length.min() == 0:
             return 0.0
-        unit = self.matrix._replace(data=self.matrix.data / length[self.matrix.row_of_entry])
+        unit = divided(self.matrix, length)
         try:
-            point = nearest(AffineRows(unit, np.ones(unit.rows)), np.zeros(unit.columns), 1.0).rest
+            point = nearest(AffineRows(unit, np.ones(unit.shape[0])), np.zeros(unit.shape[1]), 1.0).rest
         except StepFailure:
             return 0.0
         return 1.0 / _length(point)
@@ -139,10 +141,10 @@ def cone_at(problem: Problem, t: float, x: NDArray[np.float64], tol: float) -> N
     near = select(problem.constraints, t, x, tol)
     rows = near.at(t)
     matrix = rows.jacobian(x)
-    length = np.sqrt(matrix.norms_squared())
+    length = np.sqrt(row_squares(matrix))
     keep = closed(rows.values(x) / np.where(length == 0, 1.0, length), tol)
     count, d = x.shape
-    return NormalCone(near.take(keep).names, matrix.take(keep), (count, d))
+    return NormalCone(near.take(keep).names, matrix[keep], (count, d))
 
 
 def support(

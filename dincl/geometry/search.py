@@ -13,6 +13,7 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import closed
 from dincl.geometry.bending import Bending
 from dincl.geometry.normal import NEGLIGIBLE, cone_at
+from dincl.matrices import row_squares
 from dincl.projection.daqp import Daqp
 from dincl.projection.feasible import FeasibleSet
 from dincl.projection.piqp import Piqp
@@ -117,7 +118,7 @@ class Search:
 
     def _bent(self, x: NDArray[np.float64], like: Pair | None = None) -> list[Pair]:
         rows = self.problem.rows_within(self.t, x, self.tol)
-        lengths = np.sqrt(rows.jacobian(x).norms_squared())
+        lengths = np.sqrt(row_squares(rows.jacobian(x)))
         keep = closed(rows.values(x) / np.where(lengths == 0, 1.0, lengths), self.tol)
         if not keep.any():
             return []

@@ -81,7 +81,7 @@ def tangent_velocity(
         rows = near(problem, time, state, allowed, step)
         unit, length, least = rows.gradients(time, state)
         keep = closed(rows.values(time, state) / length, allowed)
-        unit, length, least = unit.take(keep), length[keep], least[keep]
+        unit, length, least = unit[keep], length[keep], least[keep]
         size = max(longest(wanted), float(np.abs(least).max(initial=0.0)))
         found = nearest(AffineRows(unit, least), wanted.ravel(), size)
     names = tuple(name for name, kept in zip(rows.names, keep, strict=True) if kept)

@@ -12,8 +12,8 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.constants import LARGEST
-from dincl.csr import stack
 from dincl.errors import StepFailure
+from dincl.matrices import combined, stacked
 from dincl.minimise.carry import left_over
 from dincl.rows.near import Near
 from dincl.status import Status
@@ -22,8 +22,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.problem import Problem
     from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
@@ -46,11 +46,11 @@ class Point(NamedTuple):
     steep: NDArray[np.float64]
     multipliers: NDArray[np.float64]
     active: NDArray[np.bool_]
-    matrix: Csr
+    matrix: csr_array
 
     def pull(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """sum_k weights_k grad g_k over the active rows, shape (N, d)."""
-        return self.matrix.transposed_times(weights[self.active]).reshape(self.x.shape)
+        return combined(self.matrix, weights[self.active]).reshape(self.x.shape)
 
     def residual(self) -> float:
         """The largest of the residuals that ``Minimum`` has."""
@@ -137,10 +137,10 @@ class IterationRows:
         kept = zip(self.blocks, parts(keep, [len(block) for block in self.blocks]), strict=True)
         return [block.take(part) for block, part in kept if part.any()]
 
-    def gradients(self, blocks: list[RowsOfOneKind], x: NDArray[np.float64]) -> Csr:
+    def gradients(self, blocks: list[RowsOfOneKind], x: NDArray[np.float64]) -> csr_array:
         """The Jacobian of some of the rows at x, in the form that the iteration works with."""
         found = [block.squared_jacobian(x) if self._squared else block.jacobian(x) for block in blocks]
-        return stack(found, self._size)
+        return stacked(found, self._size)
 
 
 def parts(values: NDArray[Numbers], sizes: Sequence[int]) -> list[NDArray[Numbers]]:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.errors import StepFailure
+from dincl.matrices import combined
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -103,5 +104,5 @@ def _reaction(rows: RowsTogether, x: NDArray[np.float64], multipliers: NDArray[n
     for block in rows.blocks:
         own = multipliers[first : first + len(block)]
         first += len(block)
-        total += block.take(own > 0).jacobian(x).transposed_times(own[own > 0])
+        total += combined(block.take(own > 0).jacobian(x), own[own > 0])
     return total

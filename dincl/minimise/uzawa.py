@@ -9,6 +9,7 @@ import numpy as np
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
+from dincl.matrices import combined
 from dincl.minimise.base import LIMIT, Iteration, Minimiser, check_choices
 from dincl.minimise.newton import free_minimum
 from dincl.minimise.stop import Stationary
@@ -77,7 +78,7 @@ class _Uzawa(Iteration):
 
         def slope(flat: NDArray[np.float64]) -> NDArray[np.float64]:
             x = flat.reshape(point.x.shape)
-            pull = self.rows.gradients(blocks, x).transposed_times(weights)
+            pull = combined(self.rows.gradients(blocks, x), weights)
             return self.gradient(x).ravel() - pull
 
         flat, steps = free_minimum(slope, point.x.ravel(), INNER * self._method.stop.tol)

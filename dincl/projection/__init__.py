@@ -1,10 +1,10 @@
 """The projections: one back end per file, whose library is imported when a solver is made.
 
 A back end of one's own is a ``Projection`` that makes a ``Solver``. The solver is given ``Rows``, g(x) >= 0 with values
-and Jacobian (a ``Csr`` matrix); a ``QpSolver`` sees only quadratic programs. ``FeasibleSet`` is how a scheme calls it.
+and Jacobian (a ``scipy.sparse.csr_array``); a ``QpSolver`` sees only quadratic programs. ``FeasibleSet`` is how a
+scheme in Python calls it.
 """
 
-from dincl.csr import Csr
 from dincl.projection.active_set import ActiveSet
 from dincl.projection.base import Projected, Projection, Solver, check_projection
 from dincl.projection.clarabel import Clarabel
@@ -25,7 +25,6 @@ __all__ = [
     "AffineRows",
     "Clarabel",
     "ClosedForm",
-    "Csr",
     "CvxpyQP",
     "Daqp",
     "FeasibleSet",

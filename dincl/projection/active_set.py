@@ -15,8 +15,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 
@@ -49,13 +49,15 @@ class ActiveSet(Projection):
 class _ActiveSetSolver(QpSolver):
     name = "active set"
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """Solve with the rows in the order of their first coordinates, in which the envelope is narrow."""
         from dincl.kernels.active_set import CYCLES, INFEASIBLE, least_distance, solve
         from dincl.kernels.factor import room
         from dincl.kernels.table import ROW, RowTable
 
-        m, n = matrix.rows, matrix.columns
+        m, n = matrix.shape[0], matrix.shape[1]
         rows = RowTable(np.zeros(m, dtype=ROW), matrix.indptr, matrix.indices, np.zeros(0))
         first = np.minimum(matrix.indptr[:-1], max(len(matrix.indices) - 1, 0))
         order = np.argsort(matrix.indices[first], kind="stable") if len(matrix.indices) else np.arange(m)

@@ -10,6 +10,7 @@ import numpy as np
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem, StepFailure
+from dincl.matrices import combined
 from dincl.projection.refine import on_active_rows
 from dincl.rows.affine import linearised
 from dincl.status import Status
@@ -136,7 +137,7 @@ class Solver(ABC):
     ) -> Projected:
         """The certificate of x with multipliers ``lam`` (m,), from ``linearised(rows, x)`` and ``work`` iterations."""
         values = linear.values(x)
-        misfit = (x - y).ravel() - linear.matrix.transposed_times(lam)
+        misfit = (x - y).ravel() - combined(linear.matrix, lam)
         return Projected(
             point=x,
             multipliers=lam,

@@ -15,8 +15,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 # Residuals and duality gap asked for, in units of the largest violation and of its square.
@@ -62,13 +62,15 @@ class _ClarabelSolver(InteriorPointSolver):
         settings.static_regularization_constant = REGULARISATION
         settings.reduced_tol_feas = settings.reduced_tol_gap_abs = settings.reduced_tol_gap_rel = REDUCED_TOLERANCE
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """By Clarabel: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         from scipy.sparse import eye_array
 
-        n, m = matrix.columns, matrix.rows
+        n, m = matrix.shape[1], matrix.shape[0]
         # -A u + s = -least, s >= 0.
-        rows = (-matrix.scipy()).tocsc()
+        rows = (-matrix).tocsc()
         cone = [self._library.NonnegativeConeT(m)]
         identity = eye_array(n, format="csc")
         found = self._library.DefaultSolver(identity, np.zeros(n), rows, -least, cone, self._settings).solve()

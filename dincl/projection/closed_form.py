@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.constraints.moving import Moving
-from dincl.csr import stack
 from dincl.errors import InvalidProblem, StepFailure
+from dincl.matrices import row_squares, stacked
 from dincl.projection.base import Projected, Projection, Solver
 from dincl.rows.affine import linearised
 from dincl.status import Status
@@ -83,7 +83,7 @@ def _onto_planes(rows: AffineRows, x: NDArray[np.float64]) -> NDArray[np.float64
     """
     z, matrix = x.reshape(-1), rows.matrix
     multipliers = np.zeros(len(rows.bound))
-    squares = matrix.norms_squared()
+    squares = row_squares(matrix)
     missing = -rows.values(x)
     violated = np.flatnonzero(missing > 0)
     for k in violated[np.argsort(-missing[violated] / np.sqrt(squares[violated]), kind="stable")]:
@@ -102,10 +102,9 @@ def _served(blocks: Sequence[RowsOfOneKind], count: int, size: int) -> bool:
     used = sum((block.used(count) for block in curved), np.zeros(count, dtype=np.int64))
     if len(curved) == len(blocks):
         return bool(used.max() <= 1)
-    matrix = stack([block.jacobian(np.zeros(0)) for block in blocks if block.affine], size)
+    walls = stacked([block.jacobian(np.zeros(0)) for block in blocks if block.affine], size)
     walled = np.zeros(count, dtype=np.bool_)
-    walled[matrix.indices // (size // count)] = True
-    walls = matrix.scipy()
+    walled[walls.indices // (size // count)] = True
     gram = (walls @ walls.T).tocoo()
     cosine = np.abs(gram.data) / np.sqrt(gram.diagonal()[gram.row] * gram.diagonal()[gram.col])
     aligned = (cosine <= ROUNDING) | (cosine >= 1 - ROUNDING)

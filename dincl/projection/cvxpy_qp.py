@@ -10,6 +10,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.extras import needs
+from dincl.matrices import from_rows
 from dincl.projection.base import Projection
 from dincl.projection.program_cache import ProgramCache
 from dincl.projection.qp import InteriorPointSolver, QpAnswer
@@ -17,8 +18,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 # Settings of Clarabel, for the same reasons as in clarabel.py; lengths are in units of the largest violation.
@@ -62,7 +63,9 @@ class _CvxpySolver(InteriorPointSolver):
         self._cvxpy: Any = cvxpy
         self._programs: ProgramCache[_Program] = ProgramCache(MOST_PROGRAMS)
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """The program with these numbers; multipliers and ``tol`` are not passed on."""
         key = (matrix.indptr.tobytes(), matrix.indices.tobytes())
         return self._programs.get(key, lambda: _Program(self._cvxpy, matrix)).solve(matrix, least)
@@ -74,19 +77,17 @@ class _Program:
     A u is written as a sum over entries, a_kl u_l: the pattern is data, and no dense matrix of parameters is needed.
     """
 
-    def __init__(self, cvxpy: Any, matrix: Csr) -> None:
-        from scipy.sparse import csr_array
-
+    def __init__(self, cvxpy: Any, matrix: csr_array) -> None:
         entries = len(matrix.data)
-        summing = csr_array((np.ones(entries), np.arange(entries), matrix.indptr), shape=(matrix.rows, entries))
+        summing = from_rows(matrix.indptr, np.arange(entries), np.ones(entries), entries)
         self._cvxpy = cvxpy
-        self._u = cvxpy.Variable(matrix.columns)
+        self._u = cvxpy.Variable(matrix.shape[1])
         self._data = cvxpy.Parameter(entries)
-        self._least = cvxpy.Parameter(matrix.rows)
+        self._least = cvxpy.Parameter(matrix.shape[0])
         self._rows = summing @ cvxpy.multiply(self._data, self._u[matrix.indices]) >= self._least
         self._problem = cvxpy.Problem(cvxpy.Minimize(cvxpy.sum_squares(self._u) / 2), [self._rows])
 
-    def solve(self, matrix: Csr, least: NDArray[np.float64]) -> QpAnswer:
+    def solve(self, matrix: csr_array, least: NDArray[np.float64]) -> QpAnswer:
         """Solve with these numbers."""
         self._data.value, self._least.value = matrix.data, least
         try:

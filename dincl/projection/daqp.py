@@ -14,8 +14,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 # Greatest violation of a row of unit length, in units of the largest violation of y. Below 1e-13 rounding decides.
@@ -61,16 +61,18 @@ class _DaqpSolver(QpSolver):
 
         self._solve = daqp.solve
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """Solve -matrix u <= -least, since DAQP takes active rows at the start to be at their upper bound.
 
         Every array is made here: DAQP factorises in place.
         """
-        n = matrix.columns
+        n = matrix.shape[1]
         u, _, flag, info = self._solve(
             np.eye(n),
             np.zeros(n),
-            -matrix.dense(),
+            -matrix.toarray(),
             -least,
             None,
             (multipliers > 0).astype(np.int32) * ACTIVE,

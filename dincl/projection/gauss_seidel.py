@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.errors import StepFailure
+from dincl.matrices import combined, row_squares
 from dincl.projection.base import Projection
 from dincl.projection.qp import QpAnswer, QpSolver, refuse_if_empty
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 # Sweeps for one quadratic program, in rounds; after each round the certificate is looked at.
@@ -51,22 +52,24 @@ class _GaussSeidelSolver(QpSolver):
 
         self._sweeps = dual_sweeps
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """By sweeps over the multipliers: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         mu = multipliers.copy()
-        norm2 = matrix.norms_squared()
+        norm2 = row_squares(matrix)
         norm2[norm2 == 0] = 1.0
         sweeps, rest = 0, tol
         for _ in range(ROUNDS):
             before = mu.copy()
             # The products are formed anew in each round, so that rounding does not pile up in u.
-            u = matrix.transposed_times(mu)
+            u = combined(matrix, mu)
             done, moved = self._sweeps(
                 u, matrix.indptr, matrix.indices, matrix.data, least, norm2, mu, SWEEPS_A_ROUND, rest
             )
             sweeps += done
-            u = matrix.transposed_times(mu)
-            if np.abs(np.minimum(mu, matrix.times(u) - least)).max() <= tol:
+            u = combined(matrix, mu)
+            if np.abs(np.minimum(mu, matrix @ u - least)).max() <= tol:
                 return QpAnswer(u, mu, sweeps)
             refuse_if_empty(self.name, matrix, least, np.maximum(mu - before, 0.0))
             # A sweep moves less than what is still missing: the slower it goes, the more it has to be tightened.

@@ -10,8 +10,7 @@ from dincl.extras import needs
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from dincl.csr import Csr
+    from scipy.sparse import csr_array
 
 # The part of the active rows that are kept in the factors besides them: those that are nearest to being active. When
 # one of them becomes active, the order of elimination and the pattern, which take most of the time, serve once more.
@@ -33,16 +32,16 @@ class GramFactor:
         self._kept = np.zeros(0, dtype=np.bool_)
         self._solver: Any = None
 
-    def factorise(self, matrix: Csr, free: NDArray[np.bool_], slope: NDArray[np.float64], shift: float) -> None:
+    def factorise(self, matrix: csr_array, free: NDArray[np.bool_], slope: NDArray[np.float64], shift: float) -> None:
         """Factors for the rows F where ``free`` (m,); ``slope`` (m,) says how far the others are from being active."""
-        same = len(self._indices) == len(matrix.indices) and len(self._kept) == matrix.rows
+        same = len(self._indices) == len(matrix.indices) and len(self._kept) == matrix.shape[0]
         if same and not (free & ~self._kept).any() and np.array_equal(self._indices, matrix.indices):
             self._fill(matrix, free, shift)
             self._solver.update(self._gram, upper=True)
             return
         self._kept, self._indices = _with_spare(free, slope), matrix.indices
         self._chosen = np.flatnonzero(self._kept)
-        start, entry = self._kernels.gram_pattern(matrix.indptr, matrix.indices, matrix.columns, self._chosen)
+        start, entry = self._kernels.gram_pattern(matrix.indptr, matrix.indices, matrix.shape[1], self._chosen)
         self._start, self._entry = start, entry
         self._gram: Any = self._sparse((np.ones(len(entry)), entry, start), shape=(len(self._chosen),) * 2)
         self._fill(matrix, free, shift)
@@ -54,8 +53,8 @@ class GramFactor:
         y[self._chosen] = self._solver.solve(right[self._chosen])
         return y
 
-    def _fill(self, matrix: Csr, free: NDArray[np.bool_], shift: float) -> None:
-        arrays = matrix.indptr, matrix.indices, matrix.data, matrix.columns, self._chosen, free
+    def _fill(self, matrix: csr_array, free: NDArray[np.bool_], shift: float) -> None:
+        arrays = matrix.indptr, matrix.indices, matrix.data, matrix.shape[1], self._chosen, free
         self._kernels.gram_values(*arrays, shift, self._start, self._entry, self._gram.data)
 
 

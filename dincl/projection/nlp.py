@@ -106,8 +106,10 @@ class Program:
 def _expression(kind: Any, polynomial: Polynomial, w: Any, shape: tuple[int, ...]) -> tuple[Any, list[Any]]:
     """Expressions of the rows of one block in w, and the symbols of their numbers: constants, linear part, weights."""
     linear, entries = polynomial.linear, len(polynomial.linear.data)
-    numbers = [kind.sym(name, size) for name, size in (("c", linear.rows), ("m", entries), ("q", linear.rows))]
-    adding = casadi.Sparsity.triplet(linear.rows, entries, linear.row_of_entry.tolist(), list(range(entries)))
+    m = linear.shape[0]
+    numbers = [kind.sym(name, size) for name, size in (("c", m), ("m", entries), ("q", m))]
+    row_of_entry = np.repeat(np.arange(m), np.diff(linear.indptr))
+    adding = casadi.Sparsity.triplet(m, entries, row_of_entry.tolist(), list(range(entries)))
     # A single unknown without rows would give a row of no entries where a column is meant.
     taken = casadi.reshape(w[linear.indices.tolist()], entries, 1)
     value = numbers[0] + casadi.mtimes(casadi.DM(adding, 1), numbers[1] * taken)
@@ -178,7 +180,7 @@ class _CalledDerivative(casadi.Callback):
 
     def eval(self, arguments: Any) -> Any:
         try:
-            return [self._of.current.jacobian(self._of.at(arguments[0])).dense()]
+            return [self._of.current.jacobian(self._of.at(arguments[0])).toarray()]
         except StepFailure as failure:
             self._of.failure = failure
             return [np.full((self._rows, self._columns), np.nan)]

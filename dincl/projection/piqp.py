@@ -15,8 +15,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 # Residuals and duality gap asked for, in units of the largest violation and of its square.
@@ -54,17 +54,19 @@ class _PiqpSolver(InteriorPointSolver):
 
         self._library: Any = piqp
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """By PIQP: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         from scipy.sparse import csc_matrix, eye_array
 
-        n = matrix.columns
+        n = matrix.shape[1]
         solver = self._library.SparseSolver()
         settings = solver.settings
         settings.max_iter = ITERATION_LIMIT
         settings.eps_abs = settings.eps_duality_gap_abs = TOLERANCE
         settings.eps_rel = settings.eps_duality_gap_rel = RELATIVE
-        solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix.scipy()), h_l=least)
+        solver.setup(csc_matrix(eye_array(n)), np.zeros(n), G=csc_matrix(matrix), h_l=least)
         flag = solver.solve()
         result = solver.result
         mu = np.maximum(result.z_l, 0.0)

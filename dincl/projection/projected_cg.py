@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.errors import StepFailure
+from dincl.matrices import combined
 from dincl.projection.base import Projection
 from dincl.projection.qp import QpAnswer, refuse_if_empty
 from dincl.projection.recall import RecallingSolver
@@ -15,8 +16,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 # Iterations for one quadratic program, in rounds; after each round the residual is formed anew.
@@ -57,7 +58,9 @@ class _ProjectedCGSolver(RecallingSolver):
 
         self._minimise = proportioning.bounded_conjugate_gradients
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """By conjugate gradients on the dual: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver."""
         mu = multipliers.copy()
         allowed = SHARE * tol
@@ -65,11 +68,11 @@ class _ProjectedCGSolver(RecallingSolver):
         for _ in range(ROUNDS):
             before = mu.copy()
             done, claimed = self._minimise(
-                matrix.indptr, matrix.indices, matrix.data, matrix.columns, least, mu, ITERATIONS_A_ROUND, rest
+                matrix.indptr, matrix.indices, matrix.data, matrix.shape[1], least, mu, ITERATIONS_A_ROUND, rest
             )
             iterations += done
-            u = matrix.transposed_times(mu)
-            residual = float(np.abs(np.minimum(mu, matrix.times(u) - least)).max())
+            u = combined(matrix, mu)
+            residual = float(np.abs(np.minimum(mu, matrix @ u - least)).max())
             if residual <= allowed:
                 return QpAnswer(u, mu, iterations)
             refuse_if_empty(self.name, matrix, least, np.maximum(mu - before, 0.0))

@@ -16,8 +16,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.projection.base import Solver
 
 # Newton steps and rounds of conjugate gradients for one quadratic program.
@@ -70,7 +70,9 @@ class _ProjectedNewtonSolver(RecallingSolver):
         super().__init__(tol)
         self._factor = GramFactor()
 
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """Minimise q(mu) = 1/2 |A^T mu|^2 - least.mu over mu >= 0: min 1/2 |u|^2 s.t. matrix u >= least, see QpSolver.
 
         Free are the rows that push and those that should. A step, (A_F A_F^T)^{-1} times the slope of q, ends at the
@@ -106,7 +108,7 @@ class _ProjectedNewtonSolver(RecallingSolver):
 class _Dual:
     """q(mu) = 1/2 |A^T mu|^2 - least.mu of one program."""
 
-    def __init__(self, matrix: Csr, least: NDArray[np.float64]) -> None:
+    def __init__(self, matrix: csr_array, least: NDArray[np.float64]) -> None:
         from dincl.kernels import accelerated, products, proportioning
 
         self._matrix, self._least = matrix, least
@@ -140,8 +142,8 @@ class _Dual:
         These find their way among nearly redundant rows, too, at up to four times the cost where there are none.
         """
         near = (mu > 0) | (slope < WITHIN)
-        rows, part, found = self._matrix.take(near), mu[near], mu.copy()
-        arrays = rows.indptr, rows.indices, rows.data, rows.columns, self._least[near]
+        rows, part, found = self._matrix[near], mu[near], mu.copy()
+        arrays = rows.indptr, rows.indices, rows.data, rows.shape[1], self._least[near]
         if swept:
             self._sweep(*arrays, part, count)
         else:
@@ -159,6 +161,6 @@ class _Dual:
 
     def _combined(self, mu: NDArray[np.float64]) -> NDArray[np.float64]:
         """A^T mu."""
-        u = np.empty(self._matrix.columns)
+        u = np.empty(self._matrix.shape[1])
         self._transposed_times(*self._arrays, mu, u)
         return u

@@ -8,14 +8,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.errors import StepFailure
+from dincl.matrices import combined, divided, row_squares
 from dincl.projection.base import Projected, Solver
 from dincl.rows.affine import linearised
 from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.rows.affine import AffineRows
     from dincl.rows.base import Rows
 
@@ -48,7 +49,7 @@ class QpSolver(Solver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        self._matrix: Csr | None = None
+        self._matrix: csr_array | None = None
         self._multipliers = np.zeros(0)
 
     def compute(self, rows: Rows, y: NDArray[np.float64], guess: NDArray[np.float64]) -> Projected:
@@ -68,7 +69,7 @@ class QpSolver(Solver):
     def _onto(self, linear: AffineRows, y: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
         """Nearest point to y of one polyhedron, its multipliers, iterations; y itself when it lies inside."""
         matrix = linear.matrix
-        length = np.sqrt(matrix.norms_squared())
+        length = np.sqrt(row_squares(matrix))
         missing = -linear.values(y)
         if ((length == 0) & (missing > 0)).any():
             raise StepFailure(Status.INFEASIBLE, "A violated constraint has the gradient zero.")
@@ -77,21 +78,23 @@ class QpSolver(Solver):
         scale = float(missing.max(initial=0.0))
         if scale == 0:
             return y, np.zeros(len(missing)), 0
-        unit = matrix._replace(data=matrix.data / length[matrix.row_of_entry])
+        unit = divided(matrix, length)
         tol = self.tol / (scale * max(1.0, float(length.max())))
         answer = self.qp(unit, missing / scale, self._recalled(unit, scale) / scale, tol)
         self._matrix, self._multipliers = unit, answer.multipliers * scale
         return y + scale * answer.u.reshape(y.shape), self._multipliers / length, answer.iterations
 
-    def _recalled(self, matrix: Csr, scale: float) -> NDArray[np.float64]:
+    def _recalled(self, matrix: csr_array, scale: float) -> NDArray[np.float64]:
         """The last multipliers if they belong to rows that tie the same coordinates, else zeros: a start, no more."""
         last = self._matrix
-        same = last is not None and last.rows == matrix.rows and np.array_equal(last.indices, matrix.indices)
+        same = last is not None and last.shape == matrix.shape and np.array_equal(last.indices, matrix.indices)
         near = same and self._multipliers.max(initial=0.0) <= FARTHEST * scale
-        return self._multipliers if near else np.zeros(matrix.rows)
+        return self._multipliers if near else np.zeros(matrix.shape[0])
 
     @abstractmethod
-    def qp(self, matrix: Csr, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float) -> QpAnswer:
+    def qp(
+        self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
+    ) -> QpAnswer:
         """min 1/2 |u|^2 s.t. matrix u >= least, to the residual ``tol``, from the multipliers of a similar program.
 
         Rows of ``matrix`` (m, n) have length 1 (or 0), max ``least`` = 1; the solution obeys u = matrix^T multipliers.
@@ -111,13 +114,13 @@ class InteriorPointSolver(QpSolver):
         return found.point, found.multipliers, found.iterations
 
 
-def refuse_if_empty(name: str, matrix: Csr, least: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
+def refuse_if_empty(name: str, matrix: csr_array, least: NDArray[np.float64], weights: NDArray[np.float64]) -> None:
     """StepFailure(INFEASIBLE) if ``weights`` (m,) >= 0 prove it  (Farkas' lemma).
 
     Any u with A u >= least has |u| >= least.w / |A^T w|; of an empty set, multipliers grow towards such a w.
     """
-    combined = matrix.transposed_times(weights)
-    if float(least @ weights) > FARTHEST * float(np.sqrt(combined @ combined)):
+    total = combined(matrix, weights)
+    if float(least @ weights) > FARTHEST * float(np.sqrt(total @ total)):
         raise StepFailure(
             Status.INFEASIBLE, f"{name} proved all such points to be more than {FARTHEST:g} violations away."
         )

@@ -10,20 +10,19 @@ from dincl.projection.qp import FARTHEST, QpSolver
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from dincl.csr import Csr
+    from scipy.sparse import csr_array
 
 
 class RecallingSolver(QpSolver):
     """Starts from the last multipliers of the rows that tie the same coordinates, also when others came or went."""
 
-    def _recalled(self, matrix: Csr, scale: float) -> NDArray[np.float64]:
+    def _recalled(self, matrix: csr_array, scale: float) -> NDArray[np.float64]:
         last = self._matrix
         if last is None or np.array_equal(last.indices, matrix.indices):
             return super()._recalled(matrix, scale)
         pushing = np.flatnonzero(self._multipliers > 0)
         if not len(pushing) or self._multipliers.max() > FARTHEST * scale:
-            return np.zeros(matrix.rows)
+            return np.zeros(matrix.shape[0])
         known, ties = _ties(last)[pushing], _ties(matrix)
         order = np.argsort(known, kind="stable")
         place = np.minimum(np.searchsorted(known, ties, sorter=order), len(known) - 1)
@@ -32,11 +31,11 @@ class RecallingSolver(QpSolver):
         return recalled
 
 
-def _ties(matrix: Csr) -> NDArray[np.int64]:
+def _ties(matrix: csr_array) -> NDArray[np.int64]:
     """A number for each row made of its first and its last column; two walls at one particle share one."""
     if not len(matrix.indices):
-        return np.zeros(matrix.rows, dtype=np.int64)
+        return np.zeros(matrix.shape[0], dtype=np.int64)
     last = len(matrix.indices) - 1
     first = matrix.indices[np.minimum(matrix.indptr[:-1], last)]
-    ties: NDArray[np.int64] = first * matrix.columns + matrix.indices[np.maximum(matrix.indptr[1:] - 1, 0)]
+    ties: NDArray[np.int64] = first * matrix.shape[1] + matrix.indices[np.maximum(matrix.indptr[1:] - 1, 0)]
     return ties

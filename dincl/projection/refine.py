@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dincl.matrices import combined
+
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
@@ -35,7 +37,7 @@ def on_active_rows(
     if not active.any():
         return y, full
     rows = linear.take(active)
-    matrix = rows.matrix.scipy()
+    matrix = rows.matrix
     gram = matrix @ matrix.T
     weight = DAMPING * float(gram.diagonal().max())
     if weight == 0:
@@ -46,4 +48,4 @@ def on_active_rows(
     for _ in range(STEPS):
         lam = lam + factor.solve(missing - matrix @ (matrix.T @ lam))
     full[active] = np.maximum(lam, 0.0)
-    return y + linear.matrix.transposed_times(full).reshape(y.shape), full
+    return y + combined(linear.matrix, full).reshape(y.shape), full

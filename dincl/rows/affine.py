@@ -7,21 +7,23 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.matrices import row_squares
 from dincl.rows.base import RowsOfOneKind, TableRows
 from dincl.rows.polynomial import Polynomial
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
-    from dincl.rows.base import Rows
+    from dincl.matrices import row_squares
+from dincl.rows.base import Rows
 
 
 @dataclass(frozen=True, eq=False)
 class AffineRows(RowsOfOneKind):
     """g(x) = A x - bound >= 0 with x flattened; A sparse, bound of shape (m,)."""
 
-    matrix: Csr
+    matrix: csr_array
     bound: NDArray[np.float64]
     affine = True
 
@@ -29,17 +31,18 @@ class AffineRows(RowsOfOneKind):
         return len(self.bound)
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return self.matrix.times(x.ravel()) - self.bound
+        values: NDArray[np.float64] = self.matrix @ x.ravel() - self.bound
+        return values
 
-    def jacobian(self, x: NDArray[np.float64]) -> Csr:
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
         return self.matrix
 
     def take(self, keep: NDArray[np.bool_]) -> AffineRows:
-        return self if keep.all() else AffineRows(self.matrix.take(keep), self.bound[keep])
+        return self if keep.all() else AffineRows(self.matrix[keep], self.bound[keep])
 
     def shifted(self, displacement: NDArray[np.float64]) -> AffineRows:
-        everywhere = np.tile(displacement, self.matrix.columns // len(displacement))
-        return replace(self, bound=self.bound + self.matrix.times(everywhere))
+        everywhere = np.tile(displacement, self.matrix.shape[1] // len(displacement))
+        return replace(self, bound=self.bound + self.matrix @ everywhere)
 
     def keys(self) -> NDArray[np.int64]:
         starts = self.matrix.indptr
@@ -56,14 +59,14 @@ class AffineRows(RowsOfOneKind):
     def tabulated(self, d: int) -> TableRows:
         from dincl.kernels.table import AFFINE
 
-        matrix, row_of = self.matrix, self.matrix.row_of_entry
-        square = matrix.norms_squared()
+        matrix = self.matrix
+        row_of, square = np.repeat(np.arange(len(self)), np.diff(matrix.indptr)), row_squares(matrix)
         # A unit normal is scaled to length 1 up to rounding, which is then no reason to divide by it.
         square[np.abs(square - 1) <= 4 * np.finfo(float).eps] = 1.0
-        blocks = np.zeros((len(self), matrix.columns // d))
+        blocks = np.zeros((len(self), matrix.shape[1] // d))
         np.add.at(blocks, (row_of, matrix.indices // d), matrix.data**2)
         numbers = {"kind": AFFINE, "length": self.bound, "square": square, "sway": np.sqrt(blocks).sum(axis=1)}
-        return TableRows(numbers | {"j": -1}, np.diff(matrix.indptr), matrix.indices, matrix.data)
+        return TableRows(numbers | {"j": -1}, np.diff(matrix.indptr), matrix.indices.astype(np.int64), matrix.data)
 
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
         """(a . x - b) / s."""
@@ -75,4 +78,4 @@ def linearised(rows: Rows, x: NDArray[np.float64]) -> AffineRows:
     if isinstance(rows, AffineRows):
         return rows
     matrix = rows.jacobian(x)
-    return AffineRows(matrix, matrix.times(x.ravel()) - rows.values(x))
+    return AffineRows(matrix, matrix @ x.ravel() - rows.values(x))

@@ -9,8 +9,8 @@ import numpy as np
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
-    from dincl.csr import Csr
     from dincl.rows.polynomial import Polynomial
 
 
@@ -34,7 +34,7 @@ class Rows(ABC):
         """g(x), shape (m,)."""
 
     @abstractmethod
-    def jacobian(self, x: NDArray[np.float64]) -> Csr:
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
         """dg/dx at x, m rows and N*d columns; StepFailure where it is not defined."""
 
     @abstractmethod
@@ -104,7 +104,7 @@ class RowsOfOneKind(Rows):
         """h(x), shape (m,), from g(x) and ``squared_steepness``; h = g where there is no root."""
         return values
 
-    def squared_jacobian(self, x: NDArray[np.float64]) -> Csr:
+    def squared_jacobian(self, x: NDArray[np.float64]) -> csr_array:
         """dh/dx at x."""
         return self.jacobian(x)
 

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.csr import uniform
 from dincl.errors import StepFailure
+from dincl.matrices import combined, from_equal_rows
 from dincl.norms import norms
 from dincl.rows.base import RowsOfOneKind, TableRows
 from dincl.rows.polynomial import Polynomial
@@ -16,8 +16,7 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from dincl.csr import Csr
+    from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +44,7 @@ class DistanceRows(RowsOfOneKind):
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return self.sign * (norms(self.arrows(x)) - self.length)
 
-    def jacobian(self, x: NDArray[np.float64]) -> Csr:
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
         """The unit vectors along the distances; StepFailure where two that are kept apart coincide."""
         arrows = self.arrows(x)
         distance = norms(arrows)
@@ -117,7 +116,7 @@ class DistanceRows(RowsOfOneKind):
         """With r = |X_i - X_j|, sign (r^2 - L^2) = g (r + L) = g (2 r - sign g)."""
         return values * (steepness - self.sign * values)
 
-    def squared_jacobian(self, x: NDArray[np.float64]) -> Csr:
+    def squared_jacobian(self, x: NDArray[np.float64]) -> csr_array:
         return self._entries(2 * self.sign * self.arrows(x), x.size)
 
     def longest_length(self) -> float:
@@ -132,11 +131,11 @@ class DistanceRows(RowsOfOneKind):
         movers = 1 if self.j is None else 2
         multipliers = np.maximum(-self.values(x), 0.0) / movers
         violated = self.take(multipliers > 0)
-        pushes = violated.jacobian(x).transposed_times(multipliers[multipliers > 0])
+        pushes = combined(violated.jacobian(x), multipliers[multipliers > 0])
         x += pushes.reshape(x.shape)
         return multipliers
 
-    def _entries(self, vectors: NDArray[np.float64], columns: int) -> Csr:
+    def _entries(self, vectors: NDArray[np.float64], columns: int) -> csr_array:
         """Rows that hold ``vectors`` (m, d) at particle i and, with the other sign, at particle j."""
         m, d = vectors.shape
         ends = (self.i,) if self.j is None else (self.i, self.j)
@@ -145,4 +144,4 @@ class DistanceRows(RowsOfOneKind):
             mine = slice(d * k, d * k + d)
             np.add((d * end)[:, None], np.arange(d), out=places[:, mine])
             np.multiply(vectors, 1.0 - 2.0 * k, out=data[:, mine])
-        return uniform(places, data, columns)
+        return from_equal_rows(places, data, columns)

@@ -17,9 +17,9 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from numpy.typing import NDArray
+    from scipy.sparse import csr_array
 
     from dincl.constraints.base import Constraint
-    from dincl.csr import Csr
     from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
 
@@ -78,12 +78,12 @@ class Selection:
         d = self.shape[1]
         return tuple((index, block.label(k, d)) for index, block in enumerate(self.blocks) for k in range(len(block)))
 
-    def least_speeds(self, t: float, unit: Csr, spacing: float) -> NDArray[np.float64]:
+    def least_speeds(self, t: float, unit: csr_array, spacing: float) -> NDArray[np.float64]:
         """n_k . c' for unit gradients n_k and the velocity c' of the set of row k, shape (m,); 0 for sets at rest.
 
         ``spacing`` is that of the differences that give c' [time].
         """
-        least = np.zeros(unit.rows)
+        least = np.zeros(unit.shape[0])
         start = 0
         for constraint, block in zip(self.constraints, self.blocks, strict=True):
             mine = slice(start, start + len(block))
@@ -91,7 +91,7 @@ class Selection:
             if len(block) and constraint.displacement(t, self.shape[1]) is not None:
                 path: Any = partial(constraint.displacement, d=self.shape[1])
                 velocity = np.tile(derivative(path, t, spacing), self.shape[0])
-                least[mine] = unit.times(velocity)[mine]
+                least[mine] = (unit @ velocity)[mine]
         return least
 
     def carried(self, start: float, end: float) -> float:

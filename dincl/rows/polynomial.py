@@ -15,8 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
-
-    from dincl.csr import Csr
+    from scipy.sparse import csr_array
 
 
 class Polynomial(NamedTuple):
@@ -26,7 +25,7 @@ class Polynomial(NamedTuple):
     """
 
     constant: NDArray[np.float64]
-    linear: Csr
+    linear: csr_array
     weight: NDArray[np.float64]
     i: NDArray[np.int64] | None = None
     j: NDArray[np.int64] | None = None

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.csr import csr
+from dincl.matrices import from_rows
 from dincl.rows.base import RowsOfOneKind
 from dincl.status import Status
 
@@ -17,8 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from numpy.typing import NDArray
-
-    from dincl.csr import Csr
+    from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +41,7 @@ class SmoothRows(RowsOfOneKind):
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return _known(self.names[0]).evaluated(self.g, x - self.shift, shape=(self.total,))[self.index]
 
-    def jacobian(self, x: NDArray[np.float64]) -> Csr:
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
         """What ``derivative`` returns, checked: real numbers of shape (m, N*d) or (m, N, d), or a sparse matrix."""
         known, shape = _known(self.names[1]), (self.total, x.size)
         raw = known.call(self.derivative, x - self.shift)
@@ -52,9 +51,9 @@ class SmoothRows(RowsOfOneKind):
         in_one = full.reshape(shape) if full.size == self.total * x.size else full
         full = known.numbers(in_one, shape)[self.index]
         row, column = np.nonzero(full)
-        return csr(np.searchsorted(row, np.arange(len(full) + 1)), column, full[row, column], x.size)
+        return from_rows(np.searchsorted(row, np.arange(len(full) + 1)), column, full[row, column], x.size)
 
-    def _from_sparse(self, raw: Any, shape: tuple[int, int]) -> Csr:
+    def _from_sparse(self, raw: Any, shape: tuple[int, int]) -> csr_array:
         """A matrix of scipy.sparse, which is not imported for those who return none."""
         from scipy.sparse import csr_array
 
@@ -62,8 +61,7 @@ class SmoothRows(RowsOfOneKind):
         if raw.shape != shape:
             known.refuse(f"returned a sparse matrix of shape {raw.shape}: must have shape {shape}.")
         rows = csr_array(raw)[self.index]
-        data = known.numbers(rows.data)
-        return csr(rows.indptr.astype(np.int64), rows.indices.astype(np.int64), data, shape[1])
+        return from_rows(rows.indptr, rows.indices, known.numbers(rows.data), shape[1])
 
     def take(self, keep: NDArray[np.bool_]) -> SmoothRows:
         return replace(self, index=self.index[keep])

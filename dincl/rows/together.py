@@ -7,13 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.csr import stack
+from dincl.matrices import stacked
 from dincl.rows.base import Rows, RowsOfOneKind
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
-
-    from dincl.csr import Csr
+    from scipy.sparse import csr_array
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,8 +28,8 @@ class RowsTogether(Rows):
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.concatenate([np.zeros(0), *(block.values(x) for block in self.blocks)])
 
-    def jacobian(self, x: NDArray[np.float64]) -> Csr:
-        return stack([block.jacobian(x) for block in self.blocks], self.size)
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
+        return stacked([block.jacobian(x) for block in self.blocks], self.size)
 
     @property
     def structure(self) -> tuple[Any, ...]:

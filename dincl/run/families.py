@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.compiled.structs import StructPointer
-from dincl.csr import uniform
 from dincl.errors import StepFailure
 from dincl.kernels import pair_list
 from dincl.kernels import system as codes
 from dincl.kernels.families import DISCS, MOST_ITERATIONS, OWN, ROWS, WALL, Families
 from dincl.kernels.pair_list import ALL_PAIRS, PairList
+from dincl.matrices import from_equal_rows
 from dincl.rows.affine import AffineRows
 from dincl.rows.near import Selection
 from dincl.rows.pairs import near_pairs
@@ -128,7 +128,7 @@ class SweptSets:
 
 def no_rows(problem: Problem) -> Selection:
     """A selection of no row."""
-    matrix = uniform(np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1)), problem.x0.size)
+    matrix = from_equal_rows(np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1)), problem.x0.size)
     blocks = (AffineRows(matrix, np.zeros(0)),) * len(problem.constraints)
     return Selection(problem.constraints, blocks, problem.x0.shape)
 

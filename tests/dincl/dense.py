@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from dincl.csr import uniform
+from dincl.matrices import from_equal_rows
 
 
 def full(matrix):
     """A dense matrix as rows."""
-    return uniform(np.tile(np.arange(matrix.shape[1]), (len(matrix), 1)), matrix, matrix.shape[1])
+    return from_equal_rows(np.tile(np.arange(matrix.shape[1]), (len(matrix), 1)), matrix, matrix.shape[1])

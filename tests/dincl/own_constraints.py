@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 import dincl
-from dincl.csr import uniform
+from dincl.matrices import from_equal_rows
 from dincl.rows import RowsOfOneKind, Sweeper
 
 
@@ -42,7 +42,7 @@ class EllipseRows(RowsOfOneKind):
     def jacobian(self, x):
         d = x.shape[1]
         gradients = -2 * (x[self.i] - self.middle) / np.square(self.axes)
-        return uniform(d * self.i[:, None] + np.arange(d), gradients, x.size)
+        return from_equal_rows(d * self.i[:, None] + np.arange(d), gradients, x.size)
 
     def take(self, keep):
         return replace(self, i=self.i[keep])

@@ -5,12 +5,12 @@ import pytest
 from scipy.optimize import nnls
 
 from dincl.cone import DENSE, distance_to_cone
-from dincl.csr import uniform
+from dincl.matrices import from_equal_rows
 
 
 def gradients(rows):
     m, n = rows.shape
-    return uniform(np.tile(np.arange(n), (m, 1)), rows, n)
+    return from_equal_rows(np.tile(np.arange(n), (m, 1)), rows, n)
 
 
 @pytest.mark.parametrize(("m", "n"), [(1, 2), (5, 8), (12, 8), (40, 2 * DENSE)])

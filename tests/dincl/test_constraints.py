@@ -21,14 +21,14 @@ def test_rows_are_the_definition(name, d, rng):
     if isinstance(constraint, dincl.DifferentiableConstraint):
         assert constraint.values(x).tolist() == rows.values(x).tolist()
         jacobian = np.reshape(constraint.jacobian(x), (-1, x.size))
-        assert jacobian.tolist() == rows.jacobian(x).dense().tolist()
+        assert jacobian.tolist() == rows.jacobian(x).toarray().tolist()
 
 
 @cases
 def test_jacobian_is_the_derivative(name, d, rng):
     x, h = rng.normal(size=(6, d)), 1e-6
     rows = CONSTRAINTS[name][0](d).select(x, 100.0)
-    jacobian = rows.jacobian(x).dense()
+    jacobian = rows.jacobian(x).toarray()
     for k in range(x.size):
         e = np.zeros(x.size)
         e[k] = h
@@ -44,7 +44,7 @@ def test_no_row_left_out_can_be_reached(name, d, rng):
         x = 2 * rng.normal(size=(6, d))
         near, everything = family.select(x, reach), family.select(x, 1e3)
         # A random move, and for one row the worst: all its particles against its gradient.
-        steepest = -rng.choice(everything.jacobian(x).dense()).reshape(x.shape)
+        steepest = -rng.choice(everything.jacobian(x).toarray()).reshape(x.shape)
         for move in (rng.normal(size=x.shape), steepest):
             length = np.linalg.norm(move, axis=1, keepdims=True)
             z = x + reach * move / np.where(length > 0, length, 1.0)
@@ -59,7 +59,7 @@ def test_linearisation_touches(name, d, rng):
     linear = linearised(rows, x)
     assert isinstance(linear, AffineRows)
     assert linear.values(x) == pytest.approx(rows.values(x), abs=1e-13)
-    assert linear.jacobian(x).dense() == pytest.approx(rows.jacobian(x).dense())
+    assert linear.jacobian(x).toarray() == pytest.approx(rows.jacobian(x).toarray())
 
 
 @cases
@@ -67,7 +67,7 @@ def test_a_carried_set_is_the_same_set_elsewhere(name, d, rng):
     x, shift = rng.normal(size=(6, d)), rng.normal(size=d)
     rows = CONSTRAINTS[name][0](d).select(x, 100.0)
     assert rows.shifted(shift).values(x + shift) == pytest.approx(rows.values(x), abs=1e-13)
-    assert rows.shifted(shift).jacobian(x + shift).dense() == pytest.approx(rows.jacobian(x).dense(), abs=1e-12)
+    assert rows.shifted(shift).jacobian(x + shift).toarray() == pytest.approx(rows.jacobian(x).toarray(), abs=1e-12)
 
 
 @cases
@@ -76,7 +76,7 @@ def test_taking_rows_keeps_their_order(name, d, rng):
     rows = CONSTRAINTS[name][0](d).select(x, 100.0)
     keep = np.arange(len(rows.values(x))) % 2 == 0
     assert rows.take(keep).values(x).tolist() == rows.values(x)[keep].tolist()
-    assert rows.take(keep).jacobian(x).dense().tolist() == rows.jacobian(x).dense()[keep].tolist()
+    assert rows.take(keep).jacobian(x).toarray().tolist() == rows.jacobian(x).toarray()[keep].tolist()
 
 
 @cases
@@ -92,7 +92,7 @@ def test_a_sweep_is_one_exact_projection_after_another(name, d, rng):
         for k in range(count):
             row = rows.take(np.arange(count) == k)
             x, before = _nearest_point(row, x), x
-            gradient = row.jacobian(x).dense()[0]
+            gradient = row.jacobian(x).toarray()[0]
             multiplier = gradient @ (x - before).ravel() / (gradient @ gradient)
             assert (x - before).ravel() == pytest.approx(multiplier * gradient, abs=1e-10)
             assert multiplier >= 0
@@ -127,7 +127,7 @@ def _nearest_point(row, y):
         return y
     x = y
     for _ in range(500):
-        gradient = row.jacobian(x).dense()[0]
+        gradient = row.jacobian(x).toarray()[0]
         lack = gradient @ (x - y).ravel() - row.values(x)[0]
         x, last = y + (max(lack, 0.0) / (gradient @ gradient) * gradient).reshape(y.shape), x
         if np.abs(x - last).max() < 1e-13:
@@ -146,9 +146,9 @@ def test_sparse_jacobians_of_smooth_constraints(rng):
     from scipy.sparse import csc_array
 
     x = rng.normal(size=(6, 2))
-    dense = dincl.Smooth(quadratic, quadratic_jacobian).select(x, 0.0).jacobian(x).dense()
+    dense = dincl.Smooth(quadratic, quadratic_jacobian).select(x, 0.0).jacobian(x).toarray()
     sparse = dincl.Smooth(quadratic, lambda x: csc_array(quadratic_jacobian(x).reshape(2, -1))).select(x, 0.0)
-    assert sparse.jacobian(x).dense().tolist() == dense.tolist()
+    assert sparse.jacobian(x).toarray().tolist() == dense.tolist()
 
 
 def test_normals_are_made_unit_vectors_and_offsets_stay():

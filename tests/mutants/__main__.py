@@ -26,7 +26,15 @@ HEADER = ("file", "line", "scope", "before", "after", "outcome", "seconds")
 COPIED = ("dincl", "docs", "meanfield", "tests", "tissue", "verification", "pyproject.toml", "README.md")
 MUTATED = (
     *("dincl/constraints", "dincl/drifts", "dincl/events", "dincl/geometry", "dincl/kernels", "dincl/minimise"),
-    *("dincl/projection", "dincl/rows", "dincl/run", "dincl/scenes", "dincl/schemes", "dincl/cone.py", "dincl/csr.py"),
+    *(
+        "dincl/projection",
+        "dincl/rows",
+        "dincl/run",
+        "dincl/scenes",
+        "dincl/schemes",
+        "dincl/cone.py",
+        "dincl/matrices.py",
+    ),
     *("dincl/compiled/cache.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
     "dincl/trajectory.py",
     *("meanfield/density", "meanfield/forces", "meanfield/model", "meanfield/solvers"),

@@ -121,7 +121,7 @@ def onto_curved(x, row):
         return 0
     y, last = x.copy(), np.inf
     while np.abs(x - last).max() > 1e-13:
-        gradient = row.jacobian(x).dense()[0]
+        gradient = row.jacobian(x).toarray()[0]
         lack = gradient @ (x - y).ravel() - row.values(x)[0]
         last = x.copy()
         x[:] = y + (max(lack, 0.0) / (gradient @ gradient) * gradient).reshape(y.shape)
@@ -157,5 +157,5 @@ class PushingStepper(dincl.Stepper):
         velocity, rows = self.velocity(t, state.x), self.problem.rows_within(t, state.x, np.inf)
         overlap = np.maximum(-rows.values(state.x), 0.0)
         push = overlap if self._scheme.exponent == 2 else np.sign(overlap)
-        force = rows.jacobian(state.x).transposed_times(push).reshape(state.x.shape)
+        force = (push @ rows.jacobian(state.x)).reshape(state.x.shape)
         return StepState(state.x + h * (velocity + self._scheme.strength * force))

@@ -26,8 +26,8 @@ class Ldp(QpSolver):
     name = "nnls"
 
     def qp(self, matrix, least, multipliers, tol):
-        p = nnls(np.vstack([matrix.dense().T, least]), np.eye(matrix.columns + 1)[-1])[0]
-        return QpAnswer(matrix.dense().T @ p / (1 - least @ p), p / (1 - least @ p), 1)
+        p = nnls(np.vstack([matrix.toarray().T, least]), np.eye(matrix.shape[1] + 1)[-1])[0]
+        return QpAnswer(matrix.toarray().T @ p / (1 - least @ p), p / (1 - least @ p), 1)
 
 
 class Nnls(dincl.Projection):

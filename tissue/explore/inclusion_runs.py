@@ -116,8 +116,9 @@ def depths(problem: Problem, t: float, x: Floats) -> Floats:
             violated = depth > 0
             if violated.any():
                 # The derivative of squared distances is defined also where two centres coincide.
-                entries = block.take(violated).squared_jacobian(x)
-                np.maximum.at(deep, entries.indices // x.shape[1], depth[violated][entries.row_of_entry])
+                matrix = block.take(violated).squared_jacobian(x)
+                deepest = np.repeat(depth[violated], np.diff(matrix.indptr))
+                np.maximum.at(deep, matrix.indices // x.shape[1], deepest)
     except StepFailure:
         deep[:] = np.inf
     return deep

@@ -139,7 +139,7 @@ def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float
     discs = DistanceRows(i, j, cells.radius[i] + cells.radius[j], 1.0)
     rows = RowsTogether((discs, *(family.select(found.x, math.inf) for family in sets[1:])), found.x.size)
     gradient = -particles(forces(at, layers, numbers)).ravel()
-    misfit = gradient - rows.jacobian(found.x).transposed_times(found.multipliers)
+    misfit = gradient - found.multipliers @ rows.jacobian(found.x)
     stationarity = float(np.abs(misfit[_free(cells, layers)]).max())
     violation = max(float(np.max(-family.select(found.x, 0.0).values(found.x), initial=0.0)) for family in sets)
     complementarity = float(np.max(np.abs(np.minimum(found.multipliers, rows.values(found.x))), initial=0.0))

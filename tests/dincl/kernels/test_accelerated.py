@@ -15,7 +15,7 @@ def program(count: int) -> tuple[tuple, np.ndarray]:
     rows = linearised(scene.rows_within(0.0, scene.x0, 0.2), scene.x0)
     least = -rows.values(scene.x0 - [0.0, 0.1])
     matrix = rows.matrix
-    return (matrix.indptr, matrix.indices, matrix.data, matrix.columns, least), matrix.dense()
+    return (matrix.indptr, matrix.indices, matrix.data, matrix.shape[1], least), matrix.toarray()
 
 
 def residual(dense: np.ndarray, least: np.ndarray, mu: np.ndarray) -> float:

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from dincl.csr import csr
 from dincl.errors import StepFailure
 from dincl.kernels.active_set import INFEASIBLE, OK, least_distance, solve
 from dincl.kernels.factor import room
 from dincl.kernels.table import ROW, RowTable
+from dincl.matrices import from_rows
 from dincl.projection.daqp import Daqp
 
 
@@ -101,7 +101,7 @@ def test_as_daqp(kind, rng):
         scale = missing.max()
         if scale <= 0:
             continue
-        matrix = csr(n * np.arange(m + 1), np.tile(np.arange(n), m), dense.ravel(), n)
+        matrix = from_rows(n * np.arange(m + 1), np.tile(np.arange(n), m), dense.ravel(), n)
         try:
             other = y + scale * solver.qp(matrix, missing / scale, np.zeros(m), 1e-10).u
         except StepFailure:

@@ -2,18 +2,19 @@
 
 import numpy as np
 import pytest
+from scipy.sparse import csr_array
 
-from dincl.csr import Csr, csr
 from dincl.kernels.gram import gram_pattern, gram_values
+from dincl.matrices import from_rows
 from dincl.projection.gram_factor import GramFactor
 
 
-def sparse(rng: np.random.Generator, m: int, n: int) -> Csr:
+def sparse(rng: np.random.Generator, m: int, n: int) -> csr_array:
     """Draw rows of unequal widths; one is empty, and one has an entry in each column, in no order."""
     widths = rng.integers(1, 5, m)
     widths[0], widths[m // 2] = 0, n
     indices = np.concatenate([rng.permutation(n)[:width] for width in widths])
-    return csr(np.concatenate(([0], np.cumsum(widths))), indices, rng.normal(size=len(indices)), n)
+    return from_rows(np.concatenate(([0], np.cumsum(widths))), indices, rng.normal(size=len(indices)), n)
 
 
 @pytest.mark.parametrize("compiled", [True, False])
@@ -22,16 +23,17 @@ def test_entries_and_numbers_are_those_of_the_dense_matrix(rng: np.random.Genera
     matrix = sparse(rng, 40, 12)
     chosen = np.flatnonzero(rng.uniform(size=40) < 0.7)
     free = rng.uniform(size=40) < 0.8
-    start, entry = pattern(matrix.indptr, matrix.indices, matrix.columns, chosen)
+    start, entry = pattern(matrix.indptr, matrix.indices, matrix.shape[1], chosen)
     out = np.full(len(entry), np.nan)
-    values(*matrix[:1], *matrix[2:], chosen, free, 0.25, start, entry, out)
+    arrays = matrix.indptr, matrix.indices, matrix.data, matrix.shape[1]
+    values(*arrays, chosen, free, 0.25, start, entry, out)
     found = np.zeros((len(chosen), len(chosen)))
     for k in range(len(chosen)):
         rows = entry[start[k] : start[k + 1]]
         assert (np.diff(rows) > 0).all()
         assert rows[-1] == k
         found[rows, k] = out[start[k] : start[k + 1]]
-    dense = matrix.dense()[chosen]
+    dense = matrix.toarray()[chosen]
     touching = np.abs(dense) @ np.abs(dense).T > 0
     assert len(entry) == np.triu(touching | np.eye(len(chosen), dtype=bool)).sum()
     among = free[chosen]
@@ -46,11 +48,12 @@ def test_factors_solve_for_the_free_rows_whichever_they_are(rng: np.random.Gener
         factor.factorise(matrix, free, slope, 1e-6)
         right = np.where(free, slope, 0.0)
         y = factor.solve(right)
-        rows = matrix.dense()[free]
+        rows = matrix.toarray()[free]
         np.testing.assert_allclose(rows @ (rows.T @ y[free]) + 1e-6 * y[free], right[free], atol=1e-7)
         assert not y[~free].any()
         free = free ^ (rng.uniform(size=60) < 0.05)
-        matrix = matrix._replace(data=matrix.data + 0.1 * rng.normal(size=len(matrix.data)))
+        data = matrix.data + 0.1 * rng.normal(size=len(matrix.data))
+        matrix = from_rows(matrix.indptr, matrix.indices, data, matrix.shape[1])
 
 
 def test_rows_that_nearly_touched_find_their_pattern_made(rng: np.random.Generator) -> None:

@@ -43,7 +43,7 @@ def test_values_and_unit_gradients(seed, rng):
     for r in range(m):
         np.add.at(dense[r], rows.column[rows.start[r] : rows.start[r + 1]], gradient[rows.start[r] : rows.start[r + 1]])
     exact = select(problem.constraints, t, x, np.inf).at(t)
-    jacobian = np.vstack([np.zeros((0, x.size)), *(block.jacobian(x).dense() for block in exact.blocks)])
+    jacobian = np.vstack([np.zeros((0, x.size)), *(block.jacobian(x).toarray() for block in exact.blocks)])
     value = np.concatenate([np.zeros(0), *(block.values(x) for block in exact.blocks)])
     length = np.linalg.norm(jacobian, axis=1)
     # The gradient of a distance between two has the length sqrt(2), and stays as it is.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.csr import uniform
+from dincl.matrices import from_equal_rows
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from dincl.minimise.carry import left_over, row_names
 from dincl.minimise.iteration_rows import IterationRows
@@ -63,7 +63,7 @@ def test_names_are_unique_within_a_constraint(constraint):
 def test_names_do_not_depend_on_the_other_rows():
     rows = dincl.HalfSpace(normal=(0, 1)).select(line(0.0, 1.0, 2.0), 1.0)
     assert row_names(rows.take(np.array([False, True, True]))).tolist() == row_names(rows).tolist()[1:]
-    other = AffineRows(uniform(np.array([[0, 1]]), np.ones((1, 2)), 6), np.zeros(1))
+    other = AffineRows(from_equal_rows(np.array([[0, 1]]), np.ones((1, 2)), 6), np.zeros(1))
     assert row_names(other).tolist() == row_names(rows).tolist()[:1]
 
 
@@ -91,8 +91,8 @@ def test_point_against_differences(rng, squared):
     np.testing.assert_allclose(point.pull(weights), pull, atol=1e-7)
     distance = np.array([np.linalg.norm(x[i] - x[j]) for i in range(5) for j in range(i)])
     np.testing.assert_allclose(point.values[:10], distance**2 - 1 if squared else distance - 1)
-    rows = held.gradients([DISCS.select(x, 100.0)], x).transposed_times(weights[:10])
-    plain = DISCS.select(x, 100.0).jacobian(x).transposed_times(point.steep[:10] * weights[:10])
+    rows = weights[:10] @ held.gradients([DISCS.select(x, 100.0)], x)
+    plain = (point.steep[:10] * weights[:10]) @ DISCS.select(x, 100.0).jacobian(x)
     np.testing.assert_allclose(rows, plain)
 
 

@@ -7,8 +7,8 @@ import pytest
 
 import dincl
 from dincl import ProjectedCG, ProjectedNewton, scenes
-from dincl.csr import csr
 from dincl.errors import StepFailure
+from dincl.matrices import from_rows
 from dincl.rows.affine import AffineRows, linearised
 from dincl.status import Status
 from tests.dincl.dense import full
@@ -77,7 +77,7 @@ def test_an_empty_set_is_called_empty(projection):
 
 @BOTH
 def test_a_row_without_gradient_is_no_direction(projection):
-    nothing = csr(np.array([0, 0, 2]), np.array([0, 1]), np.array([0.6, 0.8]), 2)
+    nothing = from_rows(np.array([0, 0, 2]), np.array([0, 1]), np.array([0.6, 0.8]), 2)
     found = projection(1e-9).solver().nearest(AffineRows(nothing, np.array([-1.0, 1.0])), np.zeros((1, 2)), None)
     assert np.abs(found.point - [[0.6, 0.8]]).max() < 1e-9
     empty = AffineRows(nothing, np.array([1.0, 1.0]))

@@ -13,7 +13,7 @@ def test_the_iteration_keeps_its_word_and_counts():
     least, mu = np.array([1.0, 1.2, -3.0]), np.zeros(3)
     arrays = matrix.indptr, matrix.indices, matrix.data, 2, least
     iterations, residual = bounded_conjugate_gradients(*arrays, mu, 100, 1e-12)
-    dense = matrix.dense()
+    dense = matrix.toarray()
     assert 0 < iterations <= 6
     assert residual <= 1e-12
     assert np.abs(np.minimum(mu, dense @ dense.T @ mu - least)).max() < 1e-12
@@ -33,7 +33,7 @@ def test_the_kernel_is_its_own_text_run_by_python():
     results = []
     for function in (bounded_conjugate_gradients, bounded_conjugate_gradients.py_func):
         mu = np.zeros(len(least))
-        arrays = matrix.indptr, matrix.indices, matrix.data, matrix.columns, least
+        arrays = matrix.indptr, matrix.indices, matrix.data, matrix.shape[1], least
         results.append((*function(*arrays, mu, 40, 1e-9), mu))
     assert results[0][:2] == results[1][:2]
     assert (results[0][2] == results[1][2]).all()

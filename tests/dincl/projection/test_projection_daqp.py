@@ -3,7 +3,7 @@
 import numpy as np
 
 import dincl
-from dincl.csr import uniform
+from dincl.matrices import from_equal_rows
 
 
 def test_any_start_gives_the_same_answer(rng):
@@ -14,7 +14,7 @@ def test_any_start_gives_the_same_answer(rng):
         rows = rows[np.abs(rows).sum(axis=1) > 0]
         m = len(rows)
         rows /= np.linalg.norm(rows, axis=1, keepdims=True)
-        matrix = uniform(np.tile(np.arange(n), (m, 1)), rows, n)
+        matrix = from_equal_rows(np.tile(np.arange(n), (m, 1)), rows, n)
         least = rows @ rng.normal(size=n) - rng.choice([0.0, 0.1, 1.0], size=m)
         solver = dincl.Daqp(1e-9).solver()
         cold = solver.qp(matrix, least, np.zeros(m), 1e-9)

@@ -88,7 +88,7 @@ def test_the_certificate_is_that_of_the_rows(projection, rng):
     problem, y = cluster(rng, 10, 2)
     rows = problem.rows_within(0.0, y, 1.0)
     found = projection(TOL).solver().nearest(rows, y, problem.x0)
-    reaction = rows.jacobian(found.point).dense().T @ found.multipliers
+    reaction = rows.jacobian(found.point).toarray().T @ found.multipliers
     values = rows.values(found.point)
     assert found.stationarity == pytest.approx(np.abs((found.point - y).ravel() - reaction).max(), abs=1e-15)
     assert found.violation == pytest.approx(max(0.0, -values.min()), abs=1e-15)
@@ -113,7 +113,7 @@ def test_redundant_contacts(projection, linearised):
     target = dincl.rows.linearised(rows, problem.x0) if linearised else rows
     tol = 1e-11
     found = projection(tol).solver().nearest(target, y, problem.x0)
-    active = dincl.rows.linearised(rows, found.point).take(rows.values(found.point) <= tol).matrix.dense()
+    active = dincl.rows.linearised(rows, found.point).take(rows.values(found.point) <= tol).matrix.toarray()
     assert len(active) > np.linalg.matrix_rank(active)
     assert found.residual <= tol
 
@@ -141,7 +141,7 @@ def test_nothing_that_was_handed_over_is_changed(projection, rng):
     problem, y = cluster(rng, 10, 2)
     rows = dincl.rows.linearised(problem.rows_within(0.0, problem.x0, 1.0), problem.x0)
     guess = problem.x0.copy()
-    held = [*rows.matrix[:4], rows.bound, y, guess]
+    held = [rows.matrix.indptr, rows.matrix.indices, rows.matrix.data, rows.bound, y, guess]
     before = [array.copy() for array in held]
     solver = projection(TOL).solver()
     first, second = (solver.nearest(rows, y, guess) for _ in range(2))

@@ -37,7 +37,7 @@ def test_polynomials_have_the_sign_of_g_and_their_steepness(name, d, rng):
     assert len(structures) == len(rows)
 
     def value(w):
-        found = polynomial.constant + polynomial.linear.times(w.ravel())
+        found = polynomial.constant + polynomial.linear @ w.ravel()
         if polynomial.i is not None:
             arrows = w[polynomial.i] - (0 if polynomial.j is None else w[polynomial.j])
             found = found + polynomial.weight * (arrows**2).sum(axis=1)
@@ -46,7 +46,7 @@ def test_polynomials_have_the_sign_of_g_and_their_steepness(name, d, rng):
     x = y + scale * w
     assert (np.sign(value(w)) == np.sign(rows.values(x))).all()
     slope = differences(lambda x: scale * value((x - y) / scale), x)
-    assert slope == pytest.approx(rows.steepness(x)[:, None] * rows.jacobian(x).dense(), abs=1e-8)
+    assert slope == pytest.approx(rows.steepness(x)[:, None] * rows.jacobian(x).toarray(), abs=1e-8)
 
 
 @cases
@@ -57,9 +57,9 @@ def test_the_squared_form_has_the_sign_of_g_and_its_jacobian(name, d, rng):
         return rows.squared_values(rows.values(x), rows.squared_steepness(x))
 
     assert (np.sign(value(x)) == np.sign(rows.values(x))).all()
-    assert differences(value, x) == pytest.approx(rows.squared_jacobian(x).dense(), abs=1e-7)
-    steep = rows.squared_steepness(x)[:, None] * rows.jacobian(x).dense()
-    assert rows.squared_jacobian(x).dense() == pytest.approx(steep, abs=1e-13)
+    assert differences(value, x) == pytest.approx(rows.squared_jacobian(x).toarray(), abs=1e-7)
+    steep = rows.squared_steepness(x)[:, None] * rows.jacobian(x).toarray()
+    assert rows.squared_jacobian(x).toarray() == pytest.approx(steep, abs=1e-13)
 
 
 @cases
@@ -72,13 +72,13 @@ def test_rows_of_other_particles_are_projected_by_their_formula(name, d, rng):
         with pytest.raises(NotImplementedError, match="no closed form"):
             rows.used(6)
         return
-    tied = np.abs(rows.jacobian(y).dense()).reshape(len(rows), 6, d).max(axis=2) > 0
+    tied = np.abs(rows.jacobian(y).toarray()).reshape(len(rows), 6, d).max(axis=2) > 0
     assert rows.used(6).tolist() == tied.sum(axis=0).tolist()
     for k in range(len(rows)):
         row, x = rows.take(np.arange(len(rows)) == k), y.copy()
         multiplier = row.project(x)
         assert row.values(x)[0] == pytest.approx(max(row.values(y)[0], 0.0), abs=1e-14)
-        assert (x - y).ravel() == pytest.approx(multiplier * row.jacobian(x).dense()[0], abs=1e-14)
+        assert (x - y).ravel() == pytest.approx(multiplier * row.jacobian(x).toarray()[0], abs=1e-14)
         assert (multiplier[0] > 0) == (row.values(y)[0] < 0)
 
 

@@ -194,7 +194,7 @@ def test_made_feasible_is_locally_the_nearest_state(division):
     state, _, problem = division
     move = (problem.x0 - particles(state)).ravel()
     active = problem.rows_within(0.0, problem.x0, 1e-8)
-    weights, left_over = nnls(active.jacobian(problem.x0).dense().T, move)
+    weights, left_over = nnls(active.jacobian(problem.x0).toarray().T, move)
     assert problem.violation(0.0, problem.x0) < 1e-8
     assert weights.max() > 0.2
     assert left_over < 1e-7

@@ -95,9 +95,7 @@ def test_the_conditions_of_a_minimum_hold(name):
     given = numbers(**changes)
     found = local_minimum(state, network, given, TOL)
     x = particles(found.cells)
-    misfit = slope(found.cells, network, given) - found.rows.jacobian(x).transposed_times(found.multipliers).reshape(
-        x.shape
-    )
+    misfit = slope(found.cells, network, given) - (found.multipliers @ found.rows.jacobian(x)).reshape(x.shape)
     misfit[2 * len(state.x) + network.basal, 1] = 0.0
     assert found.status is dincl.Status.SUCCESS
     assert found.stationarity == pytest.approx(np.abs(misfit).max(), abs=1e-12)

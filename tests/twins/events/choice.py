@@ -75,4 +75,4 @@ class Chooser:
             return np.zeros(unit.rows), np.zeros(unit.rows)
         found = Daqp(ZERO * self._speed).solver().nearest(AffineRows(unit, least), drift, drift)
         self._work.count_call(found.back_end, found.iterations)
-        return found.multipliers, unit.times(found.point.ravel()) - least
+        return found.multipliers, unit @ found.point.ravel() - least

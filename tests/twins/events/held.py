@@ -52,7 +52,7 @@ class Held:
         if not self._any:
             return HeldMotion(drift, np.zeros(0))
         unit, _, least = self.contacts.gradients(t, x)
-        q, r = _factors(unit.dense())
+        q, r = _factors(unit.toarray())
         c = _solve(r, least, transposed=True) - q.T @ drift
         return HeldMotion(drift + q @ c, _solve(r, c))
 
@@ -65,7 +65,7 @@ class Held:
             gap = self.contacts.values(t, x) / length
             if np.abs(gap).max() <= CLOSED * self._size:
                 break
-            q, r = _factors(unit.dense())
+            q, r = _factors(unit.toarray())
             flat = flat - q @ _solve(r, gap, transposed=True)
         return flat
 

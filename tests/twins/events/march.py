@@ -199,5 +199,5 @@ def _wait(closing: ContactRows, held: Held, t: float, flat: NDArray[np.float64])
     x = flat.reshape(closing.problem.x0.shape)
     unit, length, least = closing.gradients(t, x)
     gap = float((closing.values(t, x) / length)[0])
-    speed = float((unit.times(held.rate(t, flat)) - least)[0])
+    speed = float((unit @ held.rate(t, flat) - least)[0])
     return -gap / speed if speed < 0 else 0.0

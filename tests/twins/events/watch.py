@@ -67,7 +67,7 @@ class Watch:
     def speed(self, rows: ContactRows, t: float) -> Floats:
         """How fast these gaps open, shape (m,) [length / time]."""
         unit, _, least = rows.gradients(t, self._state(t))
-        return unit.times(self._motion(t).velocity) - least
+        return unit @ self._motion(t).velocity - least
 
     def _motion(self, t: float) -> HeldMotion:
         """The motion at t; pushes and speeds are asked for at the same nodes."""

@@ -133,7 +133,7 @@ def left_over(cells: Cells, state: Frozen) -> float:
     free[2 * len(cells.x) + state.layers.basal, 1] = False
     slope = -particles(forces(cells, state.layers, state.numbers))[free]
     rows = [family.select(x, 2 * CONTACT) for family in sets]
-    touching = [r.jacobian(x).dense()[r.values(x) < CONTACT][:, free.ravel()] for r in rows]
+    touching = [r.jacobian(x).toarray()[r.values(x) < CONTACT][:, free.ravel()] for r in rows]
     pushing = np.vstack(touching)
     if not len(pushing):  # nnls of scipy takes no empty matrix
         return float(np.linalg.norm(slope))

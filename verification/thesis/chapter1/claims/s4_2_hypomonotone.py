@@ -49,7 +49,7 @@ def _cones() -> Evidence:
     gradients = discs().rows_within(0.0, TRIANGLE, 1e-6).jacobian(TRIANGLE)
     rng = np.random.default_rng(SEED)
     weights = rng.uniform(0.0, 1.0, (50, gradients.rows))
-    normals = [-gradients.transposed_times(weight).reshape(3, 2) for weight in weights]
+    normals = [-(weight @ gradients).reshape(3, 2) for weight in weights]
     reached = max(moved(1e-4 * normal) for normal in normals)
     others = [n for n in rng.normal(size=(50, 3, 2)) if distance_to_cone(-n.ravel(), gradients) > 0.1]
     missed = min(moved(1e-4 * n) for n in others)

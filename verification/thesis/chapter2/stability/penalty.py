@@ -31,7 +31,7 @@ IRRATIONAL = math.sqrt(2)
 
 def limit(problem: dincl.Problem) -> float:
     """dt strength <= 2 / lambda_max(J J^T) over the rows that are closed: explicit Euler for z' = -strength J^T J z."""
-    matrix = problem.rows_within(0.0, problem.x0, RADIUS / 10).jacobian(problem.x0).dense()
+    matrix = problem.rows_within(0.0, problem.x0, RADIUS / 10).jacobian(problem.x0).toarray()
     return 2 / float(np.linalg.eigvalsh(matrix @ matrix.T)[-1])
 
 

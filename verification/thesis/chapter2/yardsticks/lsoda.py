@@ -98,12 +98,13 @@ class _Springs:
         overlap = np.maximum(-rows.values(x), 0.0)
         if not overlap.any():
             return velocity
-        return velocity + self._strength * rows.jacobian(x).transposed_times(overlap)
+        moved: Floats = velocity + self._strength * (overlap @ rows.jacobian(x))
+        return moved
 
     def jacobian(self, t: float, flat: Floats) -> Floats:
         """-strength sum_k grad g_k grad g_k^T over the overlaps, shape (N d, N d)."""
         self._kept.work.count_call("lsoda", 1)
         x = flat.reshape(self._shape)
         rows = self._near.rows(t, x, self._reach)
-        gradients = rows.jacobian(x).take(rows.values(x) < 0).scipy()
+        gradients = rows.jacobian(x)[rows.values(x) < 0]
         return np.asarray(-self._strength * (gradients.T @ gradients).toarray())
