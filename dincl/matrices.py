@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def from_rows(
-    indptr: NDArray[np.int64], indices: NDArray[np.int64], data: NDArray[np.float64], columns: int
+    indptr: NDArray[np.integer[Any]], indices: NDArray[np.integer[Any]], data: NDArray[np.float64], columns: int
 ) -> csr_array:
     """Make the matrix whose row k holds ``data[indptr[k]:indptr[k + 1]]`` in the columns ``indices[...]``."""
     from scipy.sparse import csr_array

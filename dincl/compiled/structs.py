@@ -5,7 +5,7 @@ A tuple of sixty arrays has four hundred numbers. Passed by value they cost a mi
 
 import ctypes
 import struct
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numba
@@ -108,9 +108,10 @@ class StructPointer:
         self._words = written(value)
         self.address = int(self._words.ctypes.data)
 
-    def replace(self, path: str, array: Any) -> None:
-        """Put another array of the same type in place of one: ``replace("pairs.partner", longer)``."""
-        self.value = _replaced(self.value, path.split("."), array)
+    def replace(self, arrays: Mapping[str, Any]) -> None:
+        """Put other arrays of the same types in place of some: ``replace({"pairs.partner": longer})``."""
+        for path, array in arrays.items():
+            self.value = _replaced(self.value, path.split("."), array)
         self._words[:] = written(self.value)
 
 

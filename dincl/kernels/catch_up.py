@@ -14,6 +14,7 @@ from dincl.kernels.system import (
     COINCIDENT,
     MISSED,
     OK,
+    PYTHON,
     SETS,
     TOO_FAR,
     evaluate,
@@ -21,7 +22,17 @@ from dincl.kernels.system import (
     longest,
     system_at,
 )
-from dincl.kernels.table import GRADIENTS, PLACES, ask, distance_from_list, find_near, gap, linearise, sort_near
+from dincl.kernels.table import (
+    GRADIENTS,
+    PLACES,
+    ask,
+    distance_from_list,
+    find_near,
+    gap,
+    linearise,
+    note_list,
+    sort_near,
+)
 
 # A projection that ends farther away than the rows reach is repeated with twice its distance, at most this often.
 MOST_REACHES = 60
@@ -32,12 +43,21 @@ GENEROUS = 4.0
 
 
 @inner
-def list_sorted(place: int, x: Floats, reach: float) -> None:
-    """See that every row that matters within ``reach`` of x is listed, in the order of the cloud."""
+def list_sorted(place: int, t: float, x: Floats, reach: float) -> bool:
+    """See that every row that matters within ``reach`` of x is listed, in the order of the cloud; false on failure."""
     system = system_at(place)
-    if not distance_from_list(system.sets, x, system.near) + reach <= system.near.reach[0]:
-        find_near(system.rows, system.sets, x, GENEROUS * reach, system.near)
-        sort_near(system.rows, x, system.sets.shift.shape[1], system.near)
+    sets, near = system.sets, system.near
+    if distance_from_list(sets, x, near) + reach <= near.reach[0]:
+        return True
+    if near.search == 0:
+        find_near(system.rows, sets, x, GENEROUS * reach, near)
+    else:
+        near.reach[0] = GENEROUS * reach
+        if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.reach) != 0:
+            return False
+        note_list(sets, x, GENEROUS * reach, near)
+    sort_near(system.rows, x, sets.shift.shape[1], near)
+    return True
 
 
 @inner
@@ -131,8 +151,9 @@ def project(place: int, t: float, around: Floats, reach: float, later: float, ex
     if ask(system.sets, t, around, PLACES) != 0:
         return SETS
     for _ in range(MOST_REACHES):
-        list_sorted(place, around, reach)
-        code = solve(place, t, around, carried > 0.0, exact, tol)
+        if not list_sorted(place, t, around, reach):
+            return PYTHON
+        code = solve(place, t, around, later, exact, tol)
         if code != OK:
             return code
         distance = farthest(system.program.z, around, d) + carried
@@ -143,29 +164,35 @@ def project(place: int, t: float, around: Floats, reach: float, later: float, ex
 
 
 @inner
-def solve(place: int, t: float, around: Floats, carried: bool, exact: bool, tol: float) -> int:
+def solve(place: int, t: float, around: Floats, later: float, exact: bool, tol: float) -> int:
     """The same with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
     system = system_at(place)
-    program, near = system.program, system.near
+    program, solving = system.program, system.solving
+    solving.called[0] = 0.0
+    if solving.whole != 0:
+        question = solving.question
+        question[0], question[1], question[2], question[3] = t, later, 1.0 if exact else 0.0, tol
+        code = int(call_drift(solving.address, t, around, program.z, place, 0, question))
+        program.answer[2] += solving.called[0]
+        return code
     if exact and is_inside(place, t, NEGLIGIBLE * tol):
         for k in range(program.z.size):
             program.z[k] = program.y[k]
         return OK
     code = linearise_near(place, t, around)
-    if carried:
+    if later != t and system.sets.address != 0:
         shift_bounds(place)
     residual = 0.0
     for _ in range(MOST_RELINEARISATIONS if exact else 1):
         if code == OK:
-            code = nearest(system.rows, near.row, near.number[0], program, system.chosen, 0.0)
+            code = call_drift(solving.address, tol, program.y, program.z, place, 0, program.answer)
         residual = program.answer[1]
         if code == OK and exact:
             code, residual = certify(place, t)
         if code != OK or residual <= tol:
             break
     program.answer[1] = residual
-    if system.chosen.number[0] > 0:
-        program.answer[2] += 1.0
+    program.answer[2] += solving.called[0]
     return MISSED if code == OK and not residual <= tol else code
 
 
@@ -199,15 +226,25 @@ def finish_step(run: Stepping) -> None:
 
 
 @step_function
+def active_set(t: float, y: Any, z: Any, place: int, d: int, answer: Any) -> int:
+    """The program of the near rows by the active set; see ``system.Solving``."""
+    system = system_at(place)
+    near, program, chosen = system.near, system.program, system.chosen
+    code = nearest(system.rows, near.row, near.number[0], program, chosen, 0.0)
+    system.solving.called[0] = 1.0 if chosen.number[0] > 0 else 0.0
+    return code
+
+
+@step_function
 def project_onto_set(t: float, x: Any, z: Any, place: int, d: int, question: Any) -> int:
-    """The nearest point of S(t) by the active set; see ``steps.ProjectionArrays``."""
+    """The nearest point of S(t); see ``steps.ProjectionArrays``."""
     run = stepping_at(place)
     return project(run.place, t, run.projection.around, question[1], question[0], True, question[2])
 
 
 @step_function
 def project_onto_linearised(t: float, x: Any, z: Any, place: int, d: int, question: Any) -> int:
-    """The nearest point of the linearisation of S(t) by the active set; see ``steps.ProjectionArrays``."""
+    """The nearest point of the linearisation of S(t); see ``steps.ProjectionArrays``."""
     run = stepping_at(place)
     return project(run.place, t, run.projection.around, question[1], question[0], False, question[2])
 

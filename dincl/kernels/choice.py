@@ -56,7 +56,7 @@ def list_touching(run: int) -> int:
     state, system, x = march.state[0], system_at(march.place), march.x
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     allowed, count = TOUCHING * state.size, 0
-    list_sorted(march.place, x, allowed)
+    list_sorted(march.place, state.now, x, allowed)
     for q in range(near.number[0]):
         r = near.row[q]
         if gap(rows, sets, r, x) <= allowed:

@@ -31,6 +31,20 @@ class Drift(NamedTuple):
     point: Floats  # (n,): x in the units of the function
 
 
+class Solving(NamedTuple):
+    """The solver of least-distance programs, called by its address with the signature of ``DRIFT``.
+
+    It is given the tolerance, y and z, the address of the system and ``answer``, and solves the program of the rows
+    that are near: it writes z, the multipliers, and the residual into the answer. One that is ``whole`` is given the
+    point that is searched from in place of y, and ``question``, and projects onto the set itself.
+    """
+
+    address: int
+    whole: int
+    question: Floats  # (4,): time, the time to which linearised rows are carried, whether they are not, tolerance
+    called: Floats  # (1,): 1 if the last program was not solved by y itself
+
+
 class SystemArrays(NamedTuple):
     """A small system and room to work in; ``velocity`` is what the drift gave last, ``blamed`` the row of a failure."""
 
@@ -44,6 +58,7 @@ class SystemArrays(NamedTuple):
     middle: Floats  # (n,)
     move: Floats  # (families, d)
     blamed: Offsets  # (1,)
+    solving: Solving
 
 
 # For its types.
@@ -67,6 +82,7 @@ SYSTEM = SystemArrays(
     np.zeros(0),
     np.zeros((0, 1)),
     np.zeros(1, dtype=np.int64),
+    Solving(0, 0, np.zeros(4), np.zeros(1)),
 )
 system_at = reader(SYSTEM)
 

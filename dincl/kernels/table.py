@@ -68,12 +68,13 @@ class NearRows(NamedTuple):
     reference: Floats  # (n,): where the list was made, with sets carried by ``carried``, for this reach
     carried: Floats
     reach: Floats
+    search: int  # the address of the function that puts the near rows into the table; 0 where it holds all rows
 
 
-def room_for_list(m: int, n: int, families: int, d: int) -> NearRows:
+def room_for_list(m: int, n: int, families: int, d: int, search: int = 0) -> NearRows:
     """Room for a list of at most m rows; none is made yet."""
     row, number = np.zeros(m, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    return NearRows(row, np.zeros(m), number, np.zeros(n), np.zeros((families, d)), np.full(1, -1.0))
+    return NearRows(row, np.zeros(m), number, np.zeros(n), np.zeros((families, d)), np.full(1, -1.0), search)
 
 
 @inner
@@ -199,8 +200,15 @@ def find_near(rows: RowTable, sets: Sets, x: Floats, reach: float, near: NearRow
             count += 1
             pairs += row.kind == DISTANCE and row.sign > 0.0 and row.j >= 0
     near.number[0] = count
-    near.number[1] += 1
     near.number[2] = pairs
+    note_list(sets, x, reach, near)
+
+
+@inner
+def note_list(sets: Sets, x: Floats, reach: float, near: NearRows) -> None:
+    """Note where the list was made."""
+    d = sets.shift.shape[1]
+    near.number[1] += 1
     near.reach[0] = reach
     for k in range(x.size):
         near.reference[k] = x[k]

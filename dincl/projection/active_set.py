@@ -10,7 +10,6 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.projection.base import Projection
 from dincl.projection.qp import QpAnswer, QpSolver
-from dincl.rows.table import MOST_PARTICLES
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -38,16 +37,16 @@ class ActiveSet(Projection):
     def solver(self) -> Solver:
         return _ActiveSetSolver(self.tol)
 
-    def compiled(self, count: int, *, linearised: bool) -> Any | None:
-        if count > MOST_PARTICLES:
-            return None
-        from dincl.kernels import catch_up
-
-        return catch_up.project_onto_linearised if linearised else catch_up.project_onto_set
-
 
 class _ActiveSetSolver(QpSolver):
     name = "active set"
+    dense = True
+
+    @property
+    def compiled(self) -> Any:
+        from dincl.kernels.catch_up import active_set
+
+        return active_set
 
     def qp(
         self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float

@@ -81,13 +81,6 @@ class Projection(ABC):
     def solver(self) -> Solver:
         """A solver for one run; it may store warm starts and compiled problems."""
 
-    def compiled(self, count: int, *, linearised: bool) -> Any | None:
-        """The compiled projection of so many particles onto S, or its linearisation; None if Python projects.
-
-        It is a ``dincl.kernels.steps.step_function``, see ``dincl.kernels.steps.ProjectionArrays``.
-        """
-        return None
-
 
 def check_projection(projection: object) -> None:
     """Raise InvalidProblem unless this is what a scheme can be given to project with."""
@@ -100,9 +93,18 @@ class Solver(ABC):
 
     A subclass gives its ``name`` and ``compute``, which ends with ``certify``: the answer is judged by residuals that
     are recomputed from the rows, not by what the back end says of itself.
+
+    Attributes
+    ----------
+    whole
+        Whether it projects onto curved sets itself; else it solves programs, one linearisation after another.
+    dense
+        Whether it needs room for dense factors.
     """
 
     name: ClassVar[str]
+    whole: ClassVar[bool] = True
+    dense: ClassVar[bool] = False
 
     def __init__(self, tol: float) -> None:
         self.tol = tol
@@ -120,6 +122,14 @@ class Solver(ABC):
                 f"{self.name} left a residual of {found.residual:.2g}, asked for was {tolerance:.2g}.",
             )
         return found
+
+    @property
+    def compiled(self) -> Any | None:
+        """The solver as a function of ``dincl.kernels.steps.step_function``; None if it is in Python.
+
+        See ``dincl.kernels.system.Solving``.
+        """
+        return None
 
     def tolerance(self, rows: Rows, y: NDArray[np.float64]) -> float:
         """The greatest residual allowed for a projection of y."""
@@ -148,13 +158,13 @@ class Solver(ABC):
             back_end=self.name,
         )
 
-    def completed(self, rows: Rows, y: NDArray[np.float64], found: Projected) -> Projected:
+    def completed(self, rows: Rows, y: NDArray[np.float64], found: Projected, tol: float) -> Projected:
         """The answer of an interior point, put exactly onto its active rows until it reaches ``tol`` or gets no better.
 
         Only a smaller certified residual is taken.
         """
         for _ in range(MOST_COMPLETIONS):
-            if found.residual <= self.tol:
+            if found.residual <= tol:
                 break
             linear = linearised(rows, found.point)
             active = found.multipliers > linear.values(found.point)

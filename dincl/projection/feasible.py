@@ -2,34 +2,34 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
-from dincl.errors import StepFailure
-from dincl.norms import longest
-from dincl.projection.base import NO_BACK_END
-from dincl.rows.near import Near
-from dincl.status import Status
+import numpy as np
+
+from dincl.projection.base import NO_BACK_END, Projected
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.projection.base import Projected, Solver
+    from dincl.projection.base import Solver
+    from dincl.rows.near import Selection
     from dincl.work import Work
-
-# A projection that ends farther away than the rows reach is repeated with twice its distance, at most this often.
-MOST_REACHES = 60
 
 
 class FeasibleSet:
-    """S(t), or its inner convex approximation, of one problem; it keeps near rows and a solver for one run."""
+    """S(t), or its inner convex approximation, of one problem; it stores near rows and a solver for one run."""
 
     def __init__(self, problem: Problem, solver: Solver, work: Work, *, linearised: bool) -> None:
-        self._near = Near(problem.constraints, work)
-        self._solver = solver
-        self._work = work
-        self._linearised = linearised
+        from dincl.run.small import SmallSystem
+
+        self._system = SmallSystem(problem, solver=solver)
+        self._solver, self._work, self._linearised = solver, work, linearised
+
+    @property
+    def near_rows(self) -> Selection:
+        """The rows that were looked at last."""
+        return self._system.near_rows()
 
     def nearest(
         self,
@@ -44,18 +44,51 @@ class FeasibleSet:
 
         The rows near ``around`` are used; a point within their ``reach`` can violate no other, so it is the nearest
         of the whole set. Else it is repeated with rows that reach twice as far as it ended. S~ of time t may be
-        carried, each family along its own path, to a later time.
+        carried, each family along its own path, to a later time. StepFailure where there is none.
         """
-        for _ in range(MOST_REACHES):
-            near = self._near.select(t, around, reach)
-            target = near.linearised(t, around, carried_to) if self._linearised else near.at(t)
-            found = self._solver.nearest(target, y, around)
-            if found.back_end != NO_BACK_END:
-                self._work.count_call(found.back_end, found.iterations)
-            distance = longest(found.point - around)
-            if carried_to is not None:
-                distance += near.carried(t, carried_to)
-            if distance <= reach:
-                return found
-            reach = 2 * distance
-        raise StepFailure(Status.NOT_CONVERGED, f"The projection moved a particle by more than {distance:g}.")
+        from dincl.kernels.programs import project_once
+
+        system, later, tol = self._system, t if carried_to is None else carried_to, self._solver.tol
+        program = system.arrays.program
+        program.y[:] = y.ravel()
+        before = float(program.answer[0])
+        with system.callbacks():
+            code = project_once(system.place, t, around.ravel().copy(), reach, later, not self._linearised, tol)
+        system.count(self._work)
+        if code:
+            system.failure(code, tol)
+        if self._solver.whole:
+            solving: Any = system.solving
+            found: Projected = solving.found
+            return found
+        return self._certified(t, y, around, carried_to, round(float(system.arrays.program.answer[0]) - before))
+
+    def _certified(
+        self,
+        t: float,
+        y: NDArray[np.float64],
+        around: NDArray[np.float64],
+        carried_to: float | None,
+        iterations: int,
+    ) -> Projected:
+        """What the system found last, with residuals recomputed from the rows."""
+        from dincl.matrices import row_squares
+        from dincl.rows.affine import linearised
+
+        system, near = self._system, self.near_rows
+        arrays, x = system.arrays, system.arrays.program.z.reshape(y.shape).copy()
+        rows = near.linearised(t, around, carried_to) if self._linearised else near.at(t)
+        linear = linearised(rows, x)
+        listed = np.sort(arrays.near.row[: int(arrays.near.number[0])])
+        # Gradients in the table have length 1, but for distances.
+        length = np.sqrt(row_squares(near.at(t).jacobian(around if self._linearised else x)))
+        length[arrays.rows.row["kind"][listed] == 0] = 1.0
+        length[length == 0] = 1.0
+        multipliers = arrays.program.multiplier[listed] / length
+        found = self._solver.certify(linear, y, x, multipliers, iterations)
+        called = bool(arrays.solving.called[0])
+        return (
+            found
+            if called
+            else Projected(x, multipliers, found.violation, found.stationarity, found.complementarity, 0, NO_BACK_END)
+        )

@@ -67,4 +67,4 @@ class _IpoptSolver(Solver):
         if word not in FOUND:
             status = Status.INFEASIBLE if word == INFEASIBLE else Status.NOT_CONVERGED
             raise StepFailure(status, f"ipopt stopped: {word}.")
-        return self.completed(rows, y, self.certify(linearised(rows, x), y, x, lam, work))
+        return self.completed(rows, y, self.certify(linearised(rows, x), y, x, lam, work), self.tol)

@@ -10,8 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.matrices import combined
 from dincl.projection.base import Projection
-from dincl.projection.qp import QpAnswer, refuse_if_empty
-from dincl.projection.recall import RecallingSolver
+from dincl.projection.qp import QpAnswer, QpSolver, refuse_if_empty
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -49,7 +48,7 @@ class ProjectedCG(Projection):
         return _ProjectedCGSolver(self.tol)
 
 
-class _ProjectedCGSolver(RecallingSolver):
+class _ProjectedCGSolver(QpSolver):
     name = "projected cg"
 
     def __init__(self, tol: float) -> None:

@@ -10,8 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.projection.base import Projection
 from dincl.projection.gram_factor import GramFactor
-from dincl.projection.qp import QpAnswer, refuse_if_empty
-from dincl.projection.recall import RecallingSolver
+from dincl.projection.qp import QpAnswer, QpSolver, refuse_if_empty
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -63,7 +62,7 @@ class ProjectedNewton(Projection):
         return _ProjectedNewtonSolver(self.tol)
 
 
-class _ProjectedNewtonSolver(RecallingSolver):
+class _ProjectedNewtonSolver(QpSolver):
     name = "projected newton"
 
     def __init__(self, tol: float) -> None:

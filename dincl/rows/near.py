@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
     from dincl.constraints.base import Constraint
+    from dincl.errors import StepFailure
     from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
 
@@ -78,6 +79,16 @@ class Selection:
         d = self.shape[1]
         return tuple((index, block.label(k, d)) for index, block in enumerate(self.blocks) for k in range(len(block)))
 
+    def coincidence(self, row: int) -> StepFailure:
+        """Why this row has no direction."""
+        for block in self.blocks:
+            if row < len(block):
+                break
+            row -= len(block)
+        rows: Any = block
+        found: StepFailure = rows.coincidence(row)
+        return found
+
     def least_speeds(self, t: float, unit: csr_array, spacing: float) -> NDArray[np.float64]:
         """n_k . c' for unit gradients n_k and the velocity c' of the set of row k, shape (m,); 0 for sets at rest.
 
@@ -129,6 +140,24 @@ def select(constraints: Sequence[Constraint], t: float, x: NDArray[np.float64], 
     """All rows that can be violated at time t once every particle moved by at most ``reach`` from x (N, d)."""
     blocks = tuple(constraint.select(_at_rest(constraint, t, x), reach) for constraint in constraints)
     return Selection(constraints, blocks, x.shape)
+
+
+def carried_over(before: Selection, multipliers: NDArray[np.float64], selection: Selection) -> NDArray[np.float64]:
+    """The multipliers of rows that were in another selection, zero for the others, shape (m,)."""
+    found, first, last = np.zeros(len(selection)), 0, 0
+    for old, new in zip(before.blocks, selection.blocks, strict=True):
+        of_old, of_new = multipliers[first : first + len(old)], found[last : last + len(new)]
+        first, last = first + len(old), last + len(new)
+        pushing = of_old > 0
+        if not pushing.any() or not len(new):
+            continue
+        keys, known = new.keys(), old.keys()[pushing]
+        most = int(max(keys.max(), known.max())) + 1
+        numbers, sought = known @ [most, 1], keys @ [most, 1]
+        order = np.argsort(numbers)
+        place = np.minimum(np.searchsorted(numbers, sought, sorter=order), len(numbers) - 1)
+        of_new[:] = np.where(numbers[order[place]] == sought, of_old[pushing][order[place]], 0.0)
+    return found
 
 
 def _at_rest(constraint: Constraint, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.run.callback import Callback
 
 # In the first call, particles times steps; each call makes twice as many steps as the last one while it takes less than
 # this [s], so that an interrupt, or a budget, does not wait.
@@ -61,7 +60,6 @@ class CompiledStepper(Stepper):
     ) -> None:
         super().__init__(problem)
         self._step, self._swept, self._v0, self.system = step, swept, v0, system
-        self.callbacks: list[Callback] = [system.drift, system.sets, *(swept.searches if swept else ())]
         self.system.sets.work = self.work
         n = problem.x0.size
         self._empty = kernels.no_output(n)
@@ -91,7 +89,7 @@ class CompiledStepper(Stepper):
     ) -> CompiledStepper:
         """A scheme that looks at one row after another; projections of the user are made if ``projected``."""
         swept = SweptSets(problem, projected=projected)
-        system = SmallSystem(problem, swept.selection, sweepers=swept.sweepers, solver=False)
+        system = SmallSystem(problem, swept.selection, sweepers=swept.sweepers, programs=False)
         return cls(problem, step, setting, system=system, swept=swept, v0=v0)
 
     def start(self) -> StepState:
@@ -115,11 +113,11 @@ class CompiledStepper(Stepper):
             v = self._v0 if state.v is None else state.v
             run.v[:] = np.asarray(v).ravel()
         if output is not None:
-            self._pointer.replace("output", _arrays(output, run.x.size))
+            self._pointer.replace({"output": _arrays(output, run.x.size)})
         most, code = max(FIRST // len(self.problem.x0), 1), OK
-        with ExitStack() as callbacks:
-            for callback in self.callbacks:
-                callbacks.enter_context(callback)
+        with self.system.callbacks(), ExitStack() as searches:
+            for search in self._swept.searches if self._swept else ():
+                searches.enter_context(search)
             while k < end and code == OK:
                 began = time.perf_counter()
                 grid = StepRange(origin, on.t_end, on.steps, k, min(end, k + most))
@@ -127,7 +125,7 @@ class CompiledStepper(Stepper):
                 self._count()
                 most = 2 * most if time.perf_counter() - began < SHORT else most
         if output is not None:
-            self._pointer.replace("output", self._empty)
+            self._pointer.replace({"output": self._empty})
         v = run.v.reshape(shape).copy() if run.v.size else None
         reached = StepState(run.x.reshape(shape).copy(), v)
         try:

@@ -17,7 +17,8 @@ from dincl.rows.affine import AffineRows
 from dincl.rows.near import Selection
 from dincl.rows.pairs import near_pairs
 from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
-from dincl.run.sets_pointer import PairSearch
+from dincl.run.drift_pointer import numbers_at
+from dincl.run.python_function import PythonFunction
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ class SweptSets:
         blocks = tuple(one if form == ROWS else nothing for form, one, nothing in rows)
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
         self.sweepers = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
-        self.searches: list[PairSearch] = []
+        self.searches: list[PythonFunction] = []
         self._lists = lists = {f: self._pair_list(one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
         self._counted = np.zeros(pair_list.NUMBERS, dtype=np.int64)
         walls = {f: one for f, one in enumerate(swept) if forms[f] == WALL}
@@ -105,7 +106,12 @@ class SweptSets:
         """Arrays for the near pairs of a family; none is listed yet."""
         m, smallest, some = len(discs.radius), float(discs.radius.min(initial=np.inf)), discs.among is not None
         few = m <= ALL_PAIRS
-        search = None if few else PairSearch(discs.radius, d, near_pairs)
+
+        def make_list(t: float, x: int, *_: int) -> None:
+            start, partner = near_pairs(numbers_at(x, (m, d)), discs.radius + pointer.value.skin[0])
+            pointer.replace({"start": start, "partner": partner})
+
+        search = None if few else PythonFunction(make_list)
         pointer = StructPointer(
             PairList(
                 disc=np.array(discs.among) if some else np.zeros(0, dtype=np.int64),
@@ -121,7 +127,6 @@ class SweptSets:
             )
         )
         if search:
-            search.list = pointer
             self.searches.append(search)
         return pointer
 

@@ -16,7 +16,7 @@ from dincl.run.drift_pointer import C_FUNCTION, PLACE, numbers_at
 from dincl.run.kinks import NO_KINKS, kinks_of, smooth_around
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Mapping
+    from collections.abc import Mapping
 
     from dincl.compiled.structs import StructPointer
     from dincl.rows.base import RowsOfOneKind
@@ -65,8 +65,7 @@ class SetsPointer(Callback):
         self._error: BaseException | None = None
         moving = {f: one for f, one in enumerate(selection.constraints) if one.displacement(0.0, d) is not None}
         self._paths: dict[int, Any] = {f: partial(one.displacement, d=d) for f, one in moving.items()}
-        self._called: list[tuple[int, RowsOfOneKind]] = [(f, selection.blocks[f]) for f in called]
-        self._shape, m = (count, d), sum(len(block) for _, block in self._called)
+        self._shape, m = (count, d), self._select(selection, called)
         self.python: Any = self._answer
         self._callback = C_FUNCTION(self.python)
         asks, entries = bool(self._paths or m or sweepers), min(m * count * d, MOST_DENSE)
@@ -80,6 +79,18 @@ class SetsPointer(Callback):
             column=np.zeros(entries, dtype=np.int64),
             entry=np.zeros(entries),
         )
+
+    def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
+        """Take the rows that Python evaluates; how many they are."""
+        self._called: list[tuple[int, RowsOfOneKind]] = [(f, selection.blocks[f]) for f in called]
+        return sum(len(block) for _, block in self._called)
+
+    def reselect(self, selection: Selection, called: tuple[int, ...]) -> None:
+        """Take other rows, and replace the arrays that depend on their number."""
+        m = self._select(selection, called)
+        if m != len(self.arrays.value):
+            self.arrays = self.arrays._replace(value=np.zeros(m), first=np.zeros(m + 1, dtype=np.int64))
+            self.system.replace({"sets.value": self.arrays.value, "sets.first": self.arrays.first})
 
     def failure(self) -> NoReturn:
         """Raise what was raised while an answer was made."""
@@ -139,8 +150,7 @@ class SetsPointer(Callback):
         self.arrays = self.arrays._replace(
             column=np.resize(self.arrays.column, most), entry=np.resize(self.arrays.entry, most)
         )
-        self.system.replace("sets.column", self.arrays.column)
-        self.system.replace("sets.entry", self.arrays.entry)
+        self.system.replace({"sets.column": self.arrays.column, "sets.entry": self.arrays.entry})
 
     def find_kinks(self, end: float) -> None:
         """Find where velocities of sets jump until ``end``, unless a path fails: a run may keep what it reaches."""
@@ -148,44 +158,3 @@ class SetsPointer(Callback):
             self.kinks = kinks_of(list(self._paths.values()), end)
         except StepFailure as failure:
             self.foreseen = failure
-
-
-class PairSearch(Callback):
-    """The search for near pairs of many discs, called when their list is too old.
-
-    Attributes
-    ----------
-    list
-        The struct ``dincl.kernels.pair_list.PairList``, in which the list is replaced.
-    address
-        That of the search.
-    """
-
-    list: StructPointer
-
-    def __init__(self, radius: Any, d: int, search: Callable[[Any, Any], tuple[Any, Any]]) -> None:
-        self._radius, self._d, self._search = radius, d, search
-        self._error: BaseException | None = None
-        self.python: Any = self._answer
-        self._callback = C_FUNCTION(self.python)
-        self.address = int(ctypes.cast(self._callback, PLACE).value or 0)
-
-    def keep(self, error: BaseException) -> None:
-        self._error = error
-
-    def failure(self) -> None:
-        """Raise what the search raised, if anything."""
-        error, self._error = self._error, None
-        if error is not None:
-            raise error
-
-    def _answer(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
-        try:
-            place = numbers_at(x, (len(self._radius), self._d))
-            start, partner = self._search(place, self._radius + self.list.value.skin[0])
-            self.list.replace("start", start)
-            self.list.replace("partner", partner)
-        except BaseException as error:  # noqa: BLE001  # raised again by ``failure``
-            self.keep(error)
-            return 1
-        return 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cached_property
+from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
@@ -12,20 +12,24 @@ from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.kernels import system as codes
 from dincl.kernels.active_set import least_distance
-from dincl.kernels.factor import room
-from dincl.kernels.system import Drift, SystemArrays
-from dincl.kernels.table import DISTANCE, room_for_list
-from dincl.rows.near import select
-from dincl.rows.table import tabulate
-from dincl.run.drift_pointer import DriftPointer
+from dincl.kernels.factor import Chosen, room
+from dincl.kernels.system import Drift, Solving, SystemArrays
+from dincl.kernels.table import DISTANCE, RowTable, room_for_list
+from dincl.rows.near import carried_over, select
+from dincl.rows.table import MOST_PARTICLES, tabulate
+from dincl.run.callback import Callback
+from dincl.run.drift_pointer import DriftPointer, numbers_at
+from dincl.run.python_function import PythonFunction
 from dincl.run.sets_pointer import SetsPointer
+from dincl.run.solving import solving_by
 from dincl.run.units import Units
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Iterator, Mapping
 
     from dincl.problem import Problem
+    from dincl.projection.base import Solver
     from dincl.rows.near import Selection
     from dincl.rows.sweeper import Sweeper
     from dincl.work import Work
@@ -51,13 +55,13 @@ class SmallSystem:
     problem
         Which one.
     selection
-        The rows in its table: all of them, if not given.
+        The rows in its table: all of them, or, of many particles, those that are near.
     units
         In which the arrays are; the problem and its functions keep their own.
     solver
-        Whether programs are solved for the rows in the table, which takes more memory.
+        What solves the programs of the near rows.
     arrays, place
-        What kernels take, and the handle by which they do; they may be called inside of ``with drift, sets``.
+        What kernels take, and the address by which they do; they may be called inside of ``with callbacks()``.
     drift, sets
         What the arrays point to.
     """
@@ -69,46 +73,111 @@ class SmallSystem:
         units: Units = ONE,
         *,
         sweepers: Mapping[int, Sweeper] = NONE,
-        solver: bool = True,
+        solver: Solver | None = None,
+        programs: bool = True,
     ) -> None:
-        self.problem, self.units = problem, units
+        """Without ``programs``, no program is solved for the rows in the table, which takes less memory."""
+        self.problem, self.units, self.solver = problem, units, solver
+        all_rows = selection is not None or solver is None or len(problem.x0) <= MOST_PARTICLES
         if selection is None:
-            selection = select(problem.constraints, 0.0, problem.x0, np.inf)
+            selection = select(problem.constraints, 0.0, problem.x0, np.inf if all_rows else 0.0)
         self.selection = selection
-        n, d = problem.x0.size, problem.x0.shape[1]
-        rows, called = tabulate(self.selection.blocks, n, d, n if solver else 0)
-        rows.row["length"] /= units.length
-        rows.coefficient[np.repeat(rows.row["kind"] == DISTANCE, np.diff(rows.start))] /= units.length
+        self._programs, self._dense = programs, programs and (solver is None or solver.dense)
+        n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
+        rows, called = self._tabulated()
         self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units, sweepers)
-        m, families = len(rows.row), len(problem.constraints)
-        most = min(m, n) + 1 if solver else 1
-        self.arrays = SystemArrays(
-            rows=rows,
-            sets=self.sets.arrays,
-            near=room_for_list(m, n, families, d),
-            program=least_distance(np.zeros(len(rows.column)), np.zeros(m), np.zeros(m), n),
-            chosen=room(most, n),
-            drift=Drift(
-                self.drift.address,
-                self.drift.data,
-                np.zeros(2, dtype=np.int64),
-                np.zeros(1 + 2 * n),
-                np.array([units.time, units.length, units.speed]),
-                np.zeros(n),
-            ),
-            velocity=np.zeros(n),
-            middle=np.zeros(n),
-            move=np.zeros((families, d)),
-            blamed=np.zeros(1, dtype=np.int64),
+        self.search = None if all_rows else PythonFunction(self._list_rows)
+        self.solving = None if solver is None else solving_by(solver, self)
+        self._pointer = self.sets.system = StructPointer(
+            SystemArrays(
+                rows=rows,
+                sets=self.sets.arrays,
+                near=room_for_list(len(rows.row), n, families, d, self.search.address if self.search else 0),
+                program=least_distance(np.zeros(len(rows.column)), np.zeros(len(rows.row)), np.zeros(len(rows.row)), n),
+                chosen=self._room(len(rows.row)),
+                drift=Drift(
+                    self.drift.address,
+                    self.drift.data,
+                    np.zeros(2, dtype=np.int64),
+                    np.zeros(1 + 2 * n),
+                    np.array([units.time, units.length, units.speed]),
+                    np.zeros(n),
+                ),
+                velocity=np.zeros(n),
+                middle=np.zeros(n),
+                move=np.zeros((families, d)),
+                blamed=np.zeros(1, dtype=np.int64),
+                solving=Solving(
+                    address=self.solving.address if self.solving else 0,
+                    whole=int(solver is not None and solver.whole),
+                    question=np.zeros(4),
+                    called=np.zeros(1),
+                ),
+            )
         )
-        self._pointer = self.sets.system = StructPointer(self.arrays)
         self.place = self._pointer.address
         self._counted = (0, 0, 0.0, 0.0, 0)
 
-    @cached_property
+    @property
+    def arrays(self) -> SystemArrays:
+        """What kernels take."""
+        arrays: SystemArrays = self._pointer.value
+        return arrays
+
+    @contextmanager
+    def callbacks(self) -> Iterator[None]:
+        """Surround calls of kernels, which may call Python."""
+        with ExitStack() as stack:
+            for function in (self.drift, self.sets, self.search, self.solving):
+                if isinstance(function, Callback):
+                    stack.enter_context(function)
+            yield
+
+    def near_rows(self) -> Selection:
+        """The rows that are near, in the order of the problem."""
+        keep = np.zeros(len(self.selection), dtype=np.bool_)
+        near = self.arrays.near
+        keep[near.row[: int(near.number[0])]] = True
+        return self.selection.take(keep)
+
+    def _tabulated(self) -> tuple[RowTable, tuple[int, ...]]:
+        """The rows as kernels read them, and the indices of constraints whose rows Python evaluates."""
+        n, d = self.problem.x0.size, self.problem.x0.shape[1]
+        rows, called = tabulate(self.selection.blocks, n, d, n if self._programs else 0)
+        rows.row["length"] /= self.units.length
+        rows.coefficient[np.repeat(rows.row["kind"] == DISTANCE, np.diff(rows.start))] /= self.units.length
+        return rows, called
+
+    def _room(self, m: int) -> Chosen:
+        """Room for the factors of a dense solver."""
+        n = self.problem.x0.size
+        return room(min(m, n) + 1, n) if self._dense else room(1, n if self._programs else 0)
+
+    def _list_rows(self, t: float, x: int, out: int, n: int, d: int, reach: int) -> None:
+        """Put the rows near x at time t into the table; rows that stay keep their multipliers."""
+        problem, before = self.problem, self.selection
+        near = numbers_at(x, problem.x0.shape).copy()
+        self.selection = select(problem.constraints, t, near, float(self.arrays.near.reach[0]))
+        rows, called = self._tabulated()
+        multiplier = carried_over(before, self.arrays.program.multiplier, self.selection)
+        self.sets.reselect(self.selection, called)
+        m = len(rows.row)
+        arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
+        arrays |= {f"chosen.{name}": part for name, part in self._room(m)._asdict().items()}
+        arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
+        arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
+        self._pointer.replace(arrays)
+        self.arrays.near.number[0] = m
+
+    @property
     def names(self) -> tuple[tuple[int, str], ...]:
         """For each row of the table the index of its constraint, and the row in words."""
         return self.selection.names
+
+    @property
+    def name(self) -> str:
+        """The name of the solver."""
+        return NAME if self.solver is None else self.solver.name
 
     def count(self, work: Work) -> None:
         """Add what was done since this was asked last, and tell the drift."""
@@ -121,8 +190,8 @@ class SmallSystem:
         work.solver_iterations += round(iterations - before[2])
         work.solver_calls += round(calls - before[3])
         work.callbacks += self.sets.calls - before[4]
-        if calls > 0 and NAME not in work.back_ends:
-            work.back_ends += (NAME,)
+        if calls > 0 and self.name not in work.back_ends:
+            work.back_ends += (self.name,)
         self.drift.made(drifts - before[0])
 
     def failure(self, code: int, tol: float = 0.0) -> NoReturn:
@@ -130,14 +199,16 @@ class SmallSystem:
         arrays = self.arrays
         if self.sets.failed:
             self.sets.failure()
+        for function in (self.search, self.solving):
+            if isinstance(function, PythonFunction):
+                function.failure()
         if code == codes.DRIFT:
             at, n = arrays.drift.failed, arrays.velocity.size
             self.drift.failure(float(at[0]), at[1 : n + 1], at[n + 1 :], int(arrays.drift.calls[1]))
         if code == codes.COINCIDENT:
-            name = self.names[int(arrays.blamed[0])][1]
-            raise StepFailure(Status.COINCIDENT_CENTRES, f"Two centres lie on one point: {name}.")
+            raise self.selection.coincidence(int(arrays.blamed[0]))
         if code == codes.MISSED:
             residual = float(arrays.program.answer[1])
-            detail = f"{NAME} left a residual of {residual:.2g}, asked for was {tol:.2g}."
+            detail = f"{self.name} left a residual of {residual:.2g}, asked for was {tol:.2g}."
             raise StepFailure(Status.NOT_CONVERGED, detail)
         raise StepFailure(*FAILURES[code])

@@ -34,9 +34,9 @@ class CatchUp(FixedStep):
 
     def stepper(self, problem: Problem) -> Stepper:
         from dincl.kernels.catch_up import catch_up
-        from dincl.run.catch_up import CatchUpStepper
+        from dincl.run.catch_up import catching_up
 
-        return CatchUpStepper(problem, catch_up, self.projection, linearised=self.linearised)
+        return catching_up(problem, catch_up, self.projection, linearised=self.linearised)
 
 
 @dataclass(frozen=True)

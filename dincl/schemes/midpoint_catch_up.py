@@ -44,6 +44,6 @@ class MidpointCatchUp(FixedStep):
 
     def stepper(self, problem: Problem) -> Stepper:
         from dincl.kernels.catch_up import midpoint_catch_up
-        from dincl.run.catch_up import CatchUpStepper
+        from dincl.run.catch_up import catching_up
 
-        return CatchUpStepper(problem, midpoint_catch_up, self.projection, linearised=True)
+        return catching_up(problem, midpoint_catch_up, self.projection, linearised=True)

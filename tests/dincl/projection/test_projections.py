@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.errors import StepFailure
+from dincl.projection import FeasibleSet
 from tests.dincl.catalog import PROJECTIONS
 
 TOL = 1e-10
@@ -86,8 +86,9 @@ def test_back_ends_agree_on_point_and_multipliers(projection, extra, count, d, l
 @pytest.mark.parametrize("projection", PROJECTIONS)
 def test_the_certificate_is_that_of_the_rows(projection, rng):
     problem, y = cluster(rng, 10, 2)
-    rows = problem.rows_within(0.0, y, 1.0)
-    found = projection(TOL).solver().nearest(rows, y, problem.x0)
+    feasible = FeasibleSet(problem, projection(TOL).solver(), dincl.Work(), linearised=False)
+    found = feasible.nearest(0.0, y, problem.x0, 1.0)
+    rows = feasible.near_rows.at(0.0)
     reaction = rows.jacobian(found.point).toarray().T @ found.multipliers
     values = rows.values(found.point)
     assert found.stationarity == pytest.approx(np.abs((found.point - y).ravel() - reaction).max(), abs=1e-15)
@@ -109,10 +110,9 @@ def hexagonal(layers):
 @pytest.mark.parametrize("linearised", [True, False], ids=["linearised", "curved"])
 def test_redundant_contacts(projection, linearised):
     problem, y = hexagonal(6)
-    rows = problem.rows_within(0.0, problem.x0, 0.1)
-    target = dincl.rows.linearised(rows, problem.x0) if linearised else rows
-    tol = 1e-11
-    found = projection(tol).solver().nearest(target, y, problem.x0)
+    rows, tol = problem.rows_within(0.0, problem.x0, 0.1), 1e-11
+    feasible = FeasibleSet(problem, projection(tol).solver(), dincl.Work(), linearised=linearised)
+    found = feasible.nearest(0.0, y, problem.x0, 0.1)
     active = dincl.rows.linearised(rows, found.point).take(rows.values(found.point) <= tol).matrix.toarray()
     assert len(active) > np.linalg.matrix_rank(active)
     assert found.residual <= tol
@@ -162,9 +162,8 @@ def test_swapping_a_projection_changes_one_argument(scheme, projection):
 @pytest.mark.parametrize("projection", PROJECTIONS)
 def test_a_tolerance_that_cannot_be_met_is_a_failure_not_a_wrong_point(projection, rng):
     problem, y = cluster(rng, 10, 2)
-    rows = problem.rows_within(0.0, y, 1.0)
-    with pytest.raises(StepFailure) as caught:
-        projection(1e-40).solver().nearest(rows, y, problem.x0)
+    with pytest.raises(dincl.ProjectionFailed) as caught:
+        dincl.project(problem, y, projection(1e-40))
     assert caught.value.status is dincl.Status.NOT_CONVERGED
 
 
