@@ -2,6 +2,7 @@
 #
 #   make report           run the experiments, write report/index.html    (FULL=1: the complete studies)
 #   make test             run the tests                                    (ARGS=--slow: all but those of minutes)
+#   make numba-range      run the tests of kernels with the oldest and the newest numba that pyproject.toml allows
 #   make lint             check style, format and types
 #   make docs             write the documentation to site/index.html, with the outputs of its tutorials
 #   make bench            measure the time per disc and step, and of the tissue
@@ -26,7 +27,7 @@ ONE_THREAD := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
 # Tests and reports start dozens of processes, each of which would compile all modules that it imports.
 unexport PYTHONDONTWRITEBYTECODE
 
-.PHONY: report test lint docs bench mutants lock clean
+.PHONY: report test numba-range lint docs bench mutants lock clean
 .DELETE_ON_ERROR:
 
 report: .venv/installed
@@ -34,6 +35,10 @@ report: .venv/installed
 
 test: .venv/installed
 	$(ONE_THREAD) $(BIN)/python -m pytest -n 2 --dist loadfile --no-loadscope-reorder -q $(ARGS)
+
+# One process: most of the time goes into compiling, and processes would compile the same kernels.
+numba-range: .venv/installed
+	$(ONE_THREAD) $(BIN)/python -m tests.numba_range
 
 lint: .venv/installed
 	$(BIN)/ruff check .

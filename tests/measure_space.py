@@ -55,7 +55,7 @@ class InSpace:
         self.boards, self.n = board_of(self.state, self.steps), side * side
         for _ in range(WARM):
             self.cost()
-        self.boards.flat.parts.counts[:] = 0
+        self.boards.flat.value.counts[:] = 0
 
     def cost(self):
         """Of one dt."""
@@ -71,7 +71,7 @@ class InSpace:
         return 1e9 * spent / self.n / self.steps.substeps
 
     def told(self):
-        counts = self.boards.flat.parts.counts
+        counts = self.boards.flat.value.counts
         pairs, substeps = counts[PAIRS] / counts[SUBSTEPS] / self.n, counts[SUBSTEPS] / counts[LISTS]
         return f"{pairs:.1f} pairs, {substeps:.1f} substeps a list"
 

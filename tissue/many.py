@@ -8,9 +8,9 @@ import numpy as np
 
 from dincl.checks import flag, items
 from dincl.checks import seed as checked_seed
+from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tissue.files.parameters import Parameters
-from tissue.kernels.lanes import WIDTH
 from tissue.lot import Lot
 from tissue.resume import checkpoint_of
 from tissue.run import Run, RunFailed

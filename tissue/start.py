@@ -149,12 +149,12 @@ def _part(held: Store, n: int, numbers: Numbers) -> Parted:
     cells = held.cells
     x, y = cells.x[:n].copy(), cells.y[:n].copy()
     board = Boards(n, 1, numbers, 0.0, held.curve).flat
-    board.parts.x[:n], board.parts.y[:n], board.parts.radius[:n] = x, y, cells.radius[:n]
+    board.value.x[:n], board.value.y[:n], board.value.radius[:n] = x, y, cells.radius[:n]
     sweeps = part(board, n, TOUCHING, MOST_SWEEPS)
     if sweeps < 0:
         raise InvalidProblem(
             f"tissue.cells = {n}: more than fit: their hard discs could not be parted in {MOST_SWEEPS} sweeps; must be "
             "fewer cells, a larger box or smaller hard discs"
         )
-    cells.x[:n], cells.y[:n] = board.parts.x[:n], board.parts.y[:n]
+    cells.x[:n], cells.y[:n] = board.value.x[:n], board.value.y[:n]
     return Parted(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))

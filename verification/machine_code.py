@@ -9,11 +9,8 @@ from typing import Any
 
 @contextmanager
 def machine_code() -> Iterator[list[Any]]:
-    """A list that is empty after the block if nothing in it was compiled by numba or loaded from the disk.
+    """Make a list that is empty after the block if nothing in it was compiled by numba or loaded from the disk."""
+    from dincl.compiled.announcement import compiler_events
 
-    numba holds a lock for either, and calls of code that is there do not take it.
-    """
-    from numba.core.event import install_recorder
-
-    with install_recorder("numba:compiler_lock") as found:
-        yield found.buffer
+    with compiler_events() as found:
+        yield found

@@ -1,4 +1,4 @@
-"""What is compiled, and for how long, said to who sits at a terminal: a first run takes half a minute longer."""
+"""Events of numba's compiler: a message at a terminal, where a first run takes half a minute longer, and a record."""
 
 from __future__ import annotations
 
@@ -8,32 +8,35 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from numba.core.event import Listener, register
+from numba.core.event import Listener, install_recorder, register
 
 MAKES_NO_NUMBERS = True
 
 
 class Announcement(Listener):
-    """Names a function when its compilation begins, and says its time at the end; of its parts it says nothing."""
+    """A message with the name of a function when its compilation begins, and with its time at the end.
+
+    Nothing is written of its parts.
+    """
 
     def __init__(self) -> None:
         self._under_way: list[str] = []
         self._since, self._said = 0.0, False
 
     def on_start(self, event: Any) -> None:
-        """Numba compiles a function."""
+        """Note the function that numba begins to compile."""
         self._begin(event.data["dispatcher"].py_func)
         if not self._said:
             _say(f"Compiling {self._under_way[0]}; its machine code is kept.")
             self._said = True
 
     def on_end(self, event: Any) -> None:
-        """Numba has compiled it."""
+        """Note that it is compiled."""
         self._end()
 
     @contextmanager
     def of(self, function: Callable[..., Any]) -> Iterator[None]:
-        """What is compiled meanwhile are parts of this function, of which itself numba says nothing."""
+        """Name this function for all that is compiled in the block: numba reports its parts, but not itself."""
         self._begin(function)
         try:
             yield
@@ -58,3 +61,13 @@ def _say(text: str) -> None:
 
 ANNOUNCEMENT = Announcement()
 register("numba:compile", ANNOUNCEMENT)
+
+
+@contextmanager
+def compiler_events() -> Iterator[list[Any]]:
+    """Make a list that is empty after the block if nothing in it was compiled or loaded from the disk.
+
+    Numba holds a lock for either, and calls of code that is there do not take it.
+    """
+    with install_recorder("numba:compiler_lock") as found:
+        yield found.buffer

@@ -40,13 +40,11 @@ def compiled(drift: Any) -> CompiledDrift | None:
         return drift
     if "numba" not in sys.modules:  # then there is no function of it
         return None
-    from numba.core.registry import CPUDispatcher
+    from dincl.compiled.dispatchers import drift_of, is_dispatcher
 
-    if not isinstance(drift, CPUDispatcher):
+    if not is_dispatcher(drift):
         return None
     if drift not in _KNOWN:
-        from dincl.kernels.dispatched import as_c_function
-
-        _KNOWN[drift] = as_c_function(drift)
+        _KNOWN[drift] = drift_of(drift)
     function = _KNOWN[drift]
     return None if function is None else DispatchedDrift(drift, function)

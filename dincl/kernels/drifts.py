@@ -2,19 +2,9 @@
 
 from functools import partial
 
-from numba import types
-
 from dincl.compiled import c_function
+from dincl.compiled.dispatchers import DRIFT
 from dincl.kernels.arrays import Floats
-
-DRIFT = types.int64(
-    types.float64,
-    types.CPointer(types.float64),
-    types.CPointer(types.float64),
-    types.int64,
-    types.int64,
-    types.CPointer(types.float64),
-)
 
 
 @partial(c_function, DRIFT)

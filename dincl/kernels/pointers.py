@@ -1,52 +1,20 @@
-"""Calls of C functions by their address, so that one compiled kernel serves every drift and every moving set."""
+"""Velocities from drifts that are called by their address: one compiled kernel serves every drift."""
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from llvmlite import ir
-from numba import types
-from numba.extending import intrinsic
 
-from dincl.compiled import inner
+from dincl.compiled import call, inner
+from dincl.compiled.dispatchers import DRIFT
 from dincl.constants import LARGEST
 from dincl.kernels.arrays import Floats
 
 # What ``velocity`` returns.
 OK, FAILED, NOT_A_NUMBER = 0, 1, 2
 
-_instruction: Any = intrinsic  # whose types do not say that the first argument is not the caller's
-
-
-def _kind(given: Any) -> str:
-    """How a C function takes an argument: "f" by value, "i" by value, "p" as the address of the numbers of an array."""
-    if isinstance(given, types.Array) and given.dtype == types.float64 and given.layout == "C":
-        return "p"
-    return "f" if isinstance(given, types.Float) else "i" if isinstance(given, types.Integer) else "?"
-
-
-@_instruction
-def call_drift(typing: Any, address: Any, t: Any, x: Any, out: Any, n: Any, d: Any, data: Any) -> Any:
-    """``int64 f(double t, double *x, double *out, int64 n, int64 d, double *data)`` at ``address``; 0 is success.
-
-    The arrays are float64, C-contiguous, of any shape. They must be as long as the function takes them to be.
-    """
-    if "".join(map(_kind, (address, t, x, out, n, d, data))) != "ifppiip":
-        return None
-    word, place = types.int64, ir.DoubleType().as_pointer()
-    signature = word(word, types.float64, x, out, word, word, data)
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        plain = [
-            context.make_array(of)(context, builder, value).data if isinstance(of, types.Array) else value
-            for of, value in zip(signature.args, values, strict=True)
-        ]
-        taken = [ir.DoubleType(), place, place, ir.IntType(64), ir.IntType(64), place]
-        function = ir.FunctionType(ir.IntType(64), taken)
-        return builder.call(builder.inttoptr(plain[0], function.as_pointer()), plain[1:])
-
-    return signature, generate
+# call_drift(address, t, x, out, n, d, data): DRIFT at the address. The arrays, float64 and C-contiguous, of any shape,
+# must be as long as the function takes them to be.
+call_drift = call(DRIFT)
 
 
 @inner

@@ -10,12 +10,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dincl.compiled import c_function, inner, kernel
-from dincl.compiled.structs import reader
+from dincl.compiled import c_function, inner, kernel, reader
+from dincl.compiled.dispatchers import DRIFT
 from dincl.constants import LARGEST
 from dincl.kernels import families as sets
 from dincl.kernels.arrays import Floats, Offsets
-from dincl.kernels.drifts import DRIFT
 from dincl.kernels.families import Families
 from dincl.kernels.pointers import call_drift
 from dincl.kernels.system import NOT_A_NUMBER, OK, bounded

@@ -2,39 +2,27 @@
 
 from __future__ import annotations
 
-import sys
-import threading
-from abc import ABC, abstractmethod
-from typing import TYPE_CHECKING, Any
+from abc import abstractmethod
+from typing import Any
 
-if TYPE_CHECKING:
-    from typing import Self
+from dincl.compiled.raised import Listener
 
 
-class Callback(ABC):
-    """A context that keeps an interrupt from before the first line of ``python``, which ctypes would print.
-
-    Only the main thread is interrupted. Others leave ``sys.unraisablehook``, which is one for all threads, as it is.
-    """
+class Callback(Listener):
+    """A context that keeps an interrupt from before the first line of ``python``, which ctypes would print."""
 
     python: Any = None
+
+    @property
+    def listens(self) -> bool:  # type: ignore[override]
+        return self.python is not None
 
     @abstractmethod
     def keep(self, error: BaseException) -> None:
         """Keep what was raised, until it is raised again."""
 
-    def __enter__(self) -> Self:
-        if threading.current_thread() is threading.main_thread():
-            self._before = sys.unraisablehook
-            sys.unraisablehook = self._before if self.python is None else self._unraisable
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        if threading.current_thread() is threading.main_thread():
-            sys.unraisablehook = self._before
-
-    def _unraisable(self, found: Any) -> None:
-        if found.object is self.python:
-            self.keep(found.exc_value)
-        else:
-            self._before(found)
+    def hears(self, raised: Any) -> bool:
+        if raised.object is not self.python:
+            return False
+        self.keep(raised.exc_value)
+        return True

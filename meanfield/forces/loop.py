@@ -79,10 +79,9 @@ def _source(text: Body, nx: int, weights: Sequence[str], *, fast: bool) -> str:
 @cache
 def _compiled(source: str) -> Any:
     """Compile a generated loop; sums may be reordered, which changes only their last bits."""
-    from numba import njit
-
+    from dincl.compiled.functions import compile_reordered
     from meanfield.forces import trig
 
     namespace: dict[str, Any] = {"np": np, "sin": trig.sin, "cos": trig.cos, "MAX_ANGLE": trig.MAX_ANGLE}
     exec(compile(source, "<model>", "exec"), namespace)
-    return njit(nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz", "arcp"})(namespace["f"])
+    return compile_reordered(namespace["f"])

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
+
+from dincl.compiled.functions import compile_now
 
 # The first two parts of pi/2 have 33 bits, so that products with n < 2^20 are exact.
 PART_1, PART_2, PART_3 = 1.5707963267341256, 6.077100506303966e-11, 2.0222662487959506e-21
@@ -23,7 +24,7 @@ SINE = tuple((-1) ** k / math.factorial(2 * k + 1) for k in range(8, 0, -1))
 COSINE = tuple((-1) ** k / math.factorial(2 * k) for k in range(9, 1, -1))
 
 
-@numba.njit("UniTuple(float64, 4)(float64)", error_model="numpy")
+@compile_now((float, float, float, float), float)
 def _pieces(x: float) -> tuple[float, float, float, float]:
     """Compute sin r, cos r, and 1 or 0 for odd or even n and floor(n/2)."""
     n = np.rint(x * QUARTERS)
@@ -42,14 +43,14 @@ def _pieces(x: float) -> tuple[float, float, float, float]:
     return r + r * z * sine, 1.0 - (0.5 * z - z * z * cosine), n - 2.0 * half, half - 2.0 * np.floor(0.5 * half)
 
 
-@numba.njit("float64(float64)", error_model="numpy")
+@compile_now(float, float)
 def sin(x: float) -> float:
     """Compute the sine of |x| <= MAX_ANGLE."""
     sine, cosine, odd, odd_half = _pieces(x)
     return (1.0 - 2.0 * odd_half) * (cosine if odd == 1.0 else sine)
 
 
-@numba.njit("float64(float64)", error_model="numpy")
+@compile_now(float, float)
 def cos(x: float) -> float:
     """Compute the cosine of |x| <= MAX_ANGLE."""
     sine, cosine, odd, odd_half = _pieces(x)

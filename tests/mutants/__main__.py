@@ -35,7 +35,7 @@ MUTATED = (
         "dincl/cone.py",
         "dincl/matrices.py",
     ),
-    *("dincl/compiled/cache.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
+    *("dincl/compiled/kept.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
     "dincl/trajectory.py",
     *("meanfield/density", "meanfield/forces", "meanfield/model", "meanfield/solvers"),
     *(

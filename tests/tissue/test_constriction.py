@@ -5,6 +5,7 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
+from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
@@ -13,7 +14,6 @@ from tissue.files.parameters import load, preset
 from tissue.first_order import simulate
 from tissue.kernels.curve import curve_numbers
 from tissue.kernels.handed import handed_numbers
-from tissue.kernels.lanes import WIDTH
 from tissue.model.observables import ab_positions
 from tissue.quasi_steady.frozen import frozen_problem
 from tissue.start import started

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dincl.compiled.lanes import WIDTH
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import aged, both, compared, freed, generators, together, upright, with_emt
 from tests.tissue.kernels.test_many import same_bits, same_cells
@@ -12,7 +13,6 @@ from tests.tissue.test_resume import same
 from tissue.events.known import bit
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.kernels.lanes import WIDTH
 from tissue.many import simulate_many
 from tissue.state.frame import Frame
 from tissue.study.outcomes import outcomes

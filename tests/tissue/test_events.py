@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
+from dincl.compiled.lanes import WIDTH
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
 from tests.tissue.states import layers
 from tests.twins.tissue import steps as twins
 from tissue.events.known import bit, row, settled
 from tissue.files.parameters import preset
-from tissue.kernels.lanes import WIDTH
 from tissue.model.observables import ab_positions
 from tissue.state.cells import emt_cells
 from tissue.state.frame import Frame

@@ -11,6 +11,7 @@ from itertools import product
 import numpy as np
 import pytest
 
+from dincl.compiled.lanes import WIDTH
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
 from tests.tissue.kernel_calls import both, generators
@@ -21,7 +22,6 @@ from tissue.files.cell_types import first_of
 from tissue.files.parameters import preset
 from tissue.groups import _middles
 from tissue.kernels.curve import curve_numbers
-from tissue.kernels.lanes import WIDTH
 from tissue.many import simulate_many
 from tissue.state.basal_curve import ellipse
 from tissue.state.cells import CONTROL, NAMED, emt_cells

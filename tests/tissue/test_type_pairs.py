@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue import states
@@ -13,7 +14,6 @@ from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
 from tissue.kernels.curve import curve_numbers
-from tissue.kernels.lanes import WIDTH
 from tissue.many import simulate_many
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.state.basal_curve import ellipse

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 
+from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import aged, compared, freed, generators, together, with_emt
@@ -15,7 +16,6 @@ from tissue.events.known import row
 from tissue.files.cell_types import OWN_KEYS
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.kernels.lanes import WIDTH
 from tissue.many import simulate_many
 from tissue.model.observables import PHASES, phases
 from tissue.quasi_steady.run import simulate_quasi_steady

@@ -8,8 +8,8 @@ import threading
 from concurrent.futures import Executor, Future, ThreadPoolExecutor
 from typing import TYPE_CHECKING, NamedTuple
 
+from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
-from tissue.kernels.lanes import WIDTH
 from tissue.study.seeds import run_seeds
 
 if TYPE_CHECKING:

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dincl.compiled.lanes import WIDTH
 from tissue.explore.frames import stream
-from tissue.kernels.lanes import WIDTH
 from tissue.study.outcomes import outcomes
 
 if TYPE_CHECKING:

@@ -8,10 +8,9 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compiled.structs import reader
+from dincl.compiled import StructPointer, reader, struct_type
+from dincl.compiled.lanes import WIDTH
 from tissue.kernels.curve import CurveNumbers
-from tissue.kernels.handed import Handed, kind_of_handle
-from tissue.kernels.lanes import WIDTH
 from tissue.kernels.store import STRAIGHT
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers
@@ -147,8 +146,8 @@ class Boards:
         if not curve.bent:
             flat["along"], wide["along"] = flat["bx"], wide["bx"]
         # For kernels these are ``Board``.
-        self.flat: Any = Handed(Board(**flat, **same), FLAT)
-        self.wide: Any = Handed(Board(**wide, **same), _WIDE)
+        self.flat: Any = StructPointer(Board(**flat, **same), FLAT)
+        self.wide: Any = StructPointer(Board(**wide, **same), _WIDE)
 
 
 def _common(capacity: int, width: int, kinds: Sequence[Numbers], scale: float) -> dict[str, Any]:
@@ -203,5 +202,5 @@ def _example(*shape: int) -> Board:
     return Board(**{name: plain.get(name, np.zeros(lines.get(name, shape), kind)) for name, kind in kinds.items()})
 
 
-FLAT, _WIDE = kind_of_handle(_example(1)), kind_of_handle(_example(1, WIDTH))
+FLAT, _WIDE = struct_type(_example(1)), struct_type(_example(1, WIDTH))
 board_at, wide_board_at = reader(_example(1)), reader(_example(1, WIDTH))

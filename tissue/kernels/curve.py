@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import floored, fma, gather, maximum
+from dincl.compiled.lanes import floored, fma, gather, maximum
 from tissue.state.basal_curve import NEWTON, ORDER, BasalCurve
 from tissue.state.cells import Floats
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import WIDTH, load, maximum, positive_bits, spread, store
 from tissue.kernels.board import Board
-from tissue.kernels.lanes import WIDTH, load, maximum, positive_bits, spread, store
 from tissue.state.cells import Floats
 
 # Cells in a block: smaller ones are compared more often, larger ones are near each other more often.

@@ -9,29 +9,12 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from llvmlite import ir
-from numba import types
-
 from dincl.compiled import inner
-from tissue.kernels.lanes import (
-    constant,
-    either,
-    entry,
-    fma,
-    in_all,
-    instruction,
-    kind_of,
-    like,
-    load,
-    store,
-    twice_rsqrt,
-)
+from dincl.compiled.generators import threefry
+from dincl.compiled.lanes import binary_parts, either, fma, load, store, twice_rsqrt
 from tissue.state.cells import Floats, Integers
 
-# Of Threefry-2x32: its rounds, how far each of eight rounds in turn rotates, and the parity of the key.
-ROUNDS, ROTATIONS, PARITY = 20, (13, 15, 26, 6, 17, 29, 16, 24), 0x1BD11BDA
 WORDS = 2.0**32
-_WORD, _LONG, _DOUBLE = ir.IntType(32), ir.IntType(64), ir.DoubleType()
 # Taylor coefficients in x^2 of sin(x)/x and cos x, for |x| <= pi/4, and of artanh(x)/x, for |x| <= 3 - 2 sqrt 2: what
 # they leave out is below 1e-13, the accuracy of ``twice_rsqrt``.
 TERMS = range(8)
@@ -39,58 +22,6 @@ SINE = tuple((-1) ** k / math.factorial(2 * k + 1) for k in TERMS)
 COSINE = tuple((-1) ** k / math.factorial(2 * k) for k in TERMS)
 ARTANH = tuple(1 / (2 * k + 1) for k in TERMS)
 ROOT, LOGARITHM = math.sqrt(2.0), math.log(2.0)
-
-
-@instruction
-def threefry(typing: Any, key: Any, counter: Any, place: Any, number: Any) -> Any:
-    """Two words, as doubles: a function of the two words of ``key`` and of the counter (counter[place], number).
-
-    All words are whole numbers below 2^32; of eight lanes each has a key and a counter of its own.
-    """
-    kind = kind_of(key, counter)
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        """The rounds, written out."""
-        word, (of_key, of_counter, _, _) = like(kind, _WORD), signature.args
-
-        def read(kind: Any, array: Any, index: Any) -> Any:
-            loaded = builder.load(entry(context, builder, kind, array, index, _LONG))
-            loaded.align = 8
-            return builder.trunc(loaded, word)
-
-        keys = [read(of_key, values[0], ir.Constant(_LONG, k)) for k in range(2)]
-        x, y = read(of_counter, values[1], values[2]), builder.trunc(values[3], _WORD)
-        y = in_all(builder, y) if word != _WORD else y
-        keys.append(builder.xor(builder.xor(*keys), constant(word, PARITY)))
-        x, y = builder.add(x, keys[0]), builder.add(y, keys[1])
-        for k in range(ROUNDS):
-            x, turn = builder.add(x, y), ROTATIONS[k % len(ROTATIONS)]
-            turned = builder.or_(builder.shl(y, constant(word, turn)), builder.lshr(y, constant(word, 32 - turn)))
-            y = builder.xor(turned, x)
-            if k % 4 == 3:
-                made = (k + 1) // 4
-                x = builder.add(x, keys[made % 3])
-                y = builder.add(builder.add(y, keys[(made + 1) % 3]), constant(word, made))
-        doubles = [builder.uitofp(part, like(kind, _DOUBLE)) for part in (x, y)]
-        return context.make_tuple(builder, signature.return_type, doubles)
-
-    return types.UniTuple(kind, 2)(key, counter, types.intp, types.int64), generate
-
-
-@instruction
-def binary_parts(typing: Any, v: Any) -> Any:
-    """m and e of v = m 2^e, 1 <= m < 2; v must be positive and normal."""
-    kind = kind_of(v)
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        long, double = like(kind, _LONG), like(kind, _DOUBLE)
-        bits = builder.bitcast(values[0], long)
-        shift, mask, one = (constant(long, part) for part in (52, (1 << 52) - 1, 1023 << 52))
-        mantissa = builder.bitcast(builder.or_(builder.and_(bits, mask), one), double)
-        exponent = builder.fsub(builder.sitofp(builder.lshr(bits, shift), double), constant(double, 1023.0))
-        return context.make_tuple(builder, signature.return_type, [mantissa, exponent])
-
-    return types.UniTuple(kind, 2)(kind), generate
 
 
 @inner

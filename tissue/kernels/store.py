@@ -6,9 +6,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dincl.compiled.structs import reader
+from dincl.compiled import StructPointer, reader, struct_type
 from tissue.kernels.curve import CurveNumbers, curve_numbers
-from tissue.kernels.handed import Handed, kind_of_handle
 from tissue.space.state import Space, no_space, with_room
 from tissue.state.basal_curve import LINE
 from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Integers, emt_cells, first, no_emt
@@ -54,7 +53,7 @@ class StoreArrays(NamedTuple):
     space: Space  # what there is in three dimensions besides
 
 
-class Store(Handed):
+class Store(StructPointer):
     """A running tissue, with the attributes of ``StoreArrays``. Kernels take it, or find it at its address.
 
     For Python ``emt`` has those EMT cells alone that there are.
@@ -137,7 +136,7 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreAr
 
 
 _EXAMPLE = _room(2, no_emt(), STRAIGHT, IN_PLANE)
-STORE = kind_of_handle(_EXAMPLE)
+STORE = struct_type(_EXAMPLE)
 # The store at an address, inside of kernels.
 store_at = reader(_EXAMPLE)
 

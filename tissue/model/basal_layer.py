@@ -6,9 +6,9 @@ Of two neighbours of different types it is the mean of both.
 from __future__ import annotations
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import either, fma, load, maximum, spread, store, where_positive
 from tissue.kernels.board import Board
 from tissue.kernels.curve import course
-from tissue.kernels.lanes import either, fma, load, maximum, spread, store, where_positive
 from tissue.kernels.ring import at_ends, move_ends
 
 # Where there is no neighbour.

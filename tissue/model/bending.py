@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import fma
+from dincl.compiled.lanes import fma
 
 Plane = tuple[Any, Any]
 

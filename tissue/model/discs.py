@@ -6,9 +6,9 @@ import math
 from typing import Any
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import load, maximum, positive_bits, root, spread, store, where_positive
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, Board
-from tissue.kernels.lanes import load, maximum, positive_bits, root, spread, store, where_positive
 from tissue.kernels.near import find_near, list_before, list_ranges
 
 # Pairs with a larger gap before the sweep need not be looked at in it [R_soft].

@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import either, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.board import Board
 from tissue.kernels.chains import chained_behind
 from tissue.kernels.handed import numbers_of
-from tissue.kernels.lanes import either, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.ring import at_ends
 from tissue.kernels.store import APICAL, CELLS, Store
 from tissue.space.state import SPATIAL

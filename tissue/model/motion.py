@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import fma, load, store, twice_rsqrt
 from tissue.kernels.board import Board
-from tissue.kernels.lanes import fma, load, store, twice_rsqrt
 from tissue.model.bending import turned
 from tissue.model.springs import stretched
 

@@ -12,8 +12,8 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.board import Board
-from tissue.kernels.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.near import find_near, find_near_rows, list_around, list_before, window_around
 
 # Distance below which two nuclei repel each other.

@@ -6,11 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from dincl.compiled import inner
+from dincl.compiled import StructPointer, inner, struct_type
+from dincl.compiled.lanes import WIDTH
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, Board, Boards
-from tissue.kernels.handed import Handed, kind_of_handle
-from tissue.kernels.lanes import WIDTH
 from tissue.kernels.store import BASAL, STRAIGHT, store_at
 from tissue.model.junctions import pull_junctions
 from tissue.model.motion import move
@@ -43,10 +42,10 @@ def boards_for(capacity: int, numbers: Numbers, daha: Daha) -> Boards:
 
 
 def memory_for(boards: Boards) -> Any:
-    """Room for what is on a board, ``Handed``: for kernels it is ``Memory``. All multipliers are zero."""
+    """Make room for what is on a board: for kernels it is ``Memory``. All multipliers are zero."""
     points = boards.block[: len(COORDINATES)]
     parts = Memory(multipliers_for(points.shape[1]), points, np.zeros(points.shape), np.zeros(points.shape))
-    return Handed(parts, kind_of_handle(parts))
+    return StructPointer(parts, struct_type(parts))
 
 
 @kernel

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from dincl.compiled.lanes import twice_rsqrt
 from tissue.kernels import kernel
-from tissue.kernels.lanes import twice_rsqrt
 from tissue.model.repulsion import SOFT, repelling
 from tissue.space.step.motion import pulls_on_ends
 from tissue.state.cells import Floats, Integers

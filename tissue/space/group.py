@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from tissue.kernels.handed import Handed
+from dincl.compiled import StructPointer
 from tissue.space.step.advance import DESK, SpaceDesk, step_address
 from tissue.space.step.board import SpaceBoards, SpaceNumbers
 from tissue.space.step.substeps import space_substeps_address
@@ -26,7 +26,7 @@ class SpaceGroup(Group):
         variance = numbers.variance * numbers.dt / numbers.substeps if numbers.noise_in_substeps else 0.0
         of_board = SpaceNumbers(numbers.substeps, scale * numbers.repulsion, numbers.max_basal, math.sqrt(variance))
         self._board = SpaceBoards(capacity, EDGES * capacity, of_board, held.space.surface)
-        self._desk = Handed(
+        self._desk = StructPointer(
             SpaceDesk(
                 self._board.flat.address,
                 self._board.wide.address,

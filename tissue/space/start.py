@@ -91,7 +91,7 @@ def _part(held: Store, n: int) -> Parted:
     """Sweep over the pairs until none overlap."""
     cells = held.cells
     board = SpaceBoards(n, 1, SpaceNumbers(1, 0.0, 1.0), held.space.surface)
-    parts, before = board.flat.parts, np.stack((cells.x[:n], cells.y[:n], cells.z[:n]))
+    parts, before = board.flat.value, np.stack((cells.x[:n], cells.y[:n], cells.z[:n]))
     parts.x[:n], parts.y[:n], parts.z[:n] = before
     parts.radius[:n] = cells.radius[:n]
     sweeps = part_balls(board.flat.address, board.wide.address, n, TOUCHING, MOST_SWEEPS)

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite import ir
-from numba import types
 from numpy.random import Generator
 
+from dincl.compiled import call, signature
+from dincl.compiled.generators import generator_at
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, RUNNING, board_at
-from tissue.kernels.handed import generator_at, numbers_at
-from tissue.kernels.lanes import instruction
+from tissue.kernels.handed import numbers_at
 from tissue.kernels.rules import Rules, rules_at
 from tissue.kernels.store import CELLS, Store, store_at
 from tissue.model.cycle import adapt_rest_lengths, set_phases
@@ -27,6 +26,10 @@ from tissue.step.copies import copy_in, copy_out
 
 # How a call ended: all steps made; no room for the daughters that may come.
 DONE, FULL = range(2)
+# substeps(flat, wide, n): all substeps of one dt for n cells on the board. call_substeps(address, flat, wide, n) calls
+# such a function by its address.
+SUBSTEPS: Any = signature(int, int, int, int)
+call_substeps = call(SUBSTEPS)
 
 
 @kernel
@@ -84,18 +87,6 @@ def make_substeps(stores: Integers, ended: Integers, how: Integers) -> int:
         call_substeps(how[3], how[1], how[2], n)
         copy_out(flat, stores)
     return n
-
-
-@instruction
-def call_substeps(typing: Any, address: Any, flat: Any, wide: Any, n: Any) -> Any:
-    """Make the substeps for n cells on the board by the function at the address."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        word = ir.IntType(64)
-        function = ir.FunctionType(word, [word, word, word])
-        return builder.call(builder.inttoptr(values[0], function.as_pointer()), values[1:])
-
-    return types.int64(types.int64, types.int64, types.int64, types.int64), generate
 
 
 @kernel

@@ -11,13 +11,12 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.compiled import c_function, heard
+from dincl.compiled import StructPointer, c_function, heard
 from dincl.status import Status
 from tissue.division import BESIDE, DivisionRule
 from tissue.events.event import EmtEvent
 from tissue.events.known import events, in_order
 from tissue.force import Force
-from tissue.kernels.handed import Handed
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
 from tissue.kernels.store import Store
 from tissue.state.cells import Integers
@@ -47,13 +46,15 @@ _ENERGY = _Part("energy", ENERGY, ("store", "strength", "numbers"))
 
 
 def handed_rules(stores: Iterable[Store], division: DivisionRule = BESIDE) -> Any:
-    """The rules of tissues that are stepped together, ``Handed``; of the events those that begin in one of them."""
+    """The rules of tissues that are stepped together, as a struct; of the events those that begin in one of them."""
     emt = [held.emt for held in stores]
     wanted = [any(np.isfinite(one.at[k : k + 1]).any() for one in emt) for k in range(len(events()))]
     used = [event if want else None for event, want in zip(events(), wanted, strict=True)]
     (splits,), (place,) = _addresses(_SPLITS, [division]), _addresses(_PLACE, [division])
     order = np.array(in_order(), np.int64)
-    return Handed(Rules(order, _addresses(_BEGIN, used), _addresses(_LAST, used), int(splits), int(place)), RULES)
+    return StructPointer(
+        Rules(order, _addresses(_BEGIN, used), _addresses(_LAST, used), int(splits), int(place)), RULES
+    )
 
 
 def handed_forces(forces: Sequence[tuple[Force, float]], stores: Integers, numbers: int, scale: float) -> Any:
@@ -61,7 +62,7 @@ def handed_forces(forces: Sequence[tuple[Force, float]], stores: Integers, numbe
     push = _addresses(_PUSH, [force for force, _ in forces])
     strengths = np.array([strength for _, strength in forces])
     parts = (_compiled(PART, evaluate).address, _compiled(PART, follow).address)
-    return Handed(OwnForces(push, strengths, stores, numbers, scale, *parts), OWN)
+    return StructPointer(OwnForces(push, strengths, stores, numbers, scale, *parts), OWN)
 
 
 def push_and_energy(force: Force) -> tuple[int, int]:

@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 
+from dincl.compiled.generators import GENERATOR, generator_words
+from dincl.compiled.lanes import WIDTH
 from tissue.division import BESIDE, DivisionRule
 from tissue.force import Force
 from tissue.kernels.board import EMPTY, RUNNING, Boards
-from tissue.kernels.handed import GENERATOR, generator_words, handed_numbers
-from tissue.kernels.lanes import WIDTH
+from tissue.kernels.handed import handed_numbers
 from tissue.kernels.store import Store, grown
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers

@@ -10,14 +10,10 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numba import types
 
-from dincl.compiled import inner
-from dincl.compiled.structs import reader
+from dincl.compiled import call, inner, reader, signature, struct_type
 from tissue.kernels.board import FLAT, Board
-from tissue.kernels.handed import NUMBERS, kind_of_handle, numbers_at
-from tissue.kernels.lanes import instruction
-from tissue.kernels.rules import called
+from tissue.kernels.handed import NUMBERS, numbers_at
 from tissue.kernels.store import CELLS, STORE, Store, store_at
 from tissue.state.cells import Floats, Integers
 from tissue.state.forces import Forces
@@ -37,30 +33,14 @@ class OwnForces(NamedTuple):
 
 
 _EXAMPLE = OwnForces(np.zeros(1, np.int64), np.zeros(1), np.zeros(1, np.int64), 0, 0.0, 0, 0)
-OWN = kind_of_handle(_EXAMPLE)
+OWN = struct_type(_EXAMPLE)
 own_at = reader(_EXAMPLE)
 # push(store, on, strength, numbers) and energy(store, strength, numbers) of a force; a part of a substep.
-PUSH: Any = types.void(STORE, kind_of_handle(Forces(*np.zeros((6, 1)))), types.float64, NUMBERS)
-ENERGY: Any = types.float64(STORE, types.float64, NUMBERS)
-PART: Any = types.void(OWN, FLAT)
-
-
-@instruction
-def call_push(typing: Any, address: Any, store: Any, on: Any, strength: Any, numbers: Any) -> Any:
-    """Call a function ``push`` by its address."""
-    return called(PUSH)
-
-
-@instruction
-def call_energy(typing: Any, address: Any, store: Any, strength: Any, numbers: Any) -> Any:
-    """Call a function ``energy`` by its address."""
-    return called(ENERGY)
-
-
-@instruction
-def call_own(typing: Any, address: Any, own: Any, board: Any) -> Any:
-    """Call ``evaluate`` or ``follow`` by its address."""
-    return called(PART)
+PUSH: Any = signature(None, STORE, struct_type(Forces(*np.zeros((6, 1)))), float, NUMBERS)
+ENERGY: Any = signature(float, STORE, float, NUMBERS)
+PART: Any = signature(None, OWN, FLAT)
+# Calls of these functions by their addresses, with the arguments above.
+call_push, call_energy, call_own = call(PUSH), call(ENERGY), call(PART)
 
 
 @inner

@@ -8,11 +8,9 @@ from __future__ import annotations
 from threading import Lock
 from typing import Any
 
-from numba import types
-
-from dincl.compiled import c_function, inner
+from dincl.compiled import c_function, inner, signature
+from dincl.compiled.lanes import WIDTH
 from tissue.kernels.board import Board, board_at, wide_board_at
-from tissue.kernels.lanes import WIDTH
 from tissue.kernels.normals import shake
 from tissue.model.basal_layer import lay, order_basal
 from tissue.model.discs import separate
@@ -21,7 +19,7 @@ from tissue.model.motion import move
 from tissue.model.repulsion import push_in_pairs, push_in_rows
 from tissue.step.own_forces import call_own, own_at
 
-_SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
+_SIGNATURE: Any = signature(int, int, int, int)
 
 
 @inner

@@ -54,9 +54,9 @@ def house_code() -> dict[str, str]:
 @cache
 def processor() -> str:
     """The kind of processor: results of different kinds may differ in the last bits."""
-    from llvmlite.binding import get_host_cpu_name
+    from dincl.compiled.dispatchers import processor_name
 
-    return f"{platform.system()} {platform.machine()} {get_host_cpu_name()}"
+    return f"{platform.system()} {platform.machine()} {processor_name()}"
 
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:

@@ -9,10 +9,10 @@ import numpy as np
 import pyarrow as pa
 from numpy.typing import NDArray
 
+from dincl.compiled.lanes import WIDTH
 from dincl.status import Status
 from tissue.events.known import FIRST, events, in_order
 from tissue.files.parameters import Parameters
-from tissue.kernels.lanes import WIDTH
 from tissue.kernels.store import CELLS, Store
 from tissue.lot import Lot
 from tissue.model.extents import measure_extents

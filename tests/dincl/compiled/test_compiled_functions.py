@@ -1,4 +1,4 @@
-"""Kernels are compiled again if code that they can reach has changed, in whichever file, and only then."""
+"""Functions of users are compiled again if code that they can reach has changed, in whichever file, and only then."""
 
 import os
 import subprocess
@@ -114,9 +114,13 @@ def test_functions_of_one_name_are_told_apart(folder: Path) -> None:
 
 @pytest.mark.slow
 def test_what_was_kept_for_a_type_that_is_gone_is_not_read(folder: Path) -> None:
-    """The files of numba hold the types of arguments, which it cannot make of a class that was renamed."""
+    """The files of numba hold the types of arguments, which it cannot make of a class that was renamed.
+
+    What was made of the old code is written over.
+    """
     (folder / "called" / "kinds.py").write_text(KINDS)
     (folder / "called" / "caller.py").write_text(TAKES_A_PAIR)
     assert called(folder) == (10.0, 1)
     replace(folder, "kinds", "Pair", "Renamed")
     assert called(folder) == (10.0, 1)
+    assert len(list(folder.rglob("*.nb*"))) == 2

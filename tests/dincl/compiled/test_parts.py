@@ -1,4 +1,4 @@
-"""Parts of kernels: one code for all constants, machine code only within kernels, their own text for Python."""
+"""Parts of kernels: machine code only within kernels, their own text for Python."""
 
 import numpy as np
 
@@ -41,11 +41,6 @@ def compiled_afresh(code, x):
     code(x)
     code.recompile()
     return code(x)
-
-
-def test_a_part_is_compiled_once_for_all_constants():
-    assert compiled_afresh(total, 2.0) == 15.0
-    assert len(power.overloads) == 1
 
 
 def test_a_part_is_machine_code_only_within_kernels():

@@ -67,7 +67,7 @@ def test_sweep_stays_in_its_arrays(n):
     state = heap(np.random.default_rng(n), n, 0.6, "square")
     boards = Boards(n + 1, 1, numbers(), 0.0, STRAIGHT)
     boards.block[:] = np.nan
-    board = boards.flat.parts
+    board = boards.flat.value
     board.x[:n], board.y[:n], board.radius[:n], board.counts[:] = state.x, state.y, state.radius, 0.0
     assert part(boards.flat, n, 0.0, 1) == -1
     np.testing.assert_array_equal((board.x[:n], board.y[:n]), twins.separate(state.x, state.y, state.radius))

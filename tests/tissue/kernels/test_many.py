@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import dincl
+from dincl.compiled.lanes import WIDTH
 from dincl.status import Status
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import aged, distance, freed, together
 from tests.tissue.states import layers, numbers
 from tissue.files.parameters import preset
 from tissue.first_order import simulate
-from tissue.kernels.lanes import WIDTH
 from tissue.many import simulate_many
 from tissue.run import RunFailed
 from tissue.step.advance import FULL

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from dincl.compiled.lanes import WIDTH, store
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
 from tests.twins.tissue import normals as twins_normals
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.kernels import kernel
-from tissue.kernels.lanes import WIDTH, store
 from tissue.kernels.normals import normals, shake, threefry
 from tissue.model.noise import draw_key
 

@@ -39,7 +39,7 @@ def board_of(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None
     numbers = SpaceNumbers(steps.substeps, scale * steps.repulsion, steps.max_basal, deviation)
     edges = max(len(state.junctions), len(state.neighbours), 1)
     boards = boards or SpaceBoards(n, edges, numbers, steps.surface)
-    board = boards.flat.parts
+    board = boards.flat.value
     for letter, points in (("", state.x), ("a", state.a), ("b", state.b)):
         for axis, line in zip("xyz", points, strict=True):
             getattr(board, letter + axis)[:n] = line
@@ -60,7 +60,7 @@ def board_of(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None
 
 def taken(boards: SpaceBoards, state: SpaceTissue) -> SpaceTissue:
     """The tissue with the points of the board."""
-    n, board = state.x.shape[1], boards.flat.parts
+    n, board = state.x.shape[1], boards.flat.value
     x, a, b = (np.array([getattr(board, letter + axis)[:n] for axis in "xyz"]) for letter in ("", "a", "b"))
     return state._replace(x=x, a=a, b=b)
 
@@ -73,9 +73,9 @@ def make_substeps(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None =
 def counted(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None) -> tuple[SpaceTissue, dict[str, int]]:
     """The same, and the counters."""
     boards = board_of(state, steps, boards)
-    before = boards.flat.parts.counts.copy()
+    before = boards.flat.value.counts.copy()
     call_substeps(boards, state.x.shape[1])
-    counts = dict(zip(SPACE_COUNTERS, (boards.flat.parts.counts - before).tolist(), strict=True))
+    counts = dict(zip(SPACE_COUNTERS, (boards.flat.value.counts - before).tolist(), strict=True))
     return taken(boards, state), counts
 
 

@@ -130,14 +130,14 @@ def test_strays_meet_all_others(seed, n, many, far, name, repulsion):
     gone = rng.permutation(n)[:many]
     state.x[:, gone] += rng.uniform(-far, far, (3, len(gone)))
     board_of(state, steps, boards)
-    lists = boards.flat.parts.counts[LISTS]
+    lists = boards.flat.value.counts[LISTS]
     _substep(boards.flat.address, boards.wide.address, n)
     made, expected = taken(boards, state), twins.make_substeps(state, steps)
     if repulsion == 0.0:
         np.testing.assert_array_equal(made.x, expected.x)
     else:
         assert distance(made, expected) < 1e-13
-        assert boards.flat.parts.counts[LISTS] == lists or many > MOST_STRAYS
+        assert boards.flat.value.counts[LISTS] == lists or many > MOST_STRAYS
 
 
 @pytest.mark.slow
@@ -165,7 +165,7 @@ def test_rows_that_find_no_room_are_found_anew():
     boards = board_of(state, steps)
     made, counts = counted(state, steps, boards)
     assert counts["pairs"] == 2 * n * (n - 1) // 2
-    assert boards.flat.parts.state[WHOLE] < n
+    assert boards.flat.value.state[WHOLE] < n
     assert distance(made, twins.make_substeps(state, steps)) < 1e-12
 
 

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from numba import types
-
-from dincl.compiled import c_function
-from dincl.compiled.structs import reader
-from tissue.kernels.handed import kind_of_handle, numbers_at
+from dincl.compiled import c_function, reader, signature, struct_type
+from tissue.kernels.handed import numbers_at
 from tissue.kernels.store import store_at
 from tissue.space.network.follow import STUCK, follow
 from tissue.space.network.relax import relax
@@ -17,7 +14,7 @@ from tissue.space.step.copies import copy_from_board, copy_to_board
 from tissue.space.step.shrink import shrink_junctions
 from tissue.step.advance import call_substeps
 
-_SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
+_SIGNATURE: Any = signature(int, int, int, int)
 
 
 class SpaceDesk(NamedTuple):
@@ -31,7 +28,7 @@ class SpaceDesk(NamedTuple):
 
 
 _EXAMPLE = SpaceDesk(0, 0, 0, 0, 0.0)
-DESK = kind_of_handle(_EXAMPLE)
+DESK = struct_type(_EXAMPLE)
 desk_at = reader(_EXAMPLE)
 
 

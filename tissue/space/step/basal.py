@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import either, fma, load, root, store
+from dincl.compiled.lanes import either, fma, load, root, store
 from tissue.space.step.board import BASAL_CORRECTIONS, NEIGHBOURS, ORDERED, SpaceBoard
 from tissue.space.step.images import nearest, periods
 from tissue.space.surface import PLANE, SPHERE

@@ -8,7 +8,7 @@ nucleus has gone.
 from __future__ import annotations
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import floored
+from dincl.compiled.lanes import floored
 from tissue.space.step.board import MANY, SpaceBoard
 from tissue.state.cells import Floats, Integers
 

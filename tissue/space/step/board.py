@@ -8,11 +8,10 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compiled.structs import reader
+from dincl.compiled import StructPointer, reader, struct_type
+from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tissue.kernels.board import aligned
-from tissue.kernels.handed import Handed, kind_of_handle
-from tissue.kernels.lanes import WIDTH
 from tissue.model.repulsion import SOFT
 from tissue.space.step.quads import QUAD_WIDTH
 from tissue.space.surface import FLAT_SURFACE, Surface
@@ -152,8 +151,8 @@ class SpaceBoards:
         periods = {f"along_{axis}": period(f"period_{axis}", getattr(surface, f"period_{axis}")) for axis in "xz"}
         same = _common(m, edges) | numbers._asdict() | {"surface": surface} | periods
         # For kernels these are ``SpaceBoard``.
-        self.flat: Any = Handed(SpaceBoard(**block, noise_key=np.zeros(2, np.int64), **same), SPACE_FLAT)
-        self.wide: Any = Handed(SpaceBoard(**rows, noise_key=np.zeros((2, WIDTH), np.int64), **same), _WIDE)
+        self.flat: Any = StructPointer(SpaceBoard(**block, noise_key=np.zeros(2, np.int64), **same), SPACE_FLAT)
+        self.wide: Any = StructPointer(SpaceBoard(**rows, noise_key=np.zeros((2, WIDTH), np.int64), **same), _WIDE)
 
 
 def period(name: str, length: float) -> Period:
@@ -186,5 +185,5 @@ def _example(*shape: int) -> SpaceBoard:
     return SpaceBoard(**block, **_common(1, 1), **SpaceNumbers(0, 0.0, 0.0)._asdict(), **none)
 
 
-SPACE_FLAT, _WIDE = kind_of_handle(_example(1)), kind_of_handle(_example(1, WIDTH))
+SPACE_FLAT, _WIDE = struct_type(_example(1)), struct_type(_example(1, WIDTH))
 space_board_at, wide_space_board_at = reader(_example(1)), reader(_example(1, WIDTH))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import floored, fma
+from dincl.compiled.lanes import floored, fma
 from tissue.space.step.board import SpaceBoard
 
 Lane = Any  # a double, or eight

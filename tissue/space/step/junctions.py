@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import fma, twice_rsqrt, where_positive
+from dincl.compiled.lanes import fma, twice_rsqrt, where_positive
 from tissue.space.step.board import JUNCTIONS, SpaceBoard
 from tissue.space.step.images import nearest, periods
 

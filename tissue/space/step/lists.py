@@ -7,11 +7,10 @@ skin since, a pair that is not listed is beyond the range. A few nuclei may stra
 from __future__ import annotations
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import WIDTH, fma, load, lowest_bit, positive_bits, where_positive
+from dincl.compiled.lanes import WIDTH, fma, load, load_from, lowest_bit, positive_bits, where_positive
 from tissue.model.repulsion import SOFT
 from tissue.space.step.bins import find_beside, sort_in_bins
 from tissue.space.step.board import FRESH, LISTS, MANY, STRAYS, WHOLE, SpaceBoard
-from tissue.space.step.eight import load_from
 from tissue.space.step.hard_pairs import add_hard, begin_hard, end_hard
 from tissue.space.step.images import nearest, periods
 from tissue.space.step.quads import QUAD_WIDTH
@@ -24,6 +23,8 @@ HALF_SKIN = 0.499 * SKIN
 MOST_STRAYS = 16
 # A margin that finds none.
 NO_BALLS = -1e300
+# load_eight(a, k): entries k to k + 7 of a flat array.
+load_eight = load_from(WIDTH)
 
 
 @inner
@@ -131,14 +132,14 @@ def _list_row(board: SpaceBoard, p: int, ranges: int, reach: float, into: int, m
     for k in range(ranges):
         end = min(board.end[k], p)
         for q in range(board.begin[k], end, WIDTH):
-            dx, dy = nearest(load_from(x, q) - x[p], length_x, by_x), load_from(y, q) - y[p]
-            dz = nearest(load_from(z, q) - z[p], length_z, by_z)
+            dx, dy = nearest(load_eight(x, q) - x[p], length_x, by_x), load_eight(y, q) - y[p]
+            dz = nearest(load_eight(z, q) - z[p], length_z, by_z)
             square = fma(dx, dx, fma(dy, dy, dz * dz))
             near = positive_bits(reach * reach - square)
             if end - q < WIDTH:
                 near &= (1 << (end - q)) - 1
             if near:
-                balls = load_from(radius, q) + (radius[p] + margin)
+                balls = load_eight(radius, q) + (radius[p] + margin)
                 touch = near & positive_bits(where_positive(balls, balls * balls) - square)
                 for lane in range(WIDTH):
                     listed[into] = q + lane

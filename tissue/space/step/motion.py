@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import fma, load, store, twice_rsqrt
+from dincl.compiled.lanes import fma, load, store, twice_rsqrt
 from tissue.model.springs import stretched
 from tissue.space.step.board import SpaceBoard
 from tissue.space.surface import PLANE, SPHERE

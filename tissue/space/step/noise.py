@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import fma, load, store
+from dincl.compiled.lanes import fma, load, store
 from tissue.kernels.normals import normals, shake
 from tissue.space.step.board import SpaceBoard
 

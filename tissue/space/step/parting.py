@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import WIDTH
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST
-from tissue.kernels.lanes import WIDTH
 from tissue.space.step.balls import separate_balls
 from tissue.space.step.board import ALL, SpaceBoard, space_board_at, wide_space_board_at
 from tissue.space.step.images import nearest, periods

@@ -5,25 +5,22 @@ from __future__ import annotations
 from typing import Any
 
 from dincl.compiled import inner
+from dincl.compiled.lanes import floored, fma
 from tissue.kernels.board import FAR
 from tissue.space.step.board import PAIRS, SpaceBoard
 from tissue.space.step.images import periods
 from tissue.space.step.lists import row_of
 from tissue.space.step.quads import (
     QUAD_WIDTH,
+    Quad,
     each_of_quad,
-    floored_quad,
-    fma_quad,
     four_places,
-    less_product,
     load_quad,
     quad_of,
     repelling_quad,
     store_quad,
     turned_quads,
 )
-
-Quad = Any  # four doubles
 
 
 @inner
@@ -63,7 +60,7 @@ def _push_from(board: SpaceBoard, p: int, begin: int, end: int) -> None:
         d_0, d_1 = _from_image(here, at, q_0, length, inverse), _from_image(here, at, q_1, length, inverse)
         d_2, d_3 = _from_image(here, at, q_2, length, inverse), _from_image(here, at, q_3, length, inverse)
         x, y, z = turned_quads(d_0, d_1, d_2, d_3)
-        w_0, w_1, w_2, w_3 = each_of_quad(repelling_quad(fma_quad(x, x, fma_quad(y, y, z * z))))
+        w_0, w_1, w_2, w_3 = each_of_quad(repelling_quad(fma(x, x, fma(y, y, z * z))))
         total = _push(pushed, q_0, w_0, d_0, total)
         total = _push(pushed, q_1, w_1, d_1, total)
         total = _push(pushed, q_2, w_2, d_2, total)
@@ -75,11 +72,11 @@ def _push_from(board: SpaceBoard, p: int, begin: int, end: int) -> None:
 def _from_image(here: Quad, at: Any, q: int, length: Quad, inverse: Quad) -> Quad:
     """The difference to the nearest image of a place."""
     d = here - load_quad(at, q)
-    return less_product(d, length, floored_quad(fma_quad(d, inverse, quad_of(0.5, 0.5, 0.5))))
+    return fma(-length, floored(fma(d, inverse, quad_of(0.5, 0.5, 0.5))), d)
 
 
 @inner
 def _push(pushed: Any, q: int, weight: Quad, d: Quad, total: Quad) -> Quad:
     """Push place q by -``weight`` d; ``total`` and the opposite."""
-    store_quad(pushed, q, less_product(load_quad(pushed, q), weight, d))
-    return fma_quad(weight, d, total)
+    store_quad(pushed, q, fma(-weight, d, load_quad(pushed, q)))
+    return fma(weight, d, total)

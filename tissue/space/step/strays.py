@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dincl.compiled import inner
-from tissue.kernels.lanes import WIDTH, fma, load, lowest_bit, positive_bits
+from dincl.compiled.lanes import WIDTH, fma, load, lowest_bit, positive_bits
 from tissue.model.repulsion import SOFT, repelling
 from tissue.space.step.board import ALL, FOUND, PAIRS, STRAYS, SpaceBoard
 from tissue.space.step.images import nearest, periods

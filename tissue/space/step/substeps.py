@@ -5,10 +5,8 @@ from __future__ import annotations
 from threading import Lock
 from typing import Any
 
-from numba import types
-
-from dincl.compiled import c_function, inner
-from tissue.kernels.lanes import WIDTH
+from dincl.compiled import c_function, inner, signature
+from dincl.compiled.lanes import WIDTH
 from tissue.space.step.balls import separate_balls
 from tissue.space.step.basal import hold_together, keep_order, put_on_surface
 from tissue.space.step.board import FRESH, SUBSTEPS, SpaceBoard, space_board_at, wide_space_board_at
@@ -19,7 +17,7 @@ from tissue.space.step.noise import shake_nuclei
 from tissue.space.step.soft import push_nuclei
 from tissue.space.step.strays import push_strays
 
-_SIGNATURE: Any = types.int64(types.int64, types.int64, types.int64)
+_SIGNATURE: Any = signature(int, int, int, int)
 
 
 @inner

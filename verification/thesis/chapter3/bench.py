@@ -15,10 +15,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from dincl.compiled.lanes import WIDTH
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.first_order import simulate
-from tissue.kernels.lanes import WIDTH
 from tissue.kernels.store import COUNTERS
 from tissue.many import simulate_many
 from tissue.quasi_steady.run import simulate_quasi_steady

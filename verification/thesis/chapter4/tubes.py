@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import pandas as pd
 
+from dincl.compiled.lanes import WIDTH
 from dincl.study import progress
 from tissue.files.parameters import Parameters, preset
-from tissue.kernels.lanes import WIDTH
 from tissue.lot import Lot
 from tissue.state.cells import Flags, Integers
 from tissue.state.frame import Frame

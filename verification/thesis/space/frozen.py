@@ -52,7 +52,7 @@ def substepped_in_space(state: FrozenInSpace, steps: int) -> tuple[Floats, int]:
     (frame, numbers), rates, n = state, rates_of(*state), len(state.frame.cells.x)
     scale = numbers.dt / steps
     boards = _board(state, steps)
-    board = boards.flat.parts
+    board = boards.flat.value
     board.k_ax[:n], board.k_bx[:n], board.k_axb[:n] = scale * rates.k_ax, scale * rates.k_bx, scale * rates.k_axb
     board.l_ax[:n], board.l_bx[:n] = rates.l_ax, rates.l_bx
     board.b_moves[:n], board.radius[:n], board.id[:n] = 1.0, frame.cells.radius, np.arange(n)
@@ -73,7 +73,7 @@ def _board(state: FrozenInSpace, steps: int) -> SpaceBoards:
     near = frame.sheets.basal.edges
     of_board = SpaceNumbers(steps, numbers.dt / steps * rates.repulsion, numbers.max_basal)
     boards = SpaceBoards(len(frame.cells.x), max(len(rates.rest), len(near)), of_board, frame.sheets.surface)
-    board = boards.flat.parts
+    board = boards.flat.value
     board.junctions[: len(rates.rest)], board.neighbours[: len(near)] = rates.junctions, near
     board.sizes[:] = len(rates.rest), len(near), 0  # a sheet has no order
     return boards

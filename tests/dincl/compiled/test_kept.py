@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dincl.compiled.cache import CheckedFiles
+from dincl.compiled.kept import CheckedFiles
 
 PLAIN = "def scaled(x):\n    return 2 * x + 1\n\n\ndef called(x):\n    return 3.0 * x + 1.0\n"
 PROGRAM = """

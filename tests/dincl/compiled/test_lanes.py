@@ -4,18 +4,26 @@ import numba
 import numpy as np
 import pytest
 
-from tissue.kernels.lanes import (
+from dincl.compiled.lanes import (
     WIDTH,
+    binary_parts,
     either,
+    floored,
     fma,
+    gather,
+    integers_from,
     load,
+    load_from,
     load_wide,
     lowest_bit,
     maximum,
+    packed,
     positive_bits,
     root,
+    shuffle,
     spread,
     store,
+    store_to,
     twice_rsqrt,
     where_positive,
 )
@@ -151,3 +159,69 @@ def test_one_number_meets_eight(rng):
     in_all_lanes(a[:, 2].copy(), one)
     np.testing.assert_array_equal(eight, a)
     np.testing.assert_array_equal(one, np.repeat(a[:, 2:3], WIDTH, axis=1))
+
+
+load_four, store_four = load_from(4), store_to(4)
+three_and_zero, integers, crossed, reversed_ = packed(4, 3), integers_from(4), shuffle(0, 4, 1, 5), shuffle(3, 2, 1, 0)
+
+
+@numba.njit(error_model="numpy")
+def in_fours(a, b, out):
+    """What is done with lanes of another width: they begin anywhere."""
+    x, y = load_four(a, 1), load_four(b, 2)
+    store_four(out, 0, fma(-x, y, 2.0) - x / y)
+    store_four(out, 4, floored(y) + where_positive(x, twice_rsqrt(y * y)))
+    store_four(out, 8, three_and_zero((a[0], b[0], 0.5)))
+    store_four(out, 12, crossed(x, y))
+    store_four(out, 16, reversed_(x, x))
+
+
+@numba.njit(error_model="numpy")
+def four_integers(a, k):
+    return integers(a, k)
+
+
+@numba.njit(error_model="numpy")
+def parts_of(a, mantissa, exponent):
+    for i in range(len(a)):
+        m, e = binary_parts(load(a, i))
+        store(mantissa, i, m)
+        store(exponent, i, e)
+
+
+@numba.njit(error_model="numpy")
+def gathered(a, places, k, out):
+    store(out, 0, gather(a, load(places, 0), k))
+
+
+def test_lanes_of_another_width(rng):
+    a, b, out = rng.normal(size=7), rng.normal(size=7), np.zeros(20)
+    in_fours(a, b, out)
+    x, y = a[1:5], b[2:6]
+    rows = [-x * y + 2.0 - x / y, np.floor(y) + np.where(x > 0, 2 / abs(y), 0.0), [a[0], b[0], 0.5, 0.0]]
+    rows += [[x[0], y[0], x[1], y[1]], x[::-1]]
+    np.testing.assert_allclose(out.reshape(5, 4), rows, rtol=ACCURATE, atol=1e-15)
+
+
+def test_short_integers():
+    found = four_integers(np.array([9, -1, 2, -3, 2**31 - 1], np.int32), 1)
+    assert found == (-1, 2, -3, 2**31 - 1)
+
+
+def test_binary_parts(rng):
+    a = np.exp(rng.uniform(-300.0, 300.0, 3 * WIDTH))
+    mantissa, exponent = np.frexp(a)
+    for shape in ((-1,), (-1, WIDTH)):
+        m, e = np.zeros((2, len(a)))
+        parts_of(a.reshape(shape), m.reshape(shape), e.reshape(shape))
+        np.testing.assert_array_equal(m, 2 * mantissa)
+        np.testing.assert_array_equal(e, exponent - 1.0)
+
+
+def test_places_of_each_lane(rng):
+    a, places = rng.normal(size=20), rng.integers(0, 18, WIDTH).astype(float)
+    eight, one = np.zeros((1, WIDTH)), np.zeros(1)
+    gathered(a, places.reshape(1, WIDTH), 2, eight)
+    gathered(a, places[:1], 2, one)
+    np.testing.assert_array_equal(eight[0], a[places.astype(int) + 2])
+    assert one[0] == eight[0, 0]

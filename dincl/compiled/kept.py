@@ -1,0 +1,121 @@
+"""Machine code kept on the disk, under a stamp of the code it was made of, with checksums.
+
+Numba keys kept code by the file of the function alone, and so uses it when a function that it calls has changed. It
+reads its files as they are: an empty one ends the program with an error, machine code in which a bit has changed with
+any value, or with a fault of memory. This is for results that are right, not for speed.
+"""
+
+from __future__ import annotations
+
+import inspect
+import pickle
+import textwrap
+from collections.abc import Callable
+from contextlib import suppress
+from hashlib import sha256
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+import numba
+from numba.core.caching import CacheImpl, CompileResultCacheImpl, FunctionCache, IndexDataCacheFile, _CacheLocator
+from numba.core.serialize import dumps
+
+from dincl.compiled.folders import stamp
+from dincl.provenance.source import source
+
+MAKES_NO_NUMBERS = True
+
+DIGEST = sha256().digest_size
+
+
+class CheckedFiles(IndexDataCacheFile):
+    """The files of one function: an index, from types of arguments to names of files, and a file for each of these.
+
+    Each begins with a checksum, also of the version of numba and of the stamp: numba could not read types in it whose
+    classes have another name by now. Each file of machine code contains its key: two processes may have given the
+    same name to two of them.
+    """
+
+    def load(self, key: Any) -> Any:
+        """Return what was kept for a key; None if there is nothing, or nothing sound."""
+        name = self._load_index().get(key)
+        path = None if name is None else self._data_path(name)  # type: ignore[no-untyped-call]
+        kept, code = (None, None) if path is None else self._read(path) or (None, None)
+        return code if kept == key else None
+
+    def save(self, key: Any, data: Any) -> None:
+        """Keep what belongs to a key, the index last; a full disk costs another compilation later."""
+        index = self._load_index()
+        names = (name for name in map(self._data_name, count(1)) if name not in index.values())
+        name = index.get(key) or next(names)
+        with suppress(OSError):
+            self._write(self._data_path(name), (key, data))  # type: ignore[no-untyped-call]
+            self._write(self._index_path, {**index, key: name})
+
+    def flush(self) -> None:
+        """Forget what was kept."""
+        self._write(self._index_path, {})
+
+    def _load_index(self) -> dict[Any, str]:
+        return self._read(self._index_path) or {}
+
+    def _write(self, path: str, value: Any) -> None:
+        data = dumps(value)
+        with self._open_for_write(path) as file:  # which is renamed at the end
+            file.write(self._checksum(data) + data)
+
+    def _read(self, path: str) -> Any:
+        """Return what was written; None if it is not there, damaged, or of another version or stamp."""
+        try:
+            data = Path(path).read_bytes()
+        except OSError:
+            return None
+        return pickle.loads(data[DIGEST:]) if data[:DIGEST] == self._checksum(data[DIGEST:]) else None
+
+    def _checksum(self, data: bytes) -> bytes:
+        return sha256(f"{numba.__version__} {self._source_stamp} ".encode() + data).digest()
+
+
+class _Place(_CacheLocator):
+    """The folder that numba would take, for files named after the text of the function and marked with our stamp."""
+
+    def __init__(self, function: Callable[..., Any], place: Any) -> None:
+        self._function, self._place = function, place
+        self._py_file = place._py_file
+
+    @classmethod
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Place | None:
+        """Take the first place that numba would."""
+        classes: list[Any] = CacheImpl._locator_classes
+        found = (standard.from_function(py_func, py_file) for standard in classes)
+        return next((cls(py_func, place) for place in found if place is not None), None)
+
+    def get_cache_path(self) -> str:
+        """Return the folder."""
+        return str(self._place.get_cache_path())
+
+    def get_source_stamp(self) -> str:
+        """Return the stamp of the machine code."""
+        return stamp(self._function)
+
+    def get_disambiguator(self) -> str:
+        """Tell functions of one name in one file apart by their text: lines shift with every comment."""
+        return source(textwrap.dedent(inspect.getsource(self._function))).digest
+
+
+class _Machinery(CompileResultCacheImpl):
+    """The part of numba that turns compiled functions into bytes and back, with our place."""
+
+    _locator_classes = [_Place]  # noqa: RUF012  # as numba has it
+
+
+class KeptCode(FunctionCache):
+    """The machine code of one function on the disk, as by numba's ``cache=True``, with our stamp and our files."""
+
+    _impl_class = _Machinery
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        super().__init__(function)  # type: ignore[no-untyped-call]
+        files: Any = CheckedFiles
+        self._cache_file = files(self.cache_path, self._impl.filename_base, stamp(function))
