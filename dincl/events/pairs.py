@@ -15,10 +15,14 @@ if TYPE_CHECKING:
 # The least tolerance, relative to the size of the problem, for which a pair is taken: for loose ones a step between two
 # events is enough, and the fewest stages win.
 LOW, MIDDLE = 1e-6, 1e-8
+# With many particles events are so frequent that steps between them are short, and order 5 is enough for any tolerance.
+LOW_OF_MANY = 1e-9
 
 
-def pair_for(tol: float) -> RungeKutta:
+def pair_for(tol: float, many: bool) -> RungeKutta:
     """The pair for a relative tolerance: of order 3 (Bogacki, Shampine), 5 or 8 (Dormand, Prince)."""
+    if many:
+        return _order_3() if tol >= LOW_OF_MANY else _order_5()
     return _order_3() if tol >= LOW else _order_5() if tol >= MIDDLE else _order_8()
 
 

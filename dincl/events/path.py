@@ -10,6 +10,7 @@ import numpy as np
 from dincl.compiled.structs import written
 from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
+from dincl.events.gram_room import GramRoom, gram_room
 from dincl.kernels import events as kernels
 from dincl.kernels.choice import TOUCHING
 from dincl.kernels.march import STATE, March, Path, RungeKutta, begin_march, room_for_path
@@ -27,15 +28,18 @@ class PathPieces(Between):
     ``size`` is that of the problem, ``start`` is x(0), shape (N d,).
     """
 
-    def __init__(self, system: SmallSystem, pair: RungeKutta, size: float, start: NDArray[np.float64]) -> None:
+    def __init__(
+        self, system: SmallSystem, gram: GramRoom, pair: RungeKutta, size: float, start: NDArray[np.float64]
+    ) -> None:
         self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
-        self._start, self._system = start, system
+        self._start, self._system, self._gram = start, system, gram
         self._spacing, self._kinks = system.sets.spacing, system.sets.kinks
         self._parts: list[Path] = []
 
     def add(self, path: Path, size: float) -> None:
         """More pieces, and the size that the problem has now."""
-        self._parts.append(path)
+        if len(path.end):
+            self._parts.append(path)
         self._size = size
 
     def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -48,7 +52,7 @@ class PathPieces(Between):
         overlap = np.empty(len(times))
         with self._system.sets:
             scaled = x.reshape(len(times), -1) / self._units.length
-            kernels.overlaps_at(self._handle, times / self._units.time, scaled, overlap)
+            kernels.overlaps_at(self._handle(0), times / self._units.time, scaled, overlap)
         if self._system.sets.failed:
             self._system.sets.failure()
         return overlap * self._units.length
@@ -56,65 +60,72 @@ class PathPieces(Between):
     def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """With the velocity from before each time, or from after t = 0."""
         scaled = np.asarray(times) / self._units.time
-        pairs = zip(times, scaled, self._pieces(scaled), self._states(scaled), strict=True)
-        return np.array([self._residual(float(t), float(s), int(piece), x) for t, s, piece, x in pairs])
+        pairs = zip(times, scaled, *self._pieces(scaled), self._states(scaled), strict=True)
+        return np.array([self._residual(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in pairs])
 
     def __getstate__(self) -> dict[str, Any]:
         """Without what is bound to this process."""
-        return {name: value for name, value in self.__dict__.items() if name not in ("_bound", "_words", "_system")}
+        bound = ("_bound", "_words", "_system", "_gram")
+        return {name: value for name, value in self.__dict__.items() if name not in bound}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With a system of this process."""
-        self.__dict__ |= state | {"_system": SmallSystem(state["_problem"], units=state["_units"])}
+        system = SmallSystem(state["_problem"], units=state["_units"])
+        self.__dict__ |= state | {"_system": system, "_gram": gram_room(system.arrays)}
 
     @cached_property
     def _bound(self) -> March:
-        """Made when the run has ended."""
-        if self._parts:
-            path = Path._make(np.concatenate(parts) for parts in zip(*self._parts, strict=True))
-        else:
-            path = room_for_path(0, self._start.size, 0, 0)
+        """A run without pieces, made when the run has ended."""
+        path = room_for_path(0, self._pair.terms, self._start.size, 0, 0)
         state = np.zeros(1, dtype=STATE)
         state["size"] = self._size
-        system = self._system
-        return begin_march(system.place, system.arrays, self._pair, state, path, self._start.copy(), np.zeros(0))
+        system, x = self._system, self._start.copy()
+        return begin_march(system.place, self._gram.place, system.arrays, self._pair, state, path, x, np.zeros(0))
 
     @cached_property
-    def _words(self) -> NDArray[np.int64]:
-        return written(self._bound)
+    def _words(self) -> list[NDArray[np.int64]]:
+        """The run with each part of its path; in one array the path of many particles would need its room twice."""
+        paths = self._parts or [self._bound.path]
+        return [written(self._bound._replace(path=path)) for path in paths]
 
-    @property
-    def _handle(self) -> int:
-        return int(self._words.ctypes.data)
+    def _handle(self, part: int) -> int:
+        return int(self._words[part].ctypes.data)
 
     def _states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """The states (K, n) in the units of the run."""
-        march = self._bound
         self._system.sets.spacing, self._system.sets.kinks = self._spacing, self._kinks
         x = np.tile(self._start, (len(times), 1))
-        later = times > 0
-        if later.any() and len(march.path.end):
-            made = np.empty((int(later.sum()), x.shape[1]))
-            with self._system.drift, self._system.sets:
-                code = kernels.states_at(self._handle, times[later], self._pieces(times)[later], made)
-            if code != OK:
-                self._system.failure(code)
-            x[later] = made
+        if not self._parts or not len(times):
+            return x
+        part, piece = self._pieces(times)
+        with self._system.drift, self._system.sets:
+            for k in range(part.min(), part.max() + 1):
+                mine = (part == k) & (times > 0)
+                made = x[mine]
+                code = kernels.states_at(self._handle(k), times[mine], piece[mine], made)
+                if code != OK:
+                    self._system.failure(code)
+                x[mine] = made
         return x
 
-    def _pieces(self, times: NDArray[np.float64]) -> NDArray[np.int64]:
-        ends = self._bound.path.end
-        found: NDArray[np.int64] = np.minimum(np.searchsorted(ends, times), max(len(ends) - 1, 0))
-        return found
+    def _pieces(self, times: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """For each time the part of the path, and the piece in it."""
+        part, piece = np.zeros(len(times), dtype=np.int64), np.zeros(len(times), dtype=np.int64)
+        begins = -np.inf
+        for k, path in enumerate(self._parts):
+            later = times > begins
+            part[later], begins = k, path.end[-1]
+            piece[later] = np.minimum(np.searchsorted(path.end, times[later]), len(path.end) - 1)
+        return part, piece
 
-    def _residual(self, t: float, scaled: float, piece: int, x: NDArray[np.float64]) -> float:
+    def _residual(self, t: float, scaled: float, part: int, piece: int, x: NDArray[np.float64]) -> float:
         """The residual at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
-        if not len(self._bound.path.end):
+        if not self._parts:
             return np.inf
         rate, at = np.empty(x.size), x.reshape(self._problem.x0.shape) * self._units.length
         try:
             with self._system.drift, self._system.sets:
-                code = kernels.rate_at(self._handle, scaled, piece, x, rate)
+                code = kernels.rate_at(self._handle(part), scaled, piece, x, rate)
             if code != OK:
                 self._system.failure(code)
             reaction = rate * self._units.speed - self._problem.velocity(t, at).ravel()

@@ -1,11 +1,14 @@
 """Which contacts push from an event on: a least-distance program among the velocities."""
 
 from dincl.compiled import inner
-from dincl.kernels.active_set import nearest
+from dincl.kernels.active_set import CYCLES, nearest
 from dincl.kernels.catch_up import list_sorted
 from dincl.kernels.factor import times
 from dincl.kernels.march import CLOSED, HELD, OPEN, march_at
 from dincl.kernels.motion import least_speed
+from dincl.kernels.sparse_active_set import nearest_sparse
+from dincl.kernels.sparse_factor import SPARSE_FROM, gram_at
+from dincl.kernels.sparse_order import FEW, analyse, covers
 from dincl.kernels.system import COINCIDENT, OK, SETS, evaluate, longest, system_at
 from dincl.kernels.table import SPEEDS, ask, gap, linearise
 
@@ -14,6 +17,8 @@ TOUCHING = 1e-13
 # Pushes and opening speeds are zero below the tolerance over the time of the run, but for these parts of the largest
 # speed at least, for rounding, and at most.
 LEAST_ZERO, ZERO = 1e-13, 1e-10
+# Usual phases to look ahead for rows that are analysed with those that touch.
+COMING = 10.0
 
 
 @inner
@@ -36,7 +41,7 @@ def choose(run: int) -> int:
     if count < 0:
         return COINCIDENT
     state.slow = min(max(state.tol / state.end, LEAST_ZERO * state.speed), ZERO * state.speed)
-    code = nearest(system.rows, march.touching, count, program, system.chosen, state.speed)
+    code = nearest_velocity(run, count)
     if code != OK:
         return code
     note_changes(run, count)
@@ -47,6 +52,39 @@ def choose(run: int) -> int:
             held.row[held.number[0]] = r
             held.number[0] += 1
     return OK
+
+
+@inner
+def nearest_velocity(run: int, count: int) -> int:
+    """Find the nearest velocity to the drift, and the pushes: with a sparse factor where many rows touch."""
+    march = march_at(run)
+    system, gram, speed = system_at(march.place), gram_at(march.gram), march.state[0].speed
+    rows, program, code = system.rows, system.program, CYCLES
+    if count >= SPARSE_FROM:
+        covered = covers(march.touching, count, gram)
+        if covered or analyse(rows, march.touching, list_coming(run, count), gram):
+            code = nearest_sparse(rows, march.touching, count, program, gram, speed)
+    return code if code != CYCLES else nearest(rows, march.touching, count, program, system.chosen, speed)
+
+
+@inner
+def list_coming(run: int, count: int) -> int:
+    """List after the rows that touch those that do so soon if all goes on as before; the number of all.
+
+    They are analysed with the others, switched off, so that the analysis serves for more than one event.
+    """
+    march = march_at(run)
+    state, system, x, point = march.state[0], system_at(march.place), march.x, march.point
+    rows, sets, near, found = system.rows, system.sets, system.near, count
+    for k in range(x.size):
+        point[k] = x[k] + COMING * state.usual_phase * march.rate[0, k]
+    for q in range(near.number[0]):
+        r = near.row[q]
+        touches = gap(rows, sets, r, x) <= TOUCHING * state.size
+        if not touches and found < count + FEW and gap(rows, sets, r, point) <= 0.0:
+            march.touching[found] = r
+            found += 1
+    return found
 
 
 @inner
@@ -77,7 +115,7 @@ def note_changes(run: int, count: int) -> None:
     march = march_at(run)
     state, system = march.state[0], system_at(march.place)
     program, rows = system.program, system.rows
-    zero, path, overlap = state.slow, march.path, -0.5 * TOUCHING * state.size
+    zero, overlap = state.slow, -0.5 * TOUCHING * state.size
     for q in range(count):
         r = march.touching[q]
         opening = times(rows, r, program.gradient, program.z) - program.bound[r]
@@ -86,12 +124,28 @@ def note_changes(run: int, count: int) -> None:
             march.change[r] = HELD
         elif opening <= zero:
             march.change[r] = CLOSED
-    for r in range(rows.row.size):
-        before, now = march.closed[r], march.change[r]
-        if (before == OPEN) != (now == OPEN) and state.phase > 0 and state.events < path.event.shape[0]:
-            path.event[state.events, 0] = state.now
-            path.event[state.events, 1] = r
-            path.event[state.events, 3] = state.phase
-            path.event[state.events, 2] = 0.0 if now == OPEN else 1.0
-            state.events += 1
-        march.closed[r], march.change[r] = now, OPEN
+    for q in range(state.listed):
+        r = march.listed[q]
+        if march.change[r] == OPEN:
+            march.closed[r] = OPEN
+            note_event(run, r, 0.0)
+    state.listed = 0
+    for q in range(count):
+        r = march.touching[q]
+        if march.change[r] != OPEN:
+            if march.closed[r] == OPEN:
+                note_event(run, r, 1.0)
+            march.closed[r], march.change[r] = march.change[r], OPEN
+            march.listed[state.listed] = r
+            state.listed += 1
+
+
+@inner
+def note_event(run: int, r: int, closes: float) -> None:
+    """Note that row r closes or opens now, but not at the start."""
+    march = march_at(run)
+    state, event = march.state[0], march.path.event
+    if state.phase > 0 and state.events < event.shape[0]:
+        event[state.events, 0], event[state.events, 1] = state.now, r
+        event[state.events, 2], event[state.events, 3] = closes, state.phase
+        state.events += 1

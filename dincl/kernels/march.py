@@ -36,6 +36,7 @@ STATE = np.dtype(
         ("level", np.float64),  # what a gap must not fall below, 0 or less
         ("code", np.int64),  # how the last computation of a motion ended
         ("parts", np.int64),
+        ("cuts", np.int64),  # whether a step may end at an event by its dense output
         ("steps", np.int64),
         ("marked", np.int64),  # steps, and the time, when progress was looked at last
         ("mark", np.float64),
@@ -43,6 +44,8 @@ STATE = np.dtype(
         ("choose", np.int64),  # whether contacts are to be decided
         ("events", np.int64),
         ("pieces", np.int64),
+        ("listed", np.int64),  # rows that were not open after the last choice
+        ("usual_phase", np.float64),  # the mean length of a phase, of which the last ten count most
         ("chosen_at", np.float64),  # when contacts were decided last, and how often at that time
         ("at_once", np.int64),
     ]
@@ -69,16 +72,17 @@ class Path(NamedTuple):
     start: Floats
     length: Floats
     x: Floats  # (pieces, n)
-    dense: Floats  # (pieces, 7, n)
+    dense: Floats  # (pieces, terms, n)
     held: Offsets  # (pieces, most): the rows that are held
     number: Offsets  # (pieces,): and how many they are
     event: Floats  # (events, 4): t, row, whether it closes, and the phase that it ends
 
 
 class March(NamedTuple):
-    """A run of the event-driven method to ``state.end``; ``place`` is the handle of the system."""
+    """A run of the event-driven method to ``state.end``; ``place`` is the handle of a system, ``gram`` of a factor."""
 
     place: int
+    gram: int
     held: Chosen
     kinks: Floats  # (2 K,): from when to when velocities of sets jump
     pair: RungeKutta
@@ -93,18 +97,20 @@ class March(NamedTuple):
     closed: Offsets  # (m,): HELD, CLOSED without pushing, or OPEN
     change: Offsets  # (m,): what it becomes at an event
     touching: Offsets  # (m,): room for a list of rows
+    listed: Offsets  # (m,): the rows that were not open after the last choice
     bend: Floats  # (N,): how far the dense output leaves a straight line
 
 
-def room_for_path(pieces: int, n: int, most: int, m: int) -> Path:
+def room_for_path(pieces: int, terms: int, n: int, most: int, m: int) -> Path:
     """Room for so many pieces of a run with n coordinates and m rows, fewer than ``most`` of them held."""
-    end, start, length, x, dense = (np.zeros((pieces, *shape)) for shape in ((), (), (), (n,), (7, n)))
+    end, start, length, x, dense = (np.zeros((pieces, *shape)) for shape in ((), (), (), (n,), (terms, n)))
     held, number = np.zeros((pieces, most), dtype=np.int64), np.zeros(pieces, dtype=np.int64)
     return Path(end, start, length, x, dense, held, number, np.zeros((m + 1024, 4)))
 
 
 def begin_march(
     place: int,
+    gram: int,
     system: SystemArrays,
     pair: RungeKutta,
     state: NDArray[np.void],
@@ -114,11 +120,12 @@ def begin_march(
 ) -> March:
     """A run from x (n,)."""
     n, m, most = x.size, system.rows.row.size, system.chosen.row.size
-    closed, change, touching = (np.zeros(m, dtype=np.int64) for _ in range(3))
+    closed, change, touching, listed = (np.zeros(m, dtype=np.int64) for _ in range(4))
     after, rate, push, dense, point = (np.zeros(shape) for shape in ((n,), (17, n), (17, most), (7, n), (n,)))
     bend = np.zeros(n // system.move.shape[1] if system.move.shape[1] else 0)
     return March(
         place,
+        gram,
         room(most, n),
         kinks,
         pair,
@@ -133,16 +140,18 @@ def begin_march(
         closed,
         change,
         touching,
+        listed,
         bend,
     )
 
 
 EXAMPLE = begin_march(
     0,
+    0,
     SYSTEM,
     RungeKutta(0, 0, 0, 0.0, np.zeros((0, 0)), np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0))),
     np.zeros(1, dtype=STATE),
-    room_for_path(0, 0, 0, 0),
+    room_for_path(0, 0, 0, 0, 0),
     np.zeros(0),
     np.zeros(0),
 )

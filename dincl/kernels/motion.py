@@ -7,6 +7,8 @@ from dincl.kernels.active_set import across
 from dincl.kernels.arrays import Floats
 from dincl.kernels.factor import add, append, backward, border, clear, forward, times
 from dincl.kernels.march import march_at
+from dincl.kernels.sparse_factor import SPARSE_FROM, gram_at, refactor, solve_sparse
+from dincl.kernels.sparse_order import analyse, covers
 from dincl.kernels.system import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate, system_at
 from dincl.kernels.table import SPEEDS, ask, linearise
 
@@ -15,25 +17,43 @@ EPS = 2.220446049250313e-16
 MOST_CORRECTIONS = 8
 # Gaps at most this large, relative to the size of the problem, need no step back.
 MET = 2e-15
+# Part of itself to which a Newton step must shrink the largest gap, if its factor is to serve for the next one.
+SHRINKS = 0.1
 
 
 @inner
-def factorise(run: int, t: float, x: Floats) -> int:
-    """Unit gradients of the held rows at x, and the factor of their Gram matrix; ``bound`` has their gaps."""
+def linearise_held(run: int, t: float, x: Floats) -> int:
+    """Unit gradients of the held rows at x; ``bound`` has their gaps."""
     march = march_at(run)
     system, held = system_at(march.place), march.held
-    rows, gradient = system.rows, system.program.gradient
     if ask(system.sets, t, x, SPEEDS) != 0:
         return SETS
-    count = held.number[0]
+    for k in range(held.number[0]):
+        r = held.row[k]
+        gap = linearise(system.rows, system.sets, r, x, system.program.gradient)
+        if gap != gap:
+            system.blamed[0] = r
+            return COINCIDENT
+        system.program.bound[r] = gap
+    return OK
+
+
+@inner
+def factorise(run: int) -> int:
+    """Factorise the Gram matrix of the held rows: by a sparse factor where they are many, else by its envelope."""
+    march = march_at(run)
+    system, held, gram = system_at(march.place), march.held, gram_at(march.gram)
+    rows, gradient, count = system.rows, system.program.gradient, held.number[0]
+    if count >= SPARSE_FROM and (covers(held.row, count, gram) or analyse(rows, held.row, count, gram)):
+        for k in range(gram.number[0]):
+            gram.used[k] = 0
+        for k in range(count):
+            gram.used[gram.place[held.row[k]]] = 1
+        return OK if refactor(rows, gradient, gram, 4.0 * EPS) == 0 else SINGULAR
+    gram.number[1] = 0
     clear(held)
     for k in range(count):
         r = held.row[k]
-        gap = linearise(rows, system.sets, r, x, gradient)
-        if gap != gap:
-            system.blamed[0], held.number[0] = r, count
-            return COINCIDENT
-        system.program.bound[r] = gap
         border(rows, r, gradient, held)
         square = across(rows, r, gradient, held)
         if not square > 4.0 * EPS:
@@ -41,6 +61,38 @@ def factorise(run: int, t: float, x: Floats) -> int:
             return SINGULAR
         append(rows, held, r, square)
     return OK
+
+
+@inner
+def solve_held(run: int) -> None:
+    """Solve with the factor for ``right`` of the held rows, in place."""
+    march = march_at(run)
+    held, gram = march.held, gram_at(march.gram)
+    if gram.number[1] == 0:
+        forward(held, 0)
+        backward(held)
+        return
+    for k in range(gram.number[0]):
+        gram.right[k] = 0.0
+    for k in range(held.number[0]):
+        gram.right[gram.place[held.row[k]]] = held.right[k]
+    solve_sparse(gram)
+    for k in range(held.number[0]):
+        held.right[k] = gram.right[gram.place[held.row[k]]]
+
+
+@inner
+def is_factorised(run: int) -> bool:
+    """Whether the sparse factor is one of the held rows, though of another state."""
+    march = march_at(run)
+    held, gram = march.held, gram_at(march.gram)
+    if held.number[0] == 0 or gram.number[1] != held.number[0]:
+        return False
+    for k in range(held.number[0]):
+        place = gram.place[held.row[k]]
+        if place < 0 or gram.used[place] == 0:
+            return False
+    return True
 
 
 @inner
@@ -63,7 +115,9 @@ def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
     code = evaluate(system.drift, system.sets.shift.shape[1], t, x, rate)
     if code != OK or held.number[0] == 0:
         return code
-    code = factorise(run, t, x)
+    code = linearise_held(run, t, x)
+    if code == OK:
+        code = factorise(run)
     if code != OK:
         return code
     for k in range(held.number[0]):
@@ -72,8 +126,7 @@ def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
         for k in range(held.number[0]):
             r = held.row[k]
             right[k] = least_speed(system, r) - times(rows, r, gradient, rate)
-        forward(held, 0)
-        backward(held)
+        solve_held(run)
         for k in range(held.number[0]):
             push[k] += right[k]
             add(rows, held.row[k], gradient, right[k], rate)
@@ -87,18 +140,24 @@ def correct(run: int, t: float, x: Floats) -> int:
     system, held = system_at(march.place), march.held
     if held.number[0] == 0:
         return OK
+    factorised, last = is_factorised(run), np.inf
     for _ in range(MOST_CORRECTIONS):
-        code = factorise(run, t, x)
+        code, largest = linearise_held(run, t, x), 0.0
         if code != OK:
             return code
-        largest = 0.0
         for k in range(held.number[0]):
-            held.right[k] = system.program.bound[held.row[k]]
-            largest = max(largest, abs(held.right[k]))
+            largest = max(largest, abs(system.program.bound[held.row[k]]))
         if largest <= MET * march.state[0].size:
             break
-        forward(held, 0)
-        backward(held)
+        # A sparse factor of a state nearby serves as long as gaps shrink by it.
+        factorised, last = factorised and largest <= SHRINKS * last, largest
+        if not factorised:
+            code = factorise(run)
+            if code != OK:
+                return code
+        for k in range(held.number[0]):
+            held.right[k] = system.program.bound[held.row[k]]
+        solve_held(run)
         for k in range(held.number[0]):
             add(system.rows, held.row[k], system.program.gradient, -held.right[k], x)
     return OK

@@ -5,15 +5,17 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.kernels.catch_up import carry
 from dincl.kernels.choice import TOUCHING
+from dincl.kernels.factor import times
 from dincl.kernels.march import CLOSED, HELD, march_at
 from dincl.kernels.signals import NEVER, PARTS, PUSHES, SUSPICIOUS, first_negative
 from dincl.kernels.system import OK, system_at
-from dincl.kernels.table import DISTANCE, SPEEDS, ask, distance_from_list, find_near, gap, sort_near
+from dincl.kernels.table import DISTANCE, SPEEDS, ask, distance_from_list, find_near, gap, linearise, sort_near
 
 # Sets are taken to be carried up to so many times as far as they are at the nodes.
 SAFETY = 2.0
-# Rows are listed for this many times the reach of a step.
-GENEROUS = 2.0
+# Rows are listed for this many times the reach of a step; in runs of many particles, whose steps are short, for more. A
+# list for so many times what is needed now is made anew.
+GENEROUS, MORE_GENEROUS, TOO_GENEROUS = 2.0, 100.0, 400.0
 
 
 @inner
@@ -86,6 +88,31 @@ def stays_clear(run: int, r: int) -> bool:
 
 
 @inner
+def may_stir(run: int, r: int) -> bool:
+    """Whether a closed row that is not held has a speed that is not zero, in one of the stages.
+
+    For runs of many particles, whose steps are short: the stages are as dense as the nodes at which ``first_negative``
+    looks, where each look costs a factorisation. Such a row is that of a disc which falls along a wall.
+    """
+    march = march_at(run)
+    state, system, pair = march.state[0], system_at(march.place), march.pair
+    rows, gradient = system.rows, system.program.gradient
+    if state.cuts == 0 or system.sets.address != 0:
+        return True
+    for i in range(1, pair.stages + 1):
+        for p in range(rows.start[r], rows.start[r + 1]):
+            column, way = rows.column[p], 0.0
+            for j in range(i):
+                way += pair.a[i, j] * march.rate[j, column]
+            march.point[column] = march.x[column] + state.made * way
+        linearise(rows, system.sets, r, march.point, gradient)
+        state.theta = -1.0
+        if abs(times(rows, r, gradient, march.rate[i])) > state.slow:
+            return True
+    return False
+
+
+@inner
 def first_event(run: int) -> tuple[float, int]:
     """The part of the step after which something changes, NEVER if nothing does, and the row whose gap closes or -1."""
     march = march_at(run)
@@ -98,12 +125,14 @@ def first_event(run: int) -> tuple[float, int]:
     reach = make_room(run) + touching
     if sets.address != 0:
         ask(sets, state.now, x, SPEEDS)
-    if not distance_from_list(sets, x, near) + reach <= near.reach[0]:
-        find_near(rows, sets, x, GENEROUS * reach, near)
+    generous = GENEROUS if state.cuts == 0 else MORE_GENEROUS
+    too_long = state.cuts != 0 and near.reach[0] > TOO_GENEROUS * reach
+    if too_long or not distance_from_list(sets, x, near) + reach <= near.reach[0]:
+        find_near(rows, sets, x, generous * reach, near)
         sort_near(rows, x, sets.shift.shape[1], near)
     for q in range(near.number[0]):
         r = near.row[q]
-        if march.closed[r] == CLOSED:
+        if march.closed[r] == CLOSED and may_stir(run, r):
             stirs = first_negative(run, r + march.closed.size, found)
             if stirs < found:
                 found, closing = stirs, -1

@@ -161,12 +161,12 @@ def test_the_active_set_is_on_the_chart(references, method, like):
 
 
 def test_who_cannot_run_says_why(monkeypatch):
-    scenes = {"pile": lambda: dincl.scenes.pile(201), "balls": lambda: dincl.scenes.ball_pile(2)}
+    scenes = {"pile": lambda: dincl.scenes.pile(1001), "balls": lambda: dincl.scenes.ball_pile(2)}
     monkeypatch.setattr(work_precision, "SCENES", scenes)
     none = {name: Known(np.ones(1), make().x0[None], np.zeros(1)) for name, make in scenes.items()}
     large = made(none, "pile", EVENT_DRIVEN)
     assert large["status"].tolist() == ["REFUSED", "LEFT_OUT"]
-    assert "201 particles" in large["detail"].iloc[0]
+    assert "1001 particles" in large["detail"].iloc[0]
     refused = made(none, "balls", CHIPMUNK)
     assert refused["status"].iloc[0] == "REFUSED"
     assert "Chipmunk" in refused["detail"].iloc[0]
