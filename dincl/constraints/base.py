@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
+    from dincl.rows.sweeper import DiscPairs, Sweeper
 
 
 class Constraint(ABC):
@@ -35,7 +35,7 @@ class Constraint(ABC):
     def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
         """The rows that can be violated after every particle moved by at most ``reach`` from x (N, d), or more rows."""
 
-    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | WallRows | Sweeper:
+    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | Sweeper:
         """What PBD projects onto, for states of the shape of x: rows one after another, or a Sweeper of your own."""
         return self.select(x, math.inf)
 

@@ -11,9 +11,7 @@ from dincl.checks import array, lengths, number, spread, vector
 from dincl.constants import LARGEST
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
-from dincl.matrices import from_equal_rows
-from dincl.rows.affine import AffineRows
-from dincl.rows.sweeper import WallRows
+from dincl.rows.affine import HeightRows
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -57,13 +55,8 @@ class HalfSpace(Constraint):
         """The least allowed n . X_i, shape (count,)."""
         return self.offset + spread("radius", np.asarray(self.radius), count, "particles")
 
-    def select(self, x: NDArray[np.float64], reach: float) -> AffineRows:
+    def select(self, x: NDArray[np.float64], reach: float) -> HeightRows:
         """The particles closer to the wall than ``reach``."""
         normal, bound = np.asarray(self.normal), self.bounds(len(x))
         near = np.flatnonzero(x @ normal - bound <= reach)
-        d = len(normal)
-        columns = np.arange(d) + d * near[:, None]
-        return AffineRows(from_equal_rows(columns, np.tile(normal, (len(near), 1)), x.size), bound[near])
-
-    def sweeper(self, x: NDArray[np.float64]) -> WallRows:
-        return WallRows(np.asarray(self.normal), self.bounds(len(x)))
+        return HeightRows(normal, near, bound[near], len(x))

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
+    from dincl.rows.sweeper import DiscPairs, Sweeper
 
 PATH = UserFunction("path", ("t",), Status.CONSTRAINT_FAILED)
 
@@ -65,6 +65,6 @@ class Moving(Constraint):
     def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
         return self.constraint.pattern(x)
 
-    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | WallRows | Sweeper:
+    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | Sweeper:
         """That of the set at rest."""
         return self.constraint.sweeper(x)

@@ -101,7 +101,7 @@ class EventSystem:
     def start(self, work: Work) -> NDArray[np.float64]:
         """x0 (N, d), put onto S if it lies outside by more than rounding."""
         problem, allowed = self.small.problem, TOUCHING * self.size
-        violation = float(np.max(-problem.rows_within(0.0, problem.x0, 0.0).values(problem.x0), initial=0.0))
+        violation = float(self.small.overlaps(np.zeros(1), problem.x0[None])[0])
         if violation <= allowed:
             return problem.x0
         feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)

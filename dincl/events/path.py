@@ -47,16 +47,6 @@ class PathPieces(Between):
         x = self._states(np.asarray(times) / self._units.time)
         return x.reshape(-1, *self._problem.x0.shape) * self._units.length
 
-    def overlaps(self, times: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How far states (K, N, d) at these times are outside of the set, shape (K,) [length]."""
-        overlap = np.empty(len(times))
-        with self._system.sets:
-            scaled = x.reshape(len(times), -1) / self._units.length
-            kernels.overlaps_at(self._handle(0), times / self._units.time, scaled, overlap)
-        if self._system.sets.failed:
-            self._system.sets.failure()
-        return overlap * self._units.length
-
     def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
         """With the velocity from before each time, or from after t = 0."""
         scaled = np.asarray(times) / self._units.time

@@ -12,7 +12,6 @@ from dincl.kernels.motion import at, correct, move
 from dincl.kernels.signals import NEVER
 from dincl.kernels.sparse_factor import gram_at
 from dincl.kernels.system import OK, SETS, bounded, longest, system_at
-from dincl.kernels.table import GRADIENTS, ask, gap
 from dincl.kernels.watch import first_event
 
 # How a call ends besides the codes of ``system`` and ``event_steps``: the time is reached; the room is full, so that it
@@ -167,15 +166,3 @@ def rate_at(run: int, t: float, p: int, x: Floats, rate: Floats) -> int:
     march = march_at(run)
     hold(run, p)
     return move(run, t, x, rate, march.push[16])
-
-
-@kernel
-def overlaps_at(run: int, t: Floats, x: Floats, overlap: Floats) -> None:
-    """Write how far the states x (K, n) at times t are outside of the set into ``overlap`` (K,) [length]."""
-    march = march_at(run)
-    system = system_at(march.place)
-    for q in range(t.size):
-        overlap[q] = 0.0
-        ask(system.sets, t[q], x[q], GRADIENTS)
-        for r in range(system.rows.row.size):
-            overlap[q] = max(overlap[q], -gap(system.rows, system.sets, r, x[q]))

@@ -1,4 +1,4 @@
-"""Least-distance programs of the rows that are near, as solvers in Python take them; and single projections."""
+"""Least-distance programs of near rows, as solvers in Python take them; single projections, and overlaps."""
 
 import numpy as np
 
@@ -7,6 +7,7 @@ from dincl.kernels.arrays import Floats, Indices
 from dincl.kernels.catch_up import project
 from dincl.kernels.factor import times
 from dincl.kernels.system import system_at
+from dincl.kernels.table import GRADIENTS, ask, gap
 
 Program = tuple[Indices, Indices, Floats, Floats, Floats, Floats]
 
@@ -79,3 +80,14 @@ def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
 def project_once(place: int, t: float, around: Floats, reach: float, later: float, exact: bool, tol: float) -> int:
     """Project y of the system onto S(t), or onto its linearisation at ``around`` (n,), carried to a later time."""
     return project(place, t, around, reach, later, exact, tol)
+
+
+@kernel
+def overlaps_at(place: int, t: Floats, x: Floats, overlap: Floats) -> None:
+    """Write how far the states x (K, n) at times t are outside of the set of a system, for rows in its table, (K,)."""
+    system = system_at(place)
+    for q in range(t.size):
+        overlap[q] = 0.0
+        ask(system.sets, t[q], x[q], GRADIENTS)
+        for r in range(system.rows.row.size):
+            overlap[q] = max(overlap[q], -gap(system.rows, system.sets, r, x[q]))

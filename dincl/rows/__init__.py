@@ -8,19 +8,20 @@ columns, particle by particle. Multipliers belong to g as written in a kind: the
 ``sum_k multipliers_k grad g_k``  (1.26).
 """
 
-from dincl.rows.affine import AffineRows, linearised
+from dincl.rows.affine import AffineRows, HeightRows, linearised
 from dincl.rows.base import Rows, RowsOfOneKind
 from dincl.rows.distance import DistanceRows
 from dincl.rows.near import Near
 from dincl.rows.polynomial import Polynomial
 from dincl.rows.smooth import SmoothRows
-from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
+from dincl.rows.sweeper import DiscPairs, Sweeper
 from dincl.rows.together import RowsTogether
 
 __all__ = [
     "AffineRows",
     "DiscPairs",
     "DistanceRows",
+    "HeightRows",
     "Near",
     "Polynomial",
     "Rows",
@@ -28,6 +29,5 @@ __all__ = [
     "RowsTogether",
     "SmoothRows",
     "Sweeper",
-    "WallRows",
     "linearised",
 ]

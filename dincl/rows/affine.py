@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.matrices import row_squares
+from dincl.matrices import from_equal_rows, row_squares
 from dincl.rows.base import RowsOfOneKind, TableRows
 from dincl.rows.polynomial import Polynomial
 
@@ -15,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from dincl.matrices import row_squares
+    from dincl.matrices import from_equal_rows, row_squares
 from dincl.rows.base import Rows
 
 
@@ -71,6 +72,50 @@ class AffineRows(RowsOfOneKind):
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
         """(a . x - b) / s."""
         return Polynomial(self.values(y) / scale, self.matrix, np.zeros(len(self.bound)))
+
+
+class HeightRows(AffineRows):
+    """g_k(x) = n . X_i - bound_k >= 0 with a unit normal n (d,) for particles i = ``particle`` (m,), of ``count``."""
+
+    normal: NDArray[np.float64]
+    particle: NDArray[np.int64]
+    count: int
+
+    def __init__(
+        self, normal: NDArray[np.float64], particle: NDArray[np.int64], bound: NDArray[np.float64], count: int
+    ) -> None:
+        # The dataclass that it derives from is frozen.
+        self.__dict__.update(normal=normal, particle=particle, bound=bound, count=count)
+
+    @cached_property
+    def matrix(self) -> csr_array:
+        """The normals, one for each row."""
+        d = len(self.normal)
+        columns = np.arange(d) + d * self.particle[:, None]
+        return from_equal_rows(columns, np.tile(self.normal, (len(self), 1)), d * self.count)
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        heights: NDArray[np.float64] = x[self.particle] @ self.normal - self.bound
+        return heights
+
+    def take(self, keep: NDArray[np.bool_]) -> HeightRows:
+        return HeightRows(self.normal, self.particle[keep], self.bound[keep], self.count)
+
+    def shifted(self, displacement: NDArray[np.float64]) -> HeightRows:
+        carried = float(self.normal @ displacement)
+        return HeightRows(self.normal, self.particle, self.bound + carried, self.count)
+
+    def label(self, k: int, d: int) -> str:
+        return f"particle {self.particle[k]}"
+
+    def tabulated(self, d: int) -> TableRows:
+        from dincl.kernels.table import AFFINE
+
+        m = len(self)
+        column, coefficient = np.arange(d) + d * self.particle[:, None], np.tile(self.normal, m)
+        sway = float(np.sqrt(self.normal @ self.normal))
+        numbers = {"kind": AFFINE, "length": self.bound, "square": 1.0, "sway": sway, "j": -1}
+        return TableRows(numbers, np.full(m, d), column.ravel(), coefficient)
 
 
 def linearised(rows: Rows, x: NDArray[np.float64]) -> AffineRows:

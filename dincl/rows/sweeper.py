@@ -25,13 +25,6 @@ class DiscPairs(NamedTuple):
     among: NDArray[np.int64] | None
 
 
-class WallRows(NamedTuple):
-    """n . X_i >= bound_i for all particles i, ascending, with a unit normal (d,) and bounds (N,)."""
-
-    normal: NDArray[np.float64]
-    bound: NDArray[np.float64]
-
-
 class Sweeper(ABC):
     """Projections of your own onto the rows of one constraint."""
 

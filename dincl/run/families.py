@@ -13,10 +13,10 @@ from dincl.kernels import system as codes
 from dincl.kernels.families import DISCS, MOST_ITERATIONS, OWN, ROWS, WALL, Families
 from dincl.kernels.pair_list import ALL_PAIRS, PairList
 from dincl.matrices import from_equal_rows
-from dincl.rows.affine import AffineRows
+from dincl.rows.affine import AffineRows, HeightRows
 from dincl.rows.near import Selection
 from dincl.rows.pairs import near_pairs
-from dincl.rows.sweeper import DiscPairs, Sweeper, WallRows
+from dincl.rows.sweeper import DiscPairs, Sweeper
 from dincl.run.drift_pointer import numbers_at
 from dincl.run.python_function import PythonFunction
 from dincl.status import Status
@@ -141,4 +141,7 @@ def no_rows(problem: Problem) -> Selection:
 def _form(swept: Any) -> int:
     if isinstance(swept, DiscPairs):
         return DISCS
-    return WALL if isinstance(swept, WallRows) else OWN if isinstance(swept, Sweeper) else ROWS
+    # All particles, as of a wall for which every one is near.
+    if isinstance(swept, HeightRows) and len(swept) == swept.count:
+        return WALL
+    return OWN if isinstance(swept, Sweeper) else ROWS

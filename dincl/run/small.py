@@ -13,6 +13,7 @@ from dincl.errors import StepFailure
 from dincl.kernels import system as codes
 from dincl.kernels.active_set import least_distance
 from dincl.kernels.factor import Chosen, room
+from dincl.kernels.programs import overlaps_at
 from dincl.kernels.system import Drift, Solving, SystemArrays
 from dincl.kernels.table import DISTANCE, RowTable, room_for_list
 from dincl.rows.near import carried_over, select
@@ -27,6 +28,8 @@ from dincl.status import Status
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Mapping
+
+    from numpy.typing import NDArray
 
     from dincl.problem import Problem
     from dincl.projection.base import Solver
@@ -132,6 +135,15 @@ class SmallSystem:
                 if isinstance(function, Callback):
                     stack.enter_context(function)
             yield
+
+    def overlaps(self, times: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far states (K, N, d) at these times are outside of the rows in the table, shape (K,) [length]."""
+        overlap, flat = np.empty(len(times)), x.reshape(len(times), -1) / self.units.length
+        with self.callbacks():
+            overlaps_at(self.place, times / self.units.time, flat, overlap)
+        if self.sets.failed:
+            self.sets.failure()
+        return overlap * self.units.length
 
     def near_rows(self) -> Selection:
         """The rows that are near, in the order of the problem."""

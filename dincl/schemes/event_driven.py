@@ -100,7 +100,7 @@ class EventDriven(Scheme):
             try:
                 march.go()
                 x = march.between.states(compared)
-                overlap = march.between.overlaps(times, x[: len(times)])
+                overlap = system.small.overlaps(times, x[: len(times)])
             except StepFailure as failure:
                 # What is too coarse to order the events of a crowd may stop a run that a finer one passes.
                 if failure.status is Status.NOT_CONVERGED and k < MOST_RUNS - 2:

@@ -19,7 +19,7 @@ TOP = "(public names)"  # the __init__ file at the root of a package
 ORDER = {
     "dincl": (
         "constants errors status work norms files checks extras callables pickles",
-        "provenance study compiled kernels csr rows constraints drifts problem",
+        "provenance study compiled kernels matrices rows constraints drifts problem",
         "projection minimise cone geometry scenes shapes plotting frame trajectory",
         "run events schemes solve",
     ),

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 import dincl
-from dincl.rows import AffineRows, DiscPairs, DistanceRows, Sweeper, WallRows
+from dincl.rows import AffineRows, DiscPairs, DistanceRows, HeightRows, Sweeper
 from dincl.run.stepper import StepState
 
 
@@ -28,7 +28,7 @@ def sweep(problem, t, x):
             continue
         if shift is not None:
             x -= shift
-        if isinstance(swept, WallRows):
+        if isinstance(swept, HeightRows):
             count += sum(onto_wall(x[i], swept.normal, float(b)) for i, b in enumerate(swept.bound))
         elif isinstance(swept, Sweeper):
             work = dincl.Work()
