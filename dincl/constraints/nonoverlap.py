@@ -10,8 +10,7 @@ import numpy as np
 from dincl.checks import indices, lengths, spread, within
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
-from dincl.rows.distance import DistanceRows
-from dincl.rows.pairs import all_pairs, near_pairs
+from dincl.rows.distance import DistanceRows, all_pairs
 from dincl.rows.sweeper import DiscPairs
 
 if TYPE_CHECKING:
@@ -65,6 +64,8 @@ class NonOverlap(Constraint):
         discs, radii = self.discs(len(x)), self.radii(len(x))
         if not np.isfinite(reach):
             return all_pairs(radii[discs], discs)
+        from dincl.neighbours.search import near_pairs
+
         start, partner = near_pairs(x[discs], radii[discs] + reach)
         i, j = np.repeat(discs, np.diff(start)), discs[partner]
         return DistanceRows(i, j, radii[i] + radii[j], 1.0)

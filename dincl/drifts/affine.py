@@ -73,7 +73,7 @@ class AffineDrift(CompiledDrift):
             raise InvalidProblem(f"drift: a swirl needs particles in the plane, d = 2, but they have d = {d}")
 
     def pointer(self) -> tuple[int, NDArray[np.float64]]:
-        from dincl.kernels.drifts import affine
+        from dincl.drifts.functions import affine
 
         return affine.address, self._data
 

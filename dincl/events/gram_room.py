@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.compiled.structs import written
-from dincl.kernels.sparse_factor import SPARSE_FROM, room_for_gram
+from dincl.solvers.sparse_factor import SPARSE_FROM, room_for_gram
 
 if TYPE_CHECKING:
-    from dincl.kernels.system import SystemArrays
+    from dincl.system.arrays import SystemArrays
 
 
 class GramRoom:

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.compiled.structs import written
-from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
+from dincl.events import integrate as kernels
+from dincl.events.arrays import STATE, March, Path, RungeKutta, begin_march, room_for_path
+from dincl.events.choice import TOUCHING
 from dincl.events.gram_room import GramRoom, gram_room
-from dincl.kernels import events as kernels
-from dincl.kernels.choice import TOUCHING
-from dincl.kernels.march import STATE, March, Path, RungeKutta, begin_march, room_for_path
-from dincl.kernels.system import OK
+from dincl.projection.cone import distance_to_cone
 from dincl.run.outcome import Between
-from dincl.run.small import SmallSystem
+from dincl.system.arrays import OK
+from dincl.system.compiled_problem import CompiledProblem
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -29,7 +29,7 @@ class PathPieces(Between):
     """
 
     def __init__(
-        self, system: SmallSystem, gram: GramRoom, pair: RungeKutta, size: float, start: NDArray[np.float64]
+        self, system: CompiledProblem, gram: GramRoom, pair: RungeKutta, size: float, start: NDArray[np.float64]
     ) -> None:
         self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
         self._start, self._system, self._gram = start, system, gram
@@ -60,7 +60,7 @@ class PathPieces(Between):
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         """With a system of this process."""
-        system = SmallSystem(state["_problem"], units=state["_units"])
+        system = CompiledProblem(state["_problem"], units=state["_units"])
         self.__dict__ |= state | {"_system": system, "_gram": gram_room(system.arrays)}
 
     @cached_property

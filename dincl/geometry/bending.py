@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.cone import split
+from dincl.projection.cone import split
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import array, describe, number
-from dincl.cone import TOLERANCE, nearest, split
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import checked, closed, failures_told, of_shape
 from dincl.matrices import combined, divided, row_squares
 from dincl.norms import length
+from dincl.projection.cone import TOLERANCE, nearest, split
 from dincl.rows.affine import AffineRows
 from dincl.rows.near import select
 

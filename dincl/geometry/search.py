@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.cone import DENSE
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import closed
 from dincl.geometry.bending import Bending
 from dincl.geometry.normal import NEGLIGIBLE, cone_at
 from dincl.matrices import row_squares
+from dincl.projection.cone import DENSE
 from dincl.projection.daqp import Daqp
 from dincl.projection.feasible import FeasibleSet
 from dincl.projection.piqp import Piqp

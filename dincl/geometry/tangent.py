@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import number
-from dincl.cone import nearest
 from dincl.geometry.active import checked, closed, failures_told, of_shape
 from dincl.geometry.contacts import near
 from dincl.norms import longest
+from dincl.projection.cone import nearest
 from dincl.rows.affine import AffineRows
 
 if TYPE_CHECKING:

@@ -44,7 +44,7 @@ class _ActiveSetSolver(QpSolver):
 
     @property
     def compiled(self) -> Any:
-        from dincl.kernels.catch_up import active_set
+        from dincl.steps.catch_up import active_set
 
         return active_set
 
@@ -52,9 +52,9 @@ class _ActiveSetSolver(QpSolver):
         self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
     ) -> QpAnswer:
         """Solve with the rows in the order of their first coordinates, in which the envelope is narrow."""
-        from dincl.kernels.active_set import CYCLES, INFEASIBLE, least_distance, solve
-        from dincl.kernels.factor import room
-        from dincl.kernels.table import ROW, RowTable
+        from dincl.rows.table import ROW, RowTable
+        from dincl.solvers.active_set import CYCLES, INFEASIBLE, least_distance, solve
+        from dincl.solvers.factor import room
 
         m, n = matrix.shape[0], matrix.shape[1]
         rows = RowTable(np.zeros(m, dtype=ROW), matrix.indptr, matrix.indices, np.zeros(0))

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from dincl.problem import Problem
     from dincl.rows.affine import AffineRows
     from dincl.rows.base import Rows
+    from dincl.system.compiled_problem import CompiledProblem
 
 # A point that violates by less than this part of the tolerance is its own nearest point, which its certificate says.
 NEGLIGIBLE = 1e-3
@@ -58,6 +59,11 @@ class Projected:
     complementarity: float
     iterations: int
     back_end: str
+
+    @property
+    def solved(self) -> bool:
+        """Whether a back end was needed: the point was not feasible."""
+        return self.back_end != NO_BACK_END
 
     @property
     def residual(self) -> float:
@@ -125,11 +131,19 @@ class Solver(ABC):
 
     @property
     def compiled(self) -> Any | None:
-        """The solver as a function of ``dincl.kernels.steps.step_function``; None if it is in Python.
+        """The solver as a function of ``dincl.steps.loop.step_function``; None if it is in Python.
 
-        See ``dincl.kernels.system.Solving``.
+        See ``dincl.system.arrays.Solving``.
         """
         return None
+
+    def bind(self, system: CompiledProblem) -> Any:
+        """What has the address of this solver for the compiled projections of a system."""
+        from dincl.projection.solving import ProgramSolving, WholeSolving
+
+        if self.compiled is not None:
+            return self.compiled
+        return WholeSolving(self, system) if self.whole else ProgramSolving(self, system)
 
     def tolerance(self, rows: Rows, y: NDArray[np.float64]) -> float:
         """The greatest residual allowed for a projection of y."""

@@ -21,9 +21,9 @@ class FeasibleSet:
     """S(t), or its inner convex approximation, of one problem; it stores near rows and a solver for one run."""
 
     def __init__(self, problem: Problem, solver: Solver, work: Work, *, linearised: bool) -> None:
-        from dincl.run.small import SmallSystem
+        from dincl.system.compiled_problem import CompiledProblem
 
-        self._system = SmallSystem(problem, solver=solver)
+        self._system = CompiledProblem(problem, solver=solver)
         self._solver, self._work, self._linearised = solver, work, linearised
 
     @property
@@ -46,7 +46,7 @@ class FeasibleSet:
         of the whole set. Else it is repeated with rows that reach twice as far as it ended. S~ of time t may be
         carried, each family along its own path, to a later time. StepFailure where there is none.
         """
-        from dincl.kernels.programs import project_once
+        from dincl.steps.programs import project_once
 
         system, later, tol = self._system, t if carried_to is None else carried_to, self._solver.tol
         program = system.arrays.program

@@ -25,7 +25,7 @@ class GramFactor:
             import qdldl
             from scipy.sparse import csc_array
 
-        from dincl.kernels import gram
+        from dincl.solvers import gram
 
         self._kernels, self._sparse, self._factorise = gram, csc_array, qdldl.Solver
         self._indices = np.zeros(0, dtype=np.int64)

@@ -53,7 +53,7 @@ class _ProjectedCGSolver(QpSolver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        from dincl.kernels import proportioning
+        from dincl.solvers import proportioning
 
         self._minimise = proportioning.bounded_conjugate_gradients
 

@@ -108,7 +108,8 @@ class _Dual:
     """q(mu) = 1/2 |A^T mu|^2 - least.mu of one program."""
 
     def __init__(self, matrix: csr_array, least: NDArray[np.float64]) -> None:
-        from dincl.kernels import accelerated, products, proportioning
+        from dincl.matrices import products
+        from dincl.solvers import accelerated, proportioning
 
         self._matrix, self._least = matrix, least
         self._times, self._transposed_times = products.times, products.transposed_times

@@ -58,7 +58,7 @@ class AffineRows(RowsOfOneKind):
         return ("affine", self.matrix.indptr.tobytes(), self.matrix.indices.tobytes())
 
     def tabulated(self, d: int) -> TableRows:
-        from dincl.kernels.table import AFFINE
+        from dincl.rows.table import AFFINE
 
         matrix = self.matrix
         row_of, square = np.repeat(np.arange(len(self)), np.diff(matrix.indptr)), row_squares(matrix)
@@ -109,7 +109,7 @@ class HeightRows(AffineRows):
         return f"particle {self.particle[k]}"
 
     def tabulated(self, d: int) -> TableRows:
-        from dincl.kernels.table import AFFINE
+        from dincl.rows.table import AFFINE
 
         m = len(self)
         column, coefficient = np.arange(d) + d * self.particle[:, None], np.tile(self.normal, m)

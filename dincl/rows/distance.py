@@ -80,7 +80,7 @@ class DistanceRows(RowsOfOneKind):
         return ("distance", self.sign, self.i.tobytes(), None if self.j is None else self.j.tobytes())
 
     def tabulated(self, d: int) -> TableRows:
-        from dincl.kernels.table import DISTANCE
+        from dincl.rows.table import DISTANCE
 
         m, axes = len(self), np.arange(d)
         column = axes + d * self.i[:, None]
@@ -145,3 +145,13 @@ class DistanceRows(RowsOfOneKind):
             np.add((d * end)[:, None], np.arange(d), out=places[:, mine])
             np.multiply(vectors, 1.0 - 2.0 * k, out=data[:, mine])
         return from_equal_rows(places, data, columns)
+
+
+def all_pairs(radius: NDArray[np.float64], among: NDArray[np.int64] | None = None) -> DistanceRows:
+    """|X_i - X_j| >= r_i + r_j for all pairs of discs, i ascending, for each i its j < i ascending.
+
+    ``radius`` is that of the discs, shape (n,), ``among`` names them; None: they are all particles.
+    """
+    i, j = np.tril_indices(len(radius), -1)
+    length = radius[i] + radius[j]
+    return DistanceRows(i, j, length, 1.0) if among is None else DistanceRows(among[i], among[j], length, 1.0)

@@ -41,7 +41,7 @@ class FixedStep(Scheme):
 
     def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
         """Equal steps of at most ``dt`` to the last of ``times``."""
-        from dincl.run.loop import run_steps
+        from dincl.schemes.loop import run_steps
 
         return run_steps(partial(self.stepper, problem), self.dt, times)
 

@@ -33,10 +33,10 @@ class CatchUp(FixedStep):
         check_projection(self.projection)
 
     def stepper(self, problem: Problem) -> Stepper:
-        from dincl.kernels.catch_up import catch_up
-        from dincl.run.catch_up import catching_up
+        from dincl.steps.catch_up import catch_up
+        from dincl.steps.stepper import CompiledStepper
 
-        return catching_up(problem, catch_up, self.projection, linearised=self.linearised)
+        return CompiledStepper.projecting(problem, catch_up, self.projection, linearised=self.linearised)
 
 
 @dataclass(frozen=True)

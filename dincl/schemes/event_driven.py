@@ -17,7 +17,7 @@ from dincl.work import Work
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.events.march import EventRun
+    from dincl.events.run import EventRun
     from dincl.problem import Problem
 
 # The tolerance of a step of the first run is this much smaller than that of a state, since a run of many events adds up
@@ -84,7 +84,7 @@ class EventDriven(Scheme):
 
     def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
         """Two runs or more, each compared with the one before it."""
-        from dincl.events.march import EventRun, EventSystem
+        from dincl.events.run import EventRun, EventSystem
 
         if len(problem.x0) > MOST_PARTICLES:
             raise InvalidProblem(f"EventDriven: {len(problem.x0)} particles: serves at most {MOST_PARTICLES}")

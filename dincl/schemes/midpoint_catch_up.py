@@ -43,7 +43,7 @@ class MidpointCatchUp(FixedStep):
         check_projection(self.projection)
 
     def stepper(self, problem: Problem) -> Stepper:
-        from dincl.kernels.catch_up import midpoint_catch_up
-        from dincl.run.catch_up import catching_up
+        from dincl.steps.catch_up import midpoint_catch_up
+        from dincl.steps.stepper import CompiledStepper
 
-        return catching_up(problem, midpoint_catch_up, self.projection, linearised=True)
+        return CompiledStepper.projecting(problem, midpoint_catch_up, self.projection, linearised=True)

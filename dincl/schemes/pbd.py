@@ -46,7 +46,7 @@ class PBD(FixedStep):
 
 def sweeping(problem: Problem, sweeps: int, v0: NDArray[np.float64] | None = None) -> Stepper:
     """The compiled step, bound to a problem; of second order if there is a velocity at the start."""
-    from dincl.kernels.sweep_steps import pbd
-    from dincl.run.compiled import CompiledStepper
+    from dincl.steps.stepper import CompiledStepper
+    from dincl.steps.sweeping import pbd
 
     return CompiledStepper.sweeping(problem, pbd, [sweeps], v0=v0)

@@ -45,7 +45,7 @@ class Penalty(FixedStep):
             raise InvalidProblem(f"exponent = {describe(self.exponent)}: must be 1 or 2")
 
     def stepper(self, problem: Problem) -> Stepper:
-        from dincl.kernels.sweep_steps import penalty
-        from dincl.run.compiled import CompiledStepper
+        from dincl.steps.stepper import CompiledStepper
+        from dincl.steps.sweeping import penalty
 
         return CompiledStepper.sweeping(problem, penalty, [self.strength, float(self.exponent)], projected=False)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.optimize import nnls
 
-from dincl.cone import DENSE, distance_to_cone
 from dincl.matrices import from_equal_rows
+from dincl.projection.cone import DENSE, distance_to_cone
 
 
 def gradients(rows):

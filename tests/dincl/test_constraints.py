@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.kernels.sweep_steps import pbd
 from dincl.rows.affine import AffineRows, linearised
-from dincl.run.compiled import CompiledStepper
+from dincl.steps.stepper import CompiledStepper
+from dincl.steps.sweeping import pbd
 from tests.dincl.catalog import CONSTRAINTS, quadratic, quadratic_jacobian
 
 cases = pytest.mark.parametrize(("name", "d"), [(name, d) for name in CONSTRAINTS for d in (1, 2, 3)])

@@ -235,10 +235,10 @@ def test_note_of_another_kind_is_told() -> None:
 
 
 def test_module_depends_on_what_it_imports_alone() -> None:
-    kernel = set(closure(importlib.import_module("dincl.kernels.cells")).modules)
-    assert {"dincl", "dincl.kernels", "dincl.kernels.cells"} <= kernel
+    kernel = set(closure(importlib.import_module("dincl.neighbours.cells")).modules)
+    assert {"dincl", "dincl.neighbours", "dincl.neighbours.cells"} <= kernel
     assert "dincl.solve" not in kernel
     constraint = set(closure(dincl.NonOverlap).modules)
-    assert {"dincl.rows.pairs", "dincl.kernels.neighbours"} <= constraint
-    assert "dincl.run.loop" not in constraint
-    assert {"dincl.solve", "dincl.run.loop", "dincl.kernels.sweep_steps"} <= set(closure(dincl).modules)
+    assert {"dincl.rows.distance", "dincl.neighbours.search"} <= constraint
+    assert "dincl.schemes.loop" not in constraint
+    assert {"dincl.solve", "dincl.schemes.loop", "dincl.steps.sweeping"} <= set(closure(dincl).modules)

@@ -13,7 +13,7 @@ import numpy as np
 from dincl.checks import bounded
 from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem
-from dincl.rows.pairs import near_pairs
+from dincl.neighbours.search import near_pairs
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.repulsion import SOFT
 from tissue.state.basal_curve import LINE, BasalCurve

@@ -10,8 +10,8 @@ import casadi
 import numpy as np
 
 from dincl.checks import number
+from dincl.neighbours.search import near_pairs
 from dincl.rows.distance import DistanceRows
-from dincl.rows.pairs import near_pairs
 from dincl.rows.together import RowsTogether
 from dincl.status import Status
 from tissue.model import bending, junctions, repulsion, springs

@@ -12,8 +12,8 @@ import pytest
 
 import dincl
 from dincl.drifts import attraction, constant, swirl
-from dincl.kernels.pointers import OK
-from tests.dincl.run.drift_runs import asked
+from dincl.drifts.functions import OK
+from tests.dincl.system.drift_runs import asked
 
 ROOT = Path(__file__).parents[3]
 RNG = np.random.default_rng(5)
@@ -171,7 +171,7 @@ def test_the_machine_code_is_kept(tmp_path):
         "import dincl, sys\n"
         "assert 'numba' not in sys.modules\n"
         "dincl.drifts.attraction(0).pointer()\n"
-        "from dincl.kernels.drifts import affine\n"
+        "from dincl.drifts.functions import affine\n"
         "print(affine.cache_hits)"
     )
     env = os.environ | {"NUMBA_CACHE_DIR": str(tmp_path), "PYTHONPATH": os.pathsep.join(sys.path)}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.events import march
+from dincl.events import run as march
 from tests.dincl.events.test_event_driven import farthest, random_discs, turned
 
 TOL = 1e-8

@@ -7,7 +7,7 @@ import pytest
 
 import dincl
 from dincl.errors import StepFailure
-from dincl.events import march
+from dincl.events import run as march
 from dincl.work import Work
 
 

@@ -3,8 +3,8 @@
 import numpy as np
 
 from dincl import scenes
-from dincl.kernels.proportioning import bounded_conjugate_gradients
 from dincl.rows.affine import linearised
+from dincl.solvers.proportioning import bounded_conjugate_gradients
 from tests.dincl.dense import full
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.cone import distance_to_cone
 from dincl.errors import StepFailure
+from dincl.projection.cone import distance_to_cone
 from dincl.run.outcome import Between
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from dincl.cone import distance_to_cone
+from dincl.projection.cone import distance_to_cone
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES, TRIANGLE

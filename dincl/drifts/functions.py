@@ -1,0 +1,71 @@
+"""Drifts in compiled code: called by their address, so that one kernel serves all; and the usual ones."""
+
+from functools import partial
+
+import numpy as np
+
+from dincl.compiled import c_function, call, inner
+from dincl.compiled.arrays import Floats
+from dincl.compiled.dispatchers import DRIFT
+from dincl.constants import LARGEST
+
+# What ``velocity`` returns.
+OK, FAILED, NOT_A_NUMBER = 0, 1, 2
+
+# call_drift(address, t, x, out, n, d, data): DRIFT at the address. The arrays, float64 and C-contiguous, of any shape,
+# must be as long as the function takes them to be.
+call_drift = call(DRIFT)
+
+
+@inner
+def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, data: Floats) -> int:
+    """out = F(t, x), with the check that all numbers are finite and at most LARGEST in magnitude.
+
+    Parameters
+    ----------
+    address : int
+        Of the drift, see ``call_drift``.
+    t : float
+        Time.
+    x, out : (n, d) or (n d,)
+        Positions [length] and velocities [length / time], two arrays; out is overwritten.
+    n, d : int
+        Particles and dimension.
+    data : (k,)
+        What the drift needs.
+
+    Returns
+    -------
+    int
+        OK, FAILED if the drift says so, NOT_A_NUMBER if a number of out is none or too large.
+    """
+    out.flat[0] = np.nan  # stays if the function returns early without saying so, as an interrupted callback does
+    if call_drift(address, t, x, out, n, d, data) != 0:
+        return FAILED
+    for k in range(n * d):
+        if not abs(out.flat[k]) <= LARGEST:
+            return NOT_A_NUMBER
+    return OK
+
+
+@partial(c_function, DRIFT)
+def affine(t: float, x: Floats, out: Floats, n: int, d: int, data: Floats) -> int:
+    """F_i = c_i + a_i X_i + b_i J X_i, added up from left to right; J X = (-X_1, X_0) in the plane.
+
+    data holds two numbers for each of c, a, b: where its numbers begin, 0 if there are none, and how far those of one
+    particle lie from those of the next one.
+    """
+    c, c_step, a, a_step = int(data[0]), int(data[1]), int(data[2]), int(data[3])
+    b, b_step = int(data[4]), int(data[5])
+    for i in range(n):
+        for k in range(d):
+            out[i * d + k] = data[c + i * c_step + k] if c else -0.0  # -0 + y is y, but 0 + y is not where y is -0
+    if a:
+        for i in range(n):
+            for k in range(d):
+                out[i * d + k] += data[a + i * a_step] * x[i * d + k]
+    if b:
+        for i in range(n):
+            out[2 * i] -= data[b + i * b_step] * x[2 * i + 1]
+            out[2 * i + 1] += data[b + i * b_step] * x[2 * i]
+    return 0

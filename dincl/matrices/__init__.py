@@ -1,0 +1,67 @@
+"""Sparse matrices of rows a_k, as ``scipy.sparse.csr_array``, which is imported when the first one is made."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from numpy.typing import NDArray
+    from scipy.sparse import csr_array
+
+
+def from_rows(
+    indptr: NDArray[np.integer[Any]], indices: NDArray[np.integer[Any]], data: NDArray[np.float64], columns: int
+) -> csr_array:
+    """Make the matrix whose row k holds ``data[indptr[k]:indptr[k + 1]]`` in the columns ``indices[...]``."""
+    from scipy.sparse import csr_array
+
+    return csr_array((data, indices, indptr), shape=(len(indptr) - 1, columns))
+
+
+def from_equal_rows(indices: NDArray[np.int64], data: NDArray[np.float64], columns: int) -> csr_array:
+    """Make the matrix with as many entries in each row: indices and data of shape (rows, entries)."""
+    m, width = indices.shape
+    return from_rows(np.arange(m + 1) * width, indices.ravel(), data.ravel(), columns)
+
+
+def stacked(blocks: Sequence[csr_array], columns: int) -> csr_array:
+    """Put the blocks one below the other."""
+    if len(blocks) == 1:
+        return blocks[0]
+    offsets = np.cumsum([0, *(block.nnz for block in blocks)])
+    ends = [block.indptr[1:] + offset for block, offset in zip(blocks, offsets, strict=False)]
+    return from_rows(
+        np.concatenate([np.zeros(1, dtype=np.int64), *ends]),
+        np.concatenate([np.zeros(0, dtype=np.int64), *(block.indices for block in blocks)]),
+        np.concatenate([np.zeros(0), *(block.data for block in blocks)]),
+        columns,
+    )
+
+
+def row_squares(matrix: csr_array) -> NDArray[np.float64]:
+    """Compute |a_k|^2 of each row, shape (rows,)."""
+    from dincl.matrices import products
+
+    squares = np.empty(matrix.shape[0])
+    products.row_squares(matrix.indptr, matrix.data, squares)
+    return squares
+
+
+def divided(matrix: csr_array, lengths: NDArray[np.float64]) -> csr_array:
+    """Divide the rows by lengths (rows,)."""
+    data = matrix.data / np.repeat(lengths, np.diff(matrix.indptr))
+    return from_rows(matrix.indptr, matrix.indices, data, matrix.shape[1])
+
+
+def combined(matrix: csr_array, weights: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute sum_k weights_k a_k, shape (columns,): faster than the transpose of SciPy for small matrices."""
+    from dincl.matrices import products
+
+    total: Any = np.empty(matrix.shape[1])
+    products.transposed_times(matrix.indptr, matrix.indices, matrix.data, weights, total)
+    found: NDArray[np.float64] = total
+    return found

@@ -1,0 +1,1 @@
+"""Time steps in compiled code: the loop over them, and the step of each scheme."""

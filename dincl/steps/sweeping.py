@@ -1,0 +1,121 @@
+"""Steps of schemes that look at one row after another: position based dynamics, and the penalty method."""
+
+from typing import Any
+
+from dincl.compiled import inner
+from dincl.compiled.arrays import Floats
+from dincl.neighbours.pair_list import DONE, FAILED, gather, pair_list_at, push_discs
+from dincl.rows.table import AFFINE, CALLED, GRADIENTS, PLACES, RowTable, Sets, ask, linearise, value_of
+from dincl.steps.loop import step_function, stepping_at
+from dincl.steps.sweeps import DISCS, WALL, Families, blame_discs, sweep
+from dincl.system.arrays import COINCIDENT, OK, SETS, SystemArrays, evaluate, system_at
+
+
+@inner
+def push_all(system: SystemArrays, families: Families, x: Floats, spring: bool, force: Floats) -> int:
+    """Add max(0, -g)^(1 or 0) grad g of all rows to ``force``: OK or why not."""
+    rows, shift = system.rows, system.sets.shift
+    for f in range(families.form.size):
+        if families.form[f] == DISCS:
+            code = push_family_of_discs(families, f, x, spring, force)
+            if code != OK:
+                return code
+        elif families.form[f] == WALL:
+            push_wall(x, families.normal[f], families.bound[families.first[f] :], shift[f], spring, force)
+        else:
+            for r in range(families.first[f], families.last[f]):
+                if not push_row(rows, system.sets, r, x, system.program.gradient, spring, force):
+                    families.blamed[0], families.blamed[1] = f, r - families.first[f]
+                    return COINCIDENT
+    return OK
+
+
+@inner
+def push_family_of_discs(families: Families, f: int, x: Floats, spring: bool, force: Floats) -> int:
+    """The same for discs."""
+    pairs, points = pair_list_at(families.pairs[f]), x
+    if pairs.disc.size > 0:
+        gather(x, pairs, families.axes.size)
+        points = pairs.point
+    if families.axes.size == 2:
+        ended = push_discs(points, pairs, spring, force, (0, 0))
+    elif families.axes.size == 3:
+        ended = push_discs(points, pairs, spring, force, (0, 0, 0))
+    else:
+        ended = push_discs(points, pairs, spring, force, families.axes)
+    return OK if ended == DONE else blame_discs(families, f, ended == FAILED)
+
+
+@inner
+def push_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats, spring: bool, force: Floats) -> bool:
+    """The same for a row of the table; false if it is violated and has no direction."""
+    row, first, value = rows.row[r], rows.start[r], value_of(rows, sets, r, x)
+    if not value < 0.0:
+        return True
+    size = -value if spring else 1.0
+    if row.kind == CALLED:
+        for p in range(sets.first[row.i], sets.first[row.i + 1]):
+            force[sets.column[p]] += sets.entry[p] * size
+    elif row.kind == AFFINE:
+        for p in range(first, rows.start[r + 1]):
+            force[rows.column[p]] += rows.coefficient[p] * size
+    else:
+        if not linearise(rows, sets, r, x, gradient) < 0.0:
+            return False
+        for p in range(first, rows.start[r + 1]):
+            force[rows.column[p]] += gradient[p] * size
+    return True
+
+
+@inner
+def push_wall(x: Floats, normal: Floats, bound: Floats, shift: Floats, spring: bool, force: Floats) -> None:
+    """The same for a wall that was carried by ``shift``."""
+    d, carried = normal.size, 0.0
+    for k in range(d):
+        carried += normal[k] * shift[k]
+    for i in range(x.size // d):
+        height = 0.0
+        for k in range(d):
+            height += normal[k] * x[i * d + k]
+        violation = bound[i] + carried - height
+        if violation > 0.0:
+            for k in range(d):
+                force[i * d + k] += normal[k] * (violation if spring else 1.0)
+
+
+@step_function
+def pbd(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
+    """P_{S_M} ... P_{S_1} (x + h F(t, x)), ``setting[1]`` times, with the sets at t + h; setting[0] = h."""
+    run, h = stepping_at(place), setting[0]
+    system = system_at(run.place)
+    code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, run.rate)
+    if code != OK:
+        return code
+    start, speed, rate, moved = run.x, run.v, run.rate, run.after
+    for k in range(start.size):
+        moved[k] = start[k] + h * (speed[k] + h * rate[k] if speed.size > 0 else rate[k])
+    if ask(system.sets, t + h, run.x, PLACES) != 0:
+        return SETS
+    for _ in range(int(setting[1])):
+        code = sweep(system, run.families, t + h, run.after)
+        if code != OK:
+            return code
+    return OK
+
+
+@step_function
+def penalty(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
+    """x + h (F(t, x) + strength sum_k max(0, -g_k)^(exponent - 1) grad g_k); setting = h, strength, exponent."""
+    run, h = stepping_at(place), setting[0]
+    system = system_at(run.place)
+    code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, run.rate)
+    if code == OK and ask(system.sets, t, run.x, GRADIENTS) != 0:
+        code = SETS
+    start, rate, force = run.x, run.rate, run.after
+    for k in range(start.size):
+        force[k] = 0.0
+    if code == OK:
+        code = push_all(system, run.families, start, setting[2] == 2.0, force)
+    for k in range(start.size):
+        force[k] = start[k] + h * (rate[k] + setting[1] * force[k])
+    return code

@@ -1,0 +1,222 @@
+"""The sets of a problem as a sweep goes through them: one family of rows for each, in the order of the constraints."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dincl.compiled import inner
+from dincl.compiled.arrays import Floats, Offsets
+from dincl.neighbours import pair_list
+from dincl.neighbours.pair_list import gather, pair_list_at, scatter, sweep_discs
+from dincl.rows.formulas import project
+from dincl.rows.table import AFFINE, CALLED, DISTANCE, GRADIENTS, SWEEP, RowTable, Sets, ask
+from dincl.system.arrays import COINCIDENT, FLAT, OK, SETS, UNSETTLED, SystemArrays
+
+# How the rows of a family are given: discs, of which near pairs are listed; a wall for all particles; rows of the
+# table; projections that Python makes.
+DISCS, WALL, ROWS, OWN = range(4)
+# A row that Python evaluates is projected onto until a step moves less than this, relative to the first or to x; never
+# more than so many times.
+SETTLED, MOST_ITERATIONS = 1e-13, 50
+
+
+class Families(NamedTuple):
+    """One entry for each constraint of the problem."""
+
+    form: Offsets
+    moving: Offsets  # 1 if the set is carried along a path
+    first: Offsets  # the rows of a family are first ... last - 1 of the table; those of a wall begin in ``bound``
+    last: Offsets
+    pairs: Offsets  # the address of the PairList of discs
+    normal: Floats  # (families, d): of walls
+    bound: Floats  # least allowed heights of all particles over walls [length]
+    corrections: Offsets  # (1,): by rows of walls and of the table
+    blamed: Offsets  # (3,): what could not be projected onto: the family, and its row or two discs
+    axes: Offsets  # (d,)
+
+
+# For its types.
+_NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
+EXAMPLE = Families(_NONE, _NONE, _NONE, _NONE, _NONE, np.zeros((0, 1)), _FLOATS, _NONE, _NONE, _NONE)
+
+
+@inner
+def sweep(system: SystemArrays, families: Families, t: float, x: Floats) -> int:
+    """Project x onto one row after another of all sets, as they are at time t: OK or why not."""
+    if families.axes.size == 2:
+        return sweep_all(system, families, t, x, (0, 0))
+    if families.axes.size == 3:
+        return sweep_all(system, families, t, x, (0, 0, 0))
+    return sweep_all(system, families, t, x, families.axes)
+
+
+@inner
+def sweep_all(system: SystemArrays, families: Families, t: float, x: Floats, axes: Any) -> int:
+    """The same with the number of axes in a type that the compiler knows."""
+    for f in range(families.form.size):
+        form, code = families.form[f], OK
+        if form == DISCS:
+            code = sweep_family_of_discs(families, f, x, axes)
+        else:
+            # Python evaluates its rows where they are.
+            called = form == ROWS and is_called(system, families, f)
+            carried = families.moving[f] != 0 and not called
+            if carried:
+                carry(x, system.sets.shift, f, -1.0)
+            if form == WALL:
+                families.corrections[0] += sweep_wall(x, families.normal[f], families.bound[families.first[f] :])
+            elif form == ROWS:
+                code = sweep_rows(system, families, f, t, x, axes)
+            else:
+                system.sets.ask[2] = f
+                code = SETS if ask(system.sets, t, x, SWEEP) != 0 else OK
+            if carried:
+                carry(x, system.sets.shift, f, 1.0)
+        if code != OK:
+            return code
+    return OK
+
+
+@inner
+def is_called(system: SystemArrays, families: Families, f: int) -> bool:
+    """Whether Python evaluates the rows of a family, which are of one kind."""
+    first = families.first[f]
+    return bool(first < families.last[f] and system.rows.row[first].kind == CALLED)
+
+
+@inner
+def carry(x: Floats, shift: Floats, f: int, way: float) -> None:
+    """Move all particles along with set f, ``way`` = 1, or to where it is at rest, ``way`` = -1."""
+    d = shift.shape[1]
+    for p in range(0, x.size, d):
+        for k in range(d):
+            x[p + k] += way * shift[f, k]
+
+
+@inner
+def sweep_family_of_discs(families: Families, f: int, x: Floats, axes: Any) -> int:
+    """Sweep over pairs of discs."""
+    pairs = pair_list_at(families.pairs[f])
+    if pairs.disc.size == 0:
+        ended = sweep_discs(x, pairs, axes)
+    else:
+        gather(x, pairs, len(axes))
+        ended = sweep_discs(pairs.point, pairs, axes)
+        scatter(x, pairs, len(axes))
+    return OK if ended == pair_list.DONE else blame_discs(families, f, ended == pair_list.FAILED)
+
+
+@inner
+def blame_discs(families: Families, f: int, failed: bool) -> int:
+    """Say which discs lie on one point, or that no list could be made."""
+    pairs = pair_list_at(families.pairs[f])
+    if failed:
+        return SETS
+    families.blamed[0] = f
+    for end in range(2):
+        disc = pairs.number[pair_list.ONE + end]
+        families.blamed[1 + end] = disc if pairs.disc.size == 0 else pairs.disc[disc]
+    return COINCIDENT
+
+
+@inner
+def sweep_wall(x: Floats, normal: Floats, bound: Floats) -> int:
+    """Project all X_i onto normal . X_i >= bound_i with a unit normal: X_i += (bound_i - normal . X_i) normal."""
+    corrections, d = 0, normal.size
+    for i in range(x.size // d):
+        height = 0.0
+        for k in range(d):
+            height += normal[k] * x[i * d + k]
+        if height < bound[i]:
+            for k in range(d):
+                x[i * d + k] += (bound[i] - height) * normal[k]
+            corrections += 1
+    return corrections
+
+
+@inner
+def sweep_rows(system: SystemArrays, families: Families, f: int, t: float, x: Floats, axes: Any) -> int:
+    """Project onto the rows of a family in the table, one after another."""
+    rows, sets, current = system.rows, system.sets, False
+    for r in range(families.first[f], families.last[f]):
+        row, code, moved = rows.row[r], OK, 0
+        if row.kind == DISTANCE:
+            moved = project_distance(rows, r, x, axes)
+        elif row.kind == AFFINE:
+            moved = project_affine(rows, r, x)
+        else:
+            if not current and ask(sets, t, x, GRADIENTS) != 0:
+                return SETS
+            current = not sets.value[row.i] < 0.0
+            if not current:
+                code, moved = project_called(system, r, t, x), 1
+        if moved < 0 or code != OK:
+            families.blamed[0], families.blamed[1] = f, r - families.first[f]
+            return code if code != OK else COINCIDENT
+        families.corrections[0] += moved
+    return OK
+
+
+@inner
+def project_distance(rows: RowTable, r: int, x: Floats, axes: Any) -> int:
+    """1 if row r moved x, 0 if it did not, -1 if it has no direction."""
+    row, d = rows.row[r], len(axes)
+    if row.j < 0:
+        return project(x, row.i * d, rows.coefficient, rows.start[r], True, row.length, row.sign, axes)
+    return project(x, row.i * d, x, row.j * d, False, row.length, row.sign, axes)
+
+
+@inner
+def project_affine(rows: RowTable, r: int, x: Floats) -> int:
+    """x += (b - a . x) a / |a|^2 where a . x < b: 1 if row r moved x, 0 if it did not."""
+    row, height = rows.row[r], 0.0
+    for p in range(rows.start[r], rows.start[r + 1]):
+        height += rows.coefficient[p] * x[rows.column[p]]
+    if not height < row.length:
+        return 0
+    step = (row.length - height) / row.square
+    for p in range(rows.start[r], rows.start[r + 1]):
+        x[rows.column[p]] += step * rows.coefficient[p]
+    return 1
+
+
+@inner
+def project_called(system: SystemArrays, r: int, t: float, x: Floats) -> int:
+    """Move x to the nearest point of {g_r >= 0}, for a row that Python evaluates and x violates.
+
+    The row is linearised again at the point reached, always for the same start y: a fixed point with
+    x = y + lambda grad g(x) and g(x) = 0 is the nearest point of a violated set. The footnote to Method 2.2 stops after
+    the first of these Gauss-Newton steps, which is exact for affine rows only.
+    """
+    sets, y, first = system.sets, system.middle, 0.0
+    place = system.rows.row[r].i
+    for k in range(x.size):
+        y[k] = x[k]
+    for iteration in range(MOST_ITERATIONS):
+        if iteration > 0 and ask(sets, t, x, GRADIENTS) != 0:
+            return SETS
+        square, lack = 0.0, -sets.value[place]
+        for p in range(sets.first[place], sets.first[place + 1]):
+            square += sets.entry[p] * sets.entry[p]
+            lack += sets.entry[p] * (x[sets.column[p]] - y[sets.column[p]])
+        if square == 0.0:
+            return FLAT
+        moved, largest = step_from(sets, place, max(lack, 0.0) / square, y, x, system.velocity)
+        if first == 0.0:
+            first = moved
+        if moved <= SETTLED * max(first, largest):
+            return OK
+    return UNSETTLED
+
+
+@inner
+def step_from(sets: Sets, place: int, weight: float, y: Floats, x: Floats, room: Floats) -> tuple[float, float]:
+    """x = y + weight grad g: the largest change of a coordinate, and the largest coordinate."""
+    moved, largest = 0.0, 0.0
+    for k in range(x.size):
+        room[k], x[k] = x[k], y[k]
+    for p in range(sets.first[place], sets.first[place + 1]):
+        x[sets.column[p]] += weight * sets.entry[p]
+    for k in range(x.size):
+        moved, largest = max(moved, abs(x[k] - room[k])), max(largest, abs(x[k]))
+    return moved, largest

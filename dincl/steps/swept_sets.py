@@ -1,0 +1,146 @@
+"""The sets of a problem as sweeps go through them, see ``dincl.steps.sweeps``."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl.compiled.structs import StructPointer
+from dincl.errors import StepFailure
+from dincl.matrices import from_equal_rows
+from dincl.neighbours import pair_list
+from dincl.neighbours.pair_list import ALL_PAIRS, PairList
+from dincl.neighbours.search import near_pairs
+from dincl.rows.affine import AffineRows, HeightRows
+from dincl.rows.near import Selection
+from dincl.rows.sweeper import DiscPairs, Sweeper
+from dincl.status import Status
+from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, OWN, ROWS, WALL, Families
+from dincl.system import arrays as codes
+from dincl.system.python_function import PythonFunction, numbers_at
+
+if TYPE_CHECKING:
+    from dincl.problem import Problem
+    from dincl.work import Work
+
+# First width of the list of pairs beyond contact, and the widest, in smallest radii.
+FIRST_SKIN, WIDEST_SKIN = 0.05, 1.0
+
+
+class SweptSets:
+    """What sweeps go through, in the order of the constraints: discs, walls, rows, or projections of the user.
+
+    Attributes
+    ----------
+    selection
+        The rows that are in the table of the system: none of discs, walls and sets with projections of the user.
+    sweepers
+        Projections of the user, by index of their constraint.
+    arrays
+        What kernels take.
+    searches
+        The searches for near pairs, one for each large family of discs.
+    """
+
+    def __init__(self, problem: Problem, *, projected: bool) -> None:
+        """Without ``projected``, only values and gradients matter: sets with projections of the user are rows."""
+        (count, d), families = problem.x0.shape, len(problem.constraints)
+        swept: list[Any] = [one.sweeper(problem.x0) for one in problem.constraints]
+        for f, one in enumerate(problem.constraints):
+            if isinstance(swept[f], Sweeper) and not projected:
+                swept[f] = one.select(problem.x0, np.inf)
+        forms = np.array([_form(one) for one in swept], dtype=np.int64)
+        rows = zip(forms, swept, no_rows(problem).blocks, strict=True)
+        blocks = tuple(one if form == ROWS else nothing for form, one, nothing in rows)
+        self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
+        self.sweepers = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
+        self.searches: list[PythonFunction] = []
+        self._lists = lists = {f: self._pair_list(one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
+        self._counted = np.zeros(pair_list.NUMBERS, dtype=np.int64)
+        walls = {f: one for f, one in enumerate(swept) if forms[f] == WALL}
+        heights = {f: count * k for k, f in enumerate(walls)}
+        starts = np.cumsum([0, *map(len, blocks)])
+        self.arrays = Families(
+            form=forms,
+            moving=np.array([one.displacement(0.0, d) is not None for one in problem.constraints], dtype=np.int64),
+            first=np.array([heights.get(f, starts[f]) for f in range(families)], dtype=np.int64),
+            last=starts[1:],
+            pairs=np.array([lists[f].address if f in lists else 0 for f in range(families)], dtype=np.int64),
+            normal=np.array([walls[f].normal if f in walls else np.zeros(d) for f in range(families)]).reshape(-1, d),
+            bound=np.concatenate([np.zeros(0), *(wall.bound for wall in walls.values())]),
+            corrections=np.zeros(1, dtype=np.int64),
+            blamed=np.zeros(3, dtype=np.int64),
+            axes=np.zeros(d, dtype=np.int64),
+        )
+
+    def count(self, work: Work) -> None:
+        """Add what was done since this was asked last."""
+        total = sum((one.value.number for one in self._lists.values()), np.zeros(pair_list.NUMBERS, dtype=np.int64))
+        done, self._counted = total - self._counted, total
+        work.neighbour_builds += int(done[pair_list.BUILDS])
+        work.candidate_pairs += int(done[pair_list.LOOKED_AT])
+        work.constraint_projections += int(done[pair_list.CORRECTIONS]) + int(self.arrays.corrections[0])
+        self.arrays.corrections[0] = 0
+
+    def failure(self, code: int) -> None:
+        """Raise StepFailure for the codes that stand for a row, or what a search raised; return for all others."""
+        for search in self.searches:
+            search.failure()
+        family, i, j = (int(place) for place in self.arrays.blamed)
+        if code == codes.COINCIDENT and self.arrays.form[family] == DISCS:
+            raise StepFailure(Status.COINCIDENT_CENTRES, f"Particles {i} and {j} lie on one point.")
+        if code not in (codes.COINCIDENT, codes.FLAT, codes.UNSETTLED):
+            return
+        rows: Any = self.selection.blocks[family]
+        if code == codes.COINCIDENT:
+            raise rows.coincidence(i)
+        name = rows.label(i, self.selection.shape[1])
+        if code == codes.FLAT:
+            raise StepFailure(Status.CONSTRAINT_FAILED, f"A violated constraint has gradient zero: {name}.")
+        detail = f"The projection onto {name} took more than {MOST_ITERATIONS} steps."
+        raise StepFailure(Status.NOT_CONVERGED, detail)
+
+    def _pair_list(self, discs: DiscPairs, d: int) -> StructPointer:
+        """Arrays for the near pairs of a family; none is listed yet."""
+        m, smallest, some = len(discs.radius), float(discs.radius.min(initial=np.inf)), discs.among is not None
+        few = m <= ALL_PAIRS
+
+        def make_list(t: float, x: int, *_: int) -> None:
+            start, partner = near_pairs(numbers_at(x, (m, d)), discs.radius + pointer.value.skin[0])
+            pointer.replace({"start": start, "partner": partner})
+
+        search = None if few else PythonFunction(make_list)
+        pointer = StructPointer(
+            PairList(
+                disc=np.array(discs.among) if some else np.zeros(0, dtype=np.int64),
+                radius=np.array(discs.radius),
+                start=np.zeros(m + 1, dtype=np.int64),
+                partner=np.zeros(m * (m - 1) // 2 + 1 if few else 0, dtype=np.int32),
+                point=np.zeros(m * d if some else 0),
+                reference=np.zeros(m * d),
+                backup=np.zeros(m * d),
+                skin=smallest * np.array([FIRST_SKIN, WIDEST_SKIN]) if m else np.zeros(2),
+                number=np.zeros(pair_list.NUMBERS, dtype=np.int64),
+                search=search.address if search else 0,
+            )
+        )
+        if search:
+            self.searches.append(search)
+        return pointer
+
+
+def no_rows(problem: Problem) -> Selection:
+    """A selection of no row."""
+    matrix = from_equal_rows(np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1)), problem.x0.size)
+    blocks = (AffineRows(matrix, np.zeros(0)),) * len(problem.constraints)
+    return Selection(problem.constraints, blocks, problem.x0.shape)
+
+
+def _form(swept: Any) -> int:
+    if isinstance(swept, DiscPairs):
+        return DISCS
+    # All particles, as of a wall for which every one is near.
+    if isinstance(swept, HeightRows) and len(swept) == swept.count:
+        return WALL
+    return OWN if isinstance(swept, Sweeper) else ROWS

@@ -1,0 +1,152 @@
+"""What compiled steps share: the drift, the sets, the codes by which a step ends, lengths of moves."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dincl.compiled import inner, kernel
+from dincl.compiled.arrays import Floats, Offsets
+from dincl.compiled.structs import reader
+from dincl.drifts.functions import velocity
+from dincl.rows.table import GRADIENTS, ROW, NearRows, RowTable, Sets, ask, gap, room_for_list
+from dincl.solvers.active_set import LeastDistance, least_distance
+from dincl.solvers.factor import Chosen, room
+
+# How steps end; the first ones are those of ``active_set.nearest``.
+OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
+FLAT, UNSETTLED, PYTHON = range(10, 13)
+
+
+class Drift(NamedTuple):
+    """The function at ``address``, see ``pointers``; where it failed, ``failed`` holds t, x and what it gave.
+
+    ``unit`` holds the units of time, length and velocity of the run, powers of two, in those of the function.
+    """
+
+    address: int
+    data: Floats
+    calls: Offsets  # (2,): how many, and how the last one failed
+    failed: Floats  # (1 + 2 n,)
+    unit: Floats  # (3,)
+    point: Floats  # (n,): x in the units of the function
+
+
+class Solving(NamedTuple):
+    """The solver of least-distance programs, called by its address with the signature of ``DRIFT``.
+
+    It is given the tolerance, y and z, the address of the system and ``answer``, and solves the program of the rows
+    that are near: it writes z, the multipliers, and the residual into the answer. One that is ``whole`` is given the
+    point that is searched from in place of y, and ``question``, and projects onto the set itself.
+    """
+
+    address: int
+    whole: int
+    question: Floats  # (4,): time, the time to which linearised rows are carried, whether they are not, tolerance
+    called: Floats  # (1,): 1 if the last program was not solved by y itself
+
+
+class SystemArrays(NamedTuple):
+    """A small system and room to work in; ``velocity`` is what the drift gave last, ``blamed`` the row of a failure."""
+
+    rows: RowTable
+    sets: Sets
+    near: NearRows
+    program: LeastDistance
+    chosen: Chosen
+    drift: Drift
+    velocity: Floats  # (n,)
+    middle: Floats  # (n,)
+    move: Floats  # (families, d)
+    blamed: Offsets  # (1,)
+    solving: Solving
+
+
+# For its types.
+SYSTEM = SystemArrays(
+    RowTable(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
+    Sets(
+        0,
+        np.zeros(1),
+        np.zeros((0, 1)),
+        np.zeros((0, 1)),
+        np.zeros(0),
+        np.zeros(1, dtype=np.int64),
+        np.zeros(0, dtype=np.int64),
+        np.zeros(0),
+    ),
+    room_for_list(0, 0, 0, 1),
+    least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
+    room(1, 0),
+    Drift(0, np.zeros(1), np.zeros(2, dtype=np.int64), np.zeros(1), np.ones(3), np.zeros(0)),
+    np.zeros(0),
+    np.zeros(0),
+    np.zeros((0, 1)),
+    np.zeros(1, dtype=np.int64),
+    Solving(0, 0, np.zeros(4), np.zeros(1)),
+)
+system_at = reader(SYSTEM)
+
+
+@inner
+def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
+    """F(t, x), finite: OK or DRIFT."""
+    drift.calls[0] += 1
+    time, length, speed, point = drift.unit[0] * t, drift.unit[1], drift.unit[2], x
+    if length != 1.0:
+        point = drift.point
+        for k in range(x.size):
+            point[k] = length * x[k]
+    code = velocity(drift.address, time, point, out, x.size // d, d, drift.data)
+    if code != OK:
+        drift.failed[0], drift.calls[1] = time, code
+        for k in range(x.size):
+            drift.failed[1 + k], drift.failed[1 + x.size + k] = point[k], out[k]
+        return DRIFT
+    if speed != 1.0:
+        for k in range(x.size):
+            out[k] /= speed
+    return OK
+
+
+@inner
+def bounded(x: Floats, most: float) -> bool:
+    """Whether all numbers are finite and none is larger than ``most``."""
+    fits = True
+    for k in range(x.size):
+        fits = fits and abs(x[k]) <= most
+    return fits
+
+
+@inner
+def farthest(x: Floats, y: Floats, d: int) -> float:
+    """max_i |X_i - Y_i|."""
+    largest = 0.0
+    for i in range(0, x.size, d):
+        square = 0.0
+        for k in range(d):
+            square += (x[i + k] - y[i + k]) * (x[i + k] - y[i + k])
+        largest = max(largest, square)
+    return float(np.sqrt(largest))
+
+
+@inner
+def longest(x: Floats, d: int) -> float:
+    """max_i |X_i|."""
+    largest = 0.0
+    for i in range(0, x.size, d):
+        square = 0.0
+        for k in range(d):
+            square += x[i + k] * x[i + k]
+        largest = max(largest, square)
+    return float(np.sqrt(largest))
+
+
+@kernel
+def overlaps_at(place: int, t: Floats, x: Floats, overlap: Floats) -> None:
+    """Write how far the states x (K, n) at times t are outside of the set of a system, for rows in its table, (K,)."""
+    system = system_at(place)
+    for q in range(t.size):
+        overlap[q] = 0.0
+        ask(system.sets, t[q], x[q], GRADIENTS)
+        for r in range(system.rows.row.size):
+            overlap[q] = max(overlap[q], -gap(system.rows, system.sets, r, x[q]))

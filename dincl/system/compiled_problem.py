@@ -1,0 +1,254 @@
+"""A problem as compiled code sees it: one table of rows, the drift by its address, arrays to write to."""
+
+from __future__ import annotations
+
+from contextlib import ExitStack, contextmanager
+from typing import TYPE_CHECKING, Any, NoReturn
+
+import numpy as np
+
+from dincl.compiled.structs import StructPointer
+from dincl.constants import LARGEST
+from dincl.errors import StepFailure
+from dincl.rows.base import TableRows
+from dincl.rows.near import carried_over, select
+from dincl.rows.table import CALLED, DISTANCE, ROW, RowTable, room_for_list
+from dincl.solvers.active_set import least_distance
+from dincl.solvers.factor import Chosen, room
+from dincl.status import Status
+from dincl.system import arrays as codes
+from dincl.system.arrays import Drift, Solving, SystemArrays, overlaps_at
+from dincl.system.drift_pointer import DriftPointer
+from dincl.system.python_function import Callback, PythonFunction, numbers_at
+from dincl.system.sets_pointer import SetsPointer
+from dincl.system.units import Units
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Mapping, Sequence
+
+    from numpy.typing import NDArray
+
+    from dincl.problem import Problem
+    from dincl.projection.base import Solver
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.rows.near import Selection
+    from dincl.rows.sweeper import Sweeper
+    from dincl.work import Work
+
+# More rows, or particles, than these are not listed all at once: those of 200 discs.
+MOST_PARTICLES = 200
+ONE = Units()
+NONE: Mapping[int, Sweeper] = {}
+# The name in ``Work.back_ends``.
+NAME = "active set"
+FAILURES = {
+    codes.INFEASIBLE: (Status.INFEASIBLE, f"{NAME}: no point meets all constraints."),
+    codes.CYCLES: (Status.NOT_CONVERGED, f"{NAME}: rounding keeps it from an answer."),
+    codes.TOO_FAR: (Status.NOT_CONVERGED, "The projection moved a particle again and again beyond the rows looked at."),
+    codes.NOT_A_NUMBER: (Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."),
+    codes.SINGULAR: (Status.NOT_CONVERGED, "Gradients of the contacts that are held became dependent."),
+}
+
+
+class CompiledProblem:
+    """A problem, bound to one run.
+
+    Attributes
+    ----------
+    problem
+        Which one.
+    selection
+        The rows in its table: all of them, or, of many particles, those that are near.
+    units
+        In which the arrays are; the problem and its functions keep their own.
+    solver
+        What solves the programs of the near rows.
+    arrays, place
+        What kernels take, and the address by which they do; they may be called inside of ``with callbacks()``.
+    drift, sets
+        What the arrays point to.
+    """
+
+    def __init__(
+        self,
+        problem: Problem,
+        selection: Selection | None = None,
+        units: Units = ONE,
+        *,
+        sweepers: Mapping[int, Sweeper] = NONE,
+        solver: Solver | None = None,
+        programs: bool = True,
+    ) -> None:
+        """Without ``programs``, no program is solved for the rows in the table, which takes less memory."""
+        self.problem, self.units, self.solver = problem, units, solver
+        all_rows = selection is not None or solver is None or len(problem.x0) <= MOST_PARTICLES
+        if selection is None:
+            selection = select(problem.constraints, 0.0, problem.x0, np.inf if all_rows else 0.0)
+        self.selection = selection
+        self._programs, self._dense = programs, programs and (solver is None or solver.dense)
+        n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
+        rows, called = self._tabulated()
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units, sweepers)
+        self.search = None if all_rows else PythonFunction(self._list_rows)
+        self.solving = None if solver is None else solver.bind(self)
+        self._pointer = self.sets.system = StructPointer(
+            SystemArrays(
+                rows=rows,
+                sets=self.sets.arrays,
+                near=room_for_list(len(rows.row), n, families, d, self.search.address if self.search else 0),
+                program=least_distance(np.zeros(len(rows.column)), np.zeros(len(rows.row)), np.zeros(len(rows.row)), n),
+                chosen=self._room(len(rows.row)),
+                drift=Drift(
+                    self.drift.address,
+                    self.drift.data,
+                    np.zeros(2, dtype=np.int64),
+                    np.zeros(1 + 2 * n),
+                    np.array([units.time, units.length, units.speed]),
+                    np.zeros(n),
+                ),
+                velocity=np.zeros(n),
+                middle=np.zeros(n),
+                move=np.zeros((families, d)),
+                blamed=np.zeros(1, dtype=np.int64),
+                solving=Solving(
+                    address=self.solving.address if self.solving else 0,
+                    whole=int(solver is not None and solver.whole),
+                    question=np.zeros(4),
+                    called=np.zeros(1),
+                ),
+            )
+        )
+        self.place = self._pointer.address
+        self._counted = (0, 0, 0.0, 0.0, 0)
+
+    @property
+    def arrays(self) -> SystemArrays:
+        """What kernels take."""
+        arrays: SystemArrays = self._pointer.value
+        return arrays
+
+    @contextmanager
+    def callbacks(self) -> Iterator[None]:
+        """Surround calls of kernels, which may call Python."""
+        with ExitStack() as stack:
+            for function in (self.drift, self.sets, self.search, self.solving):
+                if isinstance(function, Callback):
+                    stack.enter_context(function)
+            yield
+
+    def overlaps(self, times: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """How far states (K, N, d) at these times are outside of the rows in the table, shape (K,) [length]."""
+        overlap, flat = np.empty(len(times)), x.reshape(len(times), -1) / self.units.length
+        with self.callbacks():
+            overlaps_at(self.place, times / self.units.time, flat, overlap)
+        if self.sets.failed:
+            self.sets.failure()
+        return overlap * self.units.length
+
+    def near_rows(self) -> Selection:
+        """The rows that are near, in the order of the problem."""
+        keep = np.zeros(len(self.selection), dtype=np.bool_)
+        near = self.arrays.near
+        keep[near.row[: int(near.number[0])]] = True
+        return self.selection.take(keep)
+
+    def _tabulated(self) -> tuple[RowTable, tuple[int, ...]]:
+        """The rows as kernels read them, and the indices of constraints whose rows Python evaluates."""
+        n, d = self.problem.x0.size, self.problem.x0.shape[1]
+        rows, called = tabulate(self.selection.blocks, n, d, n if self._programs else 0)
+        rows.row["length"] /= self.units.length
+        rows.coefficient[np.repeat(rows.row["kind"] == DISTANCE, np.diff(rows.start))] /= self.units.length
+        return rows, called
+
+    def _room(self, m: int) -> Chosen:
+        """Room for the factors of a dense solver."""
+        n = self.problem.x0.size
+        return room(min(m, n) + 1, n) if self._dense else room(1, n if self._programs else 0)
+
+    def _list_rows(self, t: float, x: int, out: int, n: int, d: int, reach: int) -> None:
+        """Put the rows near x at time t into the table; rows that stay keep their multipliers."""
+        problem, before = self.problem, self.selection
+        near = numbers_at(x, problem.x0.shape).copy()
+        self.selection = select(problem.constraints, t, near, float(self.arrays.near.reach[0]))
+        rows, called = self._tabulated()
+        multiplier = carried_over(before, self.arrays.program.multiplier, self.selection)
+        self.sets.reselect(self.selection, called)
+        m = len(rows.row)
+        arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
+        arrays |= {f"chosen.{name}": part for name, part in self._room(m)._asdict().items()}
+        arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
+        arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
+        self._pointer.replace(arrays)
+        self.arrays.near.number[0] = m
+
+    @property
+    def names(self) -> tuple[tuple[int, str], ...]:
+        """For each row of the table the index of its constraint, and the row in words."""
+        return self.selection.names
+
+    @property
+    def name(self) -> str:
+        """The name of the solver."""
+        return NAME if self.solver is None else self.solver.name
+
+    def count(self, work: Work) -> None:
+        """Add what was done since this was asked last, and tell the drift."""
+        arrays, before = self.arrays, self._counted
+        drifts, builds = int(arrays.drift.calls[0]), int(arrays.near.number[1])
+        iterations, calls = float(arrays.program.answer[0]), float(arrays.program.answer[2])
+        self._counted = (drifts, builds, iterations, calls, self.sets.calls)
+        work.drift_evaluations += drifts - before[0]
+        work.neighbour_builds += builds - before[1]
+        work.solver_iterations += round(iterations - before[2])
+        work.solver_calls += round(calls - before[3])
+        work.callbacks += self.sets.calls - before[4]
+        if calls > 0 and self.name not in work.back_ends:
+            work.back_ends += (self.name,)
+        self.drift.made(drifts - before[0])
+
+    def failure(self, code: int, tol: float = 0.0) -> NoReturn:
+        """Raise StepFailure, or what a function of the user raised, for the code by which a kernel ended."""
+        arrays = self.arrays
+        if self.sets.failed:
+            self.sets.failure()
+        for function in (self.search, self.solving):
+            if isinstance(function, PythonFunction):
+                function.failure()
+        if code == codes.DRIFT:
+            at, n = arrays.drift.failed, arrays.velocity.size
+            self.drift.failure(float(at[0]), at[1 : n + 1], at[n + 1 :], int(arrays.drift.calls[1]))
+        if code == codes.COINCIDENT:
+            raise self.selection.coincidence(int(arrays.blamed[0]))
+        if code == codes.MISSED:
+            residual = float(arrays.program.answer[1])
+            detail = f"{self.name} left a residual of {residual:.2g}, asked for was {tol:.2g}."
+            raise StepFailure(Status.NOT_CONVERGED, detail)
+        raise StepFailure(*FAILURES[code])
+
+
+def tabulate(blocks: Sequence[RowsOfOneKind], n: int, d: int, entries_called: int) -> tuple[Any, tuple[int, ...]]:
+    """The rows of all blocks, one below the other, and the indices of blocks that only Python can evaluate.
+
+    ``entries_called`` is the number of entries of a row of those: n where gradients are stored, or 0.
+    """
+    called: list[int] = []
+    parts = []
+    before = 0
+    for family, block in enumerate(blocks):
+        part = block.tabulated(d)
+        if part is None:
+            m, e = len(block), entries_called
+            called.append(family)
+            numbers = {"kind": CALLED, "i": before + np.arange(m), "j": -1, "sway": np.inf}
+            part = TableRows(numbers, np.full(m, e), np.tile(np.arange(e), m), np.zeros(m * e))
+            before += m
+        row = np.zeros(len(part.entries), dtype=ROW)
+        for name, values in part.numbers.items():
+            row[name] = values
+        row["family"] = family
+        parts.append((row, part))
+    entries = np.concatenate([np.zeros(1, dtype=np.int64), *(part.entries for _, part in parts)])
+    column = np.concatenate([np.zeros(0, dtype=np.int64), *(part.column for _, part in parts)])
+    coefficient = np.concatenate([np.zeros(0), *(part.coefficient for _, part in parts)])
+    rows = np.concatenate([np.zeros(0, dtype=ROW), *(row for row, _ in parts)])
+    return RowTable(rows, np.cumsum(entries), column, coefficient), tuple(called)

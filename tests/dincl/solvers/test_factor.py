@@ -1,0 +1,107 @@
+"""The factor of the Gram matrix, while rows come and go, against NumPy; what lies left of an envelope is never read."""
+
+import numpy as np
+import pytest
+
+from dincl.compiled import kernel
+from dincl.rows.table import ROW, RowTable
+from dincl.solvers.active_set import across
+from dincl.solvers.factor import append, backward, border, clear, drop, forward, room
+
+
+@kernel
+def take(rows, gradient, chosen, r):
+    border(rows, r, gradient, chosen)
+    square = across(rows, r, gradient, chosen)
+    if square > 1e-6:
+        append(rows, chosen, r, square)
+    return square
+
+
+@kernel
+def leave(rows, chosen, k):
+    drop(rows, chosen, k)
+
+
+@kernel
+def solve_gram(chosen):
+    forward(chosen, 0)
+    backward(chosen)
+
+
+@kernel
+def empty(chosen):
+    clear(chosen)
+
+
+def random_rows(rng, n, m, entries, spread):
+    """Unit rows with entries in columns close to each other: (table, gradient, dense)."""
+    dense = np.zeros((m, n))
+    column, gradient = [], []
+    for r in range(m):
+        low = int(rng.integers(0, n - entries + 1)) if spread < n else 0
+        columns = np.sort(rng.choice(min(spread, n - low), entries, replace=False)) + low
+        values = rng.normal(size=entries)
+        values /= np.linalg.norm(values)
+        dense[r, columns] = values
+        column.append(columns)
+        gradient.append(values)
+    start = entries * np.arange(m + 1)
+    return RowTable(np.zeros(m, dtype=ROW), start, np.concatenate(column), np.zeros(0)), np.concatenate(gradient), dense
+
+
+def spoil(chosen):
+    """NaN wherever the factor has no entry: left of the envelope, right of the diagonal, below the last row."""
+    count = chosen.number[0]
+    for k in range(len(chosen.factor)):
+        left = chosen.first[k] if k < count else len(chosen.factor)
+        chosen.factor[k, :left] = np.nan
+        chosen.factor[k, k + 1 :] = np.nan
+
+
+def lower(chosen):
+    """L as a dense matrix."""
+    count = chosen.number[0]
+    found = np.zeros((count, count))
+    for k in range(count):
+        found[k, chosen.first[k] : k + 1] = chosen.factor[k, chosen.first[k] : k + 1]
+    return found
+
+
+@pytest.mark.parametrize(("n", "m", "entries", "spread"), [(24, 40, 4, 6), (30, 25, 2, 30), (12, 30, 12, 12)])
+def test_rows_come_and_go(n, m, entries, spread, rng):
+    rows, gradient, dense = random_rows(rng, n, m, entries, spread)
+    chosen, refused, dropped = room(min(m, n) + 1, n), 0, 0
+    empty(chosen)
+    for _ in range(600):
+        now = list(chosen.row[: chosen.number[0]])
+        if len(now) == min(n, m) or (now and rng.random() < 0.45):
+            place = int(rng.integers(len(now)))
+            leave(rows, chosen, place)
+            del now[place]
+            dropped += 1
+        else:
+            r = int(rng.choice(np.setdiff1d(np.arange(m), now)))
+            others = dense[now]
+            part = dense[r] - others.T @ np.linalg.lstsq(others.T, dense[r], rcond=None)[0] if now else dense[r]
+            square = take(rows, gradient, chosen, r)
+            # Cancellation costs as many digits as the others are close to dependent.
+            assert square == pytest.approx(part @ part, abs=1e-7)
+            refused += square <= 1e-6
+            now += [r] if square > 1e-6 else []
+        spoil(chosen)
+        assert list(chosen.row[: chosen.number[0]]) == now
+        factor, gram = lower(chosen), dense[now] @ dense[now].T
+        assert np.abs(factor @ factor.T - gram).max(initial=0.0) <= 1e-13
+        assert (np.diag(factor) > 0).all()
+        touched = [min([k for k, r in enumerate(now) if dense[r, c]], default=len(chosen.row)) for c in range(n)]
+        assert list(chosen.touched) == touched
+        assert not chosen.dense.any()
+        right = rng.normal(size=len(now))
+        chosen.right[: len(now)] = right
+        solve_gram(chosen)
+        exact = np.linalg.solve(factor @ factor.T, right)
+        size = 1 + np.abs(exact).max(initial=0.0)
+        assert np.abs(gram @ chosen.right[: len(now)] - right).max(initial=0.0) <= 1e-12 * size
+    assert dropped > 200
+    assert refused > 0 or entries > 2
