@@ -120,14 +120,15 @@ def move(run: int, t: float, x: Floats, rate: Floats, push: Floats) -> int:
         code = factorise(run)
     if code != OK:
         return code
-    for k in range(held.number[0]):
+    count = held.number[0]
+    for k in range(count):
         push[k] = 0.0
     for _ in range(2):
-        for k in range(held.number[0]):
+        for k in range(count):
             r = held.row[k]
             right[k] = least_speed(system, r) - times(rows, r, gradient, rate)
         solve_held(run)
-        for k in range(held.number[0]):
+        for k in range(count):
             push[k] += right[k]
             add(rows, held.row[k], gradient, right[k], rate)
     return OK
@@ -167,19 +168,20 @@ def correct(run: int, t: float, x: Floats) -> int:
 def stage(run: int, h: float, i: int) -> int:
     """The rate of stage i of a step from ``x``, from those before it."""
     march = march_at(run)
-    pair, x = march.pair, march.x
+    pair, x, point = march.pair, march.x, march.point
     for k in range(x.size):
-        march.point[k] = 0.0
+        point[k] = 0.0
     for j in range(i):
-        weight = h * pair.a[i, j]
+        weight, rate = h * pair.a[i, j], march.rate[j]
         if weight != 0.0:
             for k in range(x.size):
-                march.point[k] += weight * march.rate[j, k]
+                point[k] += weight * rate[k]
     for k in range(x.size):
-        march.point[k] += x[k]
+        point[k] += x[k]
     if i == pair.stages:
+        after = march.after
         for k in range(x.size):
-            march.after[k] = march.point[k]
+            after[k] = point[k]
     return move(run, march.state[0].now + pair.c[i] * h, march.point, march.rate[i], march.push[i])
 
 
@@ -195,13 +197,13 @@ def allowed_error(run: int, k: int) -> float:
 def error_of(run: int, h: float) -> float:
     """The estimated error of the step over what the tolerance allows, root of the mean square."""
     march = march_at(run)
-    pair, n = march.pair, march.x.size
+    weight, rate, count, n = march.pair.error, march.rate, march.pair.stages + 1, march.x.size
     first, second = 0.0, 0.0
     for k in range(n):
         one, other = 0.0, 0.0
-        for i in range(pair.stages + 1):
-            one += pair.error[0, i] * march.rate[i, k]
-            other += pair.error[1, i] * march.rate[i, k]
+        for i in range(count):
+            one += weight[0, i] * rate[i, k]
+            other += weight[1, i] * rate[i, k]
         scale = allowed_error(run, k)
         first += (one / scale) * (one / scale)
         second += (other / scale) * (other / scale)
@@ -214,17 +216,18 @@ def error_of(run: int, h: float) -> float:
 def interpolate(run: int, h: float) -> None:
     """The dense output of the step, in the nested form of Hairer, Norsett and Wanner."""
     march = march_at(run)
-    state, pair = march.state[0], march.pair
-    for k in range(march.x.size):
-        change = march.after[k] - march.x[k]
-        march.dense[0, k] = change
-        march.dense[1, k] = h * march.rate[0, k] - change
-        march.dense[2, k] = 2.0 * change - h * (march.rate[pair.stages, k] + march.rate[0, k])
-        for j in range(pair.terms - 3):
+    state, pair, x, after, rate, dense = march.state[0], march.pair, march.x, march.after, march.rate, march.dense
+    last, count, terms, weight = pair.stages, pair.stages + 1 + pair.more, pair.terms, pair.dense
+    for k in range(x.size):
+        change = after[k] - x[k]
+        dense[0, k] = change
+        dense[1, k] = h * rate[0, k] - change
+        dense[2, k] = 2.0 * change - h * (rate[last, k] + rate[0, k])
+        for j in range(terms - 3):
             total = 0.0
-            for i in range(pair.stages + 1 + pair.more):
-                total += pair.dense[j, i] * march.rate[i, k]
-            march.dense[3 + j, k] = h * total
+            for i in range(count):
+                total += weight[j, i] * rate[i, k]
+            dense[3 + j, k] = h * total
     state.theta, state.made = -1.0, h
 
 
@@ -244,6 +247,7 @@ def at(dense: Floats, terms: int, x: float, k: int, theta: float) -> tuple[float
 def dense_state(run: int, theta: float) -> None:
     """Write the state at a part of the step into ``point``, and its derivative after theta into the last rate."""
     march = march_at(run)
+    x, dense, point, rate, terms = march.x, march.dense, march.point, march.rate, march.pair.terms
     march.state[0].theta = -1.0
-    for k in range(march.x.size):
-        march.point[k], march.rate[16, k] = at(march.dense, march.pair.terms, march.x[k], k, theta)
+    for k in range(x.size):
+        point[k], rate[16, k] = at(dense, terms, x[k], k, theta)
