@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
@@ -35,7 +36,7 @@ def kernel(function: Function, *, references: bool = True) -> Function:
     # Counting references makes steps of tissues and of PBD 1.3 to 1.7 times as long.
     options: dict[str, Any] = {"nogil": True, "error_model": "numpy", "_nrt": references}
     compiled: Any = numba.njit(**options)(function)
-    compiled._cache = KeptCode(function)
+    keep_code(compiled, function)
     return cast("Function", compiled)
 
 
@@ -48,10 +49,17 @@ def c_function(described: Any, function: Callable[..., Any]) -> Any:
     options: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
     # numba.cfunc would compile before it is told where machine code is kept.
     compiled: Any = CFunc(function, normalize_signature(described), locals={}, options=options)
-    compiled._cache = KeptCode(function)
+    keep_code(compiled, function)
     with ANNOUNCEMENT.of(function):
         compiled.compile()
     return compiled
+
+
+def keep_code(compiled: Any, function: Callable[..., Any]) -> None:
+    """Keep the machine code on the disk, unless the function was typed and is in no file of Python."""
+    path = Path(function.__code__.co_filename)
+    if path.suffix == ".py" and path.is_file():
+        compiled._cache = KeptCode(function)
 
 
 def compile_reordered(function: Callable[..., Any]) -> Any:

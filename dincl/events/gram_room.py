@@ -5,8 +5,6 @@ from __future__ import annotations
 from functools import cache
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from dincl.compiled.structs import written
 from dincl.solvers.sparse_factor import SPARSE_FROM, room_for_gram
 
@@ -41,4 +39,4 @@ def gram_room(system: SystemArrays) -> GramRoom:
     if m < SPARSE_FROM:
         return _none()
     most = min(m, 2 * n)
-    return GramRoom(most, n, m, min(len(rows.column), most * int(np.diff(rows.start).max())))
+    return GramRoom(most, n, m, min(len(rows.column), most * int((rows.stop - rows.start).max())))

@@ -6,7 +6,7 @@ from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
 from dincl.events.arrays import march_at
 from dincl.events.motion import EPS, at, dense_state, least_speed, move
-from dincl.rows.table import CALLED, DISTANCE, SPEEDS, ask, linearise
+from dincl.rows.table import CALLED, DISTANCE, FORMULA, SPEEDS, ask, linearise
 from dincl.solvers.factor import times
 from dincl.system.arrays import OK, system_at
 
@@ -36,7 +36,7 @@ def signal(run: int, what: int, theta: float) -> tuple[float, float]:
         return weakness(run, what, theta), 0.0
     state, system = march.state[0], system_at(march.place)
     row, rows, sets, d, h = system.rows.row[what], system.rows, system.sets, system.sets.shift.shape[1], state.made
-    if sets.address != 0 and row.j < 0:
+    if row.j < 0 and (sets.address != 0 or row.kind == FORMULA):
         dense_state(run, theta)
         ask(sets, state.now + theta * h, march.point, SPEEDS)
     value, slope, terms = 0.0, 0.0, march.pair.terms
@@ -52,11 +52,11 @@ def signal(run: int, what: int, theta: float) -> tuple[float, float]:
             slope += 2.0 * (one - other) * (speed - rate)
         length = row.length + row.sign * state.level
         return row.sign * (value - length * length), row.sign * slope
-    if row.kind == CALLED:
+    if row.kind in (CALLED, FORMULA):
         value = linearise(rows, sets, what, march.point, system.program.gradient) - state.level
         slope = times(rows, what, system.program.gradient, march.rate[16]) - h * least_speed(system, what)
         return value, slope
-    for p in range(rows.start[what], rows.start[what + 1]):
+    for p in range(rows.start[what], rows.stop[what]):
         column = rows.column[p]
         place, speed = at(march.dense, terms, march.x[column], column, theta)
         value += rows.coefficient[p] * (place - sets.shift[row.family, column % d])

@@ -100,7 +100,7 @@ def may_stir(run: int, r: int) -> bool:
     if state.cuts == 0 or system.sets.address != 0:
         return True
     for i in range(1, pair.stages + 1):
-        for p in range(rows.start[r], rows.start[r + 1]):
+        for p in range(rows.start[r], rows.stop[r]):
             column, way = rows.column[p], 0.0
             for j in range(i):
                 way += pair.a[i, j] * march.rate[j, column]

@@ -52,12 +52,12 @@ class _ActiveSetSolver(QpSolver):
         self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float
     ) -> QpAnswer:
         """Solve with the rows in the order of their first coordinates, in which the envelope is narrow."""
-        from dincl.rows.table import ROW, RowTable
+        from dincl.rows.table import ROW, row_table
         from dincl.solvers.active_set import CYCLES, INFEASIBLE, least_distance, solve
         from dincl.solvers.factor import room
 
         m, n = matrix.shape[0], matrix.shape[1]
-        rows = RowTable(np.zeros(m, dtype=ROW), matrix.indptr, matrix.indices, np.zeros(0))
+        rows = row_table(np.zeros(m, dtype=ROW), matrix.indptr, matrix.indices, np.zeros(0))
         first = np.minimum(matrix.indptr[:-1], max(len(matrix.indices) - 1, 0))
         order = np.argsort(matrix.indices[first], kind="stable") if len(matrix.indices) else np.arange(m)
         program = least_distance(matrix.data, least, multipliers.copy(), n)

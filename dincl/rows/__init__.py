@@ -11,6 +11,7 @@ columns, particle by particle. Multipliers belong to g as written in a kind: the
 from dincl.rows.affine import AffineRows, HeightRows, linearised
 from dincl.rows.base import Rows, RowsOfOneKind
 from dincl.rows.distance import DistanceRows
+from dincl.rows.formula_rows import FormulaRows
 from dincl.rows.near import Near
 from dincl.rows.polynomial import Polynomial
 from dincl.rows.smooth import SmoothRows
@@ -21,6 +22,7 @@ __all__ = [
     "AffineRows",
     "DiscPairs",
     "DistanceRows",
+    "FormulaRows",
     "HeightRows",
     "Near",
     "Polynomial",

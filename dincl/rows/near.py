@@ -151,13 +151,16 @@ def carried_over(before: Selection, multipliers: NDArray[np.float64], selection:
         pushing = of_old > 0
         if not pushing.any() or not len(new):
             continue
-        keys, known = new.keys(), old.keys()[pushing]
-        most = int(max(keys.max(), known.max())) + 1
-        numbers, sought = known @ [most, 1], keys @ [most, 1]
+        numbers, sought = _comparable(old.keys()[pushing]), _comparable(new.keys())
         order = np.argsort(numbers)
         place = np.minimum(np.searchsorted(numbers, sought, sorter=order), len(numbers) - 1)
         of_new[:] = np.where(numbers[order[place]] == sought, of_old[pushing][order[place]], 0.0)
     return found
+
+
+def _comparable(keys: NDArray[np.int64]) -> NDArray[np.void]:
+    """Keys (m, 2) as records that are ordered and compared as a whole, shape (m,)."""
+    return np.ascontiguousarray(keys, dtype=np.int64).view([("first", np.int64), ("second", np.int64)]).ravel()
 
 
 def _at_rest(constraint: Constraint, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:

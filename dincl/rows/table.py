@@ -10,8 +10,8 @@ from dincl.compiled.arrays import Floats, Offsets
 from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance
 
-# Kinds of rows: of a distance, affine, or evaluated by Python.
-DISTANCE, AFFINE, CALLED = 0, 1, 2
+# Kinds of rows: of a distance, affine, evaluated by Python, or of a compiled formula.
+DISTANCE, AFFINE, CALLED, FORMULA = range(4)
 # What Python is asked for: where sets are; the values and gradients of its rows, too; and how fast sets move. Or to
 # project x onto the rows of a set, in place.
 PLACES, GRADIENTS, SPEEDS, SWEEP = 1.0, 2.0, 3.0, 4.0
@@ -26,20 +26,53 @@ ROW = np.dtype(
         ("sign", np.float64),
         ("square", np.float64),  # |a|^2
         ("sway", np.float64),  # how fast g changes at most while no particle moves faster than 1
+        ("formula", np.int64),  # the address of a compiled formula, see ``dincl.rows.formulas.row_formula``
     ]
 )
 
 
 class RowTable(NamedTuple):
-    """m rows; row r has entries ``start[r]`` ... ``start[r + 1]`` in the coordinates ``column``.
+    """m rows; row r has entries ``start[r]`` ... ``stop[r] - 1`` in the coordinates ``column``.
 
-    ``coefficient`` holds a of an affine row, and of a distance from a fixed point that point.
+    ``coefficient`` holds a of an affine row, of a distance from a fixed point that point, of a formula its parameters.
+    Rows that Python evaluates have entries in all coordinates, or, if ``tail[0]`` is not -1, those of their last
+    gradients, from the entry ``tail[0]`` on.
     """
 
     row: NDArray[np.void]
     start: Offsets
+    stop: Offsets
     column: Offsets
     coefficient: Floats
+    tail: Offsets  # (1,)
+    unit: Floats  # (1,): a coordinate times this is what formulas take
+    point: Floats  # what a formula is given
+    slope: Floats  # and what it writes: its gradient, and behind it its value
+
+
+def row_table(
+    row: NDArray[np.void],
+    offset: Offsets,
+    column: Offsets,
+    coefficient: Floats,
+    *,
+    tail: int = -1,
+    more: int = 0,
+    unit: float = 1.0,
+) -> RowTable:
+    """Make the table of rows with entries ``offset[r]`` ... ``offset[r + 1] - 1``, and room for so many more."""
+    widest = int(np.diff(offset).max(initial=0))
+    return RowTable(
+        row,
+        np.array(offset[:-1]),
+        np.array(offset[1:]),
+        np.append(column, np.zeros(more, dtype=np.int64)),
+        coefficient,
+        np.full(1, tail),
+        np.full(1, unit),
+        np.zeros(widest),
+        np.zeros(widest + 1),
+    )
 
 
 class Sets(NamedTuple):
@@ -107,14 +140,18 @@ def distance(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 
 @inner
-def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
-    """|grad g_r|^2 of an affine row, or of one that Python has just evaluated."""
-    row, square = rows.row[r], 0.0
-    if row.kind == AFFINE:
-        return float(row.square)
-    for p in range(sets.first[row.i], sets.first[row.i + 1]):
-        square += sets.entry[p] * sets.entry[p]
-    return square
+def call_formula(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
+    """g_r(x) of a compiled formula, NaN without a direction; its gradient is in ``slope`` then."""
+    row, first, d, unit = rows.row[r], rows.start[r], sets.shift.shape[1], rows.unit[0]
+    entries, point, slope = rows.stop[r] - first, rows.point, rows.slope
+    for p in range(entries):
+        column = rows.column[first + p]
+        point[p] = unit * (x[column] - sets.shift[row.family, column % d])
+    if call_drift(row.formula, 0.0, point, slope, entries, d, rows.coefficient[first:]) != 0:
+        return np.nan
+    for p in range(entries):
+        slope[p] *= unit
+    return float(slope[entries])
 
 
 @inner
@@ -125,8 +162,10 @@ def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
         return float(row.sign * (distance(rows, sets, r, x) - row.length))
     if row.kind == CALLED:
         return float(sets.value[row.i])
+    if row.kind == FORMULA:
+        return call_formula(rows, sets, r, x)
     value, d = 0.0, sets.shift.shape[1]
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         value += rows.coefficient[p] * (x[rows.column[p]] - sets.shift[row.family, rows.column[p] % d])
     return float(value - row.length)
 
@@ -134,24 +173,31 @@ def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 @inner
 def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
     """g_r(x) of a distance; of other rows over the length of the gradient."""
-    value = value_of(rows, sets, r, x)
-    if rows.row[r].kind == DISTANCE:
+    row, value, square = rows.row[r], value_of(rows, sets, r, x), 0.0
+    if row.kind == DISTANCE:
         return value
-    square = square_of_gradient(rows, sets, r)
+    if row.kind == AFFINE:
+        square = row.square
+    elif row.kind == CALLED:
+        for p in range(sets.first[row.i], sets.first[row.i + 1]):
+            square += sets.entry[p] * sets.entry[p]
+    else:
+        for p in range(rows.stop[r] - rows.start[r]):
+            square += rows.slope[p] * rows.slope[p]
     return float(value / np.sqrt(square) if square > 0.0 else value)
 
 
 @inner
-def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """Write the gradient of row r at x into its entries of ``gradient``; its ``gap``, NaN without a direction.
+def evaluate_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
+    """Write the gradient of row r at x into its entries of ``gradient``; g_r(x), NaN without a direction.
 
-    Its length is 1, and root 2 for the distance of a pair, whose two ends have a unit vector each.
-
-    Two that are held together and meet are farthest from violating: zero is a subgradient, and right there. A gradient
-    that vanishes stays as it is.
+    Two that are held together and meet are farthest from violating: zero is a subgradient, and right there.
     """
     row = rows.row[r]
-    first, last = rows.start[r], rows.start[r + 1]
+    if row.kind == CALLED:
+        place_entries(rows, sets, r, gradient)
+        return float(sets.value[row.i])
+    first, last = rows.start[r], rows.stop[r]
     if row.kind == DISTANCE:
         d = sets.shift.shape[1]
         i, j, length = row.i * d, row.j * d, distance(rows, sets, r, x)
@@ -165,17 +211,49 @@ def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -
             else:
                 gradient[first + k] = scale * (x[i + k] - rows.coefficient[first + k] - sets.shift[row.family, k])
         return float(row.sign * (length - row.length))
-    square = square_of_gradient(rows, sets, r)
-    scale = 1.0 / np.sqrt(square) if square > 0.0 else 1.0
-    if row.kind == CALLED:
-        for p in range(first, last):
+    value = value_of(rows, sets, r, x)
+    for p in range(first, last):
+        gradient[p] = rows.coefficient[p] if row.kind == AFFINE else rows.slope[p - first]
+    return value
+
+
+@inner
+def place_entries(rows: RowTable, sets: Sets, r: int, gradient: Floats) -> None:
+    """Write the gradient that Python answered into the entries of row r."""
+    begin, end = sets.first[rows.row[r].i], sets.first[rows.row[r].i + 1]
+    if rows.tail[0] < 0:
+        first = rows.start[r]
+        for p in range(first, rows.stop[r]):
             gradient[p] = 0.0
-        for p in range(sets.first[row.i], sets.first[row.i + 1]):
-            gradient[first + sets.column[p]] = scale * sets.entry[p]
+        for p in range(begin, end):
+            gradient[first + sets.column[p]] = sets.entry[p]
+        return
+    rows.start[r], rows.stop[r] = rows.tail[0] + begin, rows.tail[0] + end
+    for p in range(begin, end):
+        rows.column[rows.tail[0] + p], gradient[rows.tail[0] + p] = sets.column[p], sets.entry[p]
+
+
+@inner
+def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
+    """Write the gradient of row r at x into its entries of ``gradient``; its ``gap``, NaN without a direction.
+
+    Its length is 1, and root 2 for the distance of a pair, whose two ends have a unit vector each. A gradient that
+    vanishes stays as it is.
+    """
+    row, value, square = rows.row[r], evaluate_row(rows, sets, r, x, gradient), 0.0
+    if row.kind == DISTANCE or value != value:
+        return value
+    if row.kind == AFFINE:
+        square = row.square
     else:
-        for p in range(first, last):
-            gradient[p] = scale * rows.coefficient[p]
-    return gap(rows, sets, r, x)
+        for p in range(rows.start[r], rows.stop[r]):
+            square += gradient[p] * gradient[p]
+    if not square > 0.0:
+        return value
+    scale = 1.0 / np.sqrt(square)
+    for p in range(rows.start[r], rows.stop[r]):
+        gradient[p] = scale * gradient[p]
+    return float(value / np.sqrt(square))
 
 
 @inner
@@ -194,7 +272,8 @@ def find_near(rows: RowTable, sets: Sets, x: Floats, reach: float, near: NearRow
         elif row.kind == AFFINE:
             close = gap(rows, sets, r, x) * np.sqrt(row.square) <= room
         else:
-            close = row.kind == CALLED or gap(rows, sets, r, x) <= room
+            # A room that is no number is that of a formula of which nothing is known.
+            close = row.kind == CALLED or not value_of(rows, sets, r, x) > room
         if close:
             near.row[count] = r
             count += 1
@@ -229,9 +308,10 @@ def sort_near(rows: RowTable, x: Floats, d: int, near: NearRows) -> None:
             axis, widest = k, high - low
     count = near.number[0]
     for p in range(count):
-        r = near.row[p]
-        first, last = rows.column[rows.start[r]] // d, rows.column[rows.start[r + 1] - 1] // d
-        near.key[p] = x[first * d + axis] + x[last * d + axis]
+        r, near.key[p] = near.row[p], 0.0
+        if rows.stop[r] > rows.start[r]:
+            first, last = rows.column[rows.start[r]] // d, rows.column[rows.stop[r] - 1] // d
+            near.key[p] = x[first * d + axis] + x[last * d + axis]
     step = 1
     while step < count // 3:
         step = 3 * step + 1

@@ -121,7 +121,7 @@ def start(rows: RowTable, listed: Offsets, count: int, program: LeastDistance, c
 def across(rows: RowTable, r: int, gradient: Floats, chosen: Chosen) -> float:
     """|a_r|^2 less the square of its part along the chosen rows, from what ``border`` left."""
     square = 0.0
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         square += gradient[p] * gradient[p]
     for k in range(chosen.first[chosen.number[0]], chosen.number[0]):
         square -= chosen.right[k] * chosen.right[k]
@@ -143,7 +143,7 @@ def meet(rows: RowTable, worst: int, program: LeastDistance, chosen: Chosen) -> 
         square, total = 0.0, 0.0
         for k in range(z.size):
             square += direction[k] * direction[k]
-        for p in range(rows.start[worst], rows.start[worst + 1]):
+        for p in range(rows.start[worst], rows.stop[worst]):
             total += gradient[p] * gradient[p]
         missing = program.bound[worst] - times(rows, worst, gradient, z)
         free = square > DEPENDENT * total and chosen.number[0] < z.size

@@ -35,7 +35,7 @@ def room(most: int, n: int) -> Chosen:
 def times(rows: RowTable, r: int, gradient: Floats, x: Floats) -> float:
     """a_r . x."""
     total = 0.0
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         total += gradient[p] * x[rows.column[p]]
     return total
 
@@ -43,7 +43,7 @@ def times(rows: RowTable, r: int, gradient: Floats, x: Floats) -> float:
 @inner
 def add(rows: RowTable, r: int, gradient: Floats, weight: float, x: Floats) -> None:
     """x += weight a_r."""
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         x[rows.column[p]] += weight * gradient[p]
 
 
@@ -73,14 +73,14 @@ def border(rows: RowTable, r: int, gradient: Floats, chosen: Chosen) -> None:
     """Write L^-1 A a_r into ``right`` and under the factor, as its next row."""
     count, factor = chosen.number[0], chosen.factor
     first = count
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         chosen.dense[rows.column[p]] += gradient[p]
         first = min(first, chosen.touched[rows.column[p]])
     for k in range(first):
         chosen.right[k] = 0.0
     for k in range(first, count):
         chosen.right[k] = times(rows, chosen.row[k], gradient, chosen.dense)
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         chosen.dense[rows.column[p]] = 0.0
     forward(chosen, first)
     for k in range(first, count):
@@ -102,7 +102,7 @@ def append(rows: RowTable, chosen: Chosen, r: int, square: float) -> None:
     count = chosen.number[0]
     chosen.factor[count, count] = np.sqrt(square)
     chosen.row[count] = r
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         chosen.touched[rows.column[p]] = min(chosen.touched[rows.column[p]], count)
     chosen.number[0] = count + 1
 
@@ -134,6 +134,6 @@ def drop(rows: RowTable, chosen: Chosen, k: int) -> None:
     clear(chosen)
     for i in range(count - 1):
         r = chosen.row[i]
-        for p in range(rows.start[r], rows.start[r + 1]):
+        for p in range(rows.start[r], rows.stop[r]):
             chosen.touched[rows.column[p]] = min(chosen.touched[rows.column[p]], i)
     chosen.number[0] = count - 1

@@ -91,7 +91,8 @@ def refactor(rows: RowTable, gradient: Floats, gram: SparseGram, least: float) -
     """
     work, value, inverse, entry, start = gram.work, gram.value, gram.inverse, gram.entry, gram.start
     column, where, line, dense, used, row = gram.column, gram.where, gram.line, gram.dense, gram.used, gram.row
-    begins, neighbour, first, place, dropped, count = gram.gram, gram.neighbour, rows.start, rows.column, 0, 0
+    begins, neighbour, first, ends, place = gram.gram, gram.neighbour, rows.start, rows.stop, rows.column
+    dropped, count = 0, 0
     for k in range(gram.number[0]):
         inverse[k] = 0.0
         if used[k] == 0:
@@ -99,17 +100,17 @@ def refactor(rows: RowTable, gradient: Floats, gram: SparseGram, least: float) -
                 value[where[p]] = 0.0
             continue
         pivot, r = 0.0, row[k]
-        for p in range(first[r], first[r + 1]):
+        for p in range(first[r], ends[r]):
             dense[place[p]] += gradient[p]
-        for p in range(first[r], first[r + 1]):
+        for p in range(first[r], ends[r]):
             pivot += gradient[p] * dense[place[p]]
         for q in range(begins[k], begins[k + 1]):
             if used[neighbour[q]] != 0:
                 other, total = row[neighbour[q]], 0.0
-                for p in range(first[other], first[other + 1]):
+                for p in range(first[other], ends[other]):
                     total += gradient[p] * dense[place[p]]
                 work[neighbour[q]] = total
-        for p in range(first[r], first[r + 1]):
+        for p in range(first[r], ends[r]):
             dense[place[p]] = 0.0
         for p in range(line[k], line[k + 1]):
             j, last = column[p], where[p]

@@ -48,7 +48,7 @@ def link(rows: RowTable, listed: Offsets, count: int, gram: SparseGram) -> None:
             bits[k, w] = 0
     for k in range(count):
         r = listed[k]
-        for p in range(rows.start[r], rows.start[r + 1]):
+        for p in range(rows.start[r], rows.stop[r]):
             node = first[rows.column[p]]
             while node >= 0:
                 other = gram.node[node]
@@ -162,7 +162,7 @@ def find_neighbours(rows: RowTable, listed: Offsets, gram: SparseGram) -> bool:
         met[k] = -1
     for k in range(gram.number[0]):
         r, gram.gram[k] = gram.row[k], total
-        for p in range(rows.start[r], rows.start[r + 1]):
+        for p in range(rows.start[r], rows.stop[r]):
             node = gram.first[rows.column[p]]
             while node >= 0:
                 other = gram.place[listed[gram.node[node]]]

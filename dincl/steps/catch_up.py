@@ -104,7 +104,7 @@ def is_inside(place: int, t: float, allowed: float) -> bool:
     if ask(system.sets, t, system.program.y, GRADIENTS) != 0:
         return False
     for q in range(system.near.number[0]):
-        if gap(system.rows, system.sets, system.near.row[q], system.program.y) < -allowed:
+        if not gap(system.rows, system.sets, system.near.row[q], system.program.y) >= -allowed:
             return False
     return True
 
@@ -138,7 +138,7 @@ def shift_bounds(place: int) -> None:
     d = system.move.shape[1]
     for q in range(near.number[0]):
         r = near.row[q]
-        for p in range(rows.start[r], rows.start[r + 1]):
+        for p in range(rows.start[r], rows.stop[r]):
             program.bound[r] += program.gradient[p] * system.move[rows.row[r].family, rows.column[p] % d]
 
 

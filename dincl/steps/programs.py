@@ -30,16 +30,16 @@ def near_program(place: int) -> Program:
     rows, near, program = system.rows, system.near, system.program
     m, entries = near.number[0], 0
     for q in range(m):
-        entries += rows.start[near.row[q] + 1] - rows.start[near.row[q]]
+        entries += rows.stop[near.row[q]] - rows.start[near.row[q]]
     indptr, indices, data = np.zeros(m + 1, np.int32), np.empty(entries, np.int32), np.empty(entries)
     missing, length, multiplier = np.empty(m), np.empty(m), np.empty(m)
     p = 0
     for q in range(m):
         r, square = near.row[q], 0.0
-        for e in range(rows.start[r], rows.start[r + 1]):
+        for e in range(rows.start[r], rows.stop[r]):
             square += program.gradient[e] * program.gradient[e]
         length[q] = np.sqrt(square) if square > 0.0 else 1.0
-        for e in range(rows.start[r], rows.start[r + 1]):
+        for e in range(rows.start[r], rows.stop[r]):
             indices[p], data[p] = rows.column[e], program.gradient[e] / length[q]
             p += 1
         indptr[q + 1] = p
@@ -62,11 +62,11 @@ def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
         z[k], misfit[k] = y[k] + move[k], move[k]
     for q in range(near.number[0]):
         r, square = near.row[q], 0.0
-        for e in range(rows.start[r], rows.start[r + 1]):
+        for e in range(rows.start[r], rows.stop[r]):
             square += program.gradient[e] * program.gradient[e]
         length = np.sqrt(square) if square > 0.0 else 1.0
         program.multiplier[r] = multiplier[q] / length
-        for e in range(rows.start[r], rows.start[r + 1]):
+        for e in range(rows.start[r], rows.stop[r]):
             misfit[rows.column[e]] -= program.gradient[e] * program.multiplier[r]
         value = times(rows, r, program.gradient, z) - program.bound[r]
         residual = max(residual, -value, abs(min(program.multiplier[r], value)))

@@ -5,8 +5,8 @@ from typing import Any
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
 from dincl.neighbours.pair_list import DONE, FAILED, gather, pair_list_at, push_discs
-from dincl.rows.table import AFFINE, CALLED, GRADIENTS, PLACES, RowTable, Sets, ask, linearise, value_of
-from dincl.steps.loop import step_function, stepping_at
+from dincl.rows.table import GRADIENTS, PLACES, RowTable, Sets, ask, evaluate_row, value_of
+from dincl.steps.loop import Stepping, step_function, stepping_at
 from dincl.steps.sweeps import DISCS, WALL, Families, blame_discs, sweep
 from dincl.system.arrays import COINCIDENT, OK, SETS, SystemArrays, evaluate, system_at
 
@@ -49,21 +49,13 @@ def push_family_of_discs(families: Families, f: int, x: Floats, spring: bool, fo
 @inner
 def push_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats, spring: bool, force: Floats) -> bool:
     """The same for a row of the table; false if it is violated and has no direction."""
-    row, first, value = rows.row[r], rows.start[r], value_of(rows, sets, r, x)
+    value = value_of(rows, sets, r, x)
     if not value < 0.0:
-        return True
-    size = -value if spring else 1.0
-    if row.kind == CALLED:
-        for p in range(sets.first[row.i], sets.first[row.i + 1]):
-            force[sets.column[p]] += sets.entry[p] * size
-    elif row.kind == AFFINE:
-        for p in range(first, rows.start[r + 1]):
-            force[rows.column[p]] += rows.coefficient[p] * size
-    else:
-        if not linearise(rows, sets, r, x, gradient) < 0.0:
-            return False
-        for p in range(first, rows.start[r + 1]):
-            force[rows.column[p]] += gradient[p] * size
+        return value == value
+    if not evaluate_row(rows, sets, r, x, gradient) < 0.0:
+        return False
+    for p in range(rows.start[r], rows.stop[r]):
+        force[rows.column[p]] += gradient[p] * (-value if spring else 1.0)
     return True
 
 
@@ -83,6 +75,19 @@ def push_wall(x: Floats, normal: Floats, bound: Floats, shift: Floats, spring: b
                 force[i * d + k] += normal[k] * (violation if spring else 1.0)
 
 
+@inner
+def sweep_often(run: Stepping, t: float, x: Floats, sweeps: int) -> int:
+    """Project x in place onto one row after another of all sets as they are at time t, so many times: OK or why not."""
+    system = system_at(run.place)
+    if ask(system.sets, t, x, PLACES) != 0:
+        return SETS
+    for _ in range(sweeps):
+        code = sweep(system, run.families, t, x)
+        if code != OK:
+            return code
+    return OK
+
+
 @step_function
 def pbd(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
     """P_{S_M} ... P_{S_1} (x + h F(t, x)), ``setting[1]`` times, with the sets at t + h; setting[0] = h."""
@@ -94,13 +99,7 @@ def pbd(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> int:
     start, speed, rate, moved = run.x, run.v, run.rate, run.after
     for k in range(start.size):
         moved[k] = start[k] + h * (speed[k] + h * rate[k] if speed.size > 0 else rate[k])
-    if ask(system.sets, t + h, run.x, PLACES) != 0:
-        return SETS
-    for _ in range(int(setting[1])):
-        code = sweep(system, run.families, t + h, run.after)
-        if code != OK:
-            return code
-    return OK
+    return sweep_often(run, t + h, run.after, int(setting[1]))
 
 
 @step_function

@@ -9,7 +9,7 @@ from dincl.compiled.arrays import Floats, Offsets
 from dincl.neighbours import pair_list
 from dincl.neighbours.pair_list import gather, pair_list_at, scatter, sweep_discs
 from dincl.rows.formulas import project
-from dincl.rows.table import AFFINE, CALLED, DISTANCE, GRADIENTS, SWEEP, RowTable, Sets, ask
+from dincl.rows.table import AFFINE, CALLED, DISTANCE, GRADIENTS, SWEEP, RowTable, ask, evaluate_row, value_of
 from dincl.system.arrays import COINCIDENT, FLAT, OK, SETS, UNSETTLED, SystemArrays
 
 # How the rows of a family are given: discs, of which near pairs are listed; a wall for all particles; rows of the
@@ -145,11 +145,14 @@ def sweep_rows(system: SystemArrays, families: Families, f: int, t: float, x: Fl
         elif row.kind == AFFINE:
             moved = project_affine(rows, r, x)
         else:
-            if not current and ask(sets, t, x, GRADIENTS) != 0:
+            if row.kind == CALLED and not current and ask(sets, t, x, GRADIENTS) != 0:
                 return SETS
-            current = not sets.value[row.i] < 0.0
+            value = value_of(rows, sets, r, x)
+            current = not value < 0.0
             if not current:
-                code, moved = project_called(system, r, t, x), 1
+                code, moved = project_curved(system, r, t, x), 1
+            elif value != value:
+                moved = -1
         if moved < 0 or code != OK:
             families.blamed[0], families.blamed[1] = f, r - families.first[f]
             return code if code != OK else COINCIDENT
@@ -170,38 +173,39 @@ def project_distance(rows: RowTable, r: int, x: Floats, axes: Any) -> int:
 def project_affine(rows: RowTable, r: int, x: Floats) -> int:
     """x += (b - a . x) a / |a|^2 where a . x < b: 1 if row r moved x, 0 if it did not."""
     row, height = rows.row[r], 0.0
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         height += rows.coefficient[p] * x[rows.column[p]]
     if not height < row.length:
         return 0
     step = (row.length - height) / row.square
-    for p in range(rows.start[r], rows.start[r + 1]):
+    for p in range(rows.start[r], rows.stop[r]):
         x[rows.column[p]] += step * rows.coefficient[p]
     return 1
 
 
 @inner
-def project_called(system: SystemArrays, r: int, t: float, x: Floats) -> int:
-    """Move x to the nearest point of {g_r >= 0}, for a row that Python evaluates and x violates.
+def project_curved(system: SystemArrays, r: int, t: float, x: Floats) -> int:
+    """Move x to the nearest point of {g_r >= 0}, for a row without a formula of its projection, which x violates.
 
     The row is linearised again at the point reached, always for the same start y: a fixed point with
     x = y + lambda grad g(x) and g(x) = 0 is the nearest point of a violated set. The footnote to Method 2.2 stops after
     the first of these Gauss-Newton steps, which is exact for affine rows only.
     """
-    sets, y, first = system.sets, system.middle, 0.0
-    place = system.rows.row[r].i
+    rows, gradient, y, first = system.rows, system.program.gradient, system.middle, 0.0
     for k in range(x.size):
         y[k] = x[k]
     for iteration in range(MOST_ITERATIONS):
-        if iteration > 0 and ask(sets, t, x, GRADIENTS) != 0:
+        if iteration > 0 and rows.row[r].kind == CALLED and ask(system.sets, t, x, GRADIENTS) != 0:
             return SETS
-        square, lack = 0.0, -sets.value[place]
-        for p in range(sets.first[place], sets.first[place + 1]):
-            square += sets.entry[p] * sets.entry[p]
-            lack += sets.entry[p] * (x[sets.column[p]] - y[sets.column[p]])
+        lack, square = -evaluate_row(rows, system.sets, r, x, gradient), 0.0
+        if lack != lack:
+            return COINCIDENT
+        for p in range(rows.start[r], rows.stop[r]):
+            square += gradient[p] * gradient[p]
+            lack += gradient[p] * (x[rows.column[p]] - y[rows.column[p]])
         if square == 0.0:
             return FLAT
-        moved, largest = step_from(sets, place, max(lack, 0.0) / square, y, x, system.velocity)
+        moved, largest = step_from(rows, gradient, r, max(lack, 0.0) / square, y, x, system.velocity)
         if first == 0.0:
             first = moved
         if moved <= SETTLED * max(first, largest):
@@ -210,13 +214,15 @@ def project_called(system: SystemArrays, r: int, t: float, x: Floats) -> int:
 
 
 @inner
-def step_from(sets: Sets, place: int, weight: float, y: Floats, x: Floats, room: Floats) -> tuple[float, float]:
-    """x = y + weight grad g: the largest change of a coordinate, and the largest coordinate."""
+def step_from(
+    rows: RowTable, gradient: Floats, r: int, weight: float, y: Floats, x: Floats, room: Floats
+) -> tuple[float, float]:
+    """x = y + weight grad g_r: the largest change of a coordinate, and the largest coordinate."""
     moved, largest = 0.0, 0.0
     for k in range(x.size):
         room[k], x[k] = x[k], y[k]
-    for p in range(sets.first[place], sets.first[place + 1]):
-        x[sets.column[p]] += weight * sets.entry[p]
+    for p in range(rows.start[r], rows.stop[r]):
+        x[rows.column[p]] += weight * gradient[p]
     for k in range(x.size):
         moved, largest = max(moved, abs(x[k] - room[k])), max(largest, abs(x[k]))
     return moved, largest

@@ -8,7 +8,7 @@ from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.compiled.structs import reader
 from dincl.drifts.functions import velocity
-from dincl.rows.table import GRADIENTS, ROW, NearRows, RowTable, Sets, ask, gap, room_for_list
+from dincl.rows.table import GRADIENTS, ROW, NearRows, RowTable, Sets, ask, gap, room_for_list, row_table
 from dincl.solvers.active_set import LeastDistance, least_distance
 from dincl.solvers.factor import Chosen, room
 
@@ -63,7 +63,7 @@ class SystemArrays(NamedTuple):
 
 # For its types.
 SYSTEM = SystemArrays(
-    RowTable(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
+    row_table(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
     Sets(
         0,
         np.zeros(1),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.rows.base import TableRows
 from dincl.rows.near import carried_over, select
-from dincl.rows.table import CALLED, DISTANCE, ROW, RowTable, room_for_list
+from dincl.rows.table import CALLED, DISTANCE, FORMULA, ROW, RowTable, room_for_list, row_table
 from dincl.solvers.active_set import least_distance
 from dincl.solvers.factor import Chosen, room
 from dincl.status import Status
@@ -20,7 +20,7 @@ from dincl.system import arrays as codes
 from dincl.system.arrays import Drift, Solving, SystemArrays, overlaps_at
 from dincl.system.drift_pointer import DriftPointer
 from dincl.system.python_function import Callback, PythonFunction, numbers_at
-from dincl.system.sets_pointer import SetsPointer
+from dincl.system.sets_pointer import SetsPointer, entries_for
 from dincl.system.units import Units
 
 if TYPE_CHECKING:
@@ -155,10 +155,7 @@ class CompiledProblem:
     def _tabulated(self) -> tuple[RowTable, tuple[int, ...]]:
         """The rows as kernels read them, and the indices of constraints whose rows Python evaluates."""
         n, d = self.problem.x0.size, self.problem.x0.shape[1]
-        rows, called = tabulate(self.selection.blocks, n, d, n if self._programs else 0)
-        rows.row["length"] /= self.units.length
-        rows.coefficient[np.repeat(rows.row["kind"] == DISTANCE, np.diff(rows.start))] /= self.units.length
-        return rows, called
+        return tabulate(self.selection.blocks, n, d, self.units.length, dense=self._programs and self.solver is None)
 
     def _room(self, m: int) -> Chosen:
         """Room for the factors of a dense solver."""
@@ -172,13 +169,13 @@ class CompiledProblem:
         self.selection = select(problem.constraints, t, near, float(self.arrays.near.reach[0]))
         rows, called = self._tabulated()
         multiplier = carried_over(before, self.arrays.program.multiplier, self.selection)
-        self.sets.reselect(self.selection, called)
         m = len(rows.row)
         arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
         arrays |= {f"chosen.{name}": part for name, part in self._room(m)._asdict().items()}
         arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
         arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
         self._pointer.replace(arrays)
+        self.sets.reselect(self.selection, called)
         self.arrays.near.number[0] = m
 
     @property
@@ -226,18 +223,19 @@ class CompiledProblem:
         raise StepFailure(*FAILURES[code])
 
 
-def tabulate(blocks: Sequence[RowsOfOneKind], n: int, d: int, entries_called: int) -> tuple[Any, tuple[int, ...]]:
+def tabulate(
+    blocks: Sequence[RowsOfOneKind], n: int, d: int, unit: float = 1.0, *, dense: bool = False
+) -> tuple[RowTable, tuple[int, ...]]:
     """The rows of all blocks, one below the other, and the indices of blocks that only Python can evaluate.
 
-    ``entries_called`` is the number of entries of a row of those: n where gradients are stored, or 0.
+    Lengths are divided by ``unit``. Rows of those blocks have entries in all n coordinates, if ``dense``.
     """
     called: list[int] = []
-    parts = []
-    before = 0
+    parts, before = [], 0
     for family, block in enumerate(blocks):
         part = block.tabulated(d)
         if part is None:
-            m, e = len(block), entries_called
+            m, e = len(block), n if dense else 0
             called.append(family)
             numbers = {"kind": CALLED, "i": before + np.arange(m), "j": -1, "sway": np.inf}
             part = TableRows(numbers, np.full(m, e), np.tile(np.arange(e), m), np.zeros(m * e))
@@ -246,9 +244,15 @@ def tabulate(blocks: Sequence[RowsOfOneKind], n: int, d: int, entries_called: in
         for name, values in part.numbers.items():
             row[name] = values
         row["family"] = family
-        parts.append((row, part))
-    entries = np.concatenate([np.zeros(1, dtype=np.int64), *(part.entries for _, part in parts)])
-    column = np.concatenate([np.zeros(0, dtype=np.int64), *(part.column for _, part in parts)])
-    coefficient = np.concatenate([np.zeros(0), *(part.coefficient for _, part in parts)])
-    rows = np.concatenate([np.zeros(0, dtype=ROW), *(row for row, _ in parts)])
-    return RowTable(rows, np.cumsum(entries), column, coefficient), tuple(called)
+        row["length"] /= unit
+        row["sway"][row["kind"] == FORMULA] *= unit
+        apart = np.repeat(row["kind"] == DISTANCE, part.entries)
+        parts.append((row, part, np.where(apart, part.coefficient / unit, part.coefficient)))
+    entries = np.concatenate([np.zeros(1, dtype=np.int64), *(part.entries for _, part, _ in parts)])
+    column = np.concatenate([np.zeros(0, dtype=np.int64), *(part.column for _, part, _ in parts)])
+    coefficient = np.concatenate([np.zeros(0), *(numbers for _, _, numbers in parts)])
+    rows = np.concatenate([np.zeros(0, dtype=ROW), *(row for row, _, _ in parts)])
+    loose = bool(called) and not dense
+    more, tail = (entries_for(before * n), len(column)) if loose else (0, -1)
+    table = row_table(rows, np.cumsum(entries), column, coefficient, tail=tail, more=more, unit=unit)
+    return table, tuple(called)

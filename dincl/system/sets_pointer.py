@@ -67,7 +67,7 @@ class SetsPointer(Callback):
         self._shape, m = (count, d), self._select(selection, called)
         self.python: Any = self._answer
         self._callback = C_FUNCTION(self.python)
-        asks, entries = bool(self._paths or m or sweepers), min(m * count * d, MOST_DENSE)
+        asks, entries = bool(self._paths or m or sweepers), entries_for(m * count * d)
         self.arrays = Sets(
             address=int(ctypes.cast(self._callback, PLACE).value or 0) if asks else 0,
             ask=np.zeros(3),
@@ -90,6 +90,7 @@ class SetsPointer(Callback):
         if m != len(self.arrays.value):
             self.arrays = self.arrays._replace(value=np.zeros(m), first=np.zeros(m + 1, dtype=np.int64))
             self.system.replace({"sets.value": self.arrays.value, "sets.first": self.arrays.first})
+        self._grow(len(self.arrays.entry))
 
     def failure(self) -> NoReturn:
         """Raise what was raised while an answer was made."""
@@ -145,11 +146,15 @@ class SetsPointer(Callback):
             row, entry = rows.stop, entries.stop
 
     def _grow(self, most: int) -> None:
-        """Make room for so many entries of the Jacobian."""
-        self.arrays = self.arrays._replace(
-            column=np.resize(self.arrays.column, most), entry=np.resize(self.arrays.entry, most)
-        )
-        self.system.replace({"sets.column": self.arrays.column, "sets.entry": self.arrays.entry})
+        """Make room for so many entries of the Jacobian, here and in the table."""
+        column, entry = np.resize(self.arrays.column, most), np.resize(self.arrays.entry, most)
+        self.arrays = self.arrays._replace(column=column, entry=entry)
+        arrays, rows = {"sets.column": column, "sets.entry": entry}, self.system.value.rows
+        if rows.tail[0] >= 0:
+            size = int(rows.tail[0]) + most
+            arrays |= {"rows.column": np.resize(rows.column, size)}
+            arrays |= {"program.gradient": np.resize(self.system.value.program.gradient, size)}
+        self.system.replace(arrays)
 
     def find_kinks(self, end: float) -> None:
         """Find where velocities of sets jump until ``end``, unless a path fails: a run may keep what it reaches."""
@@ -157,3 +162,8 @@ class SetsPointer(Callback):
             self.kinks = kinks_of(list(self._paths.values()), end)
         except StepFailure as failure:
             self.foreseen = failure
+
+
+def entries_for(dense: int) -> int:
+    """For how many entries of a Jacobian that has so many when dense there is room at first."""
+    return min(dense, MOST_DENSE)

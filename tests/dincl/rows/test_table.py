@@ -41,7 +41,7 @@ def test_values_and_unit_gradients(seed, rng):
     linearise_all(rows, system.arrays.sets, t, x.ravel(), gradient, found)
     dense = np.zeros((m, x.size))
     for r in range(m):
-        np.add.at(dense[r], rows.column[rows.start[r] : rows.start[r + 1]], gradient[rows.start[r] : rows.start[r + 1]])
+        np.add.at(dense[r], rows.column[rows.start[r] : rows.stop[r]], gradient[rows.start[r] : rows.stop[r]])
     exact = select(problem.constraints, t, x, np.inf).at(t)
     jacobian = np.vstack([np.zeros((0, x.size)), *(block.jacobian(x).toarray() for block in exact.blocks)])
     value = np.concatenate([np.zeros(0), *(block.values(x) for block in exact.blocks)])

@@ -6,7 +6,7 @@ import pytest
 from dincl.errors import StepFailure
 from dincl.matrices import from_rows
 from dincl.projection.daqp import Daqp
-from dincl.rows.table import ROW, RowTable
+from dincl.rows.table import ROW, row_table
 from dincl.solvers.active_set import INFEASIBLE, OK, least_distance, solve
 from dincl.solvers.factor import room
 
@@ -14,7 +14,7 @@ from dincl.solvers.factor import room
 def compiled(dense, bound, y, start):
     """The code, z and multipliers of min |z - y| s.t. dense z >= bound."""
     m, n = dense.shape
-    rows = RowTable(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
+    rows = row_table(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
     program = least_distance(dense.ravel().copy(), bound, start.copy(), n)
     program.y[:] = y
     code = solve(rows, np.arange(m), program, room(min(m, n) + 1, n))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dincl.compiled import kernel
-from dincl.rows.table import ROW, RowTable
+from dincl.rows.table import ROW, row_table
 from dincl.solvers.active_set import across
 from dincl.solvers.factor import append, backward, border, clear, drop, forward, room
 
@@ -47,7 +47,11 @@ def random_rows(rng, n, m, entries, spread):
         column.append(columns)
         gradient.append(values)
     start = entries * np.arange(m + 1)
-    return RowTable(np.zeros(m, dtype=ROW), start, np.concatenate(column), np.zeros(0)), np.concatenate(gradient), dense
+    return (
+        row_table(np.zeros(m, dtype=ROW), start, np.concatenate(column), np.zeros(0)),
+        np.concatenate(gradient),
+        dense,
+    )
 
 
 def spoil(chosen):

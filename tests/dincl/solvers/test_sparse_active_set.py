@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dincl.compiled import kernel
-from dincl.rows.table import ROW, RowTable
+from dincl.rows.table import ROW, row_table
 from dincl.solvers.active_set import CYCLES, INFEASIBLE, OK, least_distance
 from dincl.solvers.sparse_active_set import nearest_sparse
 from dincl.solvers.sparse_factor import room_for_gram
@@ -34,7 +34,7 @@ def test_nearest_points_of_polyhedra(kind, rng):
     cycles = total = 0
     for dense, bound, y in programs(rng, kind, 300):
         m, n = dense.shape
-        rows = RowTable(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
+        rows = row_table(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
         wrong = np.where(rng.random(m) < 0.4, rng.exponential(size=m), 0.0)
         for start in (np.zeros(m), wrong, 1e6 * wrong):
             code, z, multiplier = sparse(rows, dense.ravel().copy(), n, bound, y, start)
@@ -67,6 +67,6 @@ def test_empty_polyhedra_are_called_empty(rng):
     for dense, bound, _ in programs(rng, "plain", 100):
         rows, bounds = np.vstack((dense, -dense[:1])), np.append(bound, 1.0 - bound[0])
         m, n = rows.shape
-        table = RowTable(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
+        table = row_table(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
         code, _, _ = sparse(table, rows.ravel().copy(), n, bounds, np.zeros(n), np.zeros(m))
         assert code == INFEASIBLE

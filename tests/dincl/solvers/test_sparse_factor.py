@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dincl.compiled import kernel
-from dincl.rows.table import ROW, RowTable
+from dincl.rows.table import ROW, row_table
 from dincl.solvers.sparse_factor import FILL, refactor, room_for_gram, solve_sparse
 from dincl.solvers.sparse_order import analyse, covers
 
@@ -44,7 +44,7 @@ def contacts(rng, n, d, m):
             column += range(end * d, end * d + d)
             gradient += list(sign * normal)
         start.append(len(column))
-    table = RowTable(np.zeros(m, dtype=ROW), np.array(start), np.array(column), np.zeros(0))
+    table = row_table(np.zeros(m, dtype=ROW), np.array(start), np.array(column), np.zeros(0))
     return table, np.array(gradient), dense
 
 
@@ -111,7 +111,7 @@ def test_a_chain_is_eliminated_without_fill():
     """Discs in a row: each contact is tied to two others, and the factor has as many entries as the matrix."""
     m = 200
     columns = np.array([[r, r + 1] for r in range(m)]).ravel()
-    table = RowTable(np.zeros(m, dtype=ROW), 2 * np.arange(m + 1), columns, np.zeros(0))
+    table = row_table(np.zeros(m, dtype=ROW), 2 * np.arange(m + 1), columns, np.zeros(0))
     gram = room_for_gram(m, m + 1, m, 2 * m)
     assert analysed(table, np.arange(m), gram)
     assert gram.start[m] == m - 1
@@ -125,7 +125,7 @@ def test_a_list_without_room_is_not_analysed(rng):
     assert (short.place == -1).all()
     assert analysed(table, np.arange(49), short)
     m = 2 * FILL + 10
-    full = RowTable(np.zeros(m, dtype=ROW), np.arange(m + 1), np.zeros(m, dtype=np.int64), np.zeros(0))
+    full = row_table(np.zeros(m, dtype=ROW), np.arange(m + 1), np.zeros(m, dtype=np.int64), np.zeros(0))
     gram = room_for_gram(m, 1, m, m)
     assert not analysed(full, np.arange(m), gram)
     assert (gram.place == -1).all()

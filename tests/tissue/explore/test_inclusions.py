@@ -174,17 +174,17 @@ def test_wrong_files(text: str, message: str, tmp_path: Path) -> None:
 
 
 def test_without_a_reference_there_is_no_error_but_a_picture() -> None:
-    places = np.stack(np.meshgrid(np.arange(15.0), np.arange(14.0))).reshape(2, -1).T
+    places = np.stack(np.meshgrid(np.arange(20.0), np.arange(16.0))).reshape(2, -1).T
     crowd = dincl.Problem(places, lambda t, x: -x, [dincl.NonOverlap(0.4)])
     known = reference(crowd, 1.0)
     assert known.x is None
-    assert "210 particles" in known.words
+    assert "320 particles" in known.words
     one = InclusionRun(Inclusion("crowd", "", crowd, 1.0), "PBD", 4, 1.0)
     assert measured(one).error is None
     head, *frames, _ = messages(pictures(one, lambda: False))
     assert head[0]["reference"] is False
     assert frames[-1][0]["error"] is None
-    assert len(frames[-1][1]) == 3 * 210
+    assert len(frames[-1][1]) == 3 * 320
 
 
 def test_a_set_of_ones_own_is_drawn_by_its_level() -> None:

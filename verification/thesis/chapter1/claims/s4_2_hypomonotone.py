@@ -48,7 +48,7 @@ def _cones() -> Evidence:
     """At a triangle of touching discs every x - P_S(x + n) is a combination of gradients; outside both are empty."""
     gradients = discs().rows_within(0.0, TRIANGLE, 1e-6).jacobian(TRIANGLE)
     rng = np.random.default_rng(SEED)
-    weights = rng.uniform(0.0, 1.0, (50, gradients.rows))
+    weights = rng.uniform(0.0, 1.0, (50, gradients.shape[0]))
     normals = [-(weight @ gradients).reshape(3, 2) for weight in weights]
     reached = max(moved(1e-4 * normal) for normal in normals)
     others = [n for n in rng.normal(size=(50, 3, 2)) if distance_to_cone(-n.ravel(), gradients) > 0.1]
