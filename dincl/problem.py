@@ -13,11 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import UserFunction
 from dincl.checks import array, describe, items
 from dincl.constraints.base import Constraint
+from dincl.constraints.near import select
 from dincl.drifts.base import CompiledDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.pickles import check_pickles
 from dincl.rows.base import RowsOfOneKind
-from dincl.rows.near import select
 from dincl.rows.together import RowsTogether
 from dincl.status import Status
 

@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dincl.constraints.near import select
 from dincl.matrices import divided, row_squares
-from dincl.rows.near import select
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.constraints.near import Name, Selection
     from dincl.problem import Problem
-    from dincl.rows.near import Name, Selection
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,20 +9,20 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import array, describe, number
+from dincl.constraints.near import select
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import checked, closed, failures_told, of_shape
 from dincl.matrices import combined, divided, row_squares
 from dincl.norms import length
 from dincl.projection.cone import TOLERANCE, nearest, split
 from dincl.rows.affine import AffineRows
-from dincl.rows.near import select
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
     from scipy.sparse import csr_array
 
+    from dincl.constraints.near import Name
     from dincl.problem import Problem
-    from dincl.rows.near import Name
 
 # A vector this much shorter than u counts as zero: ten times the accuracy of the projections onto cones.
 NEGLIGIBLE = 10 * TOLERANCE

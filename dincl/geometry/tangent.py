@@ -17,8 +17,8 @@ from dincl.rows.affine import AffineRows
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
+    from dincl.constraints.near import Name
     from dincl.problem import Problem
-    from dincl.rows.near import Name
 
 
 @dataclass(frozen=True, eq=False)

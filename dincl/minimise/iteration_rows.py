@@ -12,10 +12,10 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.constants import LARGEST
+from dincl.constraints.near import Near
 from dincl.errors import StepFailure
 from dincl.matrices import combined, stacked
 from dincl.minimise.carry import left_over
-from dincl.rows.near import Near
 from dincl.status import Status
 
 if TYPE_CHECKING:

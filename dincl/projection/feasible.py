@@ -11,9 +11,9 @@ from dincl.projection.base import NO_BACK_END, Projected
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dincl.constraints.near import Selection
     from dincl.problem import Problem
     from dincl.projection.base import Solver
-    from dincl.rows.near import Selection
     from dincl.work import Work
 
 

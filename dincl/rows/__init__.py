@@ -1,4 +1,4 @@
-"""The kinds of scalar constraint that every set is made of, one per file, and the rows near a state.
+"""The kinds of scalar constraint that every set is made of, one per file.
 
 A set S = {x : g_k(x) >= 0 for all k} reaches schemes and projections as rows g_k of some kind. A kind is a table of
 numbers (which particles, how far, which sign) and the functions of it: values, Jacobian, sweep, and what else has a
@@ -12,7 +12,6 @@ from dincl.rows.affine import AffineRows, HeightRows, linearised
 from dincl.rows.base import Rows, RowsOfOneKind
 from dincl.rows.distance import DistanceRows
 from dincl.rows.formula_rows import FormulaRows
-from dincl.rows.near import Near
 from dincl.rows.polynomial import Polynomial
 from dincl.rows.smooth import SmoothRows
 from dincl.rows.sweeper import DiscPairs, Sweeper
@@ -24,7 +23,6 @@ __all__ = [
     "DistanceRows",
     "FormulaRows",
     "HeightRows",
-    "Near",
     "Polynomial",
     "Rows",
     "RowsOfOneKind",

@@ -36,7 +36,9 @@ class CatchUp(FixedStep):
         from dincl.steps.catch_up import catch_up
         from dincl.steps.stepper import CompiledStepper
 
-        return CompiledStepper.projecting(problem, catch_up, self.projection, linearised=self.linearised)
+        self.projection.check(problem)
+        solver, tol = self.projection.solver(), self.projection.tol
+        return CompiledStepper.projecting(problem, catch_up, solver, tol, linearised=self.linearised)
 
 
 @dataclass(frozen=True)

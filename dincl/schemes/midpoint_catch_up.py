@@ -46,4 +46,6 @@ class MidpointCatchUp(FixedStep):
         from dincl.steps.catch_up import midpoint_catch_up
         from dincl.steps.stepper import CompiledStepper
 
-        return CompiledStepper.projecting(problem, midpoint_catch_up, self.projection, linearised=True)
+        self.projection.check(problem)
+        solver, tol = self.projection.solver(), self.projection.tol
+        return CompiledStepper.projecting(problem, midpoint_catch_up, solver, tol, linearised=True)

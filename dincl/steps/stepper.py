@@ -17,7 +17,7 @@ from dincl.steps.catch_up import project_onto_linearised, project_onto_set
 from dincl.steps.loop import OutputArrays, ProjectionArrays, Stepping, StepRange
 from dincl.steps.swept_sets import SweptSets
 from dincl.system.arrays import OK
-from dincl.system.compiled_problem import CompiledProblem
+from dincl.system.compiled_problem import CompiledProblem, ProgramSolver
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.projection.base import Projection
 
 # In the first call, particles times steps; each call makes twice as many steps as the last one while it takes less than
 # this [s], so that an interrupt, or a budget, does not wait.
@@ -95,13 +94,14 @@ class CompiledStepper(Stepper):
         return cls(problem, step, setting, system=system, swept=swept, v0=v0)
 
     @classmethod
-    def projecting(cls, problem: Problem, step: Any, projection: Projection, *, linearised: bool) -> CompiledStepper:
-        """A scheme that projects onto S, or onto its linearisation, in each step."""
-        projection.check(problem)
-        system = CompiledProblem(problem, solver=projection.solver())
+    def projecting(
+        cls, problem: Problem, step: Any, solver: ProgramSolver, tol: float, *, linearised: bool
+    ) -> CompiledStepper:
+        """A scheme that projects onto S, or onto its linearisation, in each step, to the residual ``tol``."""
+        system = CompiledProblem(problem, solver=solver)
         project, program = project_onto_linearised if linearised else project_onto_set, system.arrays.program
         arrays = ProjectionArrays(project.address, program.y, np.zeros(problem.x0.size), program.z, np.zeros(3))
-        return cls(problem, step, [projection.tol], system=system, projection=arrays)
+        return cls(problem, step, [tol], system=system, projection=arrays)
 
     def start(self) -> StepState:
         return StepState(self.problem.x0, self._v0)

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.compiled.structs import StructPointer
+from dincl.constraints.near import Selection
 from dincl.errors import StepFailure
 from dincl.matrices import from_equal_rows
 from dincl.neighbours import pair_list
 from dincl.neighbours.pair_list import ALL_PAIRS, PairList
 from dincl.neighbours.search import near_pairs
 from dincl.rows.affine import AffineRows, HeightRows
-from dincl.rows.near import Selection
 from dincl.rows.sweeper import DiscPairs, Sweeper
 from dincl.status import Status
 from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, OWN, ROWS, WALL, Families

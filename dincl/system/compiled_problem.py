@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, NoReturn
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Protocol
 
 import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
+from dincl.constraints.near import carried_over, select
 from dincl.errors import StepFailure
 from dincl.rows.base import TableRows
-from dincl.rows.near import carried_over, select
 from dincl.rows.table import CALLED, DISTANCE, FORMULA, ROW, RowTable, room_for_list, row_table
 from dincl.solvers.active_set import least_distance
 from dincl.solvers.factor import Chosen, room
@@ -28,10 +28,9 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
+    from dincl.constraints.near import Selection
     from dincl.problem import Problem
-    from dincl.projection.base import Solver
     from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.near import Selection
     from dincl.rows.sweeper import Sweeper
     from dincl.work import Work
 
@@ -48,6 +47,18 @@ FAILURES = {
     codes.NOT_A_NUMBER: (Status.NON_FINITE, f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."),
     codes.SINGULAR: (Status.NOT_CONVERGED, "Gradients of the contacts that are held became dependent."),
 }
+
+
+class ProgramSolver(Protocol):
+    """What solves the programs of near rows, see ``dincl.projection.base.Solver``."""
+
+    name: ClassVar[str]
+    whole: ClassVar[bool]
+    dense: ClassVar[bool]
+
+    def bind(self, system: CompiledProblem) -> Any:
+        """What has the address of this solver for a system."""
+        ...
 
 
 class CompiledProblem:
@@ -76,7 +87,7 @@ class CompiledProblem:
         units: Units = ONE,
         *,
         sweepers: Mapping[int, Sweeper] = NONE,
-        solver: Solver | None = None,
+        solver: ProgramSolver | None = None,
         programs: bool = True,
     ) -> None:
         """Without ``programs``, no program is solved for the rows in the table, which takes less memory."""

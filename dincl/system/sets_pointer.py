@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
+from dincl.constraints.near import derivative
 from dincl.errors import StepFailure
-from dincl.rows.near import derivative
 from dincl.rows.table import GRADIENTS, SPEEDS, SWEEP, Sets
 from dincl.system.kinks import NO_KINKS, kinks_of, smooth_around
 from dincl.system.python_function import C_FUNCTION, PLACE, Callback, numbers_at
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dincl.compiled.structs import StructPointer
+    from dincl.constraints.near import Selection
     from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.near import Selection
     from dincl.rows.sweeper import Sweeper
     from dincl.system.units import Units
     from dincl.work import Work

@@ -17,11 +17,11 @@ import numpy as np
 import pandas as pd
 
 import dincl
+from dincl.constraints.near import Near
 from dincl.errors import StepFailure
 from dincl.files import replacing
 from dincl.projection import Projection
 from dincl.rows.affine import linearised
-from dincl.rows.near import Near
 from dincl.run.grid import TimeGrid
 from dincl.run.stepper import Reached, Stepper
 from dincl.scenes import pile

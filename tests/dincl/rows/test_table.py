@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dincl.compiled import kernel
-from dincl.rows.near import select
+from dincl.constraints.near import select
 from dincl.rows.table import AFFINE, CALLED, GRADIENTS, ask, find_near, gap, linearise, sort_near
 from dincl.system.compiled_problem import CompiledProblem
 from tests.dincl.random_scenes import random_scene

@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from dincl.constraints.near import Name
 from dincl.geometry.contacts import ContactRows, near
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
 from dincl.rows.affine import AffineRows
-from dincl.rows.near import Name
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.integrate import DOP853
 
+    from dincl.constraints.near import Name
     from dincl.geometry.contacts import ContactRows
     from dincl.problem import Problem
-    from dincl.rows.near import Name
     from dincl.work import Work
 
 # The smallest relative tolerance that scipy's integrators take.

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.checks import number
+from dincl.constraints.near import Near
 from dincl.errors import StepFailure
 from dincl.norms import longest
-from dincl.rows.near import Near
 from verification.thesis.chapter2.yardsticks.kept import Kept
 
 Floats = NDArray[np.float64]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.rows.near import Near
+from dincl.constraints.near import Near
 from dincl.work import Work
 
 
