@@ -149,18 +149,16 @@ def carried_over(before: Selection, multipliers: NDArray[np.float64], selection:
         of_old, of_new = multipliers[first : first + len(old)], found[last : last + len(new)]
         first, last = first + len(old), last + len(new)
         pushing = of_old > 0
-        if not pushing.any() or not len(new):
-            continue
-        numbers, sought = _comparable(old.keys()[pushing]), _comparable(new.keys())
-        order = np.argsort(numbers)
-        place = np.minimum(np.searchsorted(numbers, sought, sorter=order), len(numbers) - 1)
-        of_new[:] = np.where(numbers[order[place]] == sought, of_old[pushing][order[place]], 0.0)
+        if pushing.any() and len(new):
+            _, here, there = np.intersect1d(row_names(old)[pushing], row_names(new), return_indices=True)
+            of_new[there] = of_old[pushing][here]
     return found
 
 
-def _comparable(keys: NDArray[np.int64]) -> NDArray[np.void]:
-    """Keys (m, 2) as records that are ordered and compared as a whole, shape (m,)."""
-    return np.ascontiguousarray(keys, dtype=np.int64).view([("first", np.int64), ("second", np.int64)]).ravel()
+def row_names(rows: RowsOfOneKind) -> NDArray[np.void]:
+    """One comparable name for each row of a constraint, shape (m,): the particles that it ties, or its number."""
+    pairs = np.ascontiguousarray(rows.keys(), dtype=np.int64)
+    return pairs.view([("first", np.int64), ("last", np.int64)]).ravel()
 
 
 def _at_rest(constraint: Constraint, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -12,10 +12,9 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.constants import LARGEST
-from dincl.constraints.near import Near
+from dincl.constraints.near import Near, row_names
 from dincl.errors import StepFailure
 from dincl.matrices import combined, stacked
-from dincl.minimise.carry import left_over
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -147,3 +146,29 @@ def parts(values: NDArray[Numbers], sizes: Sequence[int]) -> list[NDArray[Number
     """Consecutive parts of these sizes."""
     ends = np.cumsum(sizes)
     return [values[end - size : end] for end, size in zip(ends, sizes, strict=True)]
+
+
+def left_over(
+    near: RowsOfOneKind, before: Sequence[RowsOfOneKind], multipliers: NDArray[np.float64]
+) -> tuple[tuple[RowsOfOneKind, ...], NDArray[np.float64]]:
+    """The rows ``near``, then those of ``before`` that have a multiplier and are not near; and the multipliers of all.
+
+    ``multipliers`` (m,) belong to the rows ``before``, block after block.
+    """
+    carried = np.zeros(len(near))
+    names = row_names(near)
+    kept, kept_multipliers = [], []
+    first = 0
+    for block in before:
+        own = multipliers[first : first + len(block)]
+        first += len(block)
+        held = block.take(own > 0)
+        own = own[own > 0]
+        _, here, there = np.intersect1d(row_names(held), names, return_indices=True)
+        carried[there] = own[here]
+        missing = np.ones(len(own), dtype=bool)
+        missing[here] = False
+        if missing.any():
+            kept.append(held.take(missing))
+            kept_multipliers.append(own[missing])
+    return (near, *kept), np.concatenate((carried, *kept_multipliers))

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.matrices import row_squares
 from dincl.projection.base import NO_BACK_END, Projected
+from dincl.rows.affine import linearised
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -72,23 +75,16 @@ class FeasibleSet:
         iterations: int,
     ) -> Projected:
         """What the system found last, with residuals recomputed from the rows."""
-        from dincl.matrices import row_squares
-        from dincl.rows.affine import linearised
+        from dincl.rows.table import DISTANCE
 
         system, near = self._system, self.near_rows
         arrays, x = system.arrays, system.arrays.program.z.reshape(y.shape).copy()
         rows = near.linearised(t, around, carried_to) if self._linearised else near.at(t)
-        linear = linearised(rows, x)
+        if not arrays.solving.called[0]:
+            found = self._solver.certify(linearised(rows, x), y, x, np.zeros(len(near)), 0)
+            return replace(found, back_end=NO_BACK_END)
         listed = np.sort(arrays.near.row[: int(arrays.near.number[0])])
         # Gradients in the table have length 1, but for distances.
         length = np.sqrt(row_squares(near.at(t).jacobian(around if self._linearised else x)))
-        length[arrays.rows.row["kind"][listed] == 0] = 1.0
-        length[length == 0] = 1.0
-        multipliers = arrays.program.multiplier[listed] / length
-        found = self._solver.certify(linear, y, x, multipliers, iterations)
-        called = bool(arrays.solving.called[0])
-        return (
-            found
-            if called
-            else Projected(x, multipliers, found.violation, found.stationarity, found.complementarity, 0, NO_BACK_END)
-        )
+        length[(arrays.rows.row["kind"][listed] == DISTANCE) | (length == 0)] = 1.0
+        return self._solver.certify(linearised(rows, x), y, x, arrays.program.multiplier[listed] / length, iterations)

@@ -4,9 +4,8 @@ from dincl.schemes.base import FixedStep, Scheme
 from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp
 from dincl.schemes.event_driven import EventDriven
 from dincl.schemes.midpoint_catch_up import MidpointCatchUp
-from dincl.schemes.pbd import PBD
+from dincl.schemes.pbd import PBD, SecondOrderPBD
 from dincl.schemes.penalty import Penalty
-from dincl.schemes.second_order_pbd import SecondOrderPBD
 
 __all__ = [
     "PBD",

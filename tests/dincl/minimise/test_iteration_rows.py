@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 import dincl
+from dincl.constraints.near import row_names
 from dincl.matrices import from_equal_rows
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from dincl.minimise.carry import left_over, row_names
-from dincl.minimise.iteration_rows import IterationRows
+from dincl.minimise.iteration_rows import IterationRows, left_over
 from dincl.rows.affine import AffineRows
 from dincl.work import Work
 

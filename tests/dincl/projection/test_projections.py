@@ -172,3 +172,15 @@ def test_a_tolerance_that_cannot_be_met_is_a_failure_not_a_wrong_point(projectio
 def test_a_tolerance_is_a_positive_number(projection, tol):
     with pytest.raises(dincl.InvalidProblem, match="tol = "):
         projection(tol)
+
+
+@pytest.mark.parametrize("projection", PROJECTIONS)
+def test_a_feasible_point_has_no_multipliers_also_after_another_one(projection, rng):
+    problem, y = cluster(rng, 10, 2)
+    feasible = FeasibleSet(problem, projection(TOL).solver(), dincl.Work(), linearised=False)
+    assert feasible.nearest(0.0, y, problem.x0, 1.0).multipliers.max() > 0.0
+    inside = feasible.nearest(0.0, problem.x0, problem.x0, 1.0)
+    assert inside.point.tolist() == problem.x0.tolist()
+    assert not inside.multipliers.any()
+    assert inside.residual <= TOL
+    assert inside.back_end == "none"
