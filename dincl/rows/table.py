@@ -26,7 +26,6 @@ ROW = np.dtype(
         ("sign", np.float64),
         ("square", np.float64),  # |a|^2
         ("sway", np.float64),  # how fast g changes at most while no particle moves faster than 1
-        ("formula", np.int64),  # the address of a compiled formula, see ``dincl.rows.formulas.row_formula``
     ]
 )
 
@@ -45,6 +44,7 @@ class RowTable(NamedTuple):
     column: Offsets
     coefficient: Floats
     tail: Offsets  # (1,)
+    formula: Offsets  # (m,), or (0,) if there is none: addresses of formulas, see ``dincl.rows.formulas.row_formula``
     unit: Floats  # (1,): a coordinate times this is what formulas take
     point: Floats  # what a formula is given
     slope: Floats  # and what it writes: its gradient, and behind it its value
@@ -58,6 +58,7 @@ def row_table(
     *,
     tail: int = -1,
     more: int = 0,
+    formula: Offsets | None = None,
     unit: float = 1.0,
 ) -> RowTable:
     """Make the table of rows with entries ``offset[r]`` ... ``offset[r + 1] - 1``, and room for so many more."""
@@ -69,6 +70,7 @@ def row_table(
         np.append(column, np.zeros(more, dtype=np.int64)),
         coefficient,
         np.full(1, tail),
+        np.zeros(0, dtype=np.int64) if formula is None else formula,
         np.full(1, unit),
         np.zeros(widest),
         np.zeros(widest + 1),
@@ -147,7 +149,7 @@ def call_formula(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
     for p in range(entries):
         column = rows.column[first + p]
         point[p] = unit * (x[column] - sets.shift[row.family, column % d])
-    if call_drift(row.formula, 0.0, point, slope, entries, d, rows.coefficient[first:]) != 0:
+    if call_drift(rows.formula[r], 0.0, point, slope, entries, d, rows.coefficient[first:]) != 0:
         return np.nan
     for p in range(entries):
         slope[p] *= unit
@@ -160,77 +162,90 @@ def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
     row = rows.row[r]
     if row.kind == DISTANCE:
         return float(row.sign * (distance(rows, sets, r, x) - row.length))
-    if row.kind == CALLED:
-        return float(sets.value[row.i])
-    if row.kind == FORMULA:
-        return call_formula(rows, sets, r, x)
-    value, d = 0.0, sets.shift.shape[1]
-    for p in range(rows.start[r], rows.stop[r]):
-        value += rows.coefficient[p] * (x[rows.column[p]] - sets.shift[row.family, rows.column[p] % d])
-    return float(value - row.length)
+    if row.kind == AFFINE:
+        value, d = 0.0, sets.shift.shape[1]
+        for p in range(rows.start[r], rows.stop[r]):
+            value += rows.coefficient[p] * (x[rows.column[p]] - sets.shift[row.family, rows.column[p] % d])
+        return float(value - row.length)
+    return float(sets.value[row.i]) if row.kind == CALLED else call_formula(rows, sets, r, x)
 
 
 @inner
 def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
     """g_r(x) of a distance; of other rows over the length of the gradient."""
-    row, value, square = rows.row[r], value_of(rows, sets, r, x), 0.0
+    row, value = rows.row[r], value_of(rows, sets, r, x)
     if row.kind == DISTANCE:
         return value
-    if row.kind == AFFINE:
-        square = row.square
-    elif row.kind == CALLED:
+    square = row.square if row.kind == AFFINE else square_of_gradient(rows, sets, r)
+    return float(value / np.sqrt(square) if square > 0.0 else value)
+
+
+@inner
+def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
+    """|grad g_r|^2 of a row that Python or a formula has just evaluated."""
+    row, square = rows.row[r], 0.0
+    if row.kind == CALLED:
         for p in range(sets.first[row.i], sets.first[row.i + 1]):
             square += sets.entry[p] * sets.entry[p]
     else:
         for p in range(rows.stop[r] - rows.start[r]):
             square += rows.slope[p] * rows.slope[p]
-    return float(value / np.sqrt(square) if square > 0.0 else value)
+    return square
 
 
 @inner
 def evaluate_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """Write the gradient of row r at x into its entries of ``gradient``; g_r(x), NaN without a direction.
-
-    Two that are held together and meet are farthest from violating: zero is a subgradient, and right there.
-    """
+    """Write the gradient of row r at x into its entries of ``gradient``; g_r(x), NaN without a direction."""
     row = rows.row[r]
-    if row.kind == CALLED:
-        place_entries(rows, sets, r, gradient)
-        return float(sets.value[row.i])
-    first, last = rows.start[r], rows.stop[r]
     if row.kind == DISTANCE:
-        d = sets.shift.shape[1]
-        i, j, length = row.i * d, row.j * d, distance(rows, sets, r, x)
-        if length == 0.0 and row.sign > 0.0:
-            return np.nan
-        scale = row.sign / length if length > 0.0 else 0.0
-        for k in range(d):
-            if row.j >= 0:
-                gradient[first + k] = scale * (x[i + k] - x[j + k])
-                gradient[first + d + k] = -gradient[first + k]
-            else:
-                gradient[first + k] = scale * (x[i + k] - rows.coefficient[first + k] - sets.shift[row.family, k])
-        return float(row.sign * (length - row.length))
-    value = value_of(rows, sets, r, x)
-    for p in range(first, last):
-        gradient[p] = rows.coefficient[p] if row.kind == AFFINE else rows.slope[p - first]
-    return value
+        return evaluate_distance(rows, sets, r, x, gradient)
+    if row.kind == AFFINE:
+        for p in range(rows.start[r], rows.stop[r]):
+            gradient[p] = rows.coefficient[p]
+        return value_of(rows, sets, r, x)
+    return evaluate_other(rows, sets, r, x, gradient)
 
 
 @inner
-def place_entries(rows: RowTable, sets: Sets, r: int, gradient: Floats) -> None:
-    """Write the gradient that Python answered into the entries of row r."""
-    begin, end = sets.first[rows.row[r].i], sets.first[rows.row[r].i + 1]
-    if rows.tail[0] < 0:
+def evaluate_distance(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
+    """The same for a distance: unit vectors at its ends.
+
+    Two that are held together and meet are farthest from violating: zero is a subgradient, and right there.
+    """
+    row, first, d = rows.row[r], rows.start[r], sets.shift.shape[1]
+    i, j, length = row.i * d, row.j * d, distance(rows, sets, r, x)
+    if length == 0.0 and row.sign > 0.0:
+        return np.nan
+    scale = row.sign / length if length > 0.0 else 0.0
+    for k in range(d):
+        if row.j >= 0:
+            gradient[first + k] = scale * (x[i + k] - x[j + k])
+            gradient[first + d + k] = -gradient[first + k]
+        else:
+            gradient[first + k] = scale * (x[i + k] - rows.coefficient[first + k] - sets.shift[row.family, k])
+    return float(row.sign * (length - row.length))
+
+
+@inner
+def evaluate_other(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
+    """The same for a row that Python or a formula evaluates."""
+    row, value = rows.row[r], value_of(rows, sets, r, x)
+    if row.kind == FORMULA:
+        for p in range(rows.start[r], rows.stop[r]):
+            gradient[p] = rows.slope[p - rows.start[r]]
+        return value
+    begin, end, tail = sets.first[row.i], sets.first[row.i + 1], rows.tail[0]
+    if tail < 0:
         first = rows.start[r]
         for p in range(first, rows.stop[r]):
             gradient[p] = 0.0
         for p in range(begin, end):
             gradient[first + sets.column[p]] = sets.entry[p]
-        return
-    rows.start[r], rows.stop[r] = rows.tail[0] + begin, rows.tail[0] + end
+        return value
+    rows.start[r], rows.stop[r] = tail + begin, tail + end
     for p in range(begin, end):
-        rows.column[rows.tail[0] + p], gradient[rows.tail[0] + p] = sets.column[p], sets.entry[p]
+        rows.column[tail + p], gradient[tail + p] = sets.column[p], sets.entry[p]
+    return value
 
 
 @inner
@@ -240,15 +255,15 @@ def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -
     Its length is 1, and root 2 for the distance of a pair, whose two ends have a unit vector each. A gradient that
     vanishes stays as it is.
     """
-    row, value, square = rows.row[r], evaluate_row(rows, sets, r, x, gradient), 0.0
-    if row.kind == DISTANCE or value != value:
-        return value
-    if row.kind == AFFINE:
-        square = row.square
-    else:
+    row = rows.row[r]
+    if row.kind == DISTANCE:
+        return evaluate_distance(rows, sets, r, x, gradient)
+    value, square = evaluate_row(rows, sets, r, x, gradient), row.square
+    if row.kind != AFFINE:
+        square = 0.0
         for p in range(rows.start[r], rows.stop[r]):
             square += gradient[p] * gradient[p]
-    if not square > 0.0:
+    if square == 1.0 or not square > 0.0:
         return value
     scale = 1.0 / np.sqrt(square)
     for p in range(rows.start[r], rows.stop[r]):

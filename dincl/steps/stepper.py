@@ -123,8 +123,8 @@ class CompiledStepper(Stepper):
         if run.v.size:
             v = self._v0 if state.v is None else state.v
             run.v[:] = np.asarray(v).ravel()
-        if output is not None:
-            self._pointer.replace({"output": _arrays(output, run.x.size)})
+        if output is not None or run.output is not self._empty:
+            self._pointer.replace({"output": self._empty if output is None else _arrays(output, run.x.size)})
         most, code = max(FIRST // len(self.problem.x0), 1), OK
         with self.system.callbacks(), ExitStack() as searches:
             for search in self._swept.searches if self._swept else ():
@@ -135,8 +135,6 @@ class CompiledStepper(Stepper):
                 code, k = kernels.advance(self._pointer.address, self._step.address, grid)
                 self._count()
                 most = 2 * most if time.perf_counter() - began < SHORT else most
-        if output is not None:
-            self._pointer.replace({"output": self._empty})
         v = run.v.reshape(shape).copy() if run.v.size else None
         reached = StepState(run.x.reshape(shape).copy(), v)
         try:

@@ -9,11 +9,10 @@ import numpy as np
 from dincl.compiled.structs import StructPointer
 from dincl.constraints.near import Selection
 from dincl.errors import StepFailure
-from dincl.matrices import from_equal_rows
 from dincl.neighbours import pair_list
 from dincl.neighbours.pair_list import ALL_PAIRS, PairList
 from dincl.neighbours.search import near_pairs
-from dincl.rows.affine import AffineRows, HeightRows
+from dincl.rows.affine import HeightRows
 from dincl.rows.sweeper import DiscPairs, Sweeper
 from dincl.status import Status
 from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, OWN, ROWS, WALL, Families
@@ -51,8 +50,8 @@ class SweptSets:
             if isinstance(swept[f], Sweeper) and not projected:
                 swept[f] = one.select(problem.x0, np.inf)
         forms = np.array([_form(one) for one in swept], dtype=np.int64)
-        rows = zip(forms, swept, no_rows(problem).blocks, strict=True)
-        blocks = tuple(one if form == ROWS else nothing for form, one, nothing in rows)
+        nothing = HeightRows(np.zeros(d), np.zeros(0, dtype=np.int64), np.zeros(0), count)
+        blocks = tuple(one if form == ROWS else nothing for form, one in zip(forms, swept, strict=True))
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
         self.sweepers = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
         self.searches: list[PythonFunction] = []
@@ -128,13 +127,6 @@ class SweptSets:
         if search:
             self.searches.append(search)
         return pointer
-
-
-def no_rows(problem: Problem) -> Selection:
-    """A selection of no row."""
-    matrix = from_equal_rows(np.zeros((0, 1), dtype=np.int64), np.zeros((0, 1)), problem.x0.size)
-    blocks = (AffineRows(matrix, np.zeros(0)),) * len(problem.constraints)
-    return Selection(problem.constraints, blocks, problem.x0.shape)
 
 
 def _form(swept: Any) -> int:

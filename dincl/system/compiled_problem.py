@@ -242,8 +242,10 @@ def tabulate(
     Lengths are divided by ``unit``. Rows of those blocks have entries in all n coordinates, if ``dense``.
     """
     called: list[int] = []
-    parts, before = [], 0
+    parts, formulas, before = [], [], 0
     for family, block in enumerate(blocks):
+        if not len(block):
+            continue
         part = block.tabulated(d)
         if part is None:
             m, e = len(block), n if dense else 0
@@ -252,8 +254,10 @@ def tabulate(
             part = TableRows(numbers, np.full(m, e), np.tile(np.arange(e), m), np.zeros(m * e))
             before += m
         row = np.zeros(len(part.entries), dtype=ROW)
+        formulas.append(np.full(len(row), part.numbers.get("formula", 0)))
         for name, values in part.numbers.items():
-            row[name] = values
+            if name != "formula":
+                row[name] = values
         row["family"] = family
         row["length"] /= unit
         row["sway"][row["kind"] == FORMULA] *= unit
@@ -265,5 +269,6 @@ def tabulate(
     rows = np.concatenate([np.zeros(0, dtype=ROW), *(row for row, _, _ in parts)])
     loose = bool(called) and not dense
     more, tail = (entries_for(before * n), len(column)) if loose else (0, -1)
-    table = row_table(rows, np.cumsum(entries), column, coefficient, tail=tail, more=more, unit=unit)
+    formula = np.concatenate(formulas) if (rows["kind"] == FORMULA).any() else None
+    table = row_table(rows, np.cumsum(entries), column, coefficient, tail=tail, more=more, formula=formula, unit=unit)
     return table, tuple(called)
