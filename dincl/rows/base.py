@@ -72,7 +72,7 @@ class RowsOfOneKind(Rows):
 
     @abstractmethod
     def keys(self) -> NDArray[np.int64]:
-        """Two numbers, shape (m, 2), that tell a row from all others of its constraint, in this list or another."""
+        """Two numbers below 2^53, shape (m, 2), that identify a row among all rows of its constraint."""
 
     @abstractmethod
     def label(self, k: int, d: int) -> str:

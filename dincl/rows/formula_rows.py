@@ -59,9 +59,9 @@ class FormulaRows(RowsOfOneKind):
         return replace(self, shift=self.shift + displacement)
 
     def keys(self) -> NDArray[np.int64]:
-        """The first particle, and the others as digits of one number."""
-        others = self.particles[:, 1:]
-        return np.column_stack((self.particles[:, 0], others @ MOST_PARTICLES ** np.arange(others.shape[1])))
+        """Two numbers, each with half of the particles as its digits."""
+        halves = np.array_split(self.particles, 2, axis=1)
+        return np.column_stack([half @ MOST_PARTICLES ** np.arange(half.shape[1]) for half in halves])
 
     def label(self, k: int, d: int) -> str:
         return "particles " + ", ".join(map(str, self.particles[k]))
