@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from dincl.neighbours import ROW_MARGIN
 from dincl.norms import longest
 from dincl.rows.affine import AffineRows, linearised
 from dincl.rows.together import RowsTogether
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
     from dincl.rows.base import RowsOfOneKind
     from dincl.work import Work
 
-# Rows are selected for this many times the reach asked for, so that one selection serves several steps.
-GENEROUS = 4.0
 # Central and one-sided differences of order 6 for the first derivative.
 CENTRAL = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
 FORWARD = np.array([-147, 360, -450, 400, -225, 72, -10]) / 60
@@ -178,7 +177,7 @@ class _NearOne:
     def rows(self, t: float, x: NDArray[np.float64], reach: float, work: Work) -> RowsOfOneKind:
         own = _at_rest(self._constraint, t, x)
         if self._reference is None or longest(own - self._reference) + reach > self._reach:
-            self._reference, self._reach = own.copy(), GENEROUS * reach
+            self._reference, self._reach = own.copy(), ROW_MARGIN * reach
             self._rows = self._constraint.select(own, self._reach)
             work.neighbour_builds += 1
         return self._rows

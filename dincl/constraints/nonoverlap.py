@@ -64,9 +64,9 @@ class NonOverlap(Constraint):
         discs, radii = self.discs(len(x)), self.radii(len(x))
         if not np.isfinite(reach):
             return all_pairs(radii[discs], discs)
-        from dincl.neighbours.search import near_pairs
+        from dincl.neighbours.search import neighbour_pairs
 
-        start, partner = near_pairs(x[discs], radii[discs] + reach)
+        start, partner = neighbour_pairs(x[discs], radii[discs] + reach)
         i, j = np.repeat(discs, np.diff(start)), discs[partner]
         return DistanceRows(i, j, radii[i] + radii[j], 1.0)
 

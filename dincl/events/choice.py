@@ -3,6 +3,7 @@
 from dincl.compiled import inner
 from dincl.events.arrays import CLOSED, HELD, OPEN, march_at
 from dincl.events.motion import least_speed
+from dincl.neighbours import ROW_MARGIN
 from dincl.rows.table import SPEEDS, ask, gap, linearise
 from dincl.solvers.active_set import CYCLES, nearest
 from dincl.solvers.factor import times
@@ -94,7 +95,7 @@ def list_touching(run: int) -> int:
     state, system, x = march.state[0], system_at(march.place), march.x
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
     allowed, count = TOUCHING * state.size, 0
-    list_sorted(march.place, state.now, x, allowed)
+    list_sorted(march.place, state.now, x, allowed, ROW_MARGIN)
     for q in range(near.number[0]):
         r = near.row[q]
         if gap(rows, sets, r, x) <= allowed:

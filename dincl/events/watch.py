@@ -6,16 +6,14 @@ from dincl.compiled import inner
 from dincl.events.arrays import CLOSED, HELD, march_at
 from dincl.events.choice import TOUCHING
 from dincl.events.signals import NEVER, PARTS, PUSHES, SUSPICIOUS, first_negative
-from dincl.rows.table import DISTANCE, SPEEDS, ask, distance_from_list, find_near, gap, linearise, sort_near
+from dincl.neighbours import EVENT_MARGIN, SHORT_STEP_MARGIN, TOO_WIDE
+from dincl.rows.table import DISTANCE, SPEEDS, ask, gap, linearise
 from dincl.solvers.factor import times
-from dincl.steps.catch_up import carry
+from dincl.steps.catch_up import carry, list_sorted
 from dincl.system.arrays import OK, system_at
 
 # Sets are taken to be carried up to so many times as far as they are at the nodes.
 SAFETY = 2.0
-# Rows are listed for this many times the reach of a step; in runs of many particles, whose steps are short, for more. A
-# list for so many times what is needed now is made anew.
-GENEROUS, MORE_GENEROUS, TOO_GENEROUS = 2.0, 100.0, 400.0
 
 
 @inner
@@ -125,11 +123,9 @@ def first_event(run: int) -> tuple[float, int]:
     reach = make_room(run) + touching
     if sets.address != 0:
         ask(sets, state.now, x, SPEEDS)
-    generous = GENEROUS if state.cuts == 0 else MORE_GENEROUS
-    too_long = state.cuts != 0 and near.reach[0] > TOO_GENEROUS * reach
-    if too_long or not distance_from_list(sets, x, near) + reach <= near.reach[0]:
-        find_near(rows, sets, x, generous * reach, near)
-        sort_near(rows, x, sets.shift.shape[1], near)
+    if state.cuts != 0 and near.reach[0] > TOO_WIDE * reach:
+        near.reach[0] = -1.0
+    list_sorted(march.place, state.now, x, reach, EVENT_MARGIN if state.cuts == 0 else SHORT_STEP_MARGIN)
     for q in range(near.number[0]):
         r = near.row[q]
         if march.closed[r] == CLOSED and may_stir(run, r):

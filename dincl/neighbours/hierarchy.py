@@ -1,4 +1,4 @@
-"""Near pairs of discs of any reach, anywhere: a hierarchy of hashed grids, cell sizes doubling from level to level."""
+"""Close pairs of discs of any radii, anywhere: a hierarchy of hashed grids, cell sizes doubling from level to level."""
 
 import math
 
@@ -7,13 +7,13 @@ from numpy.typing import NDArray
 
 from dincl.compiled import inner, kernel, maker
 from dincl.compiled.arrays import Axes, Floats, Indices, Offsets
-from dincl.neighbours.cells import GRID_AXES, PAIRS_PER_DISC, is_near, longer, rows_of_pairs, sort_by_cell
+from dincl.neighbours.grid import GRID_AXES, PAIRS_PER_DISC, grown, is_close, rows_of_pairs, sort_by_cell
 
 Keys = NDArray[np.uint64]
 
-# A disc may reach by this factor farther than its level says, so that equal reaches share a level, ...
-REACH_MARGIN = 1.0 + 2.0**-20
-# ... and cells exceed twice that reach by more, so that rounding cannot move near discs two cells apart, ...
+# A radius may exceed that of its level by this factor, so that equal radii share a level, ...
+RADIUS_MARGIN = 1.0 + 2.0**-20
+# ... and cells exceed twice that radius by more, so that rounding cannot move close discs two cells apart, ...
 CELL_MARGIN = 1.0 + 2.0**-12
 # ... as long as no disc is so many cells from the origin. Beyond, cell sizes are powers of two and nothing is rounded.
 ROUNDED_CELLS = 2.0**38
@@ -34,7 +34,7 @@ EMPTY = -1
 
 @inner
 def _smallest_cell(x: Floats, smallest: float) -> float:
-    """Edge of the cells of level 0."""
+    """Compute the edge of the cells of level 0."""
     edge, farthest = 2.0 * CELL_MARGIN * smallest, 0.0
     for i in range(x.shape[0]):
         for k in range(x.shape[1]):
@@ -45,12 +45,12 @@ def _smallest_cell(x: Floats, smallest: float) -> float:
 
 
 @maker
-def _levels_of(reach: Floats, smallest: float) -> tuple[Indices, Offsets]:
-    """Level l of each disc, the least with reach <= 2^l times the smallest; and the levels in use, ascending."""
-    level = np.empty(reach.size, np.int32)
+def _levels_of(radius: Floats, smallest: float) -> tuple[Indices, Offsets]:
+    """Find level l of each disc, the least with radius <= 2^l times the smallest, and the levels in use, ascending."""
+    level = np.empty(radius.size, np.int32)
     used = np.zeros(LEVELS, np.bool_)
-    for i in range(reach.size):
-        level[i] = min(max(math.frexp(reach[i] / (smallest * REACH_MARGIN))[1], 0), LEVELS - 1)
+    for i in range(radius.size):
+        level[i] = min(max(math.frexp(radius[i] / (smallest * RADIUS_MARGIN))[1], 0), LEVELS - 1)
         used[level[i]] = True
     found, count = np.empty(LEVELS, np.int64), 0
     for number in range(LEVELS):
@@ -62,7 +62,7 @@ def _levels_of(reach: Floats, smallest: float) -> tuple[Indices, Offsets]:
 
 @inner
 def _number_of(cells: float) -> int:
-    """floor(cells); beyond 2^53 another monotone numbering, so that nothing overflows and no two floats are merged."""
+    """Return floor(cells); beyond 2^53 another monotone numbering, without overflow or floats that share a number."""
     value = np.floor(cells)
     if abs(value) < INTEGERS_END:
         return int(value)
@@ -73,7 +73,7 @@ def _number_of(cells: float) -> int:
 
 @inner
 def _key_of(x: Floats, i: int, edge: float, level: int, axes: Axes) -> np.uint64:
-    """Key of the cell that holds X_i in the grid of a level."""
+    """Compute the key of the cell that holds X_i in the grid of a level."""
     scale = math.ldexp(1.0, -level)
     key = np.uint64(0)
     for k in range(min(len(axes), GRID_AXES)):
@@ -83,7 +83,7 @@ def _key_of(x: Floats, i: int, edge: float, level: int, axes: Axes) -> np.uint64
 
 @inner
 def _slot_of(key: np.uint64, level: int, keys: Keys, levels: Indices) -> np.int64:
-    """Slot of the open-addressing table with this key and level, or the empty slot where they belong."""
+    """Find the slot of the open-addressing table with this key and level, or the empty slot where they belong."""
     mixed = key ^ (np.uint64(level) * LEVEL_FACTOR)
     mixed = (mixed ^ (mixed >> HALF_WORD)) * HASH_FACTOR
     slot = np.int64(mixed >> HALF_WORD) & (keys.size - 1)
@@ -94,7 +94,7 @@ def _slot_of(key: np.uint64, level: int, keys: Keys, levels: Indices) -> np.int6
 
 @maker
 def _fill_table(x: Floats, edge: float, level: Indices, axes: Axes) -> tuple[Keys, Indices, Indices]:
-    """Enter the cells of all discs: keys and levels of the table, and the slot of each disc."""
+    """Enter the cells of all discs; return keys and levels of the table, and the slot of each disc."""
     size = 4
     while size < 2 * x.shape[0]:
         size *= 2
@@ -112,7 +112,7 @@ def _fill_table(x: Floats, edge: float, level: Indices, axes: Axes) -> tuple[Key
 
 @maker
 def _steps_to_neighbours(axes: Axes) -> Keys:
-    """Differences of keys between a cell and all its neighbours and itself, which is in the middle."""
+    """Compute the differences of keys between a cell and all its neighbours and itself, which is in the middle."""
     used = min(len(axes), GRID_AXES)
     steps = np.zeros(3**used, np.uint64)
     for number in range(steps.size):
@@ -124,36 +124,36 @@ def _steps_to_neighbours(axes: Axes) -> Keys:
 
 
 @kernel
-def hierarchy_pairs(x: Floats, reach: Floats, axes: Axes) -> tuple[Offsets, Indices]:
-    """Find near pairs by asking, for each disc, the grids of its own and of every coarser level.
+def hierarchy_pairs(x: Floats, radius: Floats, axes: Axes) -> tuple[Offsets, Indices]:
+    """Find close pairs by scanning, for each disc, the grids of its own and of every coarser level.
 
-    Arguments and result as in ``neighbours.near_pairs``, n >= 1. Cost n times the number of levels, plus the pairs.
+    Arguments and result as in ``neighbour_pairs``, n >= 1. Cost n times the number of levels, plus the pairs.
     """
-    n, smallest = x.shape[0], reach[0]
+    n, smallest = x.shape[0], radius[0]
     for i in range(n):
-        smallest = min(smallest, reach[i])
-    level, levels_used = _levels_of(reach, smallest)
+        smallest = min(smallest, radius[i])
+    level, levels_used = _levels_of(radius, smallest)
     edge = _smallest_cell(x, smallest)
     keys, levels, slots = _fill_table(x, edge, level, axes)
-    first, disc, x_sorted, reach_sorted = sort_by_cell(slots, keys.size, x, reach, axes)
+    first, disc, x_sorted, radius_sorted = sort_by_cell(slots, keys.size, x, radius, axes)
     steps = _steps_to_neighbours(axes)
     pairs = np.empty((PAIRS_PER_DISC * n, 2), np.int32)
     count = 0
     for p in range(n):
         i = disc[p]
-        for asked in levels_used:
-            if asked < level[i]:
+        for scanned in levels_used:
+            if scanned < level[i]:
                 continue
-            key = _key_of(x_sorted, p, edge, asked, axes)
-            # In its own level a disc asks half of the cells around it, and is asked from the other half.
-            for number in range(steps.size // 2 if asked == level[i] else 0, steps.size):
-                slot = _slot_of(key + steps[number], asked, keys, levels)
+            key = _key_of(x_sorted, p, edge, scanned, axes)
+            # In its own level a disc scans half of the cells around it; the other half scan it.
+            for number in range(steps.size // 2 if scanned == level[i] else 0, steps.size):
+                slot = _slot_of(key + steps[number], scanned, keys, levels)
                 begin, end = first[slot], first[slot + 1]
                 if slot == slots[i]:
                     begin = p + 1
                 if count + (end - begin) > pairs.shape[0]:
-                    pairs = longer(pairs, count, end - begin)
+                    pairs = grown(pairs, count, end - begin)
                 for q in range(begin, end):
                     pairs[count, 0], pairs[count, 1] = i, disc[q]
-                    count += is_near(x_sorted, reach_sorted, p, q, axes)
+                    count += is_close(x_sorted, radius_sorted, p, q, axes)
     return rows_of_pairs(pairs[:count], n)

@@ -7,6 +7,7 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
 from dincl.drifts.functions import call_drift
+from dincl.neighbours import ROW_MARGIN
 from dincl.rows.table import (
     GRADIENTS,
     PLACES,
@@ -38,24 +39,25 @@ from dincl.system.arrays import (
 MOST_REACHES = 60
 # Linearisations for one projection onto a curved set; a y that violates by less than this part of tol is its own.
 MOST_RELINEARISATIONS, NEGLIGIBLE = 60, 1e-3
-# Rows are listed for this many times the reach asked for, so that one list serves several steps.
-GENEROUS = 4.0
 
 
 @inner
-def list_sorted(place: int, t: float, x: Floats, reach: float) -> bool:
-    """See that every row that matters within ``reach`` of x is listed, in the order of the cloud; false on failure."""
+def list_sorted(place: int, t: float, x: Floats, reach: float, margin: float) -> bool:
+    """See that every row that matters within ``reach`` of x is listed, in the order of the cloud; false on failure.
+
+    A new list is made for ``margin`` times the reach, see ``dincl.neighbours``.
+    """
     system = system_at(place)
     sets, near = system.sets, system.near
     if distance_from_list(sets, x, near) + reach <= near.reach[0]:
         return True
     if near.search == 0:
-        find_near(system.rows, sets, x, GENEROUS * reach, near)
+        find_near(system.rows, sets, x, margin * reach, near)
     else:
-        near.reach[0] = GENEROUS * reach
+        near.reach[0] = margin * reach
         if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.reach) != 0:
             return False
-        note_list(sets, x, GENEROUS * reach, near)
+        note_list(sets, x, margin * reach, near)
     sort_near(system.rows, x, sets.shift.shape[1], near)
     return True
 
@@ -151,7 +153,7 @@ def project(place: int, t: float, around: Floats, reach: float, later: float, ex
     if ask(system.sets, t, around, PLACES) != 0:
         return SETS
     for _ in range(MOST_REACHES):
-        if not list_sorted(place, t, around, reach):
+        if not list_sorted(place, t, around, reach, ROW_MARGIN):
             return PYTHON
         code = solve(place, t, around, later, exact, tol)
         if code != OK:

@@ -4,7 +4,7 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
-from dincl.neighbours.pair_list import DONE, FAILED, gather, pair_list_at, push_discs
+from dincl.neighbours.lists import DONE, FAILED, add_disc_forces, gather, pair_list_at
 from dincl.rows.table import GRADIENTS, PLACES, RowTable, Sets, ask, evaluate_row, value_of
 from dincl.steps.loop import Stepping, step_function, stepping_at
 from dincl.steps.sweeps import DISCS, WALL, Families, blame_discs, sweep
@@ -38,11 +38,11 @@ def push_family_of_discs(families: Families, f: int, x: Floats, spring: bool, fo
         gather(x, pairs, families.axes.size)
         points = pairs.point
     if families.axes.size == 2:
-        ended = push_discs(points, pairs, spring, force, (0, 0))
+        ended = add_disc_forces(points, pairs, spring, force, (0, 0))
     elif families.axes.size == 3:
-        ended = push_discs(points, pairs, spring, force, (0, 0, 0))
+        ended = add_disc_forces(points, pairs, spring, force, (0, 0, 0))
     else:
-        ended = push_discs(points, pairs, spring, force, families.axes)
+        ended = add_disc_forces(points, pairs, spring, force, families.axes)
     return OK if ended == DONE else blame_discs(families, f, ended == FAILED)
 
 

@@ -6,8 +6,8 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.neighbours import pair_list
-from dincl.neighbours.pair_list import gather, pair_list_at, scatter, sweep_discs
+from dincl.neighbours import lists
+from dincl.neighbours.lists import gather, pair_list_at, scatter, sweep_discs
 from dincl.rows.formulas import project
 from dincl.rows.table import AFFINE, CALLED, DISTANCE, GRADIENTS, SWEEP, RowTable, ask, evaluate_row, value_of
 from dincl.system.arrays import COINCIDENT, FLAT, OK, SETS, UNSETTLED, SystemArrays
@@ -103,7 +103,7 @@ def sweep_family_of_discs(families: Families, f: int, x: Floats, axes: Any) -> i
         gather(x, pairs, len(axes))
         ended = sweep_discs(pairs.point, pairs, axes)
         scatter(x, pairs, len(axes))
-    return OK if ended == pair_list.DONE else blame_discs(families, f, ended == pair_list.FAILED)
+    return OK if ended == lists.DONE else blame_discs(families, f, ended == lists.FAILED)
 
 
 @inner
@@ -114,7 +114,7 @@ def blame_discs(families: Families, f: int, failed: bool) -> int:
         return SETS
     families.blamed[0] = f
     for end in range(2):
-        disc = pairs.number[pair_list.ONE + end]
+        disc = pairs.number[lists.ONE + end]
         families.blamed[1 + end] = disc if pairs.disc.size == 0 else pairs.disc[disc]
     return COINCIDENT
 

@@ -9,9 +9,9 @@ import numpy as np
 from dincl.compiled.structs import StructPointer
 from dincl.constraints.near import Selection
 from dincl.errors import StepFailure
-from dincl.neighbours import pair_list
-from dincl.neighbours.pair_list import ALL_PAIRS, PairList
-from dincl.neighbours.search import near_pairs
+from dincl.neighbours import ALL_PAIRS, FIRST_SKIN, WIDEST_SKIN
+from dincl.neighbours.lists import BUILDS, CANDIDATES, CORRECTIONS, NUMBERS, PairList
+from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.affine import HeightRows
 from dincl.rows.sweeper import DiscPairs, Sweeper
 from dincl.status import Status
@@ -22,9 +22,6 @@ from dincl.system.python_function import PythonFunction, numbers_at
 if TYPE_CHECKING:
     from dincl.problem import Problem
     from dincl.work import Work
-
-# First width of the list of pairs beyond contact, and the widest, in smallest radii.
-FIRST_SKIN, WIDEST_SKIN = 0.05, 1.0
 
 
 class SweptSets:
@@ -56,7 +53,7 @@ class SweptSets:
         self.sweepers = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
         self.searches: list[PythonFunction] = []
         self._lists = lists = {f: self._pair_list(one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
-        self._counted = np.zeros(pair_list.NUMBERS, dtype=np.int64)
+        self._counted = np.zeros(NUMBERS, dtype=np.int64)
         walls = {f: one for f, one in enumerate(swept) if forms[f] == WALL}
         heights = {f: count * k for k, f in enumerate(walls)}
         starts = np.cumsum([0, *map(len, blocks)])
@@ -75,11 +72,11 @@ class SweptSets:
 
     def count(self, work: Work) -> None:
         """Add what was done since this was asked last."""
-        total = sum((one.value.number for one in self._lists.values()), np.zeros(pair_list.NUMBERS, dtype=np.int64))
+        total = sum((one.value.number for one in self._lists.values()), np.zeros(NUMBERS, dtype=np.int64))
         done, self._counted = total - self._counted, total
-        work.neighbour_builds += int(done[pair_list.BUILDS])
-        work.candidate_pairs += int(done[pair_list.LOOKED_AT])
-        work.constraint_projections += int(done[pair_list.CORRECTIONS]) + int(self.arrays.corrections[0])
+        work.neighbour_builds += int(done[BUILDS])
+        work.candidate_pairs += int(done[CANDIDATES])
+        work.constraint_projections += int(done[CORRECTIONS]) + int(self.arrays.corrections[0])
         self.arrays.corrections[0] = 0
 
     def failure(self, code: int) -> None:
@@ -106,7 +103,7 @@ class SweptSets:
         few = m <= ALL_PAIRS
 
         def make_list(t: float, x: int, *_: int) -> None:
-            start, partner = near_pairs(numbers_at(x, (m, d)), discs.radius + pointer.value.skin[0])
+            start, partner = neighbour_pairs(numbers_at(x, (m, d)), discs.radius + pointer.value.skin[0])
             pointer.replace({"start": start, "partner": partner})
 
         search = None if few else PythonFunction(make_list)
@@ -120,7 +117,7 @@ class SweptSets:
                 reference=np.zeros(m * d),
                 backup=np.zeros(m * d),
                 skin=smallest * np.array([FIRST_SKIN, WIDEST_SKIN]) if m else np.zeros(2),
-                number=np.zeros(pair_list.NUMBERS, dtype=np.int64),
+                number=np.zeros(NUMBERS, dtype=np.int64),
                 search=search.address if search else 0,
             )
         )

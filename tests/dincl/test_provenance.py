@@ -235,8 +235,8 @@ def test_note_of_another_kind_is_told() -> None:
 
 
 def test_module_depends_on_what_it_imports_alone() -> None:
-    kernel = set(closure(importlib.import_module("dincl.neighbours.cells")).modules)
-    assert {"dincl", "dincl.neighbours", "dincl.neighbours.cells"} <= kernel
+    kernel = set(closure(importlib.import_module("dincl.neighbours.grid")).modules)
+    assert {"dincl", "dincl.neighbours", "dincl.neighbours.grid"} <= kernel
     assert "dincl.solve" not in kernel
     constraint = set(closure(dincl.NonOverlap).modules)
     assert {"dincl.rows.distance", "dincl.neighbours.search"} <= constraint

@@ -18,10 +18,14 @@ def _square_distance(a: Floats, b: Floats) -> float:
     return total
 
 
-def near_pairs(x: Floats, reach: Floats) -> tuple[Offsets, Indices]:
-    """Reference implementation of ``neighbours.near_pairs`` and ``neighbours.brute_force_pairs``."""
+def neighbour_pairs(x: Floats, radius: Floats) -> tuple[Offsets, Indices]:
+    """Reference implementation of ``neighbour_pairs``."""
     rows = [
-        [j for j in range(i) if _square_distance(x[i], x[j]) <= float(reach[i] + reach[j]) * float(reach[i] + reach[j])]
+        [
+            j
+            for j in range(i)
+            if _square_distance(x[i], x[j]) <= float(radius[i] + radius[j]) * float(radius[i] + radius[j])
+        ]
         for i in range(x.shape[0])
     ]
     start = np.cumsum([0, *map(len, rows)], dtype=np.int64)

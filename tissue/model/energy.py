@@ -13,7 +13,7 @@ import numpy as np
 from dincl.checks import bounded
 from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem
-from dincl.neighbours.search import near_pairs
+from dincl.neighbours.search import neighbour_pairs
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.repulsion import SOFT
 from tissue.state.basal_curve import LINE, BasalCurve
@@ -136,7 +136,7 @@ def _points(cells: Cells) -> tuple[Floats, Floats, Floats]:
 def _soft_pairs(x: Floats) -> tuple[Integers, Integers]:
     """The pairs (i, j < i) of nuclei (2, n) at most 2 apart: at 2 the repulsion begins from zero."""
     centres = np.ascontiguousarray(x.real.T)
-    start, partner = near_pairs(centres, np.full(len(centres), SOFT / 2))
+    start, partner = neighbour_pairs(centres, np.full(len(centres), SOFT / 2))
     i, j = np.repeat(np.arange(len(centres)), np.diff(start)), partner.astype(np.int64)
     return i, j
 

@@ -10,7 +10,7 @@ import casadi
 import numpy as np
 
 from dincl.checks import number
-from dincl.neighbours.search import near_pairs
+from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.distance import DistanceRows
 from dincl.rows.together import RowsTogether
 from dincl.status import Status
@@ -212,7 +212,7 @@ class _Pairs:
         return i, j
 
     def _near(self, x: Floats, reach: float) -> Integers:
-        start, partner = near_pairs(np.ascontiguousarray(x), self._radius + reach)
+        start, partner = neighbour_pairs(np.ascontiguousarray(x), self._radius + reach)
         codes: Integers = np.repeat(np.arange(len(x)), np.diff(start)) * len(x) + partner
         return codes
 

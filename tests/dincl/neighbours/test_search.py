@@ -8,9 +8,9 @@ from hypothesis.extra import numpy as hnp
 from numpy.typing import NDArray
 
 from dincl.compiled.arrays import axes_of
-from dincl.neighbours import search as neighbours
-from dincl.neighbours.grid import grid_pairs, grid_shape
+from dincl.neighbours.grid import grid_layout, grid_pairs
 from dincl.neighbours.hierarchy import hierarchy_pairs
+from dincl.neighbours.search import compared_pairs, neighbour_pairs
 from tests.twins import neighbours as twins
 
 Array = NDArray[np.float64]
@@ -29,16 +29,21 @@ def as_set(pairs: Pairs) -> set[tuple[int, int]]:
     return {(i, int(j)) for i in range(len(start) - 1) for j in partner[start[i] : start[i + 1]]}
 
 
-def by_grid(x: Array, reach: Array) -> Pairs:
-    """List near pairs in one grid, which must fit."""
-    shape, low, cell = grid_shape(x, reach)
+def by_comparison(x: Array, radius: Array) -> Pairs:
+    """List close pairs by looking at all."""
+    return compared_pairs(x, radius, axes_of(x))
+
+
+def by_grid(x: Array, radius: Array) -> Pairs:
+    """List close pairs in one grid, which must fit."""
+    shape, low, cell = grid_layout(x, radius)
     assert shape.size == 3
-    return grid_pairs(x, reach, shape, low, cell, axes_of(x))
+    return grid_pairs(x, radius, shape, low, cell, axes_of(x))
 
 
-def by_hierarchy(x: Array, reach: Array) -> Pairs:
-    """List near pairs in the hierarchy of grids."""
-    return hierarchy_pairs(x, reach, axes_of(x))
+def by_hierarchy(x: Array, radius: Array) -> Pairs:
+    """List close pairs in the hierarchy of grids."""
+    return hierarchy_pairs(x, radius, axes_of(x))
 
 
 def cloud(rng: np.random.Generator, n: int, d: int) -> Array:
@@ -48,41 +53,41 @@ def cloud(rng: np.random.Generator, n: int, d: int) -> Array:
 
 def test_hand_computed_pairs() -> None:
     x = np.array([[0.0, 0.0], [3.0, 4.0], [3.0, 4.5], [9.0, 9.0], [0.0, -5.0]])
-    reach = np.array([2.5, 2.5, 1.0, 0.1, 2.499])
-    start, partner = neighbours.near_pairs(x, reach)
+    radius = np.array([2.5, 2.5, 1.0, 0.1, 2.499])
+    start, partner = neighbour_pairs(x, radius)
     assert start.tolist() == [0, 0, 1, 2, 2, 2]
     assert partner.tolist() == [0, 1]
     assert (start.dtype, partner.dtype) == (np.int64, np.int32)
 
 
-@pytest.mark.parametrize("search", [neighbours.near_pairs, neighbours.brute_force_pairs, by_grid, by_hierarchy])
+@pytest.mark.parametrize("search", [neighbour_pairs, by_comparison, by_grid, by_hierarchy])
 @pytest.mark.parametrize("d", DIMENSIONS)
 @pytest.mark.parametrize("n", [1, 2, 30, 200])
-def test_similar_reaches(search, d: int, n: int, rng: np.random.Generator) -> None:
-    x, reach = cloud(rng, n, d), rng.uniform(0.4, 0.8, n)
-    assert same(search(x, reach), twins.near_pairs(x, reach))
+def test_similar_radii(search, d: int, n: int, rng: np.random.Generator) -> None:
+    x, radius = cloud(rng, n, d), rng.uniform(0.4, 0.8, n)
+    assert same(search(x, radius), twins.neighbour_pairs(x, radius))
 
 
 @pytest.mark.parametrize("d", DIMENSIONS)
 @pytest.mark.parametrize("decades", [1, 4, 30])
-def test_unequal_reaches(d: int, decades: int, rng: np.random.Generator) -> None:
-    x, reach = cloud(rng, 250, d), 10.0 ** rng.uniform(-decades, 0.5, 250)
-    expected = twins.near_pairs(x, reach)
-    assert same(by_hierarchy(x, reach), expected)
-    assert same(neighbours.near_pairs(x, reach), expected)
+def test_unequal_radii(d: int, decades: int, rng: np.random.Generator) -> None:
+    x, radius = cloud(rng, 250, d), 10.0 ** rng.uniform(-decades, 0.5, 250)
+    expected = twins.neighbour_pairs(x, radius)
+    assert same(by_hierarchy(x, radius), expected)
+    assert same(neighbour_pairs(x, radius), expected)
 
 
 @pytest.mark.parametrize("place", [0, 150, 299])
 def test_one_huge_disc_meets_all_others(place: int, rng: np.random.Generator) -> None:
-    x, reach = cloud(rng, 300, 2), np.full(300, 0.3)
-    reach[place] = 300.0
-    start, partner = neighbours.near_pairs(x, reach)
-    assert same((start, partner), twins.near_pairs(x, reach))
+    x, radius = cloud(rng, 300, 2), np.full(300, 0.3)
+    radius[place] = 300.0
+    start, partner = neighbour_pairs(x, radius)
+    assert same((start, partner), twins.neighbour_pairs(x, radius))
     assert start[place + 1] - start[place] == place
     assert all(place in partner[start[i] : start[i + 1]] for i in range(place + 1, 300))
 
 
-@pytest.mark.parametrize("search", [neighbours.near_pairs, neighbours.brute_force_pairs])
+@pytest.mark.parametrize("search", [neighbour_pairs, by_comparison])
 @pytest.mark.parametrize("d", DIMENSIONS)
 def test_no_disc_and_one_disc(search, d: int) -> None:
     for n in (0, 1):
@@ -91,7 +96,7 @@ def test_no_disc_and_one_disc(search, d: int) -> None:
         assert partner.size == 0
 
 
-@pytest.mark.parametrize("search", [neighbours.brute_force_pairs, by_grid, by_hierarchy])
+@pytest.mark.parametrize("search", [by_comparison, by_grid, by_hierarchy])
 def test_all_at_one_point(search) -> None:
     n = 120
     start, partner = search(np.full((n, 2), 7.0), np.ones(n))
@@ -105,29 +110,29 @@ def test_all_at_one_point(search) -> None:
 def test_far_apart(scale: float, shift: float, d: int, rng: np.random.Generator) -> None:
     x = rng.normal(size=(150, d)) * scale + shift
     x[1::2] = x[::2] + rng.uniform(-1.0, 1.0, (75, d))
-    reach = rng.uniform(0.3, 0.7, 150)
-    expected = twins.near_pairs(x, reach)
-    assert same(by_hierarchy(x, reach), expected)
-    assert same(neighbours.near_pairs(x, reach), expected)
+    radius = rng.uniform(0.3, 0.7, 150)
+    expected = twins.neighbour_pairs(x, radius)
+    assert same(by_hierarchy(x, radius), expected)
+    assert same(neighbour_pairs(x, radius), expected)
 
 
 @pytest.mark.parametrize("unit", [2.0**-80, 0.1, 1.0, 2.0**53])
 def test_lattice_distances_exactly_at_the_limit(unit: float, rng: np.random.Generator) -> None:
     x = np.ascontiguousarray(rng.integers(-6, 7, (200, 2)) * unit)
-    reach = np.full(200, 0.5 * unit)
-    expected = twins.near_pairs(x, reach)
-    assert same(by_grid(x, reach), expected)
-    assert same(by_hierarchy(x, reach), expected)
+    radius = np.full(200, 0.5 * unit)
+    expected = twins.neighbour_pairs(x, radius)
+    assert same(by_grid(x, radius), expected)
+    assert same(by_hierarchy(x, radius), expected)
 
 
 @pytest.mark.parametrize("lost", [0, 57, 119])
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf])
-def test_a_disc_lost_at_infinity_is_near_none(lost: int, value: float, rng: np.random.Generator) -> None:
-    x, reach = cloud(rng, 120, 2), np.full(120, 0.6)
+def test_a_disc_lost_at_infinity_has_no_neighbour(lost: int, value: float, rng: np.random.Generator) -> None:
+    x, radius = cloud(rng, 120, 2), np.full(120, 0.6)
     rest = np.delete(np.arange(120), lost)
-    expected = {(rest[i], rest[j]) for i, j in as_set(twins.near_pairs(x[rest], reach[rest]))}
+    expected = {(rest[i], rest[j]) for i, j in as_set(twins.neighbour_pairs(x[rest], radius[rest]))}
     x[lost, 1] = value
-    assert as_set(neighbours.near_pairs(x, reach)) == expected
+    assert as_set(neighbour_pairs(x, radius)) == expected
 
 
 @given(
@@ -139,9 +144,9 @@ def test_a_disc_lost_at_infinity_is_near_none(lost: int, value: float, rng: np.r
 )
 def test_generated_discs(data: st.DataObject, n: int, d: int, size: float, smallest: float) -> None:
     x = data.draw(hnp.arrays(np.float64, (n, d), elements=st.floats(-size, size)))
-    reach = data.draw(hnp.arrays(np.float64, n, elements=st.floats(smallest, 2.0)))
-    expected = twins.near_pairs(x, reach)
-    assert same(by_hierarchy(x, reach), expected)
-    assert same(neighbours.brute_force_pairs(x, reach), expected)
-    if grid_shape(x, reach)[0].size:
-        assert same(by_grid(x, reach), expected)
+    radius = data.draw(hnp.arrays(np.float64, n, elements=st.floats(smallest, 2.0)))
+    expected = twins.neighbour_pairs(x, radius)
+    assert same(by_hierarchy(x, radius), expected)
+    assert same(by_comparison(x, radius), expected)
+    if grid_layout(x, radius)[0].size:
+        assert same(by_grid(x, radius), expected)

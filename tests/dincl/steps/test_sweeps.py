@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import dincl
-from dincl.neighbours.pair_list import ALL_PAIRS
+from dincl.neighbours import ALL_PAIRS
 from dincl.rows import Sweeper
 from dincl.run.stepper import StepState
 from dincl.schemes.loop import run_steps
