@@ -1,16 +1,9 @@
-"""Ready-made problems, one per file."""
+"""Ready-made problems."""
 
-from dincl.scenes.ball_pile import ball_pile
-from dincl.scenes.exact import Exact
-from dincl.scenes.four_disks import four_disks
-from dincl.scenes.pile import pile
-from dincl.scenes.scene import Scene
-from dincl.scenes.sliding_disc import sliding_disc
-from dincl.scenes.stack import stack
-from dincl.scenes.step_inclusion import step_inclusion
-from dincl.scenes.sweeping_interval import sweeping_interval
-from dincl.scenes.ten_disks_corner import ten_disks_corner
-from dincl.scenes.two_disks import two_disks
+from dincl.scenes.base import Exact, Scene
+from dincl.scenes.discs import four_disks, sliding_disc, ten_disks_corner, two_disks
+from dincl.scenes.line import stack, step_inclusion, sweeping_interval
+from dincl.scenes.piles import ball_pile, pile
 
 __all__ = [
     "Exact",

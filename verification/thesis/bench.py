@@ -24,8 +24,7 @@ from dincl.projection import Projection
 from dincl.rows.affine import linearised
 from dincl.run.grid import TimeGrid
 from dincl.run.stepper import Reached, Stepper
-from dincl.scenes import pile
-from dincl.scenes.scene import Scene
+from dincl.scenes import Scene, pile
 from dincl.work import Work
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter4 import bench as emt_bench

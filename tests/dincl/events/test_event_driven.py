@@ -5,7 +5,7 @@ import pytest
 
 import dincl
 from dincl import scenes
-from dincl.scenes.two_disks import SLIDE
+from dincl.scenes.discs import PAST_OTHER
 from tests.dincl.catalog import SCENES
 from tests.twins.events.roots import first_negative
 from tests.twins.events.scheme import PlainEventDriven
@@ -109,7 +109,7 @@ def test_events_of_two_disks():
     path = dincl.solve(scenes.two_disks(), dincl.EventDriven(tol=1e-12), [4.0])
     found = [(event.kind, event.constraint, event.row) for event in path.events]
     assert found == [("contact", 0, "particle 1 and 0"), ("release", 0, "particle 1 and 0")]
-    touches, leaves = (float(t) for t in SLIDE.events())
+    touches, leaves = (float(t) for t in PAST_OTHER.events())
     assert path.events[0].t == pytest.approx(touches, abs=1e-12)
     # A push that vanishes linearly leaves its time known to the threshold only; the path does not feel that.
     assert path.events[1].t == pytest.approx(leaves, abs=1e-8)

@@ -13,16 +13,15 @@ from scipy.optimize import isotonic_regression
 import dincl
 from dincl import scenes
 from dincl.projection.daqp import Daqp
-from dincl.scenes.sliding_disc import SLIDE as PAST_FIXED
-from dincl.scenes.stack import RADII
-from dincl.scenes.two_disks import SLIDE as PAST_OTHER
+from dincl.scenes.discs import PAST_FIXED, PAST_OTHER
+from dincl.scenes.line import STACK_RADII as RADII
 
 STEPS = (0.02, 0.01, 0.005, 0.0025, 0.00125)
 Gap = Callable[..., Any]
 
 
 def stack_events(x0: np.ndarray, packed: np.ndarray) -> list[tuple[float, int]]:
-    """March from contact to contact: a cluster of touching intervals obeys m' = -m for its middle, the wall stops it.
+    """Integrate from contact to contact: a cluster of touching intervals obeys m' = -m for its middle, up to the wall.
 
     Returns the times, and the interval that meets its left neighbour (or the wall: 0).
     """
@@ -59,7 +58,7 @@ STACK_EVENTS = stack_events(scenes.stack().x0[:, 0], PACKED)
 
 
 class Case(NamedTuple):
-    """An exact scene, told once more: drift and gaps g(t, flat x) >= 0 with all digits, and when contacts change."""
+    """An exact scene, formulated again: drift and gaps g(t, flat x) >= 0 with all digits, and when contacts change."""
 
     scene: scenes.Scene
     drift: Callable[[list[Any]], list[Any]]
@@ -223,7 +222,7 @@ def test_catch_up_makes_the_steps_of_the_stack() -> None:
     assert np.abs(path.final - scenes.stack().exact(1.5)).max() < 1e-9  # all at rest in a corner of S: no error is left
 
 
-def test_stack_agrees_with_the_march_from_contact_to_contact() -> None:
+def test_stack_agrees_with_integration_from_contact_to_contact() -> None:
     """The gap in front of each interval closes at the event, not before, and stays closed."""
     assert sorted(first for _, first in STACK_EVENTS) == list(range(len(RADII)))
     times = [t for t, _ in STACK_EVENTS]
