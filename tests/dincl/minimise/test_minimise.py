@@ -1,4 +1,4 @@
-"""The minimisers: they find minima that are known, certify them, report what they did not reach, and never hang."""
+"""The minimisers: they find known minima, certify them, report failures, and refuse bad input."""
 
 import numpy as np
 import pytest
@@ -303,3 +303,27 @@ def test_each_evaluation_of_the_drift_is_counted(method):
     calls.clear()
     counted = minimise(problem, method).stats.drift_evaluations
     assert counted == len(calls) - 1 > 5  # one more certifies the result
+
+
+@pytest.mark.parametrize(
+    ("make", "words"),
+    [
+        (lambda: ArrowHurwicz(0.0, 0.1, STOP), r"alpha = 0\.0: must be a finite number > 0"),
+        (lambda: ArrowHurwicz(0.1, -1.0, STOP), r"beta = -1\.0: must"),
+        (lambda: ArrowHurwicz(0.1, 0.1, 1e-6), r"stop = 1e-06: must be Stationary"),
+        (lambda: ArrowHurwicz(0.1, 0.1, STOP, 0), r"limit = 0: must be an integer >= 1"),
+        (lambda: ArrowHurwicz(0.1, 0.1, STOP, 10, 1), r"squared = 1: must be True or False"),
+        (lambda: damped(gamma=-1.0), r"gamma = -1\.0: must be a finite number >= 0"),
+        (lambda: damped(damping=0.0), r"damping = 0\.0"),
+        (lambda: damped(dtau=np.nan), r"dtau = nan"),
+        (lambda: Uzawa(0.1, RelativeMove(1e-3)), r"stop = .*: must be Stationary"),
+        (lambda: Uzawa(0.0, STOP), r"step = 0\.0"),
+        (lambda: Stationary(0.0), r"tol = 0\.0"),
+        (lambda: RelativeMove(-1.0), r"eps = -1\.0"),
+        (lambda: minimise(None, damped()), r"problem = None: must be a dincl\.Problem"),
+        (lambda: minimise(pressed(), dincl.PBD(0.1)), r"minimiser = .*: must be a minimiser"),
+    ],
+)
+def test_bad_input_is_refused(make, words):
+    with pytest.raises(dincl.InvalidProblem, match=words):
+        make()

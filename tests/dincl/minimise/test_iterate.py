@@ -7,9 +7,8 @@ import dincl
 from dincl.constraints.near import row_names
 from dincl.matrices import from_equal_rows
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from dincl.minimise.iteration_rows import IterationRows, left_over
+from dincl.minimise.iterate import Iterate, carry_over
 from dincl.rows.affine import AffineRows
-from dincl.work import Work
 
 DISCS = dincl.NonOverlap(0.5)
 
@@ -23,11 +22,11 @@ def test_multipliers_follow_their_pairs():
     assert list(zip(before.i, before.j, strict=True)) == [(1, 0), (2, 1), (3, 2)]
     near = DISCS.select(line(0.0, 5.0, 2.0, 3.0), 0.6)
     assert list(zip(near.i, near.j, strict=True)) == [(2, 0), (3, 1), (3, 2)]
-    (fresh, held), multipliers = left_over(near, (before,), np.array([0.7, 0.0, 0.3]))
+    (fresh, held), multipliers = carry_over(near, (before,), np.array([0.7, 0.0, 0.3]))
     assert fresh is near
     assert list(zip(held.i, held.j, strict=True)) == [(1, 0)]
     np.testing.assert_array_equal(multipliers, [0.0, 0.0, 0.3, 0.7])
-    again, same = left_over(near, (fresh, held), multipliers)
+    again, same = carry_over(near, (fresh, held), multipliers)
     assert len(again) == 2
     np.testing.assert_array_equal(same, multipliers)
 
@@ -36,9 +35,9 @@ def test_rows_left_over_come_back():
     """A row that was left over and is near again has one multiplier, in its place."""
     all_rows = DISCS.select(line(0.0, 1.0, 2.0), 5.0)
     none = all_rows.take(np.zeros(3, dtype=bool))
-    away, kept = left_over(none, (all_rows,), np.array([0.1, 0.0, 0.3]))
+    away, kept = carry_over(none, (all_rows,), np.array([0.1, 0.0, 0.3]))
     assert [len(block) for block in away] == [0, 2]
-    back, multipliers = left_over(all_rows, away, kept)
+    back, multipliers = carry_over(all_rows, away, kept)
     assert len(back) == 1
     np.testing.assert_array_equal(multipliers, [0.1, 0.0, 0.3])
 
@@ -76,37 +75,35 @@ def test_point_against_differences(rng, squared):
         lambda t, z: -z,
         [DISCS, dincl.HalfSpace(normal=(3, 4), offset=-20.0), dincl.InsideBall(centre=(0, 0), distance=30.0)],
     )
-    held = IterationRows(problem, Work(), squared=squared, ahead=1.0)
-    held.update(x, 100.0)
-    weights = rng.uniform(0.5, 1.0, len(held.multipliers))
+    iterate = Iterate(problem, squared=squared, ahead=50.0)
+    iterate.move(x)
+    weights = rng.uniform(0.5, 1.0, len(iterate.multipliers))
     assert len(weights) == 10 + 5 + 5
-    held.set(weights)
-    point = held.point(x, -problem.velocity(0.0, x))
+    iterate.set_multipliers(weights)
+    point = iterate.point()
     step = 1e-6
-    pull = np.zeros_like(x)
+    reaction = np.zeros_like(x)
     for place in np.ndindex(*x.shape):
         shift = np.zeros_like(x)
         shift[place] = step
-        pull[place] = weights @ (held.values(x + shift) - held.values(x - shift)) / (2 * step)
-    np.testing.assert_allclose(point.pull(weights), pull, atol=1e-7)
+        reaction[place] = weights @ (iterate.values(x + shift)[1] - iterate.values(x - shift)[1]) / (2 * step)
+    np.testing.assert_allclose(point.reaction(weights), reaction, atol=1e-7)
     distance = np.array([np.linalg.norm(x[i] - x[j]) for i in range(5) for j in range(i)])
     np.testing.assert_allclose(point.values[:10], distance**2 - 1 if squared else distance - 1)
-    rows = weights[:10] @ held.gradients([DISCS.select(x, 100.0)], x)
-    plain = (point.steep[:10] * weights[:10]) @ DISCS.select(x, 100.0).jacobian(x)
+    rows = weights[:10] @ iterate.jacobian([DISCS.select(x, 100.0)], x)
+    plain = (point.steepness[:10] * weights[:10]) @ DISCS.select(x, 100.0).jacobian(x)
     np.testing.assert_allclose(rows, plain)
 
 
 def test_multipliers_outlive_a_change_of_the_list():
     """Two discs pushed apart by a multiplier, and so far that their pair leaves the list: it must go on pushing."""
     problem = dincl.Problem(line(0.0, 1.0), lambda t, x: 0 * x, [DISCS])
-    held = IterationRows(problem, Work(), squared=False, ahead=4.0)
-    held.update(problem.x0, 0.0)
-    held.set(np.array([2.0]))
-    far = line(0.0, 50.0)
-    held.update(far, 0.0)
-    assert held.multipliers.tolist() == [2.0]
-    np.testing.assert_allclose(held.point(far, 0 * far).pull(held.multipliers), line(-2.0, 2.0))
-    assert [len(block) for block in held.blocks] == [0, 1]
+    iterate = Iterate(problem, squared=False, ahead=0.0)
+    iterate.set_multipliers(np.array([2.0]))
+    iterate.move(line(0.0, 50.0))
+    assert iterate.multipliers.tolist() == [2.0]
+    np.testing.assert_allclose(iterate.point().reaction(iterate.multipliers), line(-2.0, 2.0))
+    assert [len(block) for block in iterate.blocks] == [0, 1]
 
 
 def test_only_near_pairs_are_looked_at():

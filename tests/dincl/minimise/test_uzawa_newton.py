@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from dincl.errors import StepFailure
-from dincl.minimise.newton import free_minimum
+from dincl.minimise.uzawa import free_minimum
 
 
 def test_quadratic_takes_few_steps(rng):
