@@ -258,8 +258,8 @@ def items(name: str, value: Any, kind: type[Any] | tuple[type[Any], ...], allowe
     return found
 
 
-def indices(name: str, value: ArrayLike, columns: int | None = None) -> NDArray[np.int64]:
-    """Particle indices >= 0 of shape (m,), or (m, columns)."""
+def indices(name: str, value: ArrayLike, columns: int | None = None, *, distinct: bool = False) -> NDArray[np.int64]:
+    """Particle indices >= 0 of shape (m,), or (m, columns); each at most once if ``distinct``."""
     allowed = "integers >= 0 of shape " + ("(m,)" if columns is None else f"(m, {columns})")
     raw = _integers(value)
     if raw.size == 0 and raw.dtype.kind == "f":
@@ -267,6 +267,8 @@ def indices(name: str, value: ArrayLike, columns: int | None = None) -> NDArray[
     shaped = raw.ndim == 1 if columns is None else raw.ndim == 2 and raw.shape[1] == columns
     if not shaped or raw.dtype.kind not in "iu" or (raw < 0).any() or (raw > LARGEST_INTEGER).any():
         raise InvalidProblem(f"{name} = {describe(value)}: must be {allowed}")
+    if distinct and len(np.unique(raw)) != raw.size:
+        raise InvalidProblem(f"{name} = {describe(value)}: must name each particle at most once")
     checked = raw.astype(np.int64)
     checked.flags.writeable = False
     return checked

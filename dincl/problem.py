@@ -13,12 +13,11 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import UserFunction
 from dincl.checks import array, describe, items
 from dincl.constraints.base import Constraint
-from dincl.constraints.near import select
+from dincl.constraints.selection import select
 from dincl.drifts.base import CompiledDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.pickles import check_pickles
-from dincl.rows.base import RowsOfOneKind
-from dincl.rows.together import RowsTogether
+from dincl.rows.base import RowsOfOneKind, StackedRows
 from dincl.status import Status
 
 # A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
@@ -91,7 +90,7 @@ class Problem:
         seen.flags.writeable = False
         return DRIFT.evaluated(self.drift, t, seen, shape=x.shape)
 
-    def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> RowsTogether:
+    def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> StackedRows:
         """All rows that can be violated at time t once every particle moved by at most ``reach`` from x."""
         return select(self.constraints, t, x, reach).at(t)
 

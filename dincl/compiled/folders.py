@@ -30,6 +30,7 @@ FOLDERS = (
     "dincl.events.watch",
     "dincl.matrices.products",
     "dincl.neighbours",
+    "dincl.rows.candidates",
     "dincl.rows.formulas",
     "dincl.rows.table",
     "dincl.solvers",

@@ -1,4 +1,4 @@
-"""What a constraint is: the rows that matter near a state, and what follows from them."""
+"""Base class of all constraints."""
 
 from __future__ import annotations
 
@@ -10,20 +10,16 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.sweeper import DiscPairs, Sweeper
+    from dincl.rows.base import CustomSweep, DiscPairs, RowsOfOneKind
 
 
 class Constraint(ABC):
     """A set S = {x : g(x) >= 0}, given by its rows, which are of a kind of ``dincl.rows``.
 
-    Derive from ``DifferentiableConstraint`` for a set of one's own with a g and its Jacobian; from this class for a set
-    of many rows of which few matter at a time, best as a frozen dataclass that checks its arguments. Needed is
-    ``select`` alone; states x have shape (N, d), and are read and not changed. A constraint itself knows no time:
-    ``dincl.Moving(constraint, path)`` carries it along a path.
-
-    All else is optional. ``check`` refuses a problem that the set does not fit. ``sweeper`` gives the exact projections
-    that PBD makes; without it, they are those of the rows.
+    Derive from ``DifferentiableConstraint`` for a set of your own with g and its Jacobian; from this class for a set of
+    many rows of which few matter at a time, best as a frozen dataclass that checks its arguments. Only ``select`` is
+    required; the other methods are optional. States x have shape (N, d) and must not be changed. A constraint does not
+    depend on time: ``dincl.Moving(constraint, path)`` translates it along a path.
 
     ``docs/extend/constraint.md`` says how a set or a kind of row is added to the package.
     """
@@ -32,17 +28,17 @@ class Constraint(ABC):
         """Raise InvalidProblem unless the constraint fits ``count`` particles in dimension d."""
 
     @abstractmethod
-    def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
-        """The rows that can be violated after every particle moved by at most ``reach`` from x (N, d), or more rows."""
+    def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+        """Return the rows that can be violated after each particle moved at most ``search_radius`` from x, or more."""
 
-    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | Sweeper:
-        """What PBD projects onto, for states of the shape of x: rows one after another, or a Sweeper of your own."""
+    def sweep_rows(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | CustomSweep:
+        """Return the rows that PBD projects onto, one after another, for states of the shape of x; or a CustomSweep."""
         return self.select(x, math.inf)
 
     def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
-        """Rows that show which particles the set ties: all of them, or enough to see that two rows share a particle."""
+        """Return all rows, or enough of them to show that two rows share a particle."""
         return self.select(x, math.inf)
 
     def displacement(self, t: float, d: int) -> NDArray[np.float64] | None:
-        """How far the set was carried at time t, shape (d,); None for a set at rest. Only ``Moving`` gives another."""
+        """Return the displacement of the set at time t, shape (d,); None for all sets but ``Moving``."""
         return None

@@ -1,26 +1,30 @@
-"""A set that is carried along a path: Moreau's sweeping process."""
+"""A set that is translated along a path, and the velocity of a path: Moreau's sweeping process."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from dincl.callables import UserFunction
-from dincl.checks import describe
+from dincl.checks import describe, function
 from dincl.constraints.base import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
-    import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.sweeper import DiscPairs, Sweeper
+    from dincl.rows.base import CustomSweep, DiscPairs, RowsOfOneKind
 
 PATH = UserFunction("path", ("t",), Status.CONSTRAINT_FAILED)
+# t -> displacement (d,) [length].
+Path = Callable[[float], "NDArray[np.float64]"]
+# Central and one-sided differences of order 6 for the first derivative.
+CENTRAL = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
+FORWARD = np.array([-147, 360, -450, 400, -225, 72, -10]) / 60
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,9 +34,11 @@ class Moving(Constraint):
     Parameters
     ----------
     constraint
-        The set at rest, any Constraint but another Moving.
+        The set S, any Constraint but another Moving.
     path
         t -> displacement of shape (d,) [length], the same for all particles.
+
+    The rows of ``select``, ``sweep_rows`` and ``pattern`` are those of S, for x relative to the displacement.
     """
 
     constraint: Constraint
@@ -43,28 +49,39 @@ class Moving(Constraint):
             raise InvalidProblem(
                 f"constraint = {describe(self.constraint)}: must be a Constraint that is not itself Moving"
             )
-        if not callable(self.path):
-            raise InvalidProblem(f"path = {describe(self.path)}: must be a callable of t that returns shape (d,)")
+        function("path", self.path, "a callable of t that returns shape (d,)")
 
     def check(self, count: int, d: int) -> None:
         self.constraint.check(count, d)
-        shape = self._shift(0.0).shape
+        shape = PATH.evaluated(self.path, 0.0).shape
         if shape != (d,):
             raise InvalidProblem(f"path(0.0) of shape {shape}: must have shape ({d},)")
 
     def displacement(self, t: float, d: int) -> NDArray[np.float64]:
-        return self._shift(t, (d,))
+        return PATH.evaluated(self.path, t, shape=(d,))
 
-    def _shift(self, t: float, shape: tuple[int, ...] | None = None) -> NDArray[np.float64]:
-        return PATH.evaluated(self.path, t, shape=shape)
-
-    def select(self, x: NDArray[np.float64], reach: float) -> RowsOfOneKind:
-        """The near rows of the set at rest; x is given relative to the displacement."""
-        return self.constraint.select(x, reach)
+    def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+        return self.constraint.select(x, search_radius)
 
     def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
         return self.constraint.pattern(x)
 
-    def sweeper(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | Sweeper:
-        """That of the set at rest."""
-        return self.constraint.sweeper(x)
+    def sweep_rows(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | CustomSweep:
+        return self.constraint.sweep_rows(x)
+
+
+def derivative(
+    path: Path, t: float, spacing: float, smooth: tuple[float, float] = (0.0, np.inf)
+) -> NDArray[np.float64]:
+    """Compute the velocity of a path, shape (d,), by differences of order 6 within ``smooth`` [length / time]."""
+    spacing = min(spacing, (smooth[1] - smooth[0]) / (len(FORWARD) - 1))
+    if t - 3 * spacing < smooth[0]:
+        places, weights = range(7), FORWARD
+    elif t + 3 * spacing > smooth[1]:
+        places, weights = range(0, -7, -1), -FORWARD
+    else:
+        places, weights = range(-3, 4), CENTRAL
+    shifts = np.array([path(t + k * spacing) for k in places])
+    # A constant path has velocity 0, without rounding.
+    found: NDArray[np.float64] = weights @ (shifts - shifts[places.index(0)]) / spacing
+    return found

@@ -1,14 +1,14 @@
-"""Any smooth constraint, given by its function and its Jacobian."""
+"""Sets given by a differentiable function and its Jacobian: a base class, and one for two functions."""
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from dincl.checks import describe
+from dincl.checks import function
 from dincl.constraints.base import Constraint
-from dincl.errors import InvalidProblem
-from dincl.rows.smooth import all_rows
+from dincl.rows.functions import all_rows
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -16,7 +16,45 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-    from dincl.rows.smooth import SmoothRows
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.rows.functions import SmoothRows
+
+
+class DifferentiableConstraint(Constraint):
+    """{x : g(x) >= 0} for a continuously differentiable g, given by two methods of a subclass.
+
+    Both take states x of shape (N, d), which must not be changed::
+
+        @dataclass(frozen=True, eq=False)
+        class InEllipse(dincl.DifferentiableConstraint):
+            axes: tuple[float, float]
+
+            def values(self, x):  # (m,), here one row for each particle
+                return 1 - ((x / self.axes) ** 2).sum(axis=1)
+
+            def jacobian(self, x):  # (m, N*d) or (m, N, d), dense; or scipy.sparse of shape (m, N*d)
+                rows = np.zeros((len(x), *x.shape))
+                each = np.arange(len(x))
+                rows[each, each] = -2 * x / np.square(self.axes)
+                return rows
+
+    The number of rows m is the same for all x. ``Smooth`` is the same from two functions. Every scheme, minimiser and
+    projection but ``ClosedForm`` accepts such a set; so does ``Moving``. All rows are candidates at all times, since no
+    Lipschitz constant of g is known, and PBD projects onto a violated row by repeated linearisation; a subclass may
+    override ``select`` and ``sweep_rows``. To be drawn, a subclass is registered with ``dincl.shapes.shapes_of``.
+    """
+
+    @abstractmethod
+    def values(self, x: NDArray[np.float64]) -> Any:
+        """Compute g(x) of all rows, for x of shape (N, d), shape (m,)."""
+
+    @abstractmethod
+    def jacobian(self, x: NDArray[np.float64]) -> Any:
+        """Compute dg/dx at x, dense of shape (m, N*d) or (m, N, d), or scipy.sparse of shape (m, N*d)."""
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+        name = type(self).__name__
+        return all_rows(self.values, self.jacobian, x, (f"{name}.values", f"{name}.jacobian"))
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +68,7 @@ class Smooth(Constraint):
     jacobian
         (N, d) -> dg/dx of shape (m, N*d) or (m, N, d), dense, or scipy.sparse of shape (m, N*d).
 
-    All rows are near at all times, since nothing is known of how fast g changes.
+    All rows are candidates at all times, since no Lipschitz constant of g is known.
     """
 
     g: Callable[[NDArray[np.float64]], Any]
@@ -38,9 +76,7 @@ class Smooth(Constraint):
 
     def __post_init__(self) -> None:
         for name in ("g", "jacobian"):
-            if not callable(getattr(self, name)):
-                raise InvalidProblem(f"{name} = {describe(getattr(self, name))}: must be a callable of x (N, d)")
+            function(name, getattr(self, name), "a callable of x (N, d)")
 
-    def select(self, x: NDArray[np.float64], reach: float) -> SmoothRows:
-        """All rows."""
+    def select(self, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
         return all_rows(self.g, self.jacobian, x)

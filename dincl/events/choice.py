@@ -4,7 +4,7 @@ from dincl.compiled import inner
 from dincl.events.arrays import CLOSED, HELD, OPEN, march_at
 from dincl.events.motion import least_speed
 from dincl.neighbours import ROW_MARGIN
-from dincl.rows.table import SPEEDS, ask, gap, linearise
+from dincl.rows.table import VELOCITIES, call_python, gap, linearise
 from dincl.solvers.active_set import CYCLES, nearest
 from dincl.solvers.factor import times
 from dincl.solvers.sparse_active_set import nearest_sparse
@@ -33,7 +33,7 @@ def choose(run: int) -> int:
     state, system, held = march.state[0], system_at(march.place), march.held
     program, x, d = system.program, march.x, system.sets.shift.shape[1]
     code = evaluate(system.drift, system.sets.shift.shape[1], state.now, x, program.y)
-    if code == OK and ask(system.sets, state.now, x, SPEEDS) != 0:
+    if code == OK and call_python(system.sets, state.now, x, VELOCITIES) != 0:
         code = SETS
     if code != OK:
         return code

@@ -98,7 +98,7 @@ def go_on(run: int) -> int:
     if code != OK:
         return OK if code == AGAIN else code
     part, closing = first_event(run)
-    if state.code != OK or sets.ask[1] != 0.0:
+    if state.code != OK or sets.request[1] != 0.0:
         return int(state.code) if state.code != OK else SETS
     if part < NEVER:
         code = arrive(run, h, state.now + part * h, closing)

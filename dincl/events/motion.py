@@ -5,7 +5,7 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
 from dincl.events.arrays import march_at
-from dincl.rows.table import SPEEDS, ask, linearise
+from dincl.rows.table import VELOCITIES, call_python, linearise
 from dincl.solvers.active_set import across
 from dincl.solvers.factor import add, append, backward, border, clear, forward, times
 from dincl.solvers.sparse_factor import SPARSE_FROM, gram_at, refactor, solve_sparse
@@ -26,7 +26,7 @@ def linearise_held(run: int, t: float, x: Floats) -> int:
     """Unit gradients of the held rows at x; ``bound`` has their gaps."""
     march = march_at(run)
     system, held = system_at(march.place), march.held
-    if ask(system.sets, t, x, SPEEDS) != 0:
+    if call_python(system.sets, t, x, VELOCITIES) != 0:
         return SETS
     for k in range(held.number[0]):
         r = held.row[k]

@@ -6,7 +6,7 @@ from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
 from dincl.events.arrays import march_at
 from dincl.events.motion import EPS, at, dense_state, least_speed, move
-from dincl.rows.table import CALLED, DISTANCE, FORMULA, SPEEDS, ask, linearise
+from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_python, linearise
 from dincl.solvers.factor import times
 from dincl.system.arrays import OK, system_at
 
@@ -38,7 +38,7 @@ def signal(run: int, what: int, theta: float) -> tuple[float, float]:
     row, rows, sets, d, h = system.rows.row[what], system.rows, system.sets, system.sets.shift.shape[1], state.made
     if row.j < 0 and (sets.address != 0 or row.kind == FORMULA):
         dense_state(run, theta)
-        ask(sets, state.now + theta * h, march.point, SPEEDS)
+        call_python(sets, state.now + theta * h, march.point, VELOCITIES)
     value, slope, terms = 0.0, 0.0, march.pair.terms
     if row.kind == DISTANCE:
         for k in range(d):
@@ -52,7 +52,7 @@ def signal(run: int, what: int, theta: float) -> tuple[float, float]:
             slope += 2.0 * (one - other) * (speed - rate)
         length = row.length + row.sign * state.level
         return row.sign * (value - length * length), row.sign * slope
-    if row.kind in (CALLED, FORMULA):
+    if row.kind in (CALLBACK, FORMULA):
         value = linearise(rows, sets, what, march.point, system.program.gradient) - state.level
         slope = times(rows, what, system.program.gradient, march.rate[16]) - h * least_speed(system, what)
         return value, slope
@@ -83,7 +83,7 @@ def weakness(run: int, what: int, theta: float) -> float:
     if what == PUSHES:
         return float(zero + least(run, march.push[16]))
     r = what - march.closed.size
-    ask(system.sets, t, march.point, SPEEDS)
+    call_python(system.sets, t, march.point, VELOCITIES)
     linearise(system.rows, system.sets, r, march.point, system.program.gradient)
     speed = times(system.rows, r, system.program.gradient, march.rate[16]) - least_speed(system, r)
     return float(zero - abs(speed))

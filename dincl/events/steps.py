@@ -5,7 +5,7 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.events.arrays import march_at
 from dincl.events.motion import correct, dense_state, error_of, interpolate, least_speed, move, stage
-from dincl.rows.table import SPEEDS, ask, gap, linearise
+from dincl.rows.table import VELOCITIES, call_python, gap, linearise
 from dincl.solvers.factor import times
 from dincl.system.arrays import OK, system_at
 
@@ -154,7 +154,7 @@ def wait_for(run: int, closing: int) -> float:
     """How long until this gap closes, by one Newton step; 0 if it does not close."""
     march = march_at(run)
     system = system_at(march.place)
-    ask(system.sets, march.state[0].now, march.x, SPEEDS)
+    call_python(system.sets, march.state[0].now, march.x, VELOCITIES)
     width = linearise(system.rows, system.sets, closing, march.x, system.program.gradient)
     speed = times(system.rows, closing, system.program.gradient, march.rate[0]) - least_speed(system, closing)
     return -width / speed if speed < 0.0 else 0.0

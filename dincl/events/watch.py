@@ -7,7 +7,7 @@ from dincl.events.arrays import CLOSED, HELD, march_at
 from dincl.events.choice import TOUCHING
 from dincl.events.signals import NEVER, PARTS, PUSHES, SUSPICIOUS, first_negative
 from dincl.neighbours import EVENT_MARGIN, SHORT_STEP_MARGIN, TOO_WIDE
-from dincl.rows.table import DISTANCE, SPEEDS, ask, gap, linearise
+from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, linearise
 from dincl.solvers.factor import times
 from dincl.steps.catch_up import carry, list_sorted
 from dincl.system.arrays import OK, system_at
@@ -122,9 +122,9 @@ def first_event(run: int) -> tuple[float, int]:
         found = first_negative(run, PUSHES, found)
     reach = make_room(run) + touching
     if sets.address != 0:
-        ask(sets, state.now, x, SPEEDS)
-    if state.cuts != 0 and near.reach[0] > TOO_WIDE * reach:
-        near.reach[0] = -1.0
+        call_python(sets, state.now, x, VELOCITIES)
+    if state.cuts != 0 and near.radius[0] > TOO_WIDE * reach:
+        near.radius[0] = -1.0
     list_sorted(march.place, state.now, x, reach, EVENT_MARGIN if state.cuts == 0 else SHORT_STEP_MARGIN)
     for q in range(near.number[0]):
         r = near.row[q]
@@ -135,9 +135,9 @@ def first_event(run: int) -> tuple[float, int]:
         if march.closed[r] == HELD or stays_clear(run, r):
             continue
         if sets.address != 0 and rows.row[r].j < 0:
-            ask(sets, state.now, x, SPEEDS)
+            call_python(sets, state.now, x, VELOCITIES)
         value = gap(rows, sets, r, x)
-        if value <= rows.row[r].sway * reach + touching:
+        if value <= rows.row[r].lipschitz * reach + touching:
             # Rounding takes a gap further down, and that of a closed row which others hold so does the integrator.
             below = max(touching, state.tol) if march.closed[r] == CLOSED else touching
             state.level = min(value - below, 0.0)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from dincl.rows.together import RowsTogether
+    from dincl.rows.base import StackedRows
 
 # Central differences of the gradients, with this step relative to the largest coordinate: the cube root of rounding.
 STEP = float(np.cbrt(np.finfo(float).eps))
@@ -34,7 +34,7 @@ class Bending:
     are improved in turn; each turn raises the ratio.
     """
 
-    def __init__(self, rows: RowsTogether, keep: NDArray[np.bool_], x: NDArray[np.float64]) -> None:
+    def __init__(self, rows: StackedRows, keep: NDArray[np.bool_], x: NDArray[np.float64]) -> None:
         self._x, self._rows, self._keep = x, rows, keep
         self._gradients: csr_array = rows.jacobian(x)[keep]
         self._dense = self._gradients.toarray()

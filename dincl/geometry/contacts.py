@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.constraints.near import select
+from dincl.constraints.selection import select
 from dincl.matrices import divided, row_squares
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from dincl.constraints.near import Name, Selection
+    from dincl.constraints.selection import Name, Selection
     from dincl.problem import Problem
 
 

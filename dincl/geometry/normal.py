@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dincl.checks import array, describe, number
-from dincl.constraints.near import select
+from dincl.constraints.selection import select
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.geometry.active import checked, closed, failures_told, of_shape
 from dincl.matrices import combined, divided, row_squares
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
     from scipy.sparse import csr_array
 
-    from dincl.constraints.near import Name
+    from dincl.constraints.selection import Name
     from dincl.problem import Problem
 
 # A vector this much shorter than u counts as zero: ten times the accuracy of the projections onto cones.

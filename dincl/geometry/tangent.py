@@ -17,7 +17,7 @@ from dincl.rows.affine import AffineRows
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
-    from dincl.constraints.near import Name
+    from dincl.constraints.selection import Name
     from dincl.problem import Problem
 
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.constants import LARGEST
-from dincl.constraints.near import Near, row_names
+from dincl.constraints.selection import Candidates, row_names
 from dincl.errors import StepFailure
 from dincl.matrices import combined, stacked
 from dincl.norms import longest
@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.constraints.selection import Selection
     from dincl.problem import Problem
     from dincl.rows.base import RowsOfOneKind
 
@@ -81,7 +82,8 @@ class Iterate:
         self.x = self.previous = problem.x0
         self.multipliers = np.zeros(0)
         self._squared, self._ahead = squared, ahead
-        self._near = Near(problem.constraints, self.work)
+        self._candidates = Candidates(problem.constraints, self.work)
+        self._selection: Selection | None = None
         # For each constraint its near rows and, after them, its rows with multipliers from earlier lists.
         self._rows: list[tuple[RowsOfOneKind, ...]] = [()] * len(problem.constraints)
         self._update(0.0)
@@ -149,13 +151,13 @@ class Iterate:
 
     def _update(self, length: float) -> None:
         """List every row that is violated at x; the last step moved a particle by at most ``length``."""
-        near = self._near.rows(0.0, self.x, self._ahead * length).blocks
-        if all(rows and rows[0] is block for rows, block in zip(self._rows, near, strict=True)):
+        selection = self._candidates.select(0.0, self.x, self._ahead * length)
+        if selection is self._selection:
             return
+        self._selection = selection
         multipliers = parts(self.multipliers, [sum(map(len, rows)) for rows in self._rows])
-        for k, block in enumerate(near):
-            if not self._rows[k] or self._rows[k][0] is not block:
-                self._rows[k], multipliers[k] = carry_over(block, self._rows[k], multipliers[k])
+        for k, block in enumerate(selection.at(0.0).blocks):
+            self._rows[k], multipliers[k] = carry_over(block, self._rows[k], multipliers[k])
         self.multipliers = np.concatenate([np.zeros(0), *multipliers])
 
 

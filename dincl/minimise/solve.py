@@ -14,7 +14,7 @@ from dincl.matrices import combined
 from dincl.minimise.iterate import parts
 from dincl.minimise.methods import Minimiser
 from dincl.problem import Problem
-from dincl.rows.together import RowsTogether
+from dincl.rows.base import StackedRows
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -47,7 +47,7 @@ class Minimum:
     """
 
     x: NDArray[np.float64]
-    rows: RowsTogether
+    rows: StackedRows
     families: NDArray[np.int64]
     multipliers: NDArray[np.float64]
     status: Status
@@ -140,7 +140,7 @@ def _converged(iterate: Iterate, minimiser: Minimiser) -> bool:
 def _result(iterate: Iterate, minimiser: Minimiser, status: Status, detail: str) -> Minimum:
     """Recompute the residuals from the problem; rows that are not in the iterate have no multipliers."""
     problem, x, steps = iterate.problem, iterate.x, iterate.work.steps
-    rows = RowsTogether(tuple(iterate.blocks), x.size)
+    rows = StackedRows(tuple(iterate.blocks), x.size)
     multipliers = iterate.multipliers * iterate.steepness(x)
     stationarity, complementarity, violation = math.inf, math.inf, problem.violation(0.0, x)
     try:

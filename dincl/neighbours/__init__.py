@@ -2,7 +2,7 @@
 
 A list of pairs or rows is made for more than the search radius asked for and serves until particles and sets have moved
 by the difference. All factors of this policy stand here; ``lists`` applies them to discs, ``dincl.steps.catch_up``,
-``dincl.events.location`` and ``dincl.constraints.near`` to rows.
+``dincl.events.location`` and ``dincl.constraints.selection`` to rows.
 """
 
 # Up to this number of discs comparing all pairs is faster than a grid (measured for d = 2 and 3).

@@ -14,7 +14,7 @@ from dincl.rows.affine import linearised
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.constraints.near import Selection
+    from dincl.constraints.selection import Selection
     from dincl.problem import Problem
     from dincl.projection.base import Solver
     from dincl.work import Work

@@ -14,8 +14,7 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.polynomial import Polynomial
+    from dincl.rows.base import Polynomial, RowsOfOneKind
 
 MOST_ITERATIONS = 500
 # Lengths are in units of the largest violation, so that the tolerances are relative to the move.

@@ -1,24 +1,20 @@
-"""The kinds of scalar constraint that every set is made of, one per file.
+"""The kinds of scalar constraint that sets are made of.
 
-A set S = {x : g_k(x) >= 0 for all k} reaches schemes and projections as rows g_k of some kind. A kind is a table of
-numbers (which particles, how far, which sign) and the functions of it: values, Jacobian, sweep, and what else has a
-formula. ``base`` says which of them a kind must have; what it lacks is made from values and Jacobian, so that a new
-kind is one new file here, and nothing else branches on kinds. Positions x have shape (N, d); Jacobians have N*d
-columns, particle by particle. Multipliers belong to g as written in a kind: the reaction is
+A set S = {x : g_k(x) >= 0 for all k} consists of rows g_k of some kind. A kind is a table of numbers (particles,
+lengths, signs) and its functions: values, Jacobian, and formulas for other uses. ``RowsOfOneKind`` lists them. Without
+a formula, values and Jacobian are used instead, so that a new kind is one new class. Positions x have shape (N, d);
+Jacobians have N*d columns, particle by particle. Multipliers belong to g as written in a kind: the reaction is
 ``sum_k multipliers_k grad g_k``  (1.26).
 """
 
 from dincl.rows.affine import AffineRows, HeightRows, linearised
-from dincl.rows.base import Rows, RowsOfOneKind
+from dincl.rows.base import CustomSweep, DiscPairs, Polynomial, Rows, RowsOfOneKind, StackedRows
 from dincl.rows.distance import DistanceRows
-from dincl.rows.formula_rows import FormulaRows
-from dincl.rows.polynomial import Polynomial
-from dincl.rows.smooth import SmoothRows
-from dincl.rows.sweeper import DiscPairs, Sweeper
-from dincl.rows.together import RowsTogether
+from dincl.rows.functions import FormulaRows, SmoothRows
 
 __all__ = [
     "AffineRows",
+    "CustomSweep",
     "DiscPairs",
     "DistanceRows",
     "FormulaRows",
@@ -26,8 +22,7 @@ __all__ = [
     "Polynomial",
     "Rows",
     "RowsOfOneKind",
-    "RowsTogether",
     "SmoothRows",
-    "Sweeper",
+    "StackedRows",
     "linearised",
 ]

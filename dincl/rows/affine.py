@@ -9,15 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.matrices import from_equal_rows, row_squares
-from dincl.rows.base import RowsOfOneKind, TableRows
-from dincl.rows.polynomial import Polynomial
+from dincl.rows.base import Polynomial, RowsOfOneKind, TableRows, coordinates
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from dincl.matrices import from_equal_rows, row_squares
-from dincl.rows.base import Rows
+    from dincl.rows.base import Rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,17 +58,20 @@ class AffineRows(RowsOfOneKind):
     def tabulated(self, d: int) -> TableRows:
         from dincl.rows.table import AFFINE
 
-        matrix = self.matrix
-        row_of, square = np.repeat(np.arange(len(self)), np.diff(matrix.indptr)), row_squares(matrix)
-        # A unit normal is scaled to length 1 up to rounding, which is then no reason to divide by it.
+        matrix, m = self.matrix, len(self)
+        row_of, square = np.repeat(np.arange(m), np.diff(matrix.indptr)), row_squares(matrix)
+        # A normal of length 1 up to rounding counts as one of length 1, so that nothing is divided by its length.
         square[np.abs(square - 1) <= 4 * np.finfo(float).eps] = 1.0
-        blocks = np.zeros((len(self), matrix.shape[1] // d))
-        np.add.at(blocks, (row_of, matrix.indices // d), matrix.data**2)
-        numbers = {"kind": AFFINE, "length": self.bound, "square": square, "sway": np.sqrt(blocks).sum(axis=1)}
-        return TableRows(numbers | {"j": -1}, np.diff(matrix.indptr), matrix.indices.astype(np.int64), matrix.data)
+        # If no particle moves faster than 1, a . x changes at most by sum_i |a_i|, with a_i the part of particle i.
+        count = matrix.shape[1] // d
+        parts, part_of = np.unique(row_of * count + matrix.indices // d, return_inverse=True)
+        lengths = np.sqrt(np.bincount(part_of, matrix.data**2))
+        lipschitz = np.bincount(parts // count, lengths, minlength=m)
+        numbers = {"kind": AFFINE, "j": -1, "length": self.bound, "square": square, "lipschitz": lipschitz}
+        return TableRows(numbers, np.diff(matrix.indptr), matrix.indices.astype(np.int64), matrix.data)
 
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
-        """(a . x - b) / s."""
+        """Return (a . x - bound) / s."""
         return Polynomial(self.values(y) / scale, self.matrix, np.zeros(len(self.bound)))
 
 
@@ -84,15 +85,13 @@ class HeightRows(AffineRows):
     def __init__(
         self, normal: NDArray[np.float64], particle: NDArray[np.int64], bound: NDArray[np.float64], count: int
     ) -> None:
-        # The dataclass that it derives from is frozen.
+        # The base class is a frozen dataclass.
         self.__dict__.update(normal=normal, particle=particle, bound=bound, count=count)
 
     @cached_property
     def matrix(self) -> csr_array:
         """The normals, one for each row."""
-        d = len(self.normal)
-        columns = np.arange(d) + d * self.particle[:, None]
-        return from_equal_rows(columns, np.tile(self.normal, (len(self), 1)), d * self.count)
+        return from_equal_rows(*self._entries(), len(self.normal) * self.count)
 
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         heights: NDArray[np.float64] = x[self.particle] @ self.normal - self.bound
@@ -102,24 +101,27 @@ class HeightRows(AffineRows):
         return HeightRows(self.normal, self.particle[keep], self.bound[keep], self.count)
 
     def shifted(self, displacement: NDArray[np.float64]) -> HeightRows:
-        carried = float(self.normal @ displacement)
-        return HeightRows(self.normal, self.particle, self.bound + carried, self.count)
+        return HeightRows(self.normal, self.particle, self.bound + float(self.normal @ displacement), self.count)
 
     def label(self, k: int, d: int) -> str:
         return f"particle {self.particle[k]}"
 
     def tabulated(self, d: int) -> TableRows:
+        """Without the matrix, since ``scipy.sparse`` takes long to import."""
         from dincl.rows.table import AFFINE
 
-        m = len(self)
-        column, coefficient = np.arange(d) + d * self.particle[:, None], np.tile(self.normal, m)
-        sway = float(np.sqrt(self.normal @ self.normal))
-        numbers = {"kind": AFFINE, "length": self.bound, "square": 1.0, "sway": sway, "j": -1}
-        return TableRows(numbers, np.full(m, d), column.ravel(), coefficient)
+        columns, normals = self._entries()
+        lipschitz = float(np.sqrt(self.normal @ self.normal))
+        numbers = {"kind": AFFINE, "j": -1, "length": self.bound, "square": 1.0, "lipschitz": lipschitz}
+        return TableRows(numbers, np.full(len(self), d), columns.ravel(), normals.ravel())
+
+    def _entries(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Columns and coefficients, shape (m, d)."""
+        return coordinates(self.particle[:, None], len(self.normal)), np.tile(self.normal, (len(self), 1))
 
 
 def linearised(rows: Rows, x: NDArray[np.float64]) -> AffineRows:
-    """The inner convex approximation at x, g(x) + dg/dx (z - x) >= 0  (section 1.1.2 of chapter 2)."""
+    """Return the inner convex approximation at x, g(x) + dg/dx (z - x) >= 0  (section 1.1.2 of chapter 2)."""
     if isinstance(rows, AffineRows):
         return rows
     matrix = rows.jacobian(x)

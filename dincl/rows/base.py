@@ -1,23 +1,27 @@
-"""What rows are, and what a kind of row has to offer."""
+"""Rows, which are scalar constraints g_k(x) >= 0: base classes, tables for compiled code, what PBD projects onto."""
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+
+from dincl.matrices import stacked
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
-    from dincl.rows.polynomial import Polynomial
+    from dincl.work import Work
 
 
 class TableRows(NamedTuple):
-    """Rows of one kind as compiled code reads them, m of them; ``entries`` counts those of each row.
+    """m rows of one kind, as compiled code reads them; row k has ``entries[k]`` columns and coefficients.
 
-    ``numbers`` maps names of fields of ``kernels.table.ROW`` to arrays (m,); what is missing is zero.
+    ``numbers`` maps fields of ``dincl.rows.table.ROW``, and "formula", an address, to arrays (m,) or to one number for
+    all rows; other fields are zero.
     """
 
     numbers: dict[str, Any]
@@ -26,20 +30,35 @@ class TableRows(NamedTuple):
     coefficient: NDArray[np.float64]
 
 
+class Polynomial(NamedTuple):
+    r"""Rows as quadratic polynomials c + m . w + q |w_i - w_j|^2 of w, x = y + s w, for nonlinear programs.
+
+    They are >= 0 where g is, and unlike g they are smooth where centres coincide. ``constant`` c and ``weight`` q have
+    shape (m,), ``linear`` m rows; ``i`` and ``j`` (m,) are the particles of the square. Without ``j`` it is |w_i|^2,
+    without ``i`` there is none.
+    """
+
+    constant: NDArray[np.float64]
+    linear: csr_array
+    weight: NDArray[np.float64]
+    i: NDArray[np.int64] | None = None
+    j: NDArray[np.int64] | None = None
+
+
 class Rows(ABC):
     """Scalar constraints g_k(x) >= 0, k = 1 ... m, on positions x of shape (N, d)."""
 
     @abstractmethod
     def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """g(x), shape (m,)."""
+        """Compute g(x), shape (m,)."""
 
     @abstractmethod
     def jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        """dg/dx at x, m rows and N*d columns; StepFailure where it is not defined."""
+        """Compute dg/dx at x, m rows and N*d columns; StepFailure where it is not defined."""
 
     @abstractmethod
     def by_kind(self) -> tuple[RowsOfOneKind, ...]:
-        """The same rows, in blocks of one kind."""
+        """Return the same rows in blocks of one kind."""
 
     @property
     @abstractmethod
@@ -50,13 +69,12 @@ class Rows(ABC):
 class RowsOfOneKind(Rows):
     """Rows that share one formula; ``len(rows)`` is m.
 
-    A kind must have the abstract methods, here and in Rows. The others say what else is known of its formula; they may
-    stay as they are, which costs speed and not correctness.
+    A kind defines the abstract methods, here and in Rows. The others are optional: they make a kind faster, or
+    available to ``ClosedForm``.
     """
 
-    # Rows that are their own linearisation.
+    # Whether the rows are their own linearisation, and whether ``project`` has a formula.
     affine = False
-    # Whether ``project`` has a formula.
     closed_form = False
 
     @abstractmethod
@@ -64,19 +82,19 @@ class RowsOfOneKind(Rows):
 
     @abstractmethod
     def take(self, keep: NDArray[np.bool_]) -> RowsOfOneKind:
-        """The rows where ``keep`` (m,) is true, in their order."""
+        """Return the rows where ``keep`` (m,) is true, in their order."""
 
     @abstractmethod
     def shifted(self, displacement: NDArray[np.float64]) -> RowsOfOneKind:
-        """The rows g(x - displacement) of the set carried by a displacement of shape (d,)."""
+        """Return the rows g(x - displacement) of the set translated by a displacement of shape (d,)."""
 
     @abstractmethod
     def keys(self) -> NDArray[np.int64]:
-        """Two numbers below 2^53, shape (m, 2), that identify a row among all rows of its constraint."""
+        """Return two numbers below 2^53 for each row, shape (m, 2), that no other row of its constraint has."""
 
     @abstractmethod
     def label(self, k: int, d: int) -> str:
-        """Row k in words, for messages about particles in dimension d."""
+        """Describe row k for messages about particles in dimension d."""
 
     def by_kind(self) -> tuple[RowsOfOneKind, ...]:
         return (self,)
@@ -85,41 +103,90 @@ class RowsOfOneKind(Rows):
     def structure(self) -> tuple[Any, ...]:
         return (type(self).__name__, len(self))
 
-    def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial | None:
-        """Quadratic polynomials that are >= 0 just where g is, around y (N, d); None if g itself is to be called.
+    def tabulated(self, d: int) -> TableRows | None:
+        """Return the rows for compiled code, for particles in dimension d; None if compiled code is to call Python."""
+        return None
 
-        A kind that has them says in ``structure`` which particles they tie: a program is compiled once for each.
+    def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial | None:
+        """Return polynomials of w, x = y + scale w; None if a nonlinear program is to call g itself.
+
+        A kind that has polynomials includes in ``structure`` the particles of each row: a program is compiled once for
+        each structure.
         """
         return None
 
     def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Length of the gradient of ``polynomial`` over that of g at x, shape (m,)."""
+        """Compute the length of the gradient of ``polynomial`` over that of g at x, shape (m,)."""
         return np.ones(len(self))
 
     def squared_steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """The same for the form h >= 0 without a root that minimisers may take: 2 |X_i - X_j| for distances."""
+        """Compute the same ratio for the rows h >= 0 without roots that minimisers may use: 2 |X_i - X_j|."""
         return np.ones(len(self))
 
     def squared_values(self, values: NDArray[np.float64], steepness: NDArray[np.float64]) -> NDArray[np.float64]:
-        """h(x), shape (m,), from g(x) and ``squared_steepness``; h = g where there is no root."""
+        """Compute h(x), shape (m,), from g(x) and ``squared_steepness``; h = g if g has no root."""
         return values
 
     def squared_jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        """dh/dx at x."""
+        """Compute dh/dx at x."""
         return self.jacobian(x)
 
-    def tabulated(self, d: int) -> TableRows | None:
-        """The rows as compiled code reads them, for particles in dimension d; None if g itself is to be called."""
-        return None
-
     def longest_length(self) -> float:
-        """The largest length that a row compares with, by which rounding is measured; 0 if there is none."""
+        """Return the largest length in the formula, in units of which rounding is measured; 0 if there is none."""
         return 0.0
 
     def used(self, count: int) -> NDArray[np.int64]:
-        """How many of the rows tie each of ``count`` particles, shape (count,); asked for with ``closed_form`` only."""
+        """Count the rows of each of ``count`` particles, shape (count,); only for kinds with ``closed_form``."""
         raise NotImplementedError(f"{type(self).__name__} has no closed form")
 
     def project(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Move x (N, d) in place to its nearest point, for rows that share no particle; the multipliers (m,)."""
+        """Move x (N, d) in place to its nearest point, for rows that share no particle; return multipliers (m,)."""
         raise NotImplementedError(f"{type(self).__name__} has no closed form")
+
+
+@dataclass(frozen=True, eq=False)
+class StackedRows(Rows):
+    """Rows of several kinds, one block below the other; ``size`` is N*d."""
+
+    blocks: tuple[RowsOfOneKind, ...]
+    size: int
+
+    def by_kind(self) -> tuple[RowsOfOneKind, ...]:
+        return self.blocks
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.concatenate([np.zeros(0), *(block.values(x) for block in self.blocks)])
+
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
+        return stacked([block.jacobian(x) for block in self.blocks], self.size)
+
+    @property
+    def structure(self) -> tuple[Any, ...]:
+        return tuple(block.structure for block in self.blocks)
+
+
+class DiscPairs(NamedTuple):
+    """All pairs of discs, i ascending, then j < i ascending, to be separated one after another.
+
+    ``radius`` has shape (m,); ``among`` (m,) are the particles that are discs, None if all particles are.
+    """
+
+    radius: NDArray[np.float64]
+    among: NDArray[np.int64] | None
+
+
+class CustomSweep(ABC):
+    """Projections of your own onto the rows of one constraint, in place of those that PBD makes row by row."""
+
+    @abstractmethod
+    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
+        """Project x (N, d) onto one row after another, in place: P_{S_m} ... P_{S_1}  (2.5), (2.9).
+
+        Add the number of projections to ``work.constraint_projections``. If the constraint is Moving, x is relative to
+        its displacement. Raise StepFailure where a projection is not defined.
+        """
+
+
+def coordinates(particles: NDArray[np.int64], d: int) -> NDArray[np.int64]:
+    """Return the places of particles (m, p) in a flat state, shape (m, p d)."""
+    return (d * particles[:, :, None] + np.arange(d)).reshape(len(particles), -1)

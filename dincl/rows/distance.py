@@ -1,4 +1,4 @@
-"""Distances of two particles, or of a particle and a fixed point, that have a least or a greatest value."""
+"""Distances of two particles, or of a particle and a fixed point, with a least or a greatest value."""
 
 from __future__ import annotations
 
@@ -10,8 +10,7 @@ import numpy as np
 from dincl.errors import StepFailure
 from dincl.matrices import combined, from_equal_rows
 from dincl.norms import norms
-from dincl.rows.base import RowsOfOneKind, TableRows
-from dincl.rows.polynomial import Polynomial
+from dincl.rows.base import Polynomial, RowsOfOneKind, TableRows, coordinates
 from dincl.status import Status
 
 if TYPE_CHECKING:
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class DistanceRows(RowsOfOneKind):
-    """g(x) = sign (|X_i - X_j| - length) >= 0, where without ``j`` the fixed point ``anchor`` takes the place of X_j.
+    """g(x) = sign (|X_i - X_j| - length) >= 0; without ``j`` the fixed point ``anchor`` takes the place of X_j.
 
     ``sign`` is +1 (keep apart) or -1 (hold together); ``i``, ``j``, ``length`` of shape (m,), ``anchor`` of (m, d).
     """
@@ -37,7 +36,7 @@ class DistanceRows(RowsOfOneKind):
         return len(self.i)
 
     def arrows(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """X_i - X_j, or X_i - anchor, shape (m, d)."""
+        """Compute X_i - X_j, or X_i - anchor, shape (m, d)."""
         own = x.take(self.i, axis=0)
         return own - (np.asarray(self.anchor) if self.j is None else x.take(self.j, axis=0))
 
@@ -45,17 +44,17 @@ class DistanceRows(RowsOfOneKind):
         return self.sign * (norms(self.arrows(x)) - self.length)
 
     def jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        """The unit vectors along the distances; StepFailure where two that are kept apart coincide."""
+        """Compute the unit vectors along the distances; StepFailure where two that are kept apart coincide."""
         arrows = self.arrows(x)
         distance = norms(arrows)
-        met = distance == 0
-        if met.any() and self.sign > 0:
-            raise self.coincidence(int(np.flatnonzero(met)[0]))
-        # Held together, two that meet are farthest from violating: zero is a subgradient, and right there.
-        return self._entries(arrows * (self.sign / np.where(met, 1.0, distance))[:, None], x.size)
+        coincident = distance == 0
+        if coincident.any() and self.sign > 0:
+            raise self.coincidence(int(np.flatnonzero(coincident)[0]))
+        # Where two that are held together coincide, zero is a subgradient.
+        return self._matrix(arrows * (self.sign / np.where(coincident, 1.0, distance))[:, None], x.size)
 
     def coincidence(self, k: int) -> StepFailure:
-        """Why row k, which keeps two centres apart, has no direction."""
+        """Return the failure of row k, which has no gradient, because its ends coincide."""
         other = "a fixed centre" if self.j is None else f"particle {self.j[k]}"
         return StepFailure(Status.COINCIDENT_CENTRES, f"Particle {self.i[k]} lies on {other}.")
 
@@ -82,28 +81,25 @@ class DistanceRows(RowsOfOneKind):
     def tabulated(self, d: int) -> TableRows:
         from dincl.rows.table import DISTANCE
 
-        m, axes = len(self), np.arange(d)
-        column = axes + d * self.i[:, None]
-        coefficient = np.zeros((m, 2 * d)) if self.anchor is None else np.asarray(self.anchor)
-        if self.j is not None:
-            column = np.hstack((column, axes + d * self.j[:, None]))
+        ends = 1 if self.j is None else 2
+        coefficient = np.zeros((len(self), 2 * d)) if self.anchor is None else np.asarray(self.anchor)
         numbers = {
             "kind": DISTANCE,
             "i": self.i,
             "j": -1 if self.j is None else self.j,
             "length": self.length,
             "sign": self.sign,
-            "square": 1.0 if self.j is None else 2.0,
-            "sway": 1.0 if self.j is None else 2.0,
+            "square": ends,
+            "lipschitz": ends,
         }
-        return TableRows(numbers, np.full(m, column.shape[1]), column.ravel(), coefficient.ravel())
+        return TableRows(numbers, np.full(len(self), ends * d), self._columns(d).ravel(), coefficient.ravel())
 
     def polynomial(self, y: NDArray[np.float64], scale: float) -> Polynomial:
-        """sign (|X_i - X_j|^2 - L^2) / (2 L s)."""
+        """Return sign (|X_i - X_j|^2 - L^2) / (2 L s), whose gradient at contact is that of g / s."""
         arrows = self.arrows(y)
         distance = norms(arrows)
         constant = self.sign * (distance - self.length) * (distance + self.length) / (2 * self.length * scale)
-        linear = self._entries(self.sign * arrows / self.length[:, None], y.size)
+        linear = self._matrix(self.sign * arrows / self.length[:, None], y.size)
         return Polynomial(constant, linear, self.sign * scale / (2 * self.length), self.i, self.j)
 
     def steepness(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -117,7 +113,7 @@ class DistanceRows(RowsOfOneKind):
         return values * (steepness - self.sign * values)
 
     def squared_jacobian(self, x: NDArray[np.float64]) -> csr_array:
-        return self._entries(2 * self.sign * self.arrows(x), x.size)
+        return self._matrix(2 * self.sign * self.arrows(x), x.size)
 
     def longest_length(self) -> float:
         return float(self.length.max(initial=0.0))
@@ -127,31 +123,17 @@ class DistanceRows(RowsOfOneKind):
         return np.bincount(ends, minlength=count)
 
     def project(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Both ends of each violated distance move half the way, or the free end the whole way from its anchor."""
-        movers = 1 if self.j is None else 2
-        multipliers = np.maximum(-self.values(x), 0.0) / movers
+        """Both ends of each violated distance move half the way, or the free end moves the whole way."""
+        multipliers = np.maximum(-self.values(x), 0.0) / (1 if self.j is None else 2)
         violated = self.take(multipliers > 0)
-        pushes = combined(violated.jacobian(x), multipliers[multipliers > 0])
-        x += pushes.reshape(x.shape)
+        x += combined(violated.jacobian(x), multipliers[multipliers > 0]).reshape(x.shape)
         return multipliers
 
-    def _entries(self, vectors: NDArray[np.float64], columns: int) -> csr_array:
+    def _columns(self, d: int) -> NDArray[np.int64]:
+        """The coordinates of both ends, or of the free end, shape (m, 2 d) or (m, d)."""
+        return coordinates(self.i[:, None] if self.j is None else np.column_stack((self.i, self.j)), d)
+
+    def _matrix(self, vectors: NDArray[np.float64], columns: int) -> csr_array:
         """Rows that hold ``vectors`` (m, d) at particle i and, with the other sign, at particle j."""
-        m, d = vectors.shape
-        ends = (self.i,) if self.j is None else (self.i, self.j)
-        places, data = np.empty((m, d * len(ends)), dtype=np.int64), np.empty((m, d * len(ends)))
-        for k, end in enumerate(ends):
-            mine = slice(d * k, d * k + d)
-            np.add((d * end)[:, None], np.arange(d), out=places[:, mine])
-            np.multiply(vectors, 1.0 - 2.0 * k, out=data[:, mine])
-        return from_equal_rows(places, data, columns)
-
-
-def all_pairs(radius: NDArray[np.float64], among: NDArray[np.int64] | None = None) -> DistanceRows:
-    """|X_i - X_j| >= r_i + r_j for all pairs of discs, i ascending, for each i its j < i ascending.
-
-    ``radius`` is that of the discs, shape (n,), ``among`` names them; None: they are all particles.
-    """
-    i, j = np.tril_indices(len(radius), -1)
-    length = radius[i] + radius[j]
-    return DistanceRows(i, j, length, 1.0) if among is None else DistanceRows(among[i], among[j], length, 1.0)
+        data = vectors if self.j is None else np.hstack((vectors, -vectors))
+        return from_equal_rows(self._columns(vectors.shape[1]), data, columns)

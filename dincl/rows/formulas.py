@@ -1,4 +1,4 @@
-"""Formulas of rows in compiled code: of distances, sign (|X_i - X_j| - length) >= 0, and those of a user.
+"""Formulas of rows in compiled code: distances, sign (|X_i - X_j| - length) >= 0, and formulas of users.
 
 Coordinates lie flat, particle by particle: ``i`` is the first coordinate of X_i in ``x``, ``j`` that of the other end
 in ``other``, which is ``x`` again or an array of fixed points. ``axes`` has the length d; as a tuple its length is
@@ -18,7 +18,7 @@ from dincl.drifts.functions import call_drift
 
 @inner
 def square_distance(x: Floats, i: int, other: Floats, j: int, axes: Any) -> float:
-    """|X_i - X_j|^2."""
+    """Compute |X_i - X_j|^2."""
     square = 0.0
     for k in range(len(axes)):
         arrow = x[i + k] - other[j + k]
@@ -28,7 +28,7 @@ def square_distance(x: Floats, i: int, other: Floats, j: int, axes: Any) -> floa
 
 @inner
 def project(x: Floats, i: int, other: Floats, j: int, fixed: bool, length: float, sign: float, axes: Any) -> int:
-    """Move x to the nearest point of one row: 1 if it moved, 0 if the row is met, -1 if it has no direction.
+    """Move x to the nearest point of one row; return 1 if it moved, 0 if g >= 0, -1 if g has no gradient.
 
     With e = (X_i - X_j) / |X_i - X_j| and violation v > 0:  X_i += sign v/2 e,  X_j -= sign v/2 e; or X_i += sign v e
     where the other end is ``fixed``.
@@ -54,8 +54,8 @@ def project(x: Floats, i: int, other: Floats, j: int, fixed: bool, length: float
 def row_formula(function: Callable[..., int]) -> Any:
     """Compile the formula of a kind of row, at top level of a file.
 
-    ``function(t, x, out, entries, d, parameter)`` is given the coordinates of the particles of one row, one particle
-    after the other, ``entries`` in all in dimension d, and the parameters of the row. It writes dg/dx into out[0] ...
+    ``function(t, x, out, entries, d, parameter)`` takes the coordinates of the particles of one row, one particle after
+    the other, ``entries`` in all in dimension d, and the parameters of the row. It writes dg/dx into out[0] ...
     out[entries - 1] and g into out[entries], and returns 0, or 1 where g has no derivative.
     """
     return c_function(DRIFT, function)
@@ -63,7 +63,7 @@ def row_formula(function: Callable[..., int]) -> Any:
 
 @kernel
 def evaluate_formula(address: int, x: Floats, parameter: Floats, d: int, out: Floats) -> int:
-    """Write dg/dx and g of rows with coordinates x (m, e) into ``out`` (m, e + 1); a row that failed, or -1."""
+    """Write dg/dx and g of rows with coordinates x (m, e) into ``out`` (m, e + 1); return a row that failed, or -1."""
     for r in range(x.shape[0]):
         if call_drift(address, 0.0, x[r], out[r], x.shape[1], d, parameter[r]) != 0:
             return r

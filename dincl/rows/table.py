@@ -1,4 +1,4 @@
-"""Rows in one table: their values and gradients at a point, and those near it."""
+"""Rows in one table for compiled code: values and gradients at a point."""
 
 from typing import NamedTuple
 
@@ -10,22 +10,22 @@ from dincl.compiled.arrays import Floats, Offsets
 from dincl.drifts.functions import call_drift
 from dincl.rows.formulas import square_distance
 
-# Kinds of rows: of a distance, affine, evaluated by Python, or of a compiled formula.
-DISTANCE, AFFINE, CALLED, FORMULA = range(4)
-# What Python is asked for: where sets are; the values and gradients of its rows, too; and how fast sets move. Or to
-# project x onto the rows of a set, in place.
-PLACES, GRADIENTS, SPEEDS, SWEEP = 1.0, 2.0, 3.0, 4.0
+# Kinds of rows: distances, affine rows, rows that Python evaluates, rows of a compiled formula.
+DISTANCE, AFFINE, CALLBACK, FORMULA = range(4)
+# Requests to Python: displacements of the sets; also values and gradients of its rows; also velocities of the sets. Or
+# the projection of x onto the rows of one set, in place.
+DISPLACEMENTS, GRADIENTS, VELOCITIES, SWEEP = 1.0, 2.0, 3.0, 4.0
 
 ROW = np.dtype(
     [
         ("kind", np.int64),
         ("family", np.int64),  # the index of its constraint
-        ("i", np.int64),  # the first particle, and the second or -1; of a called row its place among them
+        ("i", np.int64),  # the first particle, and the second or -1; of a row of Python its place among these rows
         ("j", np.int64),
         ("length", np.float64),  # L of sign (|X_i - X_j| - L), b of a.x - b
         ("sign", np.float64),
         ("square", np.float64),  # |a|^2
-        ("sway", np.float64),  # how fast g changes at most while no particle moves faster than 1
+        ("lipschitz", np.float64),  # how fast g changes at most while no particle moves faster than 1
     ]
 )
 
@@ -33,9 +33,9 @@ ROW = np.dtype(
 class RowTable(NamedTuple):
     """m rows; row r has entries ``start[r]`` ... ``stop[r] - 1`` in the coordinates ``column``.
 
-    ``coefficient`` holds a of an affine row, of a distance from a fixed point that point, of a formula its parameters.
-    Rows that Python evaluates have entries in all coordinates, or, if ``tail[0]`` is not -1, those of their last
-    gradients, from the entry ``tail[0]`` on.
+    ``coefficient`` holds a of an affine row, the fixed point of a distance, the parameters of a formula. Rows that
+    Python evaluates have entries in all coordinates, or, if ``tail[0]`` is not -1, the entries of their last gradients,
+    from the entry ``tail[0]`` on.
     """
 
     row: NDArray[np.void]
@@ -45,9 +45,9 @@ class RowTable(NamedTuple):
     coefficient: Floats
     tail: Offsets  # (1,)
     formula: Offsets  # (m,), or (0,) if there is none: addresses of formulas, see ``dincl.rows.formulas.row_formula``
-    unit: Floats  # (1,): a coordinate times this is what formulas take
-    point: Floats  # what a formula is given
-    slope: Floats  # and what it writes: its gradient, and behind it its value
+    unit: Floats  # (1,): formulas take coordinates times this
+    point: Floats  # the coordinates that a formula takes
+    slope: Floats  # the gradient that it writes, and behind it the value
 
 
 def row_table(
@@ -61,7 +61,7 @@ def row_table(
     formula: Offsets | None = None,
     unit: float = 1.0,
 ) -> RowTable:
-    """Make the table of rows with entries ``offset[r]`` ... ``offset[r + 1] - 1``, and room for so many more."""
+    """Make the table of rows with entries ``offset[r]`` ... ``offset[r + 1] - 1``, and space for ``more`` of them."""
     widest = int(np.diff(offset).max(initial=0))
     return RowTable(
         row,
@@ -78,58 +78,40 @@ def row_table(
 
 
 class Sets(NamedTuple):
-    """What Python fills in when its function at ``address`` is called.
+    """Displacements of the sets, and the rows that Python evaluates: its function at ``address`` writes them.
 
-    ``ask[0]`` is the question, of the set ``ask[2]`` if of one. ``ask[1]`` is not 0 once an answer failed; then nothing
-    is asked any more.
+    ``request[0]`` says what to write, for SWEEP ``request[2]`` which set to project onto. ``request[1]`` is not 0 once
+    a call has failed; then there are no more calls.
     """
 
     address: int
-    ask: Floats
-    shift: Floats  # (families, d): how far each set was carried
-    speed: Floats  # (families, d): how fast it is carried
-    value: Floats  # (called rows,): g
-    first: Offsets  # (called rows + 1,): the Jacobian dg/dx, row by row
+    request: Floats
+    shift: Floats  # (families, d): the displacement of each set
+    speed: Floats  # (families, d): its velocity
+    value: Floats  # (rows of Python,): g
+    first: Offsets  # (rows of Python + 1,): the Jacobian dg/dx, row by row
     column: Offsets
     entry: Floats
 
 
-class NearRows(NamedTuple):
-    """The rows near a point, ``row[:count[0]]``; ``number[1]`` lists were made; pairs kept apart are ``number[2]``."""
-
-    row: Offsets
-    key: Floats
-    number: Offsets
-    reference: Floats  # (n,): where the list was made, with sets carried by ``carried``, for this reach
-    carried: Floats
-    reach: Floats
-    search: int  # the address of the function that puts the near rows into the table; 0 where it holds all rows
-
-
-def room_for_list(m: int, n: int, families: int, d: int, search: int = 0) -> NearRows:
-    """Room for a list of at most m rows; none is made yet."""
-    row, number = np.zeros(m, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    return NearRows(row, np.zeros(m), number, np.zeros(n), np.zeros((families, d)), np.full(1, -1.0), search)
-
-
 @inner
-def ask(sets: Sets, t: float, x: Floats, what: float) -> int:
-    """Let Python fill in what it alone knows; 0 if there is nothing, or if this and all before it went well.
+def call_python(sets: Sets, t: float, x: Floats, request: float) -> int:
+    """Have Python write what is requested; return 0 if there is nothing to write, or if no call has failed so far.
 
-    A step may go on with old answers, and is not made when it ends with a failure.
+    After a failure a step may go on with old numbers: at its end it is rejected.
     """
     if sets.address == 0:
         return 0
-    sets.ask[0] = what
-    if sets.ask[1] == 0.0:
-        failed = call_drift(sets.address, t, x, sets.shift, x.size, sets.shift.shape[1], sets.ask)
-        sets.ask[1] = max(sets.ask[1], float(failed))
-    return int(sets.ask[1])
+    sets.request[0] = request
+    if sets.request[1] == 0.0:
+        failed = call_drift(sets.address, t, x, sets.shift, x.size, sets.shift.shape[1], sets.request)
+        sets.request[1] = max(sets.request[1], float(failed))
+    return int(sets.request[1])
 
 
 @inner
 def distance(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """|X_i - X_j| of a row of distances."""
+    """Compute |X_i - X_j| of a row of distances."""
     row = rows.row[r]
     d = sets.shift.shape[1]
     if row.j >= 0:
@@ -143,7 +125,7 @@ def distance(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 @inner
 def call_formula(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """g_r(x) of a compiled formula, NaN without a direction; its gradient is in ``slope`` then."""
+    """Compute g_r(x) of a compiled formula and its gradient in ``slope``; NaN where it has no gradient."""
     row, first, d, unit = rows.row[r], rows.start[r], sets.shift.shape[1], rows.unit[0]
     entries, point, slope = rows.stop[r] - first, rows.point, rows.slope
     for p in range(entries):
@@ -158,7 +140,7 @@ def call_formula(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 @inner
 def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """g_r(x); of a row that Python evaluates, what it answered."""
+    """Compute g_r(x); for a row of Python, return the value that it wrote last."""
     row = rows.row[r]
     if row.kind == DISTANCE:
         return float(row.sign * (distance(rows, sets, r, x) - row.length))
@@ -167,12 +149,12 @@ def value_of(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
         for p in range(rows.start[r], rows.stop[r]):
             value += rows.coefficient[p] * (x[rows.column[p]] - sets.shift[row.family, rows.column[p] % d])
         return float(value - row.length)
-    return float(sets.value[row.i]) if row.kind == CALLED else call_formula(rows, sets, r, x)
+    return float(sets.value[row.i]) if row.kind == CALLBACK else call_formula(rows, sets, r, x)
 
 
 @inner
 def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
-    """g_r(x) of a distance; of other rows over the length of the gradient."""
+    """Compute g_r(x) of a distance, and g_r(x) / |grad g_r(x)| of other rows."""
     row, value = rows.row[r], value_of(rows, sets, r, x)
     if row.kind == DISTANCE:
         return value
@@ -182,9 +164,9 @@ def gap(rows: RowTable, sets: Sets, r: int, x: Floats) -> float:
 
 @inner
 def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
-    """|grad g_r|^2 of a row that Python or a formula has just evaluated."""
+    """Compute |grad g_r|^2 of a row that Python or a formula has just evaluated."""
     row, square = rows.row[r], 0.0
-    if row.kind == CALLED:
+    if row.kind == CALLBACK:
         for p in range(sets.first[row.i], sets.first[row.i + 1]):
             square += sets.entry[p] * sets.entry[p]
     else:
@@ -195,7 +177,7 @@ def square_of_gradient(rows: RowTable, sets: Sets, r: int) -> float:
 
 @inner
 def evaluate_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """Write the gradient of row r at x into its entries of ``gradient``; g_r(x), NaN without a direction."""
+    """Write the gradient of row r at x into its entries of ``gradient``; return g_r(x), NaN without a gradient."""
     row = rows.row[r]
     if row.kind == DISTANCE:
         return evaluate_distance(rows, sets, r, x, gradient)
@@ -208,9 +190,9 @@ def evaluate_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats
 
 @inner
 def evaluate_distance(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """The same for a distance: unit vectors at its ends.
+    """Write the unit vectors at both ends of a distance; return g_r(x), NaN without a gradient.
 
-    Two that are held together and meet are farthest from violating: zero is a subgradient, and right there.
+    Where two that are held together coincide, zero is a subgradient.
     """
     row, first, d = rows.row[r], rows.start[r], sets.shift.shape[1]
     i, j, length = row.i * d, row.j * d, distance(rows, sets, r, x)
@@ -228,7 +210,7 @@ def evaluate_distance(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: F
 
 @inner
 def evaluate_other(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """The same for a row that Python or a formula evaluates."""
+    """Write the gradient of a row that Python or a formula evaluates; return g_r(x), NaN without a gradient."""
     row, value = rows.row[r], value_of(rows, sets, r, x)
     if row.kind == FORMULA:
         for p in range(rows.start[r], rows.stop[r]):
@@ -250,10 +232,9 @@ def evaluate_other(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floa
 
 @inner
 def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -> float:
-    """Write the gradient of row r at x into its entries of ``gradient``; its ``gap``, NaN without a direction.
+    """Write the gradient of row r at x, scaled to length 1, into ``gradient``; return the gap, NaN without a gradient.
 
-    Its length is 1, and root 2 for the distance of a pair, whose two ends have a unit vector each. A gradient that
-    vanishes stays as it is.
+    The gradient for the distance of a pair keeps its length, root 2. A gradient that vanishes stays as it is.
     """
     row = rows.row[r]
     if row.kind == DISTANCE:
@@ -269,89 +250,3 @@ def linearise(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats) -
     for p in range(rows.start[r], rows.stop[r]):
         gradient[p] = scale * gradient[p]
     return float(value / np.sqrt(square))
-
-
-@inner
-def find_near(rows: RowTable, sets: Sets, x: Floats, reach: float, near: NearRows) -> None:
-    """List the rows that can be violated once every particle moved by at most ``reach``, in their order."""
-    count, pairs, d = 0, 0, sets.shift.shape[1]
-    for r in range(rows.row.size):
-        row = rows.row[r]
-        room = row.sway * reach
-        if row.kind == DISTANCE and row.sign > 0.0 and row.j >= 0:
-            square, least = 0.0, row.length + room
-            for k in range(d):
-                arrow = x[row.i * d + k] - x[row.j * d + k]
-                square += arrow * arrow
-            close = square <= least * least
-        elif row.kind == AFFINE:
-            close = gap(rows, sets, r, x) * np.sqrt(row.square) <= room
-        else:
-            # A room that is no number is that of a formula of which nothing is known.
-            close = row.kind == CALLED or not value_of(rows, sets, r, x) > room
-        if close:
-            near.row[count] = r
-            count += 1
-            pairs += row.kind == DISTANCE and row.sign > 0.0 and row.j >= 0
-    near.number[0] = count
-    near.number[2] = pairs
-    note_list(sets, x, reach, near)
-
-
-@inner
-def note_list(sets: Sets, x: Floats, reach: float, near: NearRows) -> None:
-    """Note where the list was made."""
-    d = sets.shift.shape[1]
-    near.number[1] += 1
-    near.reach[0] = reach
-    for k in range(x.size):
-        near.reference[k] = x[k]
-    for f in range(sets.shift.shape[0]):
-        for k in range(d):
-            near.carried[f, k] = sets.shift[f, k]
-
-
-@inner
-def sort_near(rows: RowTable, x: Floats, d: int, near: NearRows) -> None:
-    """Put the near rows in the order of the axis along which the particles extend farthest (Shell's sort)."""
-    axis, widest = 0, -1.0
-    for k in range(d):
-        low, high = x[k], x[k]
-        for p in range(k, x.size, d):
-            low, high = min(low, x[p]), max(high, x[p])
-        if high - low > widest:
-            axis, widest = k, high - low
-    count = near.number[0]
-    for p in range(count):
-        r, near.key[p] = near.row[p], 0.0
-        if rows.stop[r] > rows.start[r]:
-            first, last = rows.column[rows.start[r]] // d, rows.column[rows.stop[r] - 1] // d
-            near.key[p] = x[first * d + axis] + x[last * d + axis]
-    step = 1
-    while step < count // 3:
-        step = 3 * step + 1
-    while step > 0:
-        for p in range(step, count):
-            key, r, q = near.key[p], near.row[p], p
-            while q >= step and near.key[q - step] > key:
-                near.key[q], near.row[q] = near.key[q - step], near.row[q - step]
-                q -= step
-            near.key[q], near.row[q] = key, r
-        step //= 3
-
-
-@inner
-def distance_from_list(sets: Sets, x: Floats, near: NearRows) -> float:
-    """How far particles and sets at most are, together, from where the list was made."""
-    d, moved, carried = sets.shift.shape[1], 0.0, 0.0
-    for i in range(x.size // d):
-        square = 0.0
-        for k in range(d):
-            square += (x[i * d + k] - near.reference[i * d + k]) ** 2
-        moved = max(moved, square)
-    for f in range(sets.shift.shape[0]):
-        square = 0.0
-        for k in range(d):
-            square += (sets.shift[f, k] - near.carried[f, k]) ** 2
-        carried = max(carried, square)
-    return float(np.sqrt(moved) + np.sqrt(carried))

@@ -8,17 +8,8 @@ from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
 from dincl.drifts.functions import call_drift
 from dincl.neighbours import ROW_MARGIN
-from dincl.rows.table import (
-    GRADIENTS,
-    PLACES,
-    ask,
-    distance_from_list,
-    find_near,
-    gap,
-    linearise,
-    note_list,
-    sort_near,
-)
+from dincl.rows.candidates import distance_from_search, find_candidates, note_search, sort_candidates
+from dincl.rows.table import DISPLACEMENTS, GRADIENTS, call_python, gap, linearise
 from dincl.solvers.active_set import nearest
 from dincl.solvers.factor import add, times
 from dincl.steps.loop import Stepping, step_function, stepping_at
@@ -49,16 +40,16 @@ def list_sorted(place: int, t: float, x: Floats, reach: float, margin: float) ->
     """
     system = system_at(place)
     sets, near = system.sets, system.near
-    if distance_from_list(sets, x, near) + reach <= near.reach[0]:
+    if distance_from_search(sets, x, near) + reach <= near.radius[0]:
         return True
     if near.search == 0:
-        find_near(system.rows, sets, x, margin * reach, near)
+        find_candidates(system.rows, sets, x, margin * reach, near)
     else:
-        near.reach[0] = margin * reach
-        if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.reach) != 0:
+        near.radius[0] = margin * reach
+        if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.radius) != 0:
             return False
-        note_list(sets, x, margin * reach, near)
-    sort_near(system.rows, x, sets.shift.shape[1], near)
+        note_search(sets, x, margin * reach, near)
+    sort_candidates(system.rows, x, sets.shift.shape[1], near)
     return True
 
 
@@ -67,7 +58,7 @@ def linearise_near(place: int, t: float, x: Floats) -> int:
     """The listed rows linearised at x: a_r . z >= bound_r with unit gradients."""
     system = system_at(place)
     rows, sets, near, program = system.rows, system.sets, system.near, system.program
-    if ask(sets, t, x, GRADIENTS) != 0:
+    if call_python(sets, t, x, GRADIENTS) != 0:
         return SETS
     for q in range(near.number[0]):
         r = near.row[q]
@@ -103,7 +94,7 @@ def certify(place: int, t: float) -> tuple[int, float]:
 def is_inside(place: int, t: float, allowed: float) -> bool:
     """Whether y violates no listed row by more than ``allowed``."""
     system = system_at(place)
-    if ask(system.sets, t, system.program.y, GRADIENTS) != 0:
+    if call_python(system.sets, t, system.program.y, GRADIENTS) != 0:
         return False
     for q in range(system.near.number[0]):
         if not gap(system.rows, system.sets, system.near.row[q], system.program.y) >= -allowed:
@@ -118,11 +109,11 @@ def carry(place: int, t: float, later: float) -> float:
     if system.sets.address == 0 or later == t:
         return 0.0
     move, shift, longest = system.move, system.sets.shift, 0.0
-    ask(system.sets, later, system.program.y, PLACES)
+    call_python(system.sets, later, system.program.y, DISPLACEMENTS)
     for f in range(move.shape[0]):
         for k in range(move.shape[1]):
             move[f, k] = shift[f, k]
-    ask(system.sets, t, system.program.y, PLACES)
+    call_python(system.sets, t, system.program.y, DISPLACEMENTS)
     for f in range(move.shape[0]):
         square = 0.0
         for k in range(move.shape[1]):
@@ -150,7 +141,7 @@ def project(place: int, t: float, around: Floats, reach: float, later: float, ex
     system = system_at(place)
     d = system.sets.shift.shape[1]
     carried = carry(place, t, later)
-    if ask(system.sets, t, around, PLACES) != 0:
+    if call_python(system.sets, t, around, DISPLACEMENTS) != 0:
         return SETS
     for _ in range(MOST_REACHES):
         if not list_sorted(place, t, around, reach, ROW_MARGIN):
@@ -216,7 +207,7 @@ def call_projection(run: Stepping, place: int, t: float, around: Floats, later: 
         given[k] = around[k]
     question[0], question[1], question[2] = later, reach, tol
     code = call_drift(run.projection.address, t, given, run.projection.z, place, 0, question)
-    return SETS if code == OK and system_at(run.place).sets.ask[1] != 0.0 else code
+    return SETS if code == OK and system_at(run.place).sets.request[1] != 0.0 else code
 
 
 @inner

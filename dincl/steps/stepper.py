@@ -90,7 +90,7 @@ class CompiledStepper(Stepper):
     ) -> CompiledStepper:
         """A scheme that looks at one row after another; projections of the user are made if ``projected``."""
         swept = SweptSets(problem, projected=projected)
-        system = CompiledProblem(problem, swept.selection, sweepers=swept.sweepers, programs=False)
+        system = CompiledProblem(problem, swept.selection, custom_sweeps=swept.custom_sweeps, programs=False)
         return cls(problem, step, setting, system=system, swept=swept, v0=v0)
 
     @classmethod

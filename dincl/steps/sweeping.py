@@ -5,7 +5,7 @@ from typing import Any
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats
 from dincl.neighbours.lists import DONE, FAILED, add_disc_forces, gather, pair_list_at
-from dincl.rows.table import GRADIENTS, PLACES, RowTable, Sets, ask, evaluate_row, value_of
+from dincl.rows.table import DISPLACEMENTS, GRADIENTS, RowTable, Sets, call_python, evaluate_row, value_of
 from dincl.steps.loop import Stepping, step_function, stepping_at
 from dincl.steps.sweeps import DISCS, WALL, Families, blame_discs, sweep
 from dincl.system.arrays import COINCIDENT, OK, SETS, SystemArrays, evaluate, system_at
@@ -79,7 +79,7 @@ def push_wall(x: Floats, normal: Floats, bound: Floats, shift: Floats, spring: b
 def sweep_often(run: Stepping, t: float, x: Floats, sweeps: int) -> int:
     """Project x in place onto one row after another of all sets as they are at time t, so many times: OK or why not."""
     system = system_at(run.place)
-    if ask(system.sets, t, x, PLACES) != 0:
+    if call_python(system.sets, t, x, DISPLACEMENTS) != 0:
         return SETS
     for _ in range(sweeps):
         code = sweep(system, run.families, t, x)
@@ -108,7 +108,7 @@ def penalty(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> i
     run, h = stepping_at(place), setting[0]
     system = system_at(run.place)
     code = evaluate(system.drift, system.sets.shift.shape[1], t, run.x, run.rate)
-    if code == OK and ask(system.sets, t, run.x, GRADIENTS) != 0:
+    if code == OK and call_python(system.sets, t, run.x, GRADIENTS) != 0:
         code = SETS
     start, rate, force = run.x, run.rate, run.after
     for k in range(start.size):

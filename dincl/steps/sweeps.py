@@ -9,7 +9,7 @@ from dincl.compiled.arrays import Floats, Offsets
 from dincl.neighbours import lists
 from dincl.neighbours.lists import gather, pair_list_at, scatter, sweep_discs
 from dincl.rows.formulas import project
-from dincl.rows.table import AFFINE, CALLED, DISTANCE, GRADIENTS, SWEEP, RowTable, ask, evaluate_row, value_of
+from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, SWEEP, RowTable, call_python, evaluate_row, value_of
 from dincl.system.arrays import COINCIDENT, FLAT, OK, SETS, UNSETTLED, SystemArrays
 
 # How the rows of a family are given: discs, of which near pairs are listed; a wall for all particles; rows of the
@@ -68,8 +68,8 @@ def sweep_all(system: SystemArrays, families: Families, t: float, x: Floats, axe
             elif form == ROWS:
                 code = sweep_rows(system, families, f, t, x, axes)
             else:
-                system.sets.ask[2] = f
-                code = SETS if ask(system.sets, t, x, SWEEP) != 0 else OK
+                system.sets.request[2] = f
+                code = SETS if call_python(system.sets, t, x, SWEEP) != 0 else OK
             if carried:
                 carry(x, system.sets.shift, f, 1.0)
         if code != OK:
@@ -81,7 +81,7 @@ def sweep_all(system: SystemArrays, families: Families, t: float, x: Floats, axe
 def is_called(system: SystemArrays, families: Families, f: int) -> bool:
     """Whether Python evaluates the rows of a family, which are of one kind."""
     first = families.first[f]
-    return bool(first < families.last[f] and system.rows.row[first].kind == CALLED)
+    return bool(first < families.last[f] and system.rows.row[first].kind == CALLBACK)
 
 
 @inner
@@ -145,7 +145,7 @@ def sweep_rows(system: SystemArrays, families: Families, f: int, t: float, x: Fl
         elif row.kind == AFFINE:
             moved = project_affine(rows, r, x)
         else:
-            if row.kind == CALLED and not current and ask(sets, t, x, GRADIENTS) != 0:
+            if row.kind == CALLBACK and not current and call_python(sets, t, x, GRADIENTS) != 0:
                 return SETS
             value = value_of(rows, sets, r, x)
             current = not value < 0.0
@@ -195,7 +195,7 @@ def project_curved(system: SystemArrays, r: int, t: float, x: Floats) -> int:
     for k in range(x.size):
         y[k] = x[k]
     for iteration in range(MOST_ITERATIONS):
-        if iteration > 0 and rows.row[r].kind == CALLED and ask(system.sets, t, x, GRADIENTS) != 0:
+        if iteration > 0 and rows.row[r].kind == CALLBACK and call_python(system.sets, t, x, GRADIENTS) != 0:
             return SETS
         lack, square = -evaluate_row(rows, system.sets, r, x, gradient), 0.0
         if lack != lack:

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.compiled.structs import StructPointer
-from dincl.constraints.near import Selection
+from dincl.constraints.selection import Selection
 from dincl.errors import StepFailure
 from dincl.neighbours import ALL_PAIRS, FIRST_SKIN, WIDEST_SKIN
 from dincl.neighbours.lists import BUILDS, CANDIDATES, CORRECTIONS, NUMBERS, PairList
 from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.affine import HeightRows
-from dincl.rows.sweeper import DiscPairs, Sweeper
+from dincl.rows.base import CustomSweep, DiscPairs
 from dincl.status import Status
 from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, OWN, ROWS, WALL, Families
 from dincl.system import arrays as codes
@@ -31,7 +31,7 @@ class SweptSets:
     ----------
     selection
         The rows that are in the table of the system: none of discs, walls and sets with projections of the user.
-    sweepers
+    custom_sweeps
         Projections of the user, by index of their constraint.
     arrays
         What kernels take.
@@ -42,15 +42,15 @@ class SweptSets:
     def __init__(self, problem: Problem, *, projected: bool) -> None:
         """Without ``projected``, only values and gradients matter: sets with projections of the user are rows."""
         (count, d), families = problem.x0.shape, len(problem.constraints)
-        swept: list[Any] = [one.sweeper(problem.x0) for one in problem.constraints]
+        swept: list[Any] = [one.sweep_rows(problem.x0) for one in problem.constraints]
         for f, one in enumerate(problem.constraints):
-            if isinstance(swept[f], Sweeper) and not projected:
+            if isinstance(swept[f], CustomSweep) and not projected:
                 swept[f] = one.select(problem.x0, np.inf)
         forms = np.array([_form(one) for one in swept], dtype=np.int64)
         nothing = HeightRows(np.zeros(d), np.zeros(0, dtype=np.int64), np.zeros(0), count)
         blocks = tuple(one if form == ROWS else nothing for form, one in zip(forms, swept, strict=True))
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
-        self.sweepers = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
+        self.custom_sweeps = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
         self.searches: list[PythonFunction] = []
         self._lists = lists = {f: self._pair_list(one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
         self._counted = np.zeros(NUMBERS, dtype=np.int64)
@@ -132,4 +132,4 @@ def _form(swept: Any) -> int:
     # All particles, as of a wall for which every one is near.
     if isinstance(swept, HeightRows) and len(swept) == swept.count:
         return WALL
-    return OWN if isinstance(swept, Sweeper) else ROWS
+    return OWN if isinstance(swept, CustomSweep) else ROWS

@@ -8,7 +8,8 @@ from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.compiled.structs import reader
 from dincl.drifts.functions import velocity
-from dincl.rows.table import GRADIENTS, ROW, NearRows, RowTable, Sets, ask, gap, room_for_list, row_table
+from dincl.rows.candidates import CandidateRows, no_candidates
+from dincl.rows.table import GRADIENTS, ROW, RowTable, Sets, call_python, gap, row_table
 from dincl.solvers.active_set import LeastDistance, least_distance
 from dincl.solvers.factor import Chosen, room
 
@@ -50,7 +51,7 @@ class SystemArrays(NamedTuple):
 
     rows: RowTable
     sets: Sets
-    near: NearRows
+    near: CandidateRows
     program: LeastDistance
     chosen: Chosen
     drift: Drift
@@ -74,7 +75,7 @@ SYSTEM = SystemArrays(
         np.zeros(0, dtype=np.int64),
         np.zeros(0),
     ),
-    room_for_list(0, 0, 0, 1),
+    no_candidates(0, 0, 0, 1),
     least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
     room(1, 0),
     Drift(0, np.zeros(1), np.zeros(2, dtype=np.int64), np.zeros(1), np.ones(3), np.zeros(0)),
@@ -147,6 +148,6 @@ def overlaps_at(place: int, t: Floats, x: Floats, overlap: Floats) -> None:
     system = system_at(place)
     for q in range(t.size):
         overlap[q] = 0.0
-        ask(system.sets, t[q], x[q], GRADIENTS)
+        call_python(system.sets, t[q], x[q], GRADIENTS)
         for r in range(system.rows.row.size):
             overlap[q] = max(overlap[q], -gap(system.rows, system.sets, r, x[q]))

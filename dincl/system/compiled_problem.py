@@ -9,10 +9,11 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
-from dincl.constraints.near import carried_over, select
+from dincl.constraints.selection import carried_over, select
 from dincl.errors import StepFailure
 from dincl.rows.base import TableRows
-from dincl.rows.table import CALLED, DISTANCE, FORMULA, ROW, RowTable, room_for_list, row_table
+from dincl.rows.candidates import no_candidates
+from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, ROW, RowTable, row_table
 from dincl.solvers.active_set import least_distance
 from dincl.solvers.factor import Chosen, room
 from dincl.status import Status
@@ -28,16 +29,15 @@ if TYPE_CHECKING:
 
     from numpy.typing import NDArray
 
-    from dincl.constraints.near import Selection
+    from dincl.constraints.selection import Selection
     from dincl.problem import Problem
-    from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.sweeper import Sweeper
+    from dincl.rows.base import CustomSweep, RowsOfOneKind
     from dincl.work import Work
 
 # More rows, or particles, than these are not listed all at once: those of 200 discs.
 MOST_PARTICLES = 200
 ONE = Units()
-NONE: Mapping[int, Sweeper] = {}
+NONE: Mapping[int, CustomSweep] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
 FAILURES = {
@@ -86,7 +86,7 @@ class CompiledProblem:
         selection: Selection | None = None,
         units: Units = ONE,
         *,
-        sweepers: Mapping[int, Sweeper] = NONE,
+        custom_sweeps: Mapping[int, CustomSweep] = NONE,
         solver: ProgramSolver | None = None,
         programs: bool = True,
     ) -> None:
@@ -99,14 +99,14 @@ class CompiledProblem:
         self._programs, self._dense = programs, programs and (solver is None or solver.dense)
         n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
         rows, called = self._tabulated()
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units, sweepers)
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units, custom_sweeps)
         self.search = None if all_rows else PythonFunction(self._list_rows)
         self.solving = None if solver is None else solver.bind(self)
         self._pointer = self.sets.system = StructPointer(
             SystemArrays(
                 rows=rows,
                 sets=self.sets.arrays,
-                near=room_for_list(len(rows.row), n, families, d, self.search.address if self.search else 0),
+                near=no_candidates(len(rows.row), n, families, d, self.search.address if self.search else 0),
                 program=least_distance(np.zeros(len(rows.column)), np.zeros(len(rows.row)), np.zeros(len(rows.row)), n),
                 chosen=self._room(len(rows.row)),
                 drift=Drift(
@@ -177,7 +177,7 @@ class CompiledProblem:
         """Put the rows near x at time t into the table; rows that stay keep their multipliers."""
         problem, before = self.problem, self.selection
         near = numbers_at(x, problem.x0.shape).copy()
-        self.selection = select(problem.constraints, t, near, float(self.arrays.near.reach[0]))
+        self.selection = select(problem.constraints, t, near, float(self.arrays.near.radius[0]))
         rows, called = self._tabulated()
         multiplier = carried_over(before, self.arrays.program.multiplier, self.selection)
         m = len(rows.row)
@@ -250,7 +250,7 @@ def tabulate(
         if part is None:
             m, e = len(block), n if dense else 0
             called.append(family)
-            numbers = {"kind": CALLED, "i": before + np.arange(m), "j": -1, "sway": np.inf}
+            numbers = {"kind": CALLBACK, "i": before + np.arange(m), "j": -1, "lipschitz": np.inf}
             part = TableRows(numbers, np.full(m, e), np.tile(np.arange(e), m), np.zeros(m * e))
             before += m
         row = np.zeros(len(part.entries), dtype=ROW)
@@ -260,7 +260,7 @@ def tabulate(
                 row[name] = values
         row["family"] = family
         row["length"] /= unit
-        row["sway"][row["kind"] == FORMULA] *= unit
+        row["lipschitz"][row["kind"] == FORMULA] *= unit
         apart = np.repeat(row["kind"] == DISTANCE, part.entries)
         parts.append((row, part, np.where(apart, part.coefficient / unit, part.coefficient)))
     entries = np.concatenate([np.zeros(1, dtype=np.int64), *(part.entries for _, part, _ in parts)])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.constraints.near import Path, derivative
+from dincl.constraints.moving import Path, derivative
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence

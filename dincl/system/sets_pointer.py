@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
-from dincl.constraints.near import derivative
+from dincl.constraints.moving import derivative
 from dincl.errors import StepFailure
-from dincl.rows.table import GRADIENTS, SPEEDS, SWEEP, Sets
+from dincl.rows.table import GRADIENTS, SWEEP, VELOCITIES, Sets
 from dincl.system.kinks import NO_KINKS, kinks_of, smooth_around
 from dincl.system.python_function import C_FUNCTION, PLACE, Callback, numbers_at
 
@@ -18,9 +18,8 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from dincl.compiled.structs import StructPointer
-    from dincl.constraints.near import Selection
-    from dincl.rows.base import RowsOfOneKind
-    from dincl.rows.sweeper import Sweeper
+    from dincl.constraints.selection import Selection
+    from dincl.rows.base import CustomSweep, RowsOfOneKind
     from dincl.system.units import Units
     from dincl.work import Work
 
@@ -39,7 +38,7 @@ class SetsPointer(Callback):
         What ``dincl.rows.table`` reads. Its address, which is 0 if there is nothing to ask, lives as long as this.
     system
         The struct that holds the arrays as its field ``sets``: arrays that have become too short are replaced there.
-    sweepers, work
+    custom_sweeps, work
         Projections of the user by index of their constraint, and the work of the run that they count.
     calls
         How many questions were answered.
@@ -55,11 +54,11 @@ class SetsPointer(Callback):
     work: Work
 
     def __init__(
-        self, selection: Selection, called: tuple[int, ...], units: Units, sweepers: Mapping[int, Sweeper]
+        self, selection: Selection, called: tuple[int, ...], units: Units, custom_sweeps: Mapping[int, CustomSweep]
     ) -> None:
         count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
-        self.kinks, self._units, self.sweepers, self.calls = NO_KINKS, units, sweepers, 0
+        self.kinks, self._units, self.custom_sweeps, self.calls = NO_KINKS, units, custom_sweeps, 0
         self.foreseen: StepFailure | None = None
         self._error: BaseException | None = None
         moving = {f: one for f, one in enumerate(selection.constraints) if one.displacement(0.0, d) is not None}
@@ -67,10 +66,10 @@ class SetsPointer(Callback):
         self._shape, m = (count, d), self._select(selection, called)
         self.python: Any = self._answer
         self._callback = C_FUNCTION(self.python)
-        asks, entries = bool(self._paths or m or sweepers), entries_for(m * count * d)
+        asks, entries = bool(self._paths or m or custom_sweeps), entries_for(m * count * d)
         self.arrays = Sets(
             address=int(ctypes.cast(self._callback, PLACE).value or 0) if asks else 0,
-            ask=np.zeros(3),
+            request=np.zeros(3),
             shift=np.zeros((families, d)),
             speed=np.zeros((families, d)),
             value=np.zeros(m),
@@ -95,23 +94,23 @@ class SetsPointer(Callback):
     def failure(self) -> NoReturn:
         """Raise what was raised while an answer was made."""
         error, self._error = self._error, None
-        self.arrays.ask[1] = 0.0
+        self.arrays.request[1] = 0.0
         raise error or RuntimeError("no answer of the sets failed")
 
     @property
     def failed(self) -> bool:
         """Whether an answer failed, and nobody heard of it yet."""
-        return bool(self.arrays.ask[1])
+        return bool(self.arrays.request[1])
 
     def keep(self, error: BaseException) -> None:
-        self._error, self.arrays.ask[1] = error, 1.0
+        self._error, self.arrays.request[1] = error, 1.0
 
     def _answer(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
         self.calls += 1
         try:
-            if self.arrays.ask[0] == SWEEP:
-                family = int(self.arrays.ask[2])
-                self.sweepers[family].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
+            if self.arrays.request[0] == SWEEP:
+                family = int(self.arrays.request[2])
+                self.custom_sweeps[family].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
             else:
                 self._fill(t, x)
         except BaseException as error:  # noqa: BLE001  # raised again by ``failure``; here it would be printed
@@ -124,10 +123,10 @@ class SetsPointer(Callback):
         t = scaled * unit.time
         for family in self._paths:
             sets.shift[family] = self._paths[family](t) / unit.length
-            if sets.ask[0] == SPEEDS:
+            if sets.request[0] == VELOCITIES:
                 smooth = smooth_around(t, self.kinks)
                 sets.speed[family] = derivative(self._paths[family], t, self.spacing, smooth) / unit.speed
-        if sets.ask[0] >= GRADIENTS and self._called:
+        if sets.request[0] >= GRADIENTS and self._called:
             self._evaluate(numbers_at(place, self._shape) * unit.length)
 
     def _evaluate(self, x: Any) -> None:

@@ -7,7 +7,7 @@ import numpy as np
 
 import dincl
 from dincl.matrices import from_equal_rows
-from dincl.rows import FormulaRows, RowsOfOneKind, Sweeper
+from dincl.rows import CustomSweep, FormulaRows, RowsOfOneKind
 from dincl.rows.formulas import row_formula
 
 
@@ -63,10 +63,10 @@ class EllipseRows(RowsOfOneKind):
 class InEllipseByRows(InEllipse):
     """It selects rows of its own kind, and only those of particles that can get out."""
 
-    def select(self, x, reach):
+    def select(self, x, search_radius):
         rows = EllipseRows(np.arange(len(x)), np.asarray(self.axes), np.zeros(x.shape[1]))
-        # |X / axes| grows by at most reach / min(axes).
-        farthest = np.sqrt(1 - rows.values(x)) + reach / min(self.axes)
+        # |X / axes| grows by at most search_radius / min(axes).
+        farthest = np.sqrt(1 - rows.values(x)) + search_radius / min(self.axes)
         return rows.take(farthest >= 1)
 
 
@@ -85,11 +85,11 @@ class InBall(dincl.DifferentiableConstraint):
         rows[each, each] = -x / np.linalg.norm(x, axis=1, keepdims=True)
         return rows
 
-    def sweeper(self, x):
+    def sweep_rows(self, x):
         return OntoBall(self.distance)
 
 
-class OntoBall(Sweeper):
+class OntoBall(CustomSweep):
     def __init__(self, distance):
         self._distance = distance
 
@@ -130,7 +130,7 @@ class AngleLimit(dincl.Constraint):
     def triples(self):
         return np.column_stack((self.chain[:-2], self.chain[1:-1], self.chain[2:]))
 
-    def select(self, x, reach):
+    def select(self, x, search_radius):
         return FormulaRows(bend, self.triples, np.full((len(self.triples), 1), self.cosine))
 
 

@@ -122,7 +122,7 @@ def starts(name, d, rng):
 
 
 def _nearest_point(row, y):
-    """Fixed point of x = y + lambda grad g(x), g(x) = 0, found by plain iteration, independent of the sweepers."""
+    """Fixed point of x = y + lambda grad g(x), g(x) = 0, found by plain iteration, independent of the sweeps."""
     if row.values(y)[0] >= 0:
         return y
     x = y

@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 import dincl
-from dincl.rows import AffineRows, DiscPairs, DistanceRows, HeightRows, Sweeper
+from dincl.rows import AffineRows, CustomSweep, DiscPairs, DistanceRows, HeightRows
 from dincl.run.stepper import StepState
 
 
@@ -22,7 +22,7 @@ def sweep(problem, t, x):
     count = 0
     for constraint in problem.constraints:
         shift = constraint.displacement(t, x.shape[1])
-        swept = constraint.sweeper(x)
+        swept = constraint.sweep_rows(x)
         if isinstance(swept, DiscPairs):
             count += sum(onto_pair(x, i, j, length) for i, j, length in pairs(swept))
             continue
@@ -30,7 +30,7 @@ def sweep(problem, t, x):
             x -= shift
         if isinstance(swept, HeightRows):
             count += sum(onto_wall(x[i], swept.normal, float(b)) for i, b in enumerate(swept.bound))
-        elif isinstance(swept, Sweeper):
+        elif isinstance(swept, CustomSweep):
             work = dincl.Work()
             swept.sweep(t, x, work)
             count += work.constraint_projections

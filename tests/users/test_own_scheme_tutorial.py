@@ -81,10 +81,10 @@ def test_what_is_no_constraint_is_named():
         def check(self, count, d):
             pass
 
-        def select(self, x, reach):
+        def select(self, x, search_radius):
             return [1.0]
 
-        def sweeper(self, x):
+        def sweep_rows(self, x):
             raise NotImplementedError
 
     with pytest.raises(dincl.InvalidProblem, match=r"Rowless.select returned \[1.0\]: must be AffineRows"):

@@ -11,8 +11,8 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.neighbours.search import neighbour_pairs
+from dincl.rows.base import StackedRows
 from dincl.rows.distance import DistanceRows
-from dincl.rows.together import RowsTogether
 from dincl.status import Status
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.energy import energy, forces
@@ -80,7 +80,7 @@ class JudgedMinimum:
     energy: float
     status: Status
     detail: str
-    rows: RowsTogether
+    rows: StackedRows
     multipliers: Floats
     stationarity: float
     violation: float
@@ -137,7 +137,7 @@ def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float
     found, (i, j) = _search(cells, layers, numbers)
     at = cells_at(found.x, cells, layers)
     discs = DistanceRows(i, j, cells.radius[i] + cells.radius[j], 1.0)
-    rows = RowsTogether((discs, *(family.select(found.x, math.inf) for family in sets[1:])), found.x.size)
+    rows = StackedRows((discs, *(family.select(found.x, math.inf) for family in sets[1:])), found.x.size)
     gradient = -particles(forces(at, layers, numbers)).ravel()
     misfit = gradient - found.multipliers @ rows.jacobian(found.x)
     stationarity = float(np.abs(misfit[_free(cells, layers)]).max())

@@ -17,7 +17,6 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from dincl.constraints.near import Near
 from dincl.errors import StepFailure
 from dincl.files import replacing
 from dincl.projection import Projection
@@ -25,7 +24,6 @@ from dincl.rows.affine import linearised
 from dincl.run.grid import TimeGrid
 from dincl.run.stepper import Reached, Stepper
 from dincl.scenes import Scene, pile
-from dincl.work import Work
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter4 import bench as emt_bench
 
@@ -142,7 +140,7 @@ def _landed(n: int) -> tuple[Scene, np.ndarray]:
 def _projection_row(name: str, projection: Projection, kind: str, scene: Scene, x: np.ndarray) -> dict[str, Any]:
     rng = np.random.default_rng(0)
     moves = 0.01 * scene.velocity(0.0, x) * rng.uniform(0.8, 1.2, size=(VARIANTS, *x.shape))
-    near = Near(scene.constraints, Work()).rows(0.0, x, 0.02)
+    near = scene.rows_within(0.0, x, 0.08)
     rows = linearised(near, x) if kind == "S~" else near
     solver = projection.solver()
     result: dict[str, Any] = {"back_end": name, "set": kind, "n": len(x), "rows": len(rows.values(x))}

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.constraints.near import row_names
+from dincl.constraints.selection import row_names
 from dincl.matrices import from_equal_rows
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from dincl.minimise.iterate import Iterate, carry_over

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from dincl.compiled import kernel
-from dincl.constraints.near import select
-from dincl.rows.table import AFFINE, CALLED, GRADIENTS, ask, find_near, gap, linearise, sort_near
+from dincl.constraints.selection import select
+from dincl.rows.candidates import find_candidates, sort_candidates
+from dincl.rows.table import AFFINE, CALLBACK, GRADIENTS, call_python, gap, linearise
 from dincl.system.compiled_problem import CompiledProblem
 from tests.dincl.random_scenes import random_scene
 
@@ -14,7 +15,7 @@ SEEDS = range(40)
 
 @kernel
 def linearise_all(rows, sets, t, x, gradient, value):
-    ask(sets, t, x, GRADIENTS)
+    call_python(sets, t, x, GRADIENTS)
     for r in range(rows.row.size):
         value[r, 0] = linearise(rows, sets, r, x, gradient)
         value[r, 1] = gap(rows, sets, r, x)
@@ -22,9 +23,9 @@ def linearise_all(rows, sets, t, x, gradient, value):
 
 @kernel
 def list_near(rows, sets, t, x, reach, near):
-    ask(sets, t, x, GRADIENTS)
-    find_near(rows, sets, x, reach, near)
-    sort_near(rows, x, sets.shift.shape[1], near)
+    call_python(sets, t, x, GRADIENTS)
+    find_candidates(rows, sets, x, reach, near)
+    sort_candidates(rows, x, sets.shift.shape[1], near)
 
 
 def state_of(problem, rng):
@@ -47,7 +48,7 @@ def test_values_and_unit_gradients(seed, rng):
     value = np.concatenate([np.zeros(0), *(block.values(x) for block in exact.blocks)])
     length = np.linalg.norm(jacobian, axis=1)
     # The gradient of a distance between two has the length sqrt(2), and stays as it is.
-    pair = (rows.row["j"] >= 0) & (rows.row["kind"] != CALLED)
+    pair = (rows.row["j"] >= 0) & (rows.row["kind"] != CALLBACK)
     length[pair] = 1.0
     assert np.abs(dense - jacobian / length[:, None]).max(initial=0.0) <= 1e-13
     assert np.abs(found - (value / length)[:, None]).max(initial=0.0) <= 1e-12
@@ -57,7 +58,7 @@ def test_values_and_unit_gradients(seed, rng):
         k = int(np.argmax(np.abs(dense[r])))
         linearise_all(rows, system.arrays.sets, t, x.ravel() + ways[k], gradient, one)
         linearise_all(rows, system.arrays.sets, t, x.ravel() - ways[k], gradient, two)
-        if rows.row["kind"][r] != CALLED:  # whose gap is divided by a length that changes
+        if rows.row["kind"][r] != CALLBACK:  # whose gap is divided by a length that changes
             assert (one[r, 0] - two[r, 0]) / 2e-6 == pytest.approx(dense[r, k], abs=1e-6)
 
 
@@ -69,14 +70,14 @@ def test_near_rows_are_those_that_can_be_violated(seed, rng):
     gradient, found = np.zeros(len(rows.column)), np.zeros((len(rows.row), 2))
     linearise_all(rows, system.arrays.sets, t, x.ravel(), gradient, found)
     found[:, 1] *= np.where(rows.row["kind"] == AFFINE, np.sqrt(rows.row["square"]), 1.0)
-    called = rows.row["kind"] == CALLED
-    sway = np.where(called, 0.0, rows.row["sway"])
+    called = rows.row["kind"] == CALLBACK
+    lipschitz = np.where(called, 0.0, rows.row["lipschitz"])
     for reach in (0.0, 0.05, 0.5, 1e3):
         list_near(rows, system.arrays.sets, t, x.ravel(), reach, near)
         listed = near.row[: near.number[0]]
-        close = (found[:, 1] <= sway * reach) | called
+        close = (found[:, 1] <= lipschitz * reach) | called
         # Rounding may decide on those that are just as far.
-        edge = np.abs(found[:, 1] - sway * reach) <= 1e-12
+        edge = np.abs(found[:, 1] - lipschitz * reach) <= 1e-12
         assert len(np.unique(listed)) == len(listed)
         assert not set(np.flatnonzero(close)) ^ set(listed) - set(np.flatnonzero(edge))
         keys = near.key[: len(listed)]

@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 
 import dincl
 from dincl.neighbours import ALL_PAIRS
-from dincl.rows import Sweeper
+from dincl.rows import CustomSweep
 from dincl.run.stepper import StepState
 from dincl.schemes.loop import run_steps
 from dincl.steps.stepper import CompiledStepper
@@ -207,11 +207,11 @@ def test_a_path_that_fails_ends_the_run():
 class OrderedFromTheEnd(dincl.Ordered):
     """With projections of its own."""
 
-    def sweeper(self, x):
+    def sweep_rows(self, x):
         return Backwards()
 
 
-class Backwards(Sweeper):
+class Backwards(CustomSweep):
     def sweep(self, t, x, work):
         x[:] = np.sort(x, axis=0)
 

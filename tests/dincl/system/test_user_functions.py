@@ -13,7 +13,7 @@ import pytest
 import dincl
 from dincl.compiled import kernel
 from dincl.drifts.functions import call_drift
-from dincl.rows.table import PLACES, ask
+from dincl.rows.table import DISPLACEMENTS, call_python
 from dincl.system.arrays import SETS
 from dincl.system.compiled_problem import CompiledProblem
 from tests.twins.events.scheme import PlainEventDriven
@@ -29,7 +29,7 @@ def interrupted(interrupt, sets, x, out):
     """An interrupt that arrives in compiled code, before the sets are asked for."""
     if interrupt != 0:
         call_drift(interrupt, 0.0, x, out, 0, 0, out)
-    return ask(sets, 0.0, x, PLACES)
+    return call_python(sets, 0.0, x, DISPLACEMENTS)
 
 
 class OwnError(Exception):

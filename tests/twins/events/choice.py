@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from dincl.constraints.near import Name
+from dincl.constraints.selection import Name
 from dincl.geometry.contacts import ContactRows, near
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp

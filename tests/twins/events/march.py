@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.integrate import DOP853
 
-    from dincl.constraints.near import Name
+    from dincl.constraints.selection import Name
     from dincl.geometry.contacts import ContactRows
     from dincl.problem import Problem
     from dincl.work import Work

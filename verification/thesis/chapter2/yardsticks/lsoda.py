@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.checks import number
-from dincl.constraints.near import Near
+from dincl.constraints.selection import Candidates
 from dincl.errors import StepFailure
 from dincl.norms import longest
 from verification.thesis.chapter2.yardsticks.kept import Kept
@@ -88,13 +88,13 @@ class _Springs:
     def __init__(self, problem: dincl.Problem, tol: float, longest_step: float, kept: Kept) -> None:
         speed = longest(problem.velocity(0.0, problem.x0)) or 1.0
         self._shape, self._kept = problem.x0.shape, kept
-        self._near, self._reach = Near(problem.constraints, kept.work), longest_step * speed
+        self._candidates, self._search_radius = Candidates(problem.constraints, kept.work), longest_step * speed
         self._strength = speed / tol
 
     def __call__(self, t: float, flat: Floats) -> Floats:
         x = flat.reshape(self._shape)
         velocity = self._kept.velocity(t, x).ravel()
-        rows = self._near.rows(t, x, self._reach)
+        rows = self._candidates.select(t, x, self._search_radius).at(t)
         overlap = np.maximum(-rows.values(x), 0.0)
         if not overlap.any():
             return velocity
@@ -105,6 +105,6 @@ class _Springs:
         """-strength sum_k grad g_k grad g_k^T over the overlaps, shape (N d, N d)."""
         self._kept.work.count_call("lsoda", 1)
         x = flat.reshape(self._shape)
-        rows = self._near.rows(t, x, self._reach)
+        rows = self._candidates.select(t, x, self._search_radius).at(t)
         gradients = rows.jacobian(x)[rows.values(x) < 0]
         return np.asarray(-self._strength * (gradients.T @ gradients).toarray())

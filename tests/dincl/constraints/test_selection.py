@@ -1,10 +1,10 @@
-"""The rows kept near a state: complete for the reach asked for, whatever happened since they were chosen."""
+"""Selected rows: none that can be violated within the search radius is missing."""
 
 import numpy as np
 import pytest
 
 import dincl
-from dincl.constraints.near import Near
+from dincl.constraints.selection import Candidates
 from dincl.work import Work
 
 
@@ -16,36 +16,34 @@ def crowd(d):
 
 
 @pytest.mark.parametrize("d", [1, 2, 3])
-def test_no_row_that_can_be_reached_is_missing(d, rng):
-    """A random walk with changing reach; after each step every particle is moved by the reach once more."""
-    problem = crowd(d)
-    work = Work()
-    near, x = Near(problem.constraints, work), problem.x0.copy()
+def test_no_row_that_can_be_violated_is_missing(d, rng):
+    """A random walk with changing search radius; after each step every particle is moved by the radius once more."""
+    problem, work = crowd(d), Work()
+    candidates, x = Candidates(problem.constraints, work), problem.x0.copy()
     for k in range(150):
-        t, reach = 0.01 * k, float(rng.choice([0.001, 0.01, 0.05]))
+        t, radius = 0.01 * k, float(rng.choice([0.001, 0.01, 0.05]))
         x = x + _directions(x, rng) * 0.004
-        rows = near.rows(t, x, reach)
+        rows = candidates.select(t, x, radius).at(t)
         for _ in range(5):
-            z = x + reach * _directions(x, rng)
+            z = x + radius * _directions(x, rng)
             violated, found = (np.sort(v[v < 0]) for v in (problem.rows_within(t, z, 1e3).values(z), rows.values(z)))
             assert found == pytest.approx(violated, abs=1e-14)
     assert work.neighbour_builds < 3 * 150
 
 
-def test_rows_are_kept_while_nobody_moves_far():
+def test_candidates_stay_while_no_particle_moves_far():
     problem, work = crowd(2), Work()
-    near = Near(problem.constraints, work)
-    first = near.rows(0.0, problem.x0, 0.1)
-    again = near.rows(0.0, problem.x0 + 0.05, 0.1)
-    assert first.structure == again.structure
+    candidates = Candidates(problem.constraints, work)
+    first = candidates.select(0.0, problem.x0, 0.1)
+    assert candidates.select(0.0, problem.x0 + 0.05, 0.1) is first
     assert work.neighbour_builds == len(problem.constraints)
-    near.rows(0.0, problem.x0 + 0.5, 0.1)
-    assert work.neighbour_builds > len(problem.constraints)
+    assert candidates.select(0.0, problem.x0 + 0.5, 0.1) is not first
+    assert work.neighbour_builds == 2 * len(problem.constraints)
 
 
 @pytest.mark.parametrize("scheme", [dincl.CatchUp, dincl.LinearisedCatchUp])
 def test_what_a_moving_wall_pushes_meets_the_others(scheme):
-    """Without a drift the first rows reach nowhere: the wall pushes the first disc, that one the second, and so on."""
+    """Without a drift the first search radius is zero: the wall pushes a disc, which pushes the next."""
     wall = dincl.Moving(dincl.HalfSpace((1.0,), radius=0.5), lambda t: np.array([6.0 * t]))
     row = dincl.Problem([[0.5], [1.6], [2.7], [5.0]], lambda t, x: x * 0, [dincl.NonOverlap(0.5), wall])
     path = dincl.solve(row, scheme(0.1, dincl.Daqp(1e-10)), t=[0.1, 0.2, 0.5])

@@ -1,0 +1,96 @@
+"""Affine sets: a wall, and an order of particles along an axis."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dincl.checks import array, indices, integer, lengths, number, spread, vector, within
+from dincl.constants import LARGEST
+from dincl.constraints.base import Constraint
+from dincl.errors import InvalidProblem
+from dincl.matrices import from_equal_rows
+from dincl.rows.affine import AffineRows, HeightRows
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class HalfSpace(Constraint):
+    """g_i(x) = n . X_i - offset - r_i >= 0 for every particle i, with |n| = 1: a wall.
+
+    Parameters
+    ----------
+    normal
+        Inward normal, shape (d,); any length but zero, it is scaled to |n| = 1.
+    offset
+        Distance of the wall from the origin along the unit normal [length].
+    radius
+        Least distance of each particle from the wall, >= 0, one for all or shape (N,) [length].
+    """
+
+    normal: ArrayLike
+    offset: float = 0.0
+    radius: ArrayLike = 0.0
+
+    def __post_init__(self) -> None:
+        normal = array("normal", self.normal)
+        largest = np.abs(normal).max(initial=0.0)
+        if normal.ndim != 1 or not largest > 1 / LARGEST:
+            raise InvalidProblem(f"normal = {self.normal!r}: must be a vector of shape (d,) other than zero")
+        scaled = normal / largest
+        unit = scaled / np.sqrt(scaled @ scaled)
+        unit.flags.writeable = False
+        object.__setattr__(self, "normal", unit)
+        object.__setattr__(self, "offset", number("offset", self.offset))
+        object.__setattr__(self, "radius", lengths("radius", self.radius, positive=False))
+
+    def check(self, count: int, d: int) -> None:
+        vector("normal", np.asarray(self.normal), d)
+        self.bounds(count)
+
+    def bounds(self, count: int) -> NDArray[np.float64]:
+        """Return the least allowed n . X_i, shape (count,)."""
+        return self.offset + spread("radius", np.asarray(self.radius), count, "particles")
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> HeightRows:
+        """Return the particles closer to the wall than ``search_radius``, or beyond it."""
+        normal, bound = np.asarray(self.normal), self.bounds(len(x))
+        close = np.flatnonzero(x @ normal - bound <= search_radius)
+        return HeightRows(normal, close, bound[close], len(x))
+
+
+@dataclass(frozen=True, eq=False)
+class Ordered(Constraint):
+    """g_k(x) = X_{chain[k+1], axis} - X_{chain[k], axis} >= 0 for consecutive entries of the chain.
+
+    Parameters
+    ----------
+    chain
+        Particle indices, shape (m + 1,), each at most once.
+    axis
+        The coordinate that is ordered, 0 ... d - 1.
+    """
+
+    chain: ArrayLike
+    axis: int
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "chain", indices("chain", self.chain, distinct=True))
+        object.__setattr__(self, "axis", integer("axis", self.axis, least=0))
+
+    def check(self, count: int, d: int) -> None:
+        within("chain", np.asarray(self.chain), count)
+        if self.axis >= d:
+            raise InvalidProblem(f"axis = {self.axis}: must be below the dimension d = {d}")
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> AffineRows:
+        """Return the neighbours in the chain that are at most 2 search_radius apart."""
+        columns = np.asarray(self.chain) * x.shape[1] + self.axis
+        entries = np.column_stack((columns[1:], columns[:-1]))
+        matrix = from_equal_rows(entries, np.tile([1.0, -1.0], (len(entries), 1)), x.size)
+        rows = AffineRows(matrix, np.zeros(len(entries)))
+        return rows.take(rows.values(x) <= 2 * search_radius)

@@ -1,0 +1,160 @@
+"""Sets of distances: discs that do not overlap, pairs held together, balls to stay inside or outside of."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar
+
+import numpy as np
+
+from dincl.checks import array, indices, lengths, spread, vector, within
+from dincl.constraints.base import Constraint
+from dincl.errors import InvalidProblem
+from dincl.rows.base import DiscPairs
+from dincl.rows.distance import DistanceRows
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class NonOverlap(Constraint):
+    """g_ij(x) = |X_i - X_j| - (r_i + r_j) >= 0 for all pairs j < i  (1.2).
+
+    Parameters
+    ----------
+    radius
+        One radius > 0 for all discs, or one each, shape (n,) [length].
+    among
+        The particles that are discs, shape (n,), each at most once; all others are points that touch nothing. None:
+        all particles are discs.
+
+    Rows are ordered by i, then j < i, as in Algorithm 1 of chapter 2; with ``among``, by its order. Only pairs close to
+    each other are ever formed, at a cost linear in n. Raises InvalidProblem for a radius that is not a finite
+    number > 0.
+    """
+
+    radius: ArrayLike
+    among: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "radius", lengths("radius", self.radius, positive=True))
+        if self.among is not None:
+            object.__setattr__(self, "among", indices("among", self.among, distinct=True))
+
+    def check(self, count: int, d: int) -> None:
+        within("among", self.discs(count), count)
+        self.radii(count)
+
+    def discs(self, count: int) -> NDArray[np.int64]:
+        """Return which of ``count`` particles are discs, shape (n,)."""
+        return np.arange(count) if self.among is None else np.asarray(self.among)
+
+    def radii(self, count: int) -> NDArray[np.float64]:
+        """Return the radius of each of ``count`` particles, shape (count,); 0 for particles that are no discs."""
+        discs = self.discs(count)
+        radii = np.zeros(count)
+        radii[discs] = spread("radius", np.asarray(self.radius), len(discs), "particles")
+        return radii
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
+        """Return the pairs with a gap of at most 2 search_radius."""
+        discs, radii = self.discs(len(x)), self.radii(len(x))
+        if not np.isfinite(search_radius):
+            return _all_pairs(discs, radii)
+        from dincl.neighbours.search import neighbour_pairs
+
+        start, partner = neighbour_pairs(x[discs], radii[discs] + search_radius)
+        i, j = np.repeat(discs, np.diff(start)), discs[partner]
+        return DistanceRows(i, j, radii[i] + radii[j], 1.0)
+
+    def sweep_rows(self, x: NDArray[np.float64]) -> DiscPairs:
+        discs = self.discs(len(x))
+        return DiscPairs(self.radii(len(x))[discs], None if self.among is None else discs)
+
+    def pattern(self, x: NDArray[np.float64]) -> DistanceRows:
+        """Return the pairs of three discs only: two of them share a disc."""
+        return _all_pairs(self.discs(len(x))[:3], self.radii(len(x)))
+
+
+def _all_pairs(discs: NDArray[np.int64], radii: NDArray[np.float64]) -> DistanceRows:
+    i, j = (discs[place] for place in np.tril_indices(len(discs), -1))
+    return DistanceRows(i, j, radii[i] + radii[j], 1.0)
+
+
+@dataclass(frozen=True, eq=False)
+class MaxDistance(Constraint):
+    """g_k(x) = length_k - |X_i - X_j| >= 0 for the pairs (i, j) in their order.
+
+    Parameters
+    ----------
+    pairs
+        Particle indices, shape (m, 2), two different ones in each pair.
+    length
+        Greatest distance, > 0, one for all pairs or shape (m,) [length].
+    """
+
+    pairs: ArrayLike
+    length: ArrayLike
+
+    def __post_init__(self) -> None:
+        pairs = indices("pairs", self.pairs, columns=2)
+        same = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
+        if same.size:
+            raise InvalidProblem(f"pairs[{same[0]}] = {pairs[same[0]].tolist()}: must name two different particles")
+        length = lengths("length", self.length, positive=True)
+        object.__setattr__(self, "pairs", pairs)
+        object.__setattr__(self, "length", spread("length", length, len(pairs), "pairs"))
+
+    def check(self, count: int, d: int) -> None:
+        within("pairs", np.asarray(self.pairs), count)
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
+        """Return the pairs with a slack of at most 2 search_radius."""
+        pairs = np.asarray(self.pairs)
+        rows = DistanceRows(pairs[:, 0].copy(), pairs[:, 1].copy(), np.asarray(self.length), -1.0)
+        return rows.take(rows.values(x) <= 2 * search_radius)
+
+
+@dataclass(frozen=True, eq=False)
+class _FixedBall(Constraint):
+    centre: ArrayLike
+    distance: ArrayLike
+    sign: ClassVar[float]
+
+    def __post_init__(self) -> None:
+        centre = array("centre", self.centre)
+        vector("centre", centre, centre.size)
+        object.__setattr__(self, "centre", centre)
+        object.__setattr__(self, "distance", lengths("distance", self.distance, positive=True))
+
+    def check(self, count: int, d: int) -> None:
+        vector("centre", np.asarray(self.centre), d)
+        spread("distance", np.asarray(self.distance), count, "particles")
+
+    def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
+        """Return the particles closer to the sphere than ``search_radius``, or beyond it."""
+        count = len(x)
+        length = spread("distance", np.asarray(self.distance), count, "particles")
+        rows = DistanceRows(np.arange(count), None, length, self.sign, np.tile(np.asarray(self.centre), (count, 1)))
+        return rows.take(rows.values(x) <= search_radius)
+
+
+class OutsideBall(_FixedBall):
+    """g_i(x) = |X_i - centre| - distance_i >= 0 for every particle i: an obstacle.
+
+    ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (N,): the radius of the obstacle plus that
+    of the particle [length].
+    """
+
+    sign = 1.0
+
+
+class InsideBall(_FixedBall):
+    """g_i(x) = distance_i - |X_i - centre| >= 0 for every particle i: a container.
+
+    ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (N,): the radius of the container less that
+    of the particle [length].
+    """
+
+    sign = -1.0
