@@ -189,4 +189,5 @@ class CustomSweep(ABC):
 
 def coordinates(particles: NDArray[np.int64], d: int) -> NDArray[np.int64]:
     """Return the places of particles (m, p) in a flat state, shape (m, p d)."""
-    return (d * particles[:, :, None] + np.arange(d)).reshape(len(particles), -1)
+    m, p = particles.shape
+    return (d * particles[:, :, None] + np.arange(d)).reshape(m, p * d)

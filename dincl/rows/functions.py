@@ -151,7 +151,7 @@ class FormulaRows(RowsOfOneKind):
         """dg/dx and, last, g, shape (m, p d + 1)."""
         from dincl.rows.formulas import evaluate_formula
 
-        point = (x - self.shift)[self.particles].reshape(len(self), -1)
+        point = (x - self.shift).ravel()[coordinates(self.particles, x.shape[1])]
         out = np.empty((len(self), point.shape[1] + 1))
         failed = evaluate_formula(self.formula.address, point, np.ascontiguousarray(self.parameters), x.shape[1], out)
         if failed >= 0:

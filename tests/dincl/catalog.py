@@ -112,5 +112,5 @@ CONSTRAINTS = {
     "Smooth": (lambda d: dincl.Smooth(quadratic, quadratic_jacobian), quadratic),
     "own": (lambda d: InEllipse(axes(d)), lambda x: [1 - sum((y / axes(len(y))) ** 2) for y in x]),
     "own rows": (lambda d: InEllipseByRows(axes(d)), lambda x: [1 - sum((y / axes(len(y))) ** 2) for y in x]),
-    "own sweeper": (lambda d: InBall(0.7), lambda x: [0.7 - np.linalg.norm(y) for y in x]),
+    "own sweep": (lambda d: InBall(0.7), lambda x: [0.7 - np.linalg.norm(y) for y in x]),
 }
