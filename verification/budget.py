@@ -106,12 +106,12 @@ class CountedDrift:
         self.evaluations, self.began = 0, time.process_time()
 
     def __call__(self, t: float, x: Any) -> Any:
-        self.made(1)
+        self.count_evaluations(1)
         return self._drift(t, x)
 
-    def made(self, evaluations: int) -> None:
+    def count_evaluations(self, number: int) -> None:
         """Count so many evaluations."""
-        self.evaluations += evaluations
+        self.evaluations += number
         if self._budget is not None and self._budget.spent(self.began, self.evaluations) > self._budget.limit():
             raise OutOfBudgetError
 

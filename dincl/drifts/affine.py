@@ -22,8 +22,8 @@ _ZERO = array("zero", 0.0)
 class AffineDrift(CompiledDrift):
     """F_i(x) = c_i + a_i X_i + b_i J X_i, J (x, y) = (-y, x): made by ``constant``, ``attraction``, ``swirl`` and +.
 
-    Added up from left to right; a term that is 0 for all particles is left out. Compiled or not, it gives the same
-    bits. Two drifts are equal if all their numbers are the same, bit for bit.
+    Terms are added from left to right; a term that is 0 for all particles is left out. Compiled or not, the drift gives
+    the same bits. Two drifts are equal if all their numbers are the same, bit for bit.
 
     Parameters
     ----------
@@ -81,12 +81,12 @@ class AffineDrift(CompiledDrift):
     def _terms(self) -> tuple[Any, ...]:
         """c, a and b, to be broadcast against (N, d); None for a term that is left out."""
         rates = [_column(rate) if rate.any() else None for rate in (self.stretch, self.turn)]
-        alone = self.velocity.ndim > 0 and not any(rate.any() for rate in (self.stretch, self.turn))
+        alone = self.velocity.ndim > 0 and all(rate is None for rate in rates)
         return (self.velocity if alone or self.velocity.any() else None, *rates)
 
     @cached_property
     def _data(self) -> NDArray[np.float64]:
-        """The numbers of the C function: first, for each term, where its own begin and how far particles lie apart."""
+        """For each term the index of its first number, and the step from particle to particle; then the numbers."""
         head, numbers = np.zeros(6), np.zeros(0)
         for k, term in enumerate(self._terms):
             if term is not None:
@@ -101,7 +101,7 @@ class AffineDrift(CompiledDrift):
 
 
 def constant(velocity: ArrayLike) -> AffineDrift:
-    """F_i(t, x) = velocity [length / time], of shape (d,) for all particles or (N, d).
+    """Make F_i(t, x) = velocity [length / time], of shape (d,) for all particles or (N, d).
 
     Raises
     ------
@@ -115,14 +115,14 @@ def constant(velocity: ArrayLike) -> AffineDrift:
 
 
 def attraction(centre: ArrayLike, rate: ArrayLike = 1.0) -> AffineDrift:
-    """F_i(t, x) = -rate_i (X_i - centre), evaluated as rate_i centre - rate_i X_i.
+    """Make F_i(t, x) = -rate_i (X_i - centre), evaluated as rate_i centre - rate_i X_i.
 
     Parameters
     ----------
     centre
-        Where all particles are drawn to, shape (d,) [length]; 0 is the origin of any dimension.
+        Centre of attraction, shape (d,) [length]; 0 is the origin in any dimension.
     rate
-        One, or one for each particle, shape (N,) [1 / time]; a negative one drives away.
+        One, or one for each particle, shape (N,) [1 / time]; a negative rate repels.
 
     Raises
     ------
@@ -134,14 +134,14 @@ def attraction(centre: ArrayLike, rate: ArrayLike = 1.0) -> AffineDrift:
 
 
 def swirl(centre: ArrayLike, rate: ArrayLike) -> AffineDrift:
-    """F_i(t, x) = rate_i J (X_i - centre), J (x, y) = (-y, x): a rotation in the plane, d = 2, counter-clockwise.
+    """Make F_i(t, x) = rate_i J (X_i - centre), J (x, y) = (-y, x): a counter-clockwise rotation in the plane, d = 2.
 
     Evaluated as -rate_i J centre + rate_i J X_i.
 
     Parameters
     ----------
     centre
-        The middle of the rotation, shape (2,) [length]; 0 is the origin.
+        Centre of the rotation, shape (2,) [length]; 0 is the origin.
     rate
         The angular velocity, one or one for each particle, shape (N,) [1 / time].
 
@@ -182,12 +182,8 @@ def _scaled(rate: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np
 
 
 def _sum(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Of numbers for all particles or for each."""
-    if a.ndim == b.ndim and a.shape != b.shape:
-        raise InvalidProblem(f"drifts of shapes {a.shape} and {b.shape} in a sum: must be for the same particles")
-    try:
-        return array("a sum of drifts", a + b)
-    except ValueError as error:
-        if isinstance(error, InvalidProblem):
-            raise
-        raise InvalidProblem(f"drifts of shapes {a.shape} and {b.shape} in a sum: must have the same d") from error
+    """Numbers of shape (), or for all particles, or for each, which must fit."""
+    same = a.shape == b.shape if a.ndim == b.ndim else 0 in (a.ndim, b.ndim) or a.shape[-1] == b.shape[-1]
+    if not same:
+        raise InvalidProblem(f"drifts of shapes {a.shape} and {b.shape} in a sum: must have the same N and d")
+    return array("a sum of drifts", a + b)

@@ -1,36 +1,76 @@
-"""Drifts with machine code of their own."""
+"""Drifts with machine code of their own, and functions that numba compiles as such drifts."""
 
 from __future__ import annotations
 
+import sys
 from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any
+from weakref import WeakKeyDictionary
+
+import numpy as np
 
 if TYPE_CHECKING:
-    import numpy as np
     from numpy.typing import NDArray
 
 
 class CompiledDrift(ABC):
-    """A drift F that a compiled run calls as a C function; an ordinary callable for everybody else.
+    """A drift F that compiled runs call as a C function, and that others call as an ordinary function.
 
     Both forms give the same numbers, and fail at the same states.
     """
 
     @abstractmethod
     def __call__(self, t: float, x: NDArray[np.float64]) -> Any:
-        """F(t, x), (N, d) -> (N, d) [length / time]."""
+        """Compute F(t, x), (N, d) -> (N, d) [length / time]."""
 
     @abstractmethod
     def pointer(self) -> tuple[int, NDArray[np.float64]]:
-        """The address of F as a C function, and the data to call it with; both live as long as the drift.
+        """Return the address of F as a C function, and its data; both live as long as the drift.
 
         ``int64 f(double t, double *x, double *out, int64 n, int64 d, double *data)`` writes F(t, x) to out and returns
-        0, or another number if it fails. What it did wrong is then asked of the ordinary form. The data are float64
-        numbers, at least one.
+        0, or another number if it fails; the ordinary form is then called for the reason. The data are float64 numbers,
+        at least one.
         """
 
     def check(self, count: int, d: int) -> None:  # noqa: B027  # most drifts take any shape
         """Raise InvalidProblem if this drift does not fit ``count`` particles in d dimensions."""
 
-    def made(self, evaluations: int) -> None:  # noqa: B027  # for drifts that count
-        """A compiled run made so many evaluations since it last said so; what this raises ends the run."""
+    def count_evaluations(self, number: int) -> None:  # noqa: B027  # for drifts that count
+        """Take note of so many more evaluations by a compiled run; an exception ends the run."""
+
+
+class DispatchedDrift(CompiledDrift):
+    """A function ``@numba.njit def drift(t, x)`` that returns an array of numbers (N, d)."""
+
+    def __init__(self, drift: Any, function: Any) -> None:
+        self._drift, self._function = drift, function
+
+    def __call__(self, t: float, x: NDArray[np.float64]) -> Any:
+        return self._drift(t, x)
+
+    def pointer(self) -> tuple[int, NDArray[np.float64]]:
+        return self._function.address, np.zeros(1)
+
+
+# C functions of numba's functions; None for a function that does not compile.
+_C_FUNCTIONS: WeakKeyDictionary[Any, Any] = WeakKeyDictionary()
+
+
+def compiled(drift: Any) -> CompiledDrift | None:
+    """Return a drift in the form that compiled runs call: itself, or a function of numba; None for any other.
+
+    A function of numba is compiled for (float, read-only array of shape (N, d)), once. It must return an array of whole
+    or floating-point numbers with two axes, and must not fix its types; else this returns None.
+    """
+    if isinstance(drift, CompiledDrift):
+        return drift
+    if "numba" not in sys.modules:  # then there are no functions of numba
+        return None
+    from dincl.compiled.dispatchers import drift_of, is_dispatcher
+
+    if not is_dispatcher(drift):
+        return None
+    if drift not in _C_FUNCTIONS:
+        _C_FUNCTIONS[drift] = drift_of(drift)
+    function = _C_FUNCTIONS[drift]
+    return None if function is None else DispatchedDrift(drift, function)

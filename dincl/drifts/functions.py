@@ -1,4 +1,4 @@
-"""Drifts in compiled code: called by their address, so that one kernel serves all; and the usual ones."""
+"""Drifts in compiled code, called by their address, so that one kernel serves all drifts; and the affine drift."""
 
 from functools import partial
 
@@ -9,22 +9,22 @@ from dincl.compiled.arrays import Floats
 from dincl.compiled.dispatchers import DRIFT
 from dincl.constants import LARGEST
 
-# What ``velocity`` returns.
+# Return values of ``velocity``.
 OK, FAILED, NOT_A_NUMBER = 0, 1, 2
 
-# call_drift(address, t, x, out, n, d, data): DRIFT at the address. The arrays, float64 and C-contiguous, of any shape,
-# must be as long as the function takes them to be.
+# call_drift(address, t, x, out, n, d, data) calls the C function at an address. The arrays, float64 and C-contiguous,
+# of any shape, must be as long as the function expects.
 call_drift = call(DRIFT)
 
 
 @inner
 def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, data: Floats) -> int:
-    """out = F(t, x), with the check that all numbers are finite and at most LARGEST in magnitude.
+    """Write F(t, x) to ``out``, and check that all numbers are finite and at most LARGEST in magnitude.
 
     Parameters
     ----------
     address : int
-        Of the drift, see ``call_drift``.
+        The address of the drift, see ``call_drift``.
     t : float
         Time.
     x, out : (n, d) or (n d,)
@@ -32,14 +32,14 @@ def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, dat
     n, d : int
         Particles and dimension.
     data : (k,)
-        What the drift needs.
+        The data of the drift.
 
     Returns
     -------
     int
-        OK, FAILED if the drift says so, NOT_A_NUMBER if a number of out is none or too large.
+        OK, FAILED if the drift fails, NOT_A_NUMBER if a number of out is not finite or too large.
     """
-    out.flat[0] = np.nan  # stays if the function returns early without saying so, as an interrupted callback does
+    out.flat[0] = np.nan  # remains if the function returns early without a code, as an interrupted callback does
     if call_drift(address, t, x, out, n, d, data) != 0:
         return FAILED
     for k in range(n * d):
@@ -50,10 +50,10 @@ def velocity(address: int, t: float, x: Floats, out: Floats, n: int, d: int, dat
 
 @partial(c_function, DRIFT)
 def affine(t: float, x: Floats, out: Floats, n: int, d: int, data: Floats) -> int:
-    """F_i = c_i + a_i X_i + b_i J X_i, added up from left to right; J X = (-X_1, X_0) in the plane.
+    """Write F_i = c_i + a_i X_i + b_i J X_i, added from left to right; J X = (-X_1, X_0) in the plane.
 
-    data holds two numbers for each of c, a, b: where its numbers begin, 0 if there are none, and how far those of one
-    particle lie from those of the next one.
+    data begins with two numbers for each of c, a, b: the index of its first number, 0 if there is none, and the step
+    from one particle to the next.
     """
     c, c_step, a, a_step = int(data[0]), int(data[1]), int(data[2]), int(data[3])
     b, b_step = int(data[4]), int(data[5])

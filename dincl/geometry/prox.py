@@ -1,4 +1,4 @@
-"""How far a set is from convex, measured at pairs of its points."""
+"""Prox-regularity and hypomonotonicity of a set, measured at pairs of its points."""
 
 from __future__ import annotations
 
@@ -10,9 +10,8 @@ import numpy as np
 
 from dincl.checks import array, generator, integer, number
 from dincl.errors import InvalidProblem
-from dincl.geometry.active import checked, failures_told
-from dincl.geometry.normal import normal_cone
-from dincl.geometry.search import Ratio, Search
+from dincl.geometry.cones import checked, normal_cone, projection_failures
+from dincl.geometry.search import Pair, Search
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
@@ -71,47 +70,45 @@ def prox_regularity(
     problem: Problem,
     points: ArrayLike,
     *,
-    reach: float,
+    distance: float,
     samples: int,
     tol: float,
     rng: np.random.Generator,
     t: float = 0.0,
 ) -> ProxRegularity:
-    """The largest eta with n . (y - x) <= |y - x|^2 / (2 eta) for the unit normals n at x of all pairs looked at.
+    """Search for the largest eta with n . (y - x) <= |y - x|^2 / (2 eta) for the unit normals n at x of sampled pairs.
 
-    The n worst for a pair is the direction of P_{N(x)}(y - x). S is eta-prox-regular just when this holds for all
-    pairs, so what samples give is an UPPER bound: the true constant is at most this. A bottleneck of S that is wider
-    than the reach is not seen. Half of the samples are random pairs near the points, each followed by the points to
-    which S bends away from x the fastest (the largest eigenvalue of the Hessian of the Lagrangian); the other half
-    climbs on from the worst pair with its contacts kept.
+    The n worst for a pair is the direction of P_{N(x)}(y - x). S is eta-prox-regular if and only if this holds for all
+    pairs, so samples give an UPPER bound of the constant. A bottleneck of S that is wider than the distance of the
+    pairs is not found. Half of the samples are random pairs near the points, each followed by the points to which S
+    bends away from x the fastest (the largest eigenvalue of the Hessian of the Lagrangian); the other half climbs on
+    from the worst pair with its contacts closed.
 
     Parameters
     ----------
     problem
-        Whose set is meant.
+        The problem with the constraints of S.
     points
-        Feasible states to look around, shape (K, N, d) or (N, d): the contacts that matter must be among theirs.
-    reach
-        Distance of the pairs, > 0 and short against eta: the ratio is off by its square [length].
+        Feasible states to search around, shape (K, N, d) or (N, d): the contacts that matter must be among theirs.
+    distance
+        Distance of the pairs, > 0 and short compared with eta: the ratio is off by its square [length].
     samples
-        How many samples, >= 2; each gives a few pairs.
+        Number of samples, >= 2; each gives a few pairs.
     tol
-        Gaps up to tol are closed, > 0; the ratio is off by about tol / reach^2 [length].
+        Gaps up to tol are closed, > 0; the ratio is off by about tol / distance^2 [length].
     rng
-        Of all chance.
+        Random generator.
     t
-        Time at which moving sets are taken [time].
+        Time of moving sets [time].
 
     Raises
     ------
     InvalidProblem
-        For wrong shapes or numbers, for points outside of S, or if no pair can be made.
+        For wrong shapes or numbers, for points outside of S, or if there is no pair.
 
     Source: Definition 1.21, in the equivalent form that (1.28) has with w = 0.
     """
-    search, states = _search(problem, points, reach, tol, rng, t, _one_sided)
-    with failures_told():
-        pair, count = search.worst(states, integer("samples", samples, least=2))
+    search, pair, count = _worst(problem, points, distance, samples, tol, rng, t, two_sided=False)
     eta = 1 / (2 * pair.ratio) if pair.ratio else math.inf
     return ProxRegularity(eta, pair.x, pair.y, search.outward(pair.x, pair.y)[0], count)
 
@@ -120,16 +117,16 @@ def hypomonotonicity(
     problem: Problem,
     points: ArrayLike,
     *,
-    reach: float,
+    distance: float,
     samples: int,
     tol: float,
     rng: np.random.Generator,
     t: float = 0.0,
 ) -> Hypomonotonicity:
-    """The least c with (n_x - n_y) . (x - y) >= -c |x - y|^2 for all normals |n_x|, |n_y| <= 1 of the pairs looked at.
+    """Search for the least c with (n_x - n_y) . (x - y) >= -c |x - y|^2 for normals |n_x|, |n_y| <= 1 of sampled pairs.
 
-    The worst normals of a pair have n_x . (y - x) = |P_{N(x)}(y - x)|, and so for y. What samples give is a LOWER
-    bound of the true c, which is at most 1/eta. Arguments and search are those of ``prox_regularity``.
+    The worst normals of a pair have n_x . (y - x) = |P_{N(x)}(y - x)|, and so for y. Samples give a LOWER bound of c,
+    which is at most 1/eta. Arguments and search are the same as in ``prox_regularity``.
 
     Raises
     ------
@@ -138,30 +135,31 @@ def hypomonotonicity(
 
     Source: (1.28), with the sign that belongs to N, and ||v||, ||w|| <= 1.
     """
-    search, states = _search(problem, points, reach, tol, rng, t, _two_sided)
-    with failures_told():
-        pair, count = search.worst(states, integer("samples", samples, least=2))
+    search, pair, count = _worst(problem, points, distance, samples, tol, rng, t, two_sided=True)
     at_x, at_y = search.outward(pair.x, pair.y)[0], search.outward(pair.y, pair.x)[0]
     return Hypomonotonicity(pair.ratio, pair.x, pair.y, at_x, at_y, count)
 
 
-def _one_sided(at_x: float, _: float, apart: float) -> float:
-    return at_x / apart**2
-
-
-def _two_sided(at_x: float, at_y: float, apart: float) -> float:
-    return (at_x + at_y) / apart**2
-
-
-def _search(
-    problem: Problem, points: ArrayLike, reach: float, tol: float, rng: np.random.Generator, t: float, ratio: Ratio
-) -> tuple[Search, NDArray[np.float64]]:
+def _worst(
+    problem: Problem,
+    points: ArrayLike,
+    distance: float,
+    samples: int,
+    tol: float,
+    rng: np.random.Generator,
+    t: float,
+    *,
+    two_sided: bool,
+) -> tuple[Search, Pair, int]:
+    """Check the arguments; return the search, the pair of largest ratio and the number of pairs."""
     states = array("points", points)
     states = states[None] if states.ndim == 2 else states
     if states.ndim != 3 or not len(states):
         raise InvalidProblem(f"points of shape {states.shape}: must have shape (N, d) or (K, N, d), K >= 1")
     rng = generator("rng", rng)
     for x in states:
-        time, _, closed = checked(problem, t, x, tol)
-        normal_cone(problem, time, x, closed)
-    return Search(problem, time, number("reach", reach, positive=True), closed, ratio, rng), states
+        time, _, allowed = checked(problem, t, x, tol)
+        normal_cone(problem, time, x, allowed)
+    search = Search(problem, time, number("distance", distance, positive=True), allowed, two_sided, rng)
+    with projection_failures():
+        return (search, *search.worst(states, integer("samples", samples, least=2)))

@@ -212,7 +212,7 @@ class CompiledProblem:
         work.callbacks += self.sets.calls - before[4]
         if calls > 0 and self.name not in work.back_ends:
             work.back_ends += (self.name,)
-        self.drift.made(drifts - before[0])
+        self.drift.count_evaluations(drifts - before[0])
 
     def failure(self, code: int, tol: float = 0.0) -> NoReturn:
         """Raise StepFailure, or what a function of the user raised, for the code by which a kernel ended."""

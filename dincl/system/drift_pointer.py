@@ -45,10 +45,10 @@ class DriftPointer(Callback):
             self._callback = C_FUNCTION(self.python)
             self.address, self.data = int(ctypes.cast(self._callback, PLACE).value or 0), np.zeros(1)
 
-    def made(self, evaluations: int) -> None:
-        """A run made so many evaluations since it last said so; a drift that counts may raise to end it."""
+    def count_evaluations(self, number: int) -> None:
+        """Tell the drift of so many more evaluations; one that counts may raise an exception to end the run."""
         if self._compiled is not None:
-            self._compiled.made(evaluations)
+            self._compiled.count_evaluations(number)
 
     def failure(self, t: float, x: NDArray[np.float64], out: NDArray[np.float64], code: int) -> NoReturn:
         """Raise as ``problem.velocity(t, x)`` does, when the kernel wrote ``out`` and returned ``code``."""

@@ -33,14 +33,14 @@ MINIMISERS = (
 RUN = dincl.solve(PROBLEMS[1], SCHEMES[0], [0.5, 1.0])
 TIMES = ([1.0], [0.1, 0.3], 0.5, [0.0, 0.2])
 AT = {"problem": PROBLEMS, "t": (0.0, 1.0), "x": X0, "tol": (1e-9, 0.6)}
-LOOK = {"problem": PROBLEMS, "points": X0, "reach": (0.1,), "samples": (2, 20), "tol": (1e-9,)}
+LOOK = {"problem": PROBLEMS, "points": X0, "distance": (0.1,), "samples": (2, 20), "tol": (1e-9,)}
 LOOK |= {"rng": (np.random.default_rng(0),), "t": (0.0,)}
 
 
-def looked(problem, points, reach, samples, tol, rng, t=0.0):
+def looked(problem, points, distance, samples, tol, rng, t=0.0):
     """Both of the searches for the worst pair."""
     return [
-        search(problem, points, reach=reach, samples=samples, tol=tol, rng=rng, t=t)
+        search(problem, points, distance=distance, samples=samples, tol=tol, rng=rng, t=t)
         for search in (geometry.prox_regularity, geometry.hypomonotonicity)
     ]
 

@@ -16,7 +16,7 @@ from dincl.geometry import (
 )
 
 RADIUS = 0.5
-REACH, TOL = 1e-3, 1e-12
+DISTANCE, TOL = 1e-3, 1e-12
 
 
 def discs(x, radius=RADIUS):
@@ -28,7 +28,7 @@ def row(count, d=2):
 
 
 def search(verb, problem, rng, samples=12, **more):
-    settings = {"points": problem.x0, "reach": REACH, "samples": samples, "tol": TOL, "rng": rng}
+    settings = {"points": problem.x0, "distance": DISTANCE, "samples": samples, "tol": TOL, "rng": rng}
     return verb(problem, **(settings | more))
 
 
@@ -99,7 +99,7 @@ def test_same_seed_same_result():
 def test_several_points_are_all_looked_at(rng):
     far = 5.0 * row(3)
     points = np.stack((far, row(3)))
-    found = prox_regularity(discs(far), points, reach=REACH, samples=2, tol=TOL, rng=rng)
+    found = prox_regularity(discs(far), points, distance=DISTANCE, samples=2, tol=TOL, rng=rng)
     assert found.eta == pytest.approx(math.sqrt(8) / 3 * RADIUS, rel=1e-3)
 
 
@@ -198,7 +198,7 @@ def test_feasible_pairs_keep_to_the_proved_constant(rng):
 @pytest.mark.parametrize(
     ("change", "match"),
     [
-        ({"reach": 0.0}, "reach = "),
+        ({"distance": 0.0}, "distance = "),
         ({"samples": 1}, "samples = "),
         ({"tol": -1.0}, "tol = "),
         ({"rng": 7}, "rng = "),
@@ -222,7 +222,7 @@ def test_bad_input(verb, change, match, rng):
 )
 def test_bad_points(points, match, rng):
     with pytest.raises(dincl.InvalidProblem, match=match):
-        prox_regularity(discs(row(2)), points, reach=REACH, samples=2, tol=TOL, rng=rng)
+        prox_regularity(discs(row(2)), points, distance=DISTANCE, samples=2, tol=TOL, rng=rng)
 
 
 @pytest.mark.parametrize("call", [lambda: printed_constant(2, 1.0, 0), lambda: proved_constant(0, 1.0)])

@@ -37,7 +37,7 @@ def run(problem, steps=7, h=0.1, slices=1):
     with pointer:
         for _ in range(slices):
             evaluations, code = descend(pointer.address, pointer.data, h, steps, x, out)
-            pointer.made(evaluations)
+            pointer.count_evaluations(evaluations)
             if code != OK:
                 pointer.failure((evaluations - 1) * h, x, out, code)
     return x

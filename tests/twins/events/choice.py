@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from dincl.constraints.selection import Name
-from dincl.geometry.contacts import ContactRows, near
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
 from dincl.rows.affine import AffineRows
+from tests.twins.events.contacts import ContactRows, near
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

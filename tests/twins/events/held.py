@@ -12,8 +12,8 @@ from dincl.status import Status
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from dincl.geometry.contacts import ContactRows
     from dincl.work import Work
+    from tests.twins.events.contacts import ContactRows
 
 # Newton steps back onto the held contacts; from a state that is off by an integration error one or two are enough.
 MOST_CORRECTIONS = 8

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
     from scipy.integrate import DOP853
 
     from dincl.constraints.selection import Name
-    from dincl.geometry.contacts import ContactRows
     from dincl.problem import Problem
     from dincl.work import Work
+    from tests.twins.events.contacts import ContactRows
 
 # The smallest relative tolerance that scipy's integrators take.
 LEAST_RTOL = 100 * np.finfo(float).eps

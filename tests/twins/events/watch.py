@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.geometry.contacts import ContactRows, near
 from dincl.norms import longest
 from tests.twins.events.choice import TOUCHING, ZERO
+from tests.twins.events.contacts import ContactRows, near
 from tests.twins.events.roots import first_negative, root
 
 if TYPE_CHECKING:

@@ -24,8 +24,8 @@ from dincl.study import Key, Row, Study
 Floats = NDArray[np.float64]
 RADIUS = 0.5
 COUNTS = (2, 3, 4, 5, 6, 8, 10, 15, 20)
-# Of the pairs [length]: the ratio is off by about the square of the reach, and by the tolerance over that.
-REACH, TOL = 1e-3, 1e-12
+# Distance of the pairs [length]: the ratio is off by about its square, and by the tolerance over that.
+DISTANCE, TOL = 1e-3, 1e-12
 CONTACT = 1e-9
 SEED = 31
 
@@ -103,9 +103,11 @@ def configuration_of(key: Key, samples: int) -> list[Row]:
 
 def measured(problem: dincl.Problem, samples: int) -> tuple[float, float]:
     """The eta and the constant of hypomonotonicity that searches around x0 find."""
-    found = prox_regularity(problem, problem.x0, reach=REACH, samples=samples, tol=TOL, rng=np.random.default_rng(SEED))
+    found = prox_regularity(
+        problem, problem.x0, distance=DISTANCE, samples=samples, tol=TOL, rng=np.random.default_rng(SEED)
+    )
     other = hypomonotonicity(
-        problem, problem.x0, reach=REACH, samples=samples, tol=TOL, rng=np.random.default_rng(SEED)
+        problem, problem.x0, distance=DISTANCE, samples=samples, tol=TOL, rng=np.random.default_rng(SEED)
     )
     return found.eta, other.constant
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -21,17 +20,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class ContactRows:
-    """m rows of a problem, in the order of its constraints.
-
-    Attributes
-    ----------
-    problem
-        Where they come from.
-    rows
-        Which they are.
-    spacing
-        Of the differences that give the velocity of a moving set [time].
-    """
+    """m rows of a problem, in the order of its constraints; ``spacing`` is that of differences of paths [time]."""
 
     problem: Problem
     rows: Selection
@@ -44,7 +33,7 @@ class ContactRows:
         """The rows where ``keep`` (m,) is true."""
         return ContactRows(self.problem, self.rows.take(keep), self.spacing)
 
-    @cached_property
+    @property
     def names(self) -> tuple[Name, ...]:
         """For each row the index of its constraint, and the row in words."""
         return self.rows.names
@@ -56,8 +45,7 @@ class ContactRows:
     def gradients(self, t: float, x: NDArray[np.float64]) -> tuple[csr_array, NDArray[np.float64], NDArray[np.float64]]:
         """Unit gradients (m, N d), the lengths that they had (m,), and the least speeds along them, b (m,).
 
-        A contact is kept where the velocity v has n_k . v >= b_k; b is zero for sets at rest. A gradient that vanishes
-        stays as it is, with length 1.
+        A contact is kept where the velocity v has n_k . v >= b_k. A gradient that vanishes keeps its length.
         """
         matrix = self.rows.at(t).jacobian(x)
         length = np.sqrt(row_squares(matrix))
@@ -66,10 +54,10 @@ class ContactRows:
         return unit, length, self.rows.least_speeds(t, unit, self.spacing)
 
     def carried(self, start: float, end: float) -> float:
-        """How far the farthest of the sets is carried between two times [length]."""
+        """The largest displacement of a set between two times [length]."""
         return self.rows.carried(start, end)
 
 
-def near(problem: Problem, t: float, x: NDArray[np.float64], reach: float, spacing: float) -> ContactRows:
-    """All rows that can be violated at time t after every particle moved by at most ``reach`` from x."""
-    return ContactRows(problem, select(problem.constraints, t, x, reach), spacing)
+def near(problem: Problem, t: float, x: NDArray[np.float64], distance: float, spacing: float) -> ContactRows:
+    """All rows that can be violated at time t after each particle moved at most a distance from x."""
+    return ContactRows(problem, select(problem.constraints, t, x, distance), spacing)
