@@ -1,1 +1,1 @@
-"""The event-driven solution: smooth motion on fixed contacts, from one change of the contacts to the next."""
+"""The event-driven solution: smooth motion with fixed active contacts, from one change of the contacts to the next."""

@@ -1,168 +1,209 @@
-"""From event to event: a run of the event-driven method, in pieces that fill the room there is."""
+"""The integrator: phases with fixed active contacts, from event to event, and states on the dense output."""
+
+from typing import Any
 
 import numpy as np
 
 from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.events.arrays import march_at
-from dincl.events.choice import choose
-from dincl.events.jumps import AGAIN, MOST_JUMPS, look_for_jump, pass_stop
-from dincl.events.motion import at, correct, move
-from dincl.events.signals import NEVER
-from dincl.events.steps import NO_STEP, STUCK, arrive, make_step, take
-from dincl.events.watch import first_event
-from dincl.solvers.sparse_factor import gram_at
+from dincl.events.contacts import decide_contacts
+from dincl.events.event_functions import NEVER
+from dincl.events.location import first_event
+from dincl.events.motion import restore, set_speed, velocity_at
+from dincl.events.runge_kutta import dense_value
+from dincl.events.steps import accept_step, check_jump, make_step, pass_stop, truncate_step
+from dincl.events.workspace import AGAIN, DONE, FULL, JUMPS, NO_STEP, SLOW, SPARE, STUCK, EventWorkspace
+from dincl.rows.table import VELOCITIES, call_python, gap, linearise
+from dincl.solvers.factor import times
 from dincl.system.arrays import OK, SETS, bounded, longest, system_at
 
-# How a call ends besides the codes of ``system`` and ``event_steps``: the time is reached; the room is full, so that it
-# is to be called again; too many steps are needed; the drift jumps too often.
-DONE, FULL, SLOW, JUMPS = 20, 21, 24, 25
 # Changes of the contacts at one time.
 MOST_AT_ONCE = 100
-# Steps of a run: a hundred discs with 300 events take about a thousand. After this many it is asked how many it needs.
-MOST_STEPS, LOOK = 100_000, 5_000
+# Steps of a run: a hundred discs with 300 events take about a thousand. Each time after so many, the number that the
+# run needs is estimated.
+MOST_STEPS, CHECK = 100_000, 5_000
+# Jumps of the drift allowed in one run.
+MOST_JUMPS = 10_000
 # An event before a jump by no more than this part of the run is at the jump.
 MEETS = 1e-12
 # The share of the last phase in the mean of their lengths. In runs of many particles a step is at most this many times
 # that mean, for a run in one part, in two parts two thirds of it; twice as much after each step without an event.
 SHARE, PHASES = 0.1, 3.0
-# Pieces for which there is room at the beginning of a step: on the way to an event.
-ROOM = 32
-
-
-@inner
-def begin_phase(run: int) -> int:
-    """Count the phase that begins once the contacts are decided; its longest step, and the first one of a run."""
-    march = march_at(run)
-    state = march.state[0]
-    state.at_once = state.at_once + 1 if state.phase > 0 and state.now == state.chosen_at else 0
-    if state.phase > 0 and state.now > state.chosen_at:
-        share = max(SHARE, 1.0 / state.phase)
-        state.usual_phase += share * (state.now - state.chosen_at - state.usual_phase)
-    state.chosen_at, state.choose = state.now, 0
-    state.phase += 1
-    state.longest = (state.end - state.now) / state.parts
-    if state.cuts != 0 and state.usual_phase > 0.0:
-        # A longer step would be cut at the next event, and its error estimate, for all of it, would be in the way.
-        state.longest = min(state.longest, PHASES * 2.0 / (1.0 + state.parts) * state.usual_phase)
-    if state.at_once > MOST_AT_ONCE:
-        return STUCK
-    if state.h == 0.0:
-        reach = state.size * min(1.0, state.tol / state.size) ** (1.0 / (march.pair.order + 1.0))
-        state.h = min(state.longest, 0.1 * reach / state.speed if state.speed > 0.0 else state.longest)
-    return OK
-
-
-@inner
-def decide(run: int) -> int:
-    """Decide the contacts, and begin a phase with them."""
-    march = march_at(run)
-    state, system = march.state[0], system_at(march.place)
-    # What started small and went far rounds as what is large.
-    state.size = max(state.size, longest(march.x, system.sets.shift.shape[1]))
-    code = OK
-    if state.stop < state.end and state.stop - state.now <= MEETS * state.end:
-        code = pass_stop(run)
-    if code == OK:
-        code = choose(run)
-    if code == OK:
-        code = begin_phase(run)
-    if code == OK:
-        code = correct(run, state.now, march.x)
-    return code if code != OK else move(run, state.now, march.x, march.rate[0], march.push[0])
-
-
-@inner
-def is_slow(run: int) -> bool:
-    """Whether the run is not to end within the steps that it may have, as its last ones tell."""
-    state = march_at(run).state[0]
-    made = state.steps - state.marked
-    if made < LOOK:
-        return False
-    needed = (state.end - state.now) / (state.now - state.mark) * made if state.now > state.mark else np.inf
-    state.marked, state.mark = state.steps, state.now
-    return bool(state.steps + needed > MOST_STEPS)
-
-
-@inner
-def go_on(run: int) -> int:
-    """Make a step, to the next event at most: OK, DONE or a failure."""
-    march = march_at(run)
-    state, sets = march.state[0], system_at(march.place).sets
-    left = state.stop - state.now
-    if not left > 0.0:
-        return DONE
-    code, h = make_step(run, min(state.longest, left))
-    if code == OK:
-        code = look_for_jump(run, h)
-    if code != OK:
-        return OK if code == AGAIN else code
-    part, closing = first_event(run)
-    if state.code != OK or sets.request[1] != 0.0:
-        return int(state.code) if state.code != OK else SETS
-    if part < NEVER:
-        code = arrive(run, h, state.now + part * h, closing)
-    elif h < left:
-        take(run, h, state.now + h)
-        state.longest = min(2.0 * state.longest, (state.end - state.chosen_at) / state.parts)
-    else:
-        take(run, h, state.stop)
-        code = pass_stop(run) if state.stop < state.end else OK
-    return code if code != OK or bounded(march.x, state.most) else NO_STEP
+# Free places in the table at the start of a step: for the steps on the way to an event.
+FREE = 32
+# A dense output is used for the state at an event if the estimated error of its step is below this part of the
+# tolerance. Then 200 discs state an error of 1e-9; with 0.1 it is 1e-8.
+ACCURATE = 1e-2
+# Newton steps to the time at which a gap closes, where a step ends by its dense output; the allowed rest of the gap,
+# relative to the size of the problem.
+MOST_NEWTON, CLOSED_GAP = 4, 1e-14
 
 
 @kernel
-def march_on(run: int, most: int) -> int:
-    """Go on until the end, until the room for the path is full, or ``most`` steps: DONE, FULL or a failure."""
-    march = march_at(run)
-    state, path = march.state[0], march.path
+def integrate(run: Any, most: int) -> int:
+    """Continue to the end, until the table of steps is full, or for ``most`` steps: DONE, FULL or a failure."""
+    state = run.state[0]
     for _ in range(most):
-        code = decide(run) if state.choose != 0 else OK
+        code = begin_phase(run) if state.undecided != 0 else OK
         if code == OK:
-            code = go_on(run)
+            code = advance(run)
         if code != OK:
             return code
         if state.jumps > MOST_JUMPS:
             return JUMPS
         if is_slow(run):
             return SLOW
-        if state.pieces > path.end.size - ROOM or state.events > path.event.shape[0] - march.closed.size:
+        if state.steps > run.steps.end.size - FREE or state.events > run.steps.event.shape[0] - run.contact.size:
             return FULL
     return FULL
 
 
 @inner
-def hold(run: int, p: int) -> None:
-    """Hold the rows of piece p; a state is to depend on its time alone, so that no factor of another one serves."""
-    march = march_at(run)
-    gram_at(march.gram).number[1] = 0
-    march.held.number[0] = march.path.number[p]
-    for k in range(march.held.number[0]):
-        march.held.row[k] = march.path.held[p, k]
+def begin_phase(run: EventWorkspace) -> int:
+    """Decide the contacts, and choose the longest step of the phase, and the first one of a run."""
+    state, code = run.state[0], OK
+    # What started small and went far rounds as what is large.
+    state.size = max(state.size, longest(run.x, system_at(run.system).sets.shift.shape[1]))
+    if state.stop < state.end and state.stop - state.t <= MEETS * state.end:
+        code = pass_stop(run)
+    if code == OK:
+        code = decide_contacts(run)
+    if code != OK:
+        return code
+    state.repeats = state.repeats + 1 if state.phase > 0 and state.t == state.decided_at else 0
+    if state.phase > 0 and state.t > state.decided_at:
+        share = max(SHARE, 1.0 / state.phase)
+        state.mean_phase += share * (state.t - state.decided_at - state.mean_phase)
+    state.decided_at, state.undecided = state.t, 0
+    state.phase += 1
+    state.longest = (state.end - state.t) / state.parts
+    if state.many != 0 and state.mean_phase > 0.0:
+        # A longer step would be cut at the next event, and its error estimate, for all of it, would be in the way.
+        state.longest = min(state.longest, PHASES * 2.0 / (1.0 + state.parts) * state.mean_phase)
+    if state.repeats > MOST_AT_ONCE:
+        return STUCK
+    if state.h == 0.0:
+        way = state.size * min(1.0, state.tol / state.size) ** (1.0 / (run.pair.order + 1.0))
+        state.h = min(state.longest, 0.1 * way / state.speed if state.speed > 0.0 else state.longest)
+    code = restore(run, state.t, run.x)
+    return code if code != OK else velocity_at(run, state.t, run.x, run.rate[0], run.multiplier[0])
+
+
+@inner
+def advance(run: EventWorkspace) -> int:
+    """Make a step, to the next event at most: OK, DONE or a failure."""
+    state, sets = run.state[0], system_at(run.system).sets
+    left = state.stop - state.t
+    if not left > 0.0:
+        return DONE
+    code, h = make_step(run, min(state.longest, left))
+    if code == OK:
+        code = check_jump(run, h)
+    if code != OK:
+        return OK if code == AGAIN else code
+    part, closing = first_event(run)
+    if state.code != OK or sets.request[1] != 0.0:
+        return int(state.code) if state.code != OK else SETS
+    if part < NEVER:
+        code = go_to_event(run, h, state.t + part * h, closing)
+    elif h < left:
+        accept_step(run, h, state.t + h)
+        state.longest = min(2.0 * state.longest, (state.end - state.decided_at) / state.parts)
+    else:
+        accept_step(run, h, state.stop)
+        code = pass_stop(run) if state.stop < state.end else OK
+    return code if code != OK or bounded(run.x, state.largest) else NO_STEP
+
+
+@inner
+def go_to_event(run: EventWorkspace, h: float, t: float, closing: int) -> int:
+    """Continue to the event at t, and until the gap of row ``closing`` >= 0 is closed to rounding.
+
+    By the dense output of the step of length h if it is accurate, else by new steps.
+    """
+    state, first = run.state[0], run.state[0].steps
+    part, before, code = (t - state.t) / state.parts, state.t, OK
+    if state.many != 0 and state.error < ACCURATE and t > state.t:
+        code = truncate_step(run, h, t if state.parts == 1 else state.t + part)
+        if code == OK and state.parts > 1:
+            code = velocity_at(run, state.t, run.x, run.rate[0], run.multiplier[0])
+    while code == OK and state.t < t:
+        code, h = make_step(run, min(part, t - state.t))
+        if code == OK and state.steps == run.steps.end.size:
+            code = STUCK
+        if code == OK:
+            accept_step(run, h, t if h >= t - state.t else state.t + h)
+    if code == OK and closing >= 0:
+        code = close_gap(run, closing, before)
+        if state.steps > first:
+            run.steps.end[state.steps - 1] = state.t
+    state.undecided = 1
+    return code if code != OK else restore(run, state.t, run.x)
+
+
+@inner
+def close_gap(run: EventWorkspace, closing: int, earliest: float) -> int:
+    """Move along the velocity, forth or back in time, until this gap is closed."""
+    state, system = run.state[0], system_at(run.system)
+    rows, sets, gradient = system.rows, system.sets, system.program.gradient
+    for _ in range(MOST_NEWTON):
+        call_python(sets, state.t, run.x, VELOCITIES)
+        width = linearise(rows, sets, closing, run.x, gradient)
+        speed = times(rows, closing, gradient, run.rate[0]) - set_speed(system, closing)
+        wait = max(-width / speed if speed < 0.0 else 0.0, earliest - state.t)
+        for k in range(run.x.size):
+            run.x[k] += wait * run.rate[0, k]
+        state.t += wait
+        if state.many == 0:
+            break
+        # A dense output leaves the active rows by more than an integrator does; to restore them moves this gap, too.
+        code = restore(run, state.t, run.x)
+        if code != OK or abs(gap(rows, sets, closing, run.x)) <= CLOSED_GAP * state.size:
+            return code
+    return OK
+
+
+@inner
+def is_slow(run: EventWorkspace) -> bool:
+    """Return whether the run needs more steps than allowed, at the rate of its last ones."""
+    state = run.state[0]
+    made = state.made - state.checked
+    if made < CHECK:
+        return False
+    needed = (state.end - state.t) / (state.t - state.checked_t) * made if state.t > state.checked_t else np.inf
+    state.checked, state.checked_t = state.made, state.t
+    return bool(state.made + needed > MOST_STEPS)
+
+
+@inner
+def activate(run: EventWorkspace, p: int) -> None:
+    """Activate the rows of step p, without a factor of another state, so that a state depends on its time alone."""
+    run.gram.number[1] = 0
+    run.active.number[0] = run.steps.number[p]
+    for k in range(run.active.number[0]):
+        run.active.row[k] = run.steps.active[p, k]
 
 
 @kernel
-def states_at(run: int, t: Floats, piece: Offsets, x: Floats) -> int:
-    """Write the states at times t that lie in these pieces into x (K, n): the dense output, put onto the contacts."""
-    march = march_at(run)
-    path = march.path
+def states_at(run: Any, t: Floats, step: Offsets, x: Floats) -> int:
+    """Write the states at times t within these steps into x (K, n): the dense output, moved onto the active rows."""
+    steps, point = run.steps, run.point
     for q in range(t.size):
-        p = piece[q]
-        hold(run, p)
-        part = (t[q] - path.start[p]) / path.length[p]
-        for k in range(march.x.size):
-            march.point[k] = at(path.dense[p], march.pair.terms, path.x[p, k], k, part)[0]
-        code = correct(run, t[q], march.point)
+        p = step[q]
+        activate(run, p)
+        theta = (t[q] - steps.start[p]) / steps.h[p]
+        for k in range(run.x.size):
+            point[k] = dense_value(steps.dense[p], run.pair.terms, steps.x[p, k], k, theta)[0]
+        code = restore(run, t[q], point)
         if code != OK:
             return code
-        for k in range(march.x.size):
-            x[q, k] = march.point[k]
+        for k in range(run.x.size):
+            x[q, k] = point[k]
     return OK
 
 
 @kernel
-def rate_at(run: int, t: float, p: int, x: Floats, rate: Floats) -> int:
-    """Write x' at a state of piece p into ``rate``."""
-    march = march_at(run)
-    hold(run, p)
-    return move(run, t, x, rate, march.push[16])
+def rate_at(run: Any, t: float, step: int, x: Floats, rate: Floats) -> int:
+    """Write x' at a state x of a step into ``rate``."""
+    activate(run, step)
+    return velocity_at(run, t, x, rate, run.multiplier[SPARE])

@@ -1,44 +1,59 @@
-"""From event to event: one run with one tolerance."""
+"""One run of the event-driven method with one tolerance, and its dense output."""
 
 from __future__ import annotations
 
 import time
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dincl.compiled.structs import written
+from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
 from dincl.errors import StepFailure
 from dincl.events import integrate as kernels
-from dincl.events.arrays import STATE, Path, begin_march, room_for_path
-from dincl.events.choice import TOUCHING
-from dincl.events.gram_room import gram_room
-from dincl.events.jumps import MOST_JUMPS
-from dincl.events.path import PathPieces
+from dincl.events.contacts import TOUCHING
 from dincl.events.runge_kutta import pair_for
-from dincl.events.steps import NO_STEP, STUCK
+from dincl.events.workspace import (
+    DONE,
+    FULL,
+    JUMPS,
+    KIND,
+    NO_STEP,
+    SLOW,
+    STUCK,
+    StepTable,
+    event_workspace,
+    sparse_gram,
+    step_table,
+)
 from dincl.matrices import row_squares
 from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
+from dincl.projection.cone import distance_to_cone
 from dincl.projection.feasible import FeasibleSet
-from dincl.run.outcome import Event
+from dincl.run.outcome import Between, Event
 from dincl.status import Status
+from dincl.system.arrays import OK
 from dincl.system.compiled_problem import CompiledProblem
 from dincl.system.units import units_of
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
+    from dincl.events.runge_kutta import RungeKutta
     from dincl.problem import Problem
+    from dincl.solvers.sparse_factor import SparseGram
     from dincl.work import Work
 
-# Of the differences that give the velocities of moving sets, as a part of the run.
+# Spacing of the differences that give the velocities of moving sets, as a part of the run.
 SPACING = 1e-3
 # Changes of the contacts allowed in one run.
 MOST_EVENTS = 100_000
 # Steps in the first call of a kernel; as many more in each call as keep it shorter than this [s].
 FEWEST, SHORT = 64, 0.02
+# Steps for which a table has places.
+PLACES = 256
 # More particles than these meet so often that steps are short: they are of order 5, and at an event a step is cut, at
 # its dense output, in place of being repeated. With 200 discs and tol = 1e-8 this takes 0.28 of the evaluations.
 MANY = 100
@@ -49,24 +64,23 @@ ENDS = {
         Status.NOT_CONVERGED,
         "The integrator stopped: its step became too short, or a number overflowed.",
     ),
-    kernels.SLOW: (
+    SLOW: (
         Status.TOO_MANY_STEPS,
-        f"The run would need more than {kernels.MOST_STEPS} steps, as its last {kernels.LOOK} tell: the drift is "
-        "stiff, has noise, or jumps again and again.",
+        f"The run would need more than {kernels.MOST_STEPS} steps, at the rate of its last {kernels.CHECK}: the drift "
+        "is stiff, has noise, or jumps again and again.",
     ),
-    kernels.JUMPS: (
+    JUMPS: (
         Status.TOO_MANY_STEPS,
-        f"The drift jumped more than {MOST_JUMPS} times: from one side of a state to the other, so that none is a "
-        "velocity there.",
+        f"The drift jumped more than {kernels.MOST_JUMPS} times: it points across a surface from both sides.",
     ),
 }
 
 
 def size_of(problem: Problem, end: float) -> float:
-    """The largest distance of a particle from the origin [length].
+    """Compute the largest distance of a particle from the origin [length].
 
-    Where all particles are at the origin, how far they are from the nearest set or go until ``end``, whichever is less;
-    1 for a problem that has no size at all.
+    With all particles at the origin: their distance to the nearest set or their displacement until ``end``, whichever
+    is less; 1 if both are 0.
     """
     x0 = problem.x0
     found = longest(x0)
@@ -80,28 +94,28 @@ def size_of(problem: Problem, end: float) -> float:
 
 
 class EventSystem:
-    """A problem as runs until ``end`` see it: in units in which its size and the time are about 1.
+    """A problem for runs until ``end``: in units in which its size and the time are about 1.
 
     Attributes
     ----------
     size
         Of the problem [length].
-    small
-        The compiled form.
+    compiled
+        The compiled problem.
     gram
-        Room for factors.
+        The sparse factor.
     """
 
     def __init__(self, problem: Problem, end: float) -> None:
         self.size = size_of(problem, end)
-        self.small = CompiledProblem(problem, units=units_of(self.size, end))
-        self.small.sets.find_kinks(end)
-        self.gram = gram_room(self.small.arrays)
+        self.compiled = CompiledProblem(problem, units=units_of(self.size, end))
+        self.compiled.sets.find_kinks(end)
+        self.gram = sparse_gram(self.compiled.arrays)
 
     def start(self, work: Work) -> NDArray[np.float64]:
-        """x0 (N, d), put onto S if it lies outside by more than rounding."""
-        problem, allowed = self.small.problem, TOUCHING * self.size
-        violation = float(self.small.overlaps(np.zeros(1), problem.x0[None])[0])
+        """Return x0 (N, d), moved onto S if it lies outside by more than rounding."""
+        problem, allowed = self.compiled.problem, TOUCHING * self.size
+        violation = float(self.compiled.overlaps(np.zeros(1), problem.x0[None])[0])
         if violation <= allowed:
             return problem.x0
         feasible = FeasibleSet(problem, ActiveSet(allowed).solver(), work, linearised=False)
@@ -109,11 +123,11 @@ class EventSystem:
 
 
 class EventRun:
-    """A run of the event-driven scheme from ``start`` (N, d) to ``end``; what it reached stays when it fails.
+    """A run of the event-driven method from ``start`` (N, d) to ``end``; what it reached stays when it fails.
 
-    ``tol`` is the local tolerance of the integrator. Into so many ``parts`` at least is the way to the end, or to the
-    next event, divided, and so much shorter are the differences that give velocities of moving sets: runs that differ
-    in ``parts`` have no step in common, even where the tolerance does not limit them, so that their distance tells the
+    ``tol`` is the local tolerance of the integrator. The way to the end, or to the next event, is divided into at least
+    ``parts`` parts, and the differences that give velocities of moving sets are so much shorter: runs that differ in
+    ``parts`` have no step in common, even where the tolerance does not limit them, so that their distance estimates the
     error of the coarser one.
 
     Attributes
@@ -125,53 +139,46 @@ class EventRun:
     def __init__(
         self, system: EventSystem, start: NDArray[np.float64], end: float, tol: float, parts: int, work: Work
     ) -> None:
-        self._system, self._work, self._steps = system.small, work, 0
-        self._units = unit = system.small.units
-        small, x = system.small, start.ravel() / unit.length
-        small.sets.spacing = SPACING * end / parts or SPACING
-        size, kinks = system.size / unit.length, small.sets.kinks.ravel() / unit.time
-        many = len(start) > MANY
-        pair = pair_for(tol / system.size, many)
-        n, m, most = x.size, len(small.arrays.rows.row), len(small.arrays.chosen.row)
-        stop, resume = kinks[:2] if len(kinks) else (end / unit.time, end / unit.time)
-        self._state = np.zeros(1, dtype=STATE)
-        given = {"end": end / unit.time, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
-        given |= {"most": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "choose": 1, "cuts": many}
-        for name, value in given.items():
-            self._state[name] = value
-        path = room_for_path(kernels.ROOM * 8, pair.terms, n, most, m)
-        self._march = begin_march(
-            small.place, system.gram.place, small.arrays, pair, self._state, path, x.copy(), kinks
-        )
-        self._words = written(self._march)
-        self.between = PathPieces(small, system.gram, pair, size, x)
-        self._changes: list[NDArray[np.float64]] = []
+        self._system, self._work, self._made = system.compiled, work, 0
+        self._unit = unit = system.compiled.units
+        sets, x, many = system.compiled.sets, start.ravel() / unit.length, len(start) > MANY
+        sets.spacing = SPACING * end / parts or SPACING
+        size, kinks, last = system.size / unit.length, sets.kinks.ravel() / unit.time, end / unit.time
+        pair, arrays = pair_for(tol / system.size, many), system.compiled.arrays
+        stop, resume = kinks[:2] if len(kinks) else (last, last)
+        steps = step_table(PLACES, pair.terms, x.size, len(arrays.chosen.row), len(arrays.rows.row))
+        numbers = {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
+        numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1, "many": many}
+        workspace = event_workspace(arrays, system.compiled.place, system.gram, pair, steps, x.copy(), kinks, **numbers)
+        self._pointer, self._state = StructPointer(workspace, KIND), workspace.state
+        self.between = DenseOutput(system.compiled, system.gram, pair, size, x)
+        self._events: list[NDArray[np.float64]] = []
 
     @property
     def now(self) -> float:
         """The time reached."""
-        return float(self._state["now"][0]) * self._units.time
+        return float(self._state["t"][0]) * self._unit.time
 
     @property
-    def doubt(self) -> float:
-        """How far pushes that were taken for zero can have moved a particle [length]."""
-        return float(self._state["doubt"][0]) * self._units.length
+    def neglected(self) -> float:
+        """How far multipliers < 0 that count as zero can have moved a particle [length]."""
+        return float(self._state["neglected"][0]) * self._unit.length
 
-    def go(self) -> None:
-        """March to the end; StepFailure if that fails."""
-        most, code = FEWEST, kernels.FULL
-        while code == kernels.FULL:
+    def integrate(self) -> None:
+        """Integrate to the end; StepFailure if that fails."""
+        most, code = FEWEST, FULL
+        while code == FULL:
             began = time.perf_counter()
-            with self._system.drift, self._system.sets:
-                code = kernels.march_on(int(self._words.ctypes.data), most)
+            with self._system.callbacks():
+                code = kernels.integrate(self._pointer, most)
             most = min(2 * most, kernels.MOST_STEPS) if time.perf_counter() - began < SHORT else most
             self._drain()
             self._system.count(self._work)
-            if sum(map(len, self._changes)) > MOST_EVENTS:
+            if sum(map(len, self._events)) > MOST_EVENTS:
                 raise StepFailure(Status.TOO_MANY_STEPS, f"More than {MOST_EVENTS} changes of the contacts.")
         if code in ENDS:
             raise StepFailure(*ENDS[code])
-        if code != kernels.DONE:
+        if code != DONE:
             self._system.failure(code)
         if self._system.sets.foreseen is not None:
             raise self._system.sets.foreseen
@@ -180,22 +187,116 @@ class EventRun:
     def events(self) -> tuple[Event, ...]:
         """The changes of the contacts so far; those of one time with contacts first, in the order of their names."""
         names, found = self._system.names, []
-        for t, row, closes, phase in np.concatenate(self._changes):
-            found.append((phase, not closes, names[int(row)], float(t) * self._units.time))
+        for t, row, closes, phase in np.concatenate(self._events):
+            found.append((phase, not closes, names[int(row)], float(t) * self._unit.time))
         return tuple(Event(t, "release" if opens else "contact", *name) for _, opens, name, t in sorted(found))
 
     def state(self) -> NDArray[np.float64]:
-        """The state reached, shape (N, d)."""
-        return self._march.x.reshape(self._system.problem.x0.shape) * self._units.length
+        """Return the state reached, shape (N, d)."""
+        x: NDArray[np.float64] = self._pointer.value.x
+        return x.reshape(self._system.problem.x0.shape) * self._unit.length
 
     def _drain(self) -> None:
-        """Take the pieces and events out of the room of the kernel."""
-        state, path = self._state, self._march.path
-        self._work.steps += int(state["steps"][0]) - self._steps
-        self._steps = int(state["steps"][0])
-        pieces = int(state["pieces"][0])
-        widest = int(path.number[:pieces].max(initial=0))
-        made = path._replace(held=path.held[:, :widest])
-        self.between.add(Path._make(part[:pieces].copy() for part in made), float(state["size"][0]))
-        self._changes.append(path.event[: int(state["events"][0])].copy())
-        state["pieces"], state["events"] = 0, 0
+        """Move steps and events out of the table of the kernel."""
+        state, table = self._state[0], self._pointer.value.steps
+        self._work.steps += int(state["made"]) - self._made
+        self._made, count = int(state["made"]), int(state["steps"])
+        table = table._replace(active=table.active[:, : int(table.number[:count].max(initial=0))])
+        self.between.add(StepTable._make(part[:count].copy() for part in table), float(state["size"]))
+        self._events.append(table.event[: int(state["events"])].copy())
+        state["steps"], state["events"] = 0, 0
+
+
+class DenseOutput(Between):
+    """A polynomial for each step of a run, in the units of its system; states are moved onto the active rows.
+
+    ``size`` is that of the problem, ``start`` is x(0), shape (N d,).
+    """
+
+    def __init__(
+        self, system: CompiledProblem, gram: SparseGram, pair: RungeKutta, size: float, start: NDArray[np.float64]
+    ) -> None:
+        self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
+        self._start, self._system, self._gram = start, system, gram
+        self._spacing, self._kinks = system.sets.spacing, system.sets.kinks
+        self._tables: list[StepTable] = []
+
+    def add(self, table: StepTable, size: float) -> None:
+        """Append steps, and set the size of the problem after them."""
+        if len(table.end):
+            self._tables.append(table)
+        self._size = size
+
+    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Evaluate the polynomials, moved onto the active rows."""
+        x = self._states(np.asarray(times) / self._units.time)
+        return x.reshape(-1, *self._problem.x0.shape) * self._units.length
+
+    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Evaluate residuals with the velocity from before each time, or from after t = 0."""
+        scaled = np.asarray(times) / self._units.time
+        points = zip(times, scaled, *self._steps(scaled), self._states(scaled), strict=True)
+        return np.array([self._residual(float(t), float(s), int(k), int(p), x) for t, s, k, p, x in points])
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave out what is bound to this process."""
+        bound = ("_workspaces", "_system", "_gram")
+        return {name: value for name, value in self.__dict__.items() if name not in bound}
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        """Bind a system of this process."""
+        system = CompiledProblem(state["_problem"], units=state["_units"])
+        self.__dict__ |= state | {"_system": system, "_gram": sparse_gram(system.arrays)}
+
+    @cached_property
+    def _workspaces(self) -> list[StructPointer]:
+        """One workspace for each table, once the run has ended: to join the tables needs twice their memory."""
+        system, pair, x = self._system, self._pair, self._start
+        tables = self._tables or [step_table(0, pair.terms, x.size, 0, 0)]
+        first = event_workspace(
+            system.arrays, system.place, self._gram, pair, tables[0], x.copy(), np.zeros(0), size=self._size
+        )
+        return [StructPointer(first._replace(steps=table), KIND) for table in tables]
+
+    def _states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Evaluate the states (K, n) in the units of the run."""
+        self._system.sets.spacing, self._system.sets.kinks = self._spacing, self._kinks
+        x = np.tile(self._start, (len(times), 1))
+        if not self._tables or not len(times):
+            return x
+        table, step = self._steps(times)
+        with self._system.callbacks():
+            for k in range(table.min(), table.max() + 1):
+                chosen = (table == k) & (times > 0)
+                found = x[chosen]
+                code = kernels.states_at(self._workspaces[k], times[chosen], step[chosen], found)
+                if code != OK:
+                    self._system.failure(code)
+                x[chosen] = found
+        return x
+
+    def _steps(self, times: NDArray[np.float64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Find the table of each time, and the step in it."""
+        which, step = np.zeros(len(times), dtype=np.int64), np.zeros(len(times), dtype=np.int64)
+        begins = -np.inf
+        for k, table in enumerate(self._tables):
+            later = times > begins
+            which[later], begins = k, table.end[-1]
+            step[later] = np.minimum(np.searchsorted(table.end, times[later]), len(table.end) - 1)
+        return which, step
+
+    def _residual(self, t: float, scaled: float, table: int, step: int, x: NDArray[np.float64]) -> float:
+        """Compute the residual at time t, which is ``scaled`` in the units of the run, as x (n,) is."""
+        if not self._tables:
+            return np.inf
+        rate, at = np.empty(x.size), x.reshape(self._problem.x0.shape) * self._units.length
+        try:
+            with self._system.callbacks():
+                code = kernels.rate_at(self._workspaces[table], scaled, step, x, rate)
+            if code != OK:
+                self._system.failure(code)
+            reaction = rate * self._units.speed - self._problem.velocity(t, at).ravel()
+            touching = TOUCHING * self._size * self._units.length
+            return distance_to_cone(reaction, self._problem.rows_within(t, at, touching).jacobian(at))
+        except StepFailure:
+            return np.inf

@@ -96,24 +96,24 @@ class EventDriven(Scheme):
             return _not_begun(problem, work, failure)
         compared = np.concatenate((times, (np.concatenate(([0.0], times[:-1])) + times) / 2))
         for k in range(MOST_RUNS):
-            march = EventRun(system, start, end, self.tol / FIRST / TIGHTER**k, 2**k, work)
+            run = EventRun(system, start, end, self.tol / FIRST / TIGHTER**k, 2**k, work)
             try:
-                march.go()
-                x = march.between.states(compared)
-                overlap = system.small.overlaps(times, x[: len(times)])
+                run.integrate()
+                x = run.between.states(compared)
+                overlap = system.compiled.overlaps(times, x[: len(times)])
             except StepFailure as failure:
                 # What is too coarse to order the events of a crowd may stop a run that a finer one passes.
                 if failure.status is Status.NOT_CONVERGED and k < MOST_RUNS - 2:
                     before = None
                     continue
-                return _failed(march, times, work, failure)
+                return _failed(run, times, work, failure)
             if before is not None:
-                error = _error(before, x) + AGREEMENT * self.tol + march.doubt + overlap
+                error = _error(before, x) + AGREEMENT * self.tol + run.neglected + overlap
                 if error.max() <= self.tol:
-                    return _outcome(march, times, x[: len(times)], work, Status.SUCCESS, "", error)
+                    return _outcome(run, times, x[: len(times)], work, Status.SUCCESS, "", error)
             before = x
         detail = f"The estimated error is {error.max():.2g}, asked for was {self.tol:.2g}."
-        return _outcome(march, times, x[: len(times)], work, Status.NOT_CONVERGED, detail, error)
+        return _outcome(run, times, x[: len(times)], work, Status.NOT_CONVERGED, detail, error)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,24 +149,24 @@ def _not_begun(problem: Problem, work: Work, failure: StepFailure) -> RunOutcome
     return RunOutcome(t, x, failure.status, detail, work, _Start(problem.x0), failure=failure)
 
 
-def _failed(march: EventRun, times: NDArray[np.float64], work: Work, failure: StepFailure) -> RunOutcome:
+def _failed(run: EventRun, times: NDArray[np.float64], work: Work, failure: StepFailure) -> RunOutcome:
     """The states kept until a run failed, and the one that it reached; those that cannot be read are left out."""
     reached, x = [], []
-    for t in times[times <= march.now]:
+    for t in times[times <= run.now]:
         try:
-            x.append(march.between.states(np.array([t]))[0])
+            x.append(run.between.states(np.array([t]))[0])
             reached.append(float(t))
         except StepFailure:
             continue
-    if not reached or reached[-1] < march.now:
-        reached.append(march.now)
-        x.append(march.state())
-    detail = f"{failure.detail} This was after t = {march.now:.6g}."
-    return replace(_outcome(march, np.array(reached), np.array(x), work, failure.status, detail), failure=failure)
+    if not reached or reached[-1] < run.now:
+        reached.append(run.now)
+        x.append(run.state())
+    detail = f"{failure.detail} This was after t = {run.now:.6g}."
+    return replace(_outcome(run, np.array(reached), np.array(x), work, failure.status, detail), failure=failure)
 
 
 def _outcome(
-    march: EventRun,
+    run: EventRun,
     t: NDArray[np.float64],
     x: NDArray[np.float64],
     work: Work,
@@ -180,7 +180,7 @@ def _outcome(
         status=status,
         detail=detail,
         stats=work,
-        between=march.between,
-        events=march.events,
+        between=run.between,
+        events=run.events,
         error=error,
     )

@@ -12,7 +12,6 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.compiled.structs import reader
 from dincl.rows.table import RowTable
 
 # Fewer rows than these are factorised as fast by their envelope, and give the same bits as ever.
@@ -77,9 +76,6 @@ def room_for_gram(most: int, n: int, m: int, entries: int) -> SparseGram:
         **lists,
         **many,
     )
-
-
-gram_at = reader(room_for_gram(0, 0, 0, 0))
 
 
 @inner

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.events import run as march
+from dincl.events import run as events
 from tests.dincl.events.test_event_driven import farthest, random_discs, turned
 
 TOL = 1e-8
@@ -45,7 +45,7 @@ def test_midpoint_catch_up_converges_to_it():
 def test_what_many_particles_need_is_right_for_few(n, d, kind, seed, monkeypatch):
     problem, t = random_discs(n, d, kind, seed), [0.5, 1.0, 2.0]
     few = dincl.solve(problem, dincl.EventDriven(TOL), t)
-    monkeypatch.setattr(march, "MANY", 0)
+    monkeypatch.setattr(events, "MANY", 0)
     many = dincl.solve(problem, dincl.EventDriven(TOL), t)
     assert (farthest(few.x, many.x) <= few.error + many.error).all()
     assert [event[1:] for event in few.events] == [event[1:] for event in many.events]
@@ -89,8 +89,8 @@ def test_a_path_of_several_parts_is_one(monkeypatch):
     """Times in any order, before, at and after the places where a path is divided."""
     scene = dincl.scenes.pile(30)
     whole = dincl.solve(scene, dincl.EventDriven(TOL), [1.0])
-    monkeypatch.setattr(march, "FEWEST", 7)
-    monkeypatch.setattr(march, "SHORT", 0.0)
+    monkeypatch.setattr(events, "FEWEST", 7)
+    monkeypatch.setattr(events, "SHORT", 0.0)
     parts = dincl.solve(scene, dincl.EventDriven(TOL), [1.0])
     t = np.linspace(0, 1, 300)[::-1]
     assert len(parts.events) == len(whole.events)

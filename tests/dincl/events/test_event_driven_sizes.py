@@ -7,13 +7,13 @@ import pytest
 
 import dincl
 from dincl.errors import StepFailure
-from dincl.events import run as march
+from dincl.events import run as events
 from dincl.work import Work
 
 
 def test_a_run_of_any_number_of_calls(monkeypatch):
     """Each call may make more steps than the last one, but never more than a run may have."""
-    monkeypatch.setattr(march, "FEWEST", 2**61)
+    monkeypatch.setattr(events, "FEWEST", 2**61)
     problem = dincl.Problem([[1.0]], lambda t, x: np.full((1, 1), np.cos(5 * t)), [dincl.HalfSpace((1,), -9.0)])
     path = dincl.solve(problem, dincl.EventDriven(1e-5), np.linspace(1, 200, 5))
     assert path.stats.steps > 2000
@@ -70,7 +70,7 @@ def test_a_finer_run_passes_what_stops_a_coarse_one():
     scene = dincl.scenes.pile(40)
     coarse, fine = (dincl.solve(scene, dincl.EventDriven(tol), scene.times[-1]) for tol in (300.0, 1e-6))
     assert np.abs(coarse.x - fine.x).max() <= coarse.error.max() <= 300.0
-    system, end = march.EventSystem(scene, coarse.t[-1]), float(coarse.t[-1])
-    first = march.EventRun(system, system.start(Work()), end, 3.0, 1, Work())
+    system, end = events.EventSystem(scene, coarse.t[-1]), float(coarse.t[-1])
+    first = events.EventRun(system, system.start(Work()), end, 3.0, 1, Work())
     with pytest.raises(StepFailure, match="100 changes"):
-        first.go()
+        first.integrate()

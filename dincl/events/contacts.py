@@ -1,0 +1,153 @@
+"""Which contacts are active from an event on: a least-distance program among the velocities.
+
+x' = argmin |v - F| subject to n_r . v >= b_r for all rows r that touch; rows with multipliers > 0 are active.
+"""
+
+from dincl.compiled import inner
+from dincl.events.motion import set_speed
+from dincl.events.workspace import ACTIVE, CLOSED, OPEN, EventWorkspace
+from dincl.neighbours import ROW_MARGIN
+from dincl.rows.table import VELOCITIES, call_python, gap, linearise
+from dincl.solvers.active_set import CYCLES, nearest
+from dincl.solvers.factor import times
+from dincl.solvers.sparse_active_set import nearest_sparse
+from dincl.solvers.sparse_factor import SPARSE_FROM
+from dincl.solvers.sparse_order import FEW, analyse, covers
+from dincl.steps.catch_up import list_sorted
+from dincl.system.arrays import COINCIDENT, OK, SETS, evaluate, longest, system_at
+
+# Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
+TOUCHING = 1e-13
+# Multipliers and opening speeds are zero below the tolerance over the time of the run, but for these parts of the
+# largest speed at least, for rounding, and at most.
+LEAST_ZERO, ZERO = 1e-13, 1e-10
+# Mean phases to look ahead for rows that are analysed with the touching ones.
+AHEAD = 10.0
+
+
+@inner
+def decide_contacts(run: EventWorkspace) -> int:
+    """Decide which rows are active and which stay closed, and record the changes; OK or why it failed.
+
+    A contact whose multiplier and opening speed are both zero stays closed without being active. It is decided again
+    when one of them has grown to the threshold; or when the gap has become negative, and then any multiplier activates
+    it.
+    """
+    state, system, active, d = (
+        run.state[0],
+        system_at(run.system),
+        run.active,
+        system_at(run.system).sets.shift.shape[1],
+    )
+    code = evaluate(system.drift, d, state.t, run.x, system.program.y)
+    if code == OK and call_python(system.sets, state.t, run.x, VELOCITIES) != 0:
+        code = SETS
+    if code != OK:
+        return code
+    state.speed = max(state.speed, longest(system.program.y, d))
+    count = list_touching(run)
+    if count < 0:
+        return COINCIDENT
+    state.zero = min(max(state.tol / state.end, LEAST_ZERO * state.speed), ZERO * state.speed)
+    code = nearest_velocity(run, count)
+    if code != OK:
+        return code
+    record_changes(run, count)
+    active.number[0] = 0
+    for q in range(count):
+        r = run.touching[q]
+        if run.contact[r] == ACTIVE:
+            active.row[active.number[0]] = r
+            active.number[0] += 1
+    return OK
+
+
+@inner
+def list_touching(run: EventWorkspace) -> int:
+    """List the rows whose gap is closed, with gradients and bounds; their number, -1 if one has no direction."""
+    state, system, x = run.state[0], system_at(run.system), run.x
+    rows, sets, near, program = system.rows, system.sets, system.near, system.program
+    allowed, count = TOUCHING * state.size, 0
+    list_sorted(run.system, state.t, x, allowed, ROW_MARGIN)
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if gap(rows, sets, r, x) <= allowed:
+            value = linearise(rows, sets, r, x, program.gradient)
+            if value != value:
+                system.blamed[0] = r
+                return -1
+            program.bound[r] = set_speed(system, r)
+            state.speed = max(state.speed, abs(program.bound[r]))
+            run.touching[count] = r
+            count += 1
+    return count
+
+
+@inner
+def nearest_velocity(run: EventWorkspace, count: int) -> int:
+    """Solve for the velocity and the multipliers: with a sparse factor if many rows touch."""
+    system, gram, speed = system_at(run.system), run.gram, run.state[0].speed
+    rows, program, code = system.rows, system.program, CYCLES
+    if count >= SPARSE_FROM and (
+        covers(run.touching, count, gram) or analyse(rows, run.touching, list_upcoming(run, count), gram)
+    ):
+        code = nearest_sparse(rows, run.touching, count, program, gram, speed)
+    return code if code != CYCLES else nearest(rows, run.touching, count, program, system.chosen, speed)
+
+
+@inner
+def list_upcoming(run: EventWorkspace, count: int) -> int:
+    """List after the touching rows those that touch soon if velocities do not change; the number of all.
+
+    They are analysed with the others, switched off, so that the analysis serves for more than one event.
+    """
+    state, system, x, point, rate = run.state[0], system_at(run.system), run.x, run.point, run.rate[0]
+    rows, sets, near, found = system.rows, system.sets, system.near, count
+    for k in range(x.size):
+        point[k] = x[k] + AHEAD * state.mean_phase * rate[k]
+    for q in range(near.number[0]):
+        r = near.row[q]
+        touches = gap(rows, sets, r, x) <= TOUCHING * state.size
+        if not touches and found < count + FEW and gap(rows, sets, r, point) <= 0.0:
+            run.touching[found] = r
+            found += 1
+    return found
+
+
+@inner
+def record_changes(run: EventWorkspace, count: int) -> None:
+    """Set the state of each row; one that closes or opens is an event."""
+    state, system = run.state[0], system_at(run.system)
+    program, rows, overlap = system.program, system.rows, -0.5 * TOUCHING * state.size
+    for q in range(count):
+        r = run.touching[q]
+        opening = times(rows, r, program.gradient, program.z) - program.bound[r]
+        least = state.zero if run.contact[r] == ACTIVE or not gap(rows, system.sets, r, run.x) < overlap else 0.0
+        if program.multiplier[r] > least:
+            run.change[r] = ACTIVE
+        elif opening <= state.zero:
+            run.change[r] = CLOSED
+    for q in range(state.closed):
+        r = run.closed[q]
+        if run.change[r] == OPEN:
+            run.contact[r] = OPEN
+            record_event(run, r, 0.0)
+    state.closed = 0
+    for q in range(count):
+        r = run.touching[q]
+        if run.change[r] != OPEN:
+            if run.contact[r] == OPEN:
+                record_event(run, r, 1.0)
+            run.contact[r], run.change[r] = run.change[r], OPEN
+            run.closed[state.closed] = r
+            state.closed += 1
+
+
+@inner
+def record_event(run: EventWorkspace, r: int, closes: float) -> None:
+    """Record that row r closes or opens now; what is closed at the start is no event."""
+    state, event = run.state[0], run.steps.event
+    if state.phase > 0 and state.events < event.shape[0]:
+        event[state.events, 0], event[state.events, 1] = state.t, r
+        event[state.events, 2], event[state.events, 3] = closes, state.phase
+        state.events += 1
