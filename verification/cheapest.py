@@ -10,6 +10,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
+from verification.error_norms import reference_error
+
 # An error below this many times the stated error of the reference is not counted as an accuracy reached.
 RESOLVED = 2.0
 # Ratios of CPU times below this are not told apart, however small the spread of repeats was: the layout of code and
@@ -44,7 +46,7 @@ class Price(NamedTuple):
 
 def accuracy(rows: pd.DataFrame, error: str) -> pd.Series:
     """The error, or RESOLVED times the error of the reference if that is larger."""
-    return rows[error].clip(lower=RESOLVED * rows["reference_error"])
+    return rows[error].clip(lower=RESOLVED * reference_error(rows, error))
 
 
 def runs_of(rows: pd.DataFrame, error: str, cost: str) -> Runs:
@@ -89,7 +91,7 @@ def costs(table: pd.DataFrame, targets: Sequence[float], error: str, cost: str) 
 
     ``resolved`` tells whether the reference is good enough to say so.
     """
-    finest = RESOLVED * table["reference_error"].max()
+    finest = RESOLVED * reference_error(table, error).max()
     methods = {method: runs_of(mine, error, cost) for method, mine in table.groupby("method", sort=False)}
     rows = [
         {"method": method, "target": target, "resolved": not target < finest} | cost_of(runs, target)._asdict()

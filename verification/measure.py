@@ -1,4 +1,4 @@
-"""One run of one method, measured: states, errors in several norms, CPU time with its spread, counted work."""
+"""Measurement of one method: errors, CPU time of integration and of output, counted work."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import asdict, dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from numpy.typing import NDArray
 import dincl
 from dincl.checks import describe
 from verification.budget import Budget, CpuSeconds, OutOfBudgetError, counted
+from verification.error_norms import Answer, Errors, Norm, checked_errors, measured, of_reference
 from verification.machine_code import machine_code
 from verification.method import Method
 from verification.references import Known
@@ -40,24 +42,38 @@ MOST_AGAIN = 8
 
 
 @dataclass
-class Attempt:
-    """One setting of one method: its row, and the CPU times of its runs; ``waited`` says how long they waited."""
+class Times:
+    """CPU times of repeated runs [s], and their wall times over them."""
 
-    setting: float
-    row: dict[str, Any]
     cpu: list[float] = field(default_factory=list)
     waited: list[float] = field(default_factory=list)
 
+    def add(self, cpu: float, wall: float) -> None:
+        """Add one run."""
+        self.cpu.append(cpu)
+        self.waited.append(wall / cpu if cpu > RESOLVED_BY_CLOCK else 1.0)
+
+
+@dataclass
+class Attempt:
+    """One setting of one method: its row, times of runs with all output, and with the least, the state at the end."""
+
+    setting: float
+    row: dict[str, Any]
+    output: Times = field(default_factory=Times)
+    integration: Times = field(default_factory=Times)
+
     def finished(self) -> dict[str, Any]:
-        """The row: the shortest time, its spread (median over it: an outlier decides nothing), whether it waited."""
-        times = {"cpu_seconds": np.nan, "spread": np.nan, "repeats": len(self.cpu), "disturbed": False}
-        if self.cpu:
-            best = int(np.argmin(self.cpu))
-            times["cpu_seconds"], times["spread"] = (
-                self.cpu[best],
-                float(np.median(self.cpu)) / max(self.cpu[best], 1e-9),
-            )
-            times["disturbed"] = self.waited[best] > WAITED
+        """Return the row: the shortest time, its spread (median over shortest), and what output adds."""
+        counted = self.integration if self.integration.cpu else self.output
+        times = {"cpu_seconds": np.nan, "output_seconds": np.nan, "spread": np.nan}
+        times |= {"repeats": len(counted.cpu), "disturbed": False}
+        if counted.cpu:
+            best = int(np.argmin(counted.cpu))
+            shortest = counted.cpu[best]
+            times["cpu_seconds"], times["spread"] = shortest, float(np.median(counted.cpu)) / max(shortest, 1e-9)
+            times["output_seconds"] = max(min(self.output.cpu) - shortest, 0.0)
+            times["disturbed"] = counted.waited[best] > WAITED
         return self.row | times
 
 
@@ -66,21 +82,23 @@ def measure(
     method: Method,
     settings: Sequence[float],
     known: Known,
-    errors: Sequence[str],
+    errors: Errors,
     budget: Budget | None,
     repeats: int = REPEATS,
 ) -> list[dict[str, Any]]:
-    """Rows of one method, from coarse to fine settings, until one costs more than the budget.
+    """Measure one method from coarse to fine settings, until a run costs more than the budget; one row a setting.
 
-    Each run is timed alone, after runs that are thrown away, in which libraries are loaded and kernels compiled. A run
-    in which machine code was made or loaded is made again: it gives no time and spends no budget. Repeats are
-    interleaved: all settings, and then all again. ``status`` is that of the Trajectory, or REFUSED (the method cannot
-    serve the problem), FAILED (it raised), OUT_OF_BUDGET, LEFT_OUT (after a setting that was, or where a library is
-    missing).
+    Errors come from a run that writes the states at all output times. ``cpu_seconds`` is the time of a run that writes
+    the last state only, so that no ranking depends on the number of output times; ``output_seconds`` is what the others
+    add. With ``repeats`` = 0 only the first runs are made. Runs that load libraries or compile kernels are repeated:
+    they give no time and spend no budget. Brief runs are repeated in turn: all settings, then all again. ``status`` is
+    that of the Trajectory, or REFUSED (the method cannot serve the problem), FAILED (it raised), OUT_OF_BUDGET,
+    LEFT_OUT (after one of these, or if a library is missing).
     """
-    attempts = [
-        Attempt(setting, {"method": method.label, "setting": setting} | _nothing(errors)) for setting in settings
-    ]
+    norms = checked_errors(errors)
+    nothing = dict.fromkeys((*norms, *COUNTERS), np.nan) | of_reference(known, norms)
+    start = {"status": "", "detail": ""} | nothing
+    attempts = [Attempt(setting, {"method": method.label, "setting": setting} | start) for setting in settings]
     for index, attempt in enumerate(attempts):
         why = _left_out(problem, method) if index == 0 else _after(attempts[index - 1], budget)
         if why:
@@ -88,18 +106,14 @@ def measure(
             continue
         if index == 0:
             _warm_up(problem, method, attempt.setting, known.t)
-        attempt.row |= _first(problem, method, attempt, known, errors, budget)
-    again = [
-        attempt for attempt in attempts if attempt.cpu and attempt.row["status"] == "SUCCESS" and attempt.cpu[0] < BRIEF
-    ]
-    for _ in range(repeats - 1):
-        for attempt in again:
-            _timed(problem, method, attempt, known.t, None)
+        attempt.row |= _first(problem, method, attempt, known, norms, budget)
+    done = [attempt for attempt in attempts if attempt.row["status"] == "SUCCESS"]
+    for k in range(repeats):
+        for attempt in done if k == 0 else [attempt for attempt in done if attempt.output.cpu[0] < BRIEF]:
+            if k > 0:
+                _timed(problem, method, attempt.setting, known.t, None, attempt.output)
+            _timed(problem, method, attempt.setting, known.t[-1:], None, attempt.integration)
     return [attempt.finished() for attempt in attempts]
-
-
-def _nothing(errors: Sequence[str]) -> dict[str, Any]:
-    return {"status": "", "detail": ""} | dict.fromkeys((*errors, "reference_error", *COUNTERS), np.nan)
 
 
 # After these nothing finer is tried.
@@ -119,7 +133,7 @@ def _after(before: Attempt, budget: Budget | None) -> str:
         return str(before.row["detail"])
     if before.row["status"] in STOPS:
         return f"Setting {before.setting:g} ended {before.row['status']}."
-    spent = before.row | {"cpu_seconds": before.cpu[0] if before.cpu else 0.0}
+    spent = before.row | {"cpu_seconds": before.output.cpu[0] if before.output.cpu else 0.0}
     if budget is not None and spent[budget.column] > budget.limit():
         return f"Setting {before.setting:g} cost more than {budget}."
     return ""
@@ -135,11 +149,11 @@ def _warm_up(problem: Any, method: Method, setting: float, t: Floats) -> None:
 
 
 def _first(
-    problem: Any, method: Method, attempt: Attempt, known: Known, errors: Sequence[str], budget: Budget | None
+    problem: Any, method: Method, attempt: Attempt, known: Known, norms: Mapping[str, Norm], budget: Budget | None
 ) -> dict[str, Any]:
-    """Make the first run of a attempt; the columns that say how it came out."""
+    """Make the first run of an attempt; return the columns that say how it came out."""
     try:
-        outcome = _timed(problem, method, attempt, known.t, budget)
+        outcome = _timed(problem, method, attempt.setting, known.t, budget, attempt.output)
     except ModuleNotFoundError as missing:
         return {"status": "LEFT_OUT", "detail": str(missing)}
     except dincl.InvalidProblem as refusal:
@@ -148,25 +162,27 @@ def _first(
         return {"status": "OUT_OF_BUDGET", "detail": f"Stopped after {budget}."}
     except FAILURES as failure:
         return {"status": "FAILED", "detail": f"{type(failure).__name__}: {failure}"}
-    return outcome.columns | _errors(problem, outcome.x, known, errors)
+    answer = Answer(outcome.x, None if known.between is None else outcome.dense(known.between.t))
+    return outcome.columns | measured(problem, answer, known, norms)
 
 
 @dataclass(frozen=True)
 class _Outcome:
-    """States at the times asked for, NaN where the run did not arrive; what else is known of the run."""
+    """States at the output times, NaN where the run did not arrive; its dense output; columns of the table."""
 
     x: Floats
+    dense: Callable[[Floats], Floats]
     columns: dict[str, Any]
 
 
-def _timed(problem: Any, method: Method, attempt: Attempt, t: Floats, budget: Budget | None) -> _Outcome:
-    """Run with the garbage collector at rest; add the times to the attempt."""
+def _timed(problem: Any, method: Method, setting: float, t: Floats, budget: Budget | None, times: Times) -> _Outcome:
+    """Run without garbage collection; add the run to ``times``."""
     collecting = gc.isenabled()
     gc.disable()
     try:
         for _ in range(MOST_AGAIN):
             with machine_code() as made:
-                outcome, cpu, wall = _clocked(problem, method, attempt.setting, t, budget)
+                outcome, cpu, wall = _clocked(problem, method, setting, t, budget)
             if not made:
                 break
     finally:
@@ -174,8 +190,7 @@ def _timed(problem: Any, method: Method, attempt: Attempt, t: Floats, budget: Bu
             gc.enable()
     if outcome is None:
         raise OutOfBudgetError
-    attempt.cpu.append(cpu)
-    attempt.waited.append(wall / cpu if cpu > RESOLVED_BY_CLOCK else 1.0)
+    times.add(cpu, wall)
     return outcome
 
 
@@ -196,11 +211,21 @@ def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget
         states = _states(method, method.run(watched, setting, t), problem, len(t))
         status = "SUCCESS" if np.isfinite(states).all() else "NON_FINITE"
         evaluations = drift.evaluations if drift else np.nan
-        return _Outcome(states, {"status": status, "detail": "", "drift_evaluations": evaluations})
+        columns = {"status": status, "detail": "", "drift_evaluations": evaluations}
+        return _Outcome(states, partial(_straight, problem, t, states), columns)
     path = dincl.solve(watched, _scheme(method, setting), t=t, throw=False)
     work = asdict(path.stats)
     counters = {name: work[name] for name in COUNTERS}
-    return _Outcome(reached(path, t), {"status": path.status.name, "detail": path.detail} | counters)
+    return _Outcome(reached(path, t), path, {"status": path.status.name, "detail": path.detail} | counters)
+
+
+def _straight(problem: Any, t: Floats, states: Floats, times: Floats) -> Floats:
+    """Interpolate states of a program on straight lines between the start and the output times."""
+    if isinstance(problem, dincl.Problem):
+        t, states = np.append(0.0, t), np.concatenate((problem.x0[None], states))
+    flat = states.reshape(len(t), -1)
+    found = [np.interp(times, t, column) for column in flat.T]
+    return np.stack(found, axis=1).reshape(len(times), *states.shape[1:])
 
 
 def _scheme(method: Method, setting: float) -> dincl.Scheme:
@@ -213,7 +238,14 @@ def _scheme(method: Method, setting: float) -> dincl.Scheme:
 
 
 def _states(method: Method, found: object, problem: Any, count: int) -> Floats:
-    states = np.asarray(found, dtype=np.float64)
+    try:
+        states = np.asarray(found, dtype=np.float64)
+    except (TypeError, ValueError):
+        states = None
+    if found is None or states is None:
+        raise dincl.InvalidProblem(
+            f"method {method.label!r} returned {describe(found)}: must return an array of states"
+        )
     expected = (count, *problem.x0.shape) if isinstance(problem, dincl.Problem) else (count, *states.shape[1:])
     if states.shape != expected:
         raise dincl.InvalidProblem(f"method {method.label!r} returned shape {states.shape}: must return {expected}")
@@ -227,38 +259,3 @@ def reached(path: dincl.Trajectory, times: Floats) -> Floats:
         for index in np.flatnonzero(path.t == t):
             states[k] = path.x[index]
     return states
-
-
-def distance(x: Floats, y: Floats) -> Floats:
-    """max_i |X_i - Y_i| at each time, shape (K,), for x, y of shape (K, N, d) or (K, d) [length]."""
-    far: Floats = np.sqrt(((x - y) ** 2).sum(axis=-1)).reshape(len(x), -1).max(axis=-1)
-    return far
-
-
-def _largest(problem: Any, x: Floats, known: Known) -> float:
-    return float(distance(x, known.x).max())
-
-
-def _final(problem: Any, x: Floats, known: Known) -> float:
-    return float(distance(x[-1:], known.x[-1:])[0])
-
-
-def _overlap(problem: Any, x: Floats, known: Known) -> float:
-    if not isinstance(problem, dincl.Problem):
-        return np.nan
-    return max(problem.violation(float(t), state) for t, state in zip(known.t, x, strict=True))
-
-
-# name -> (problem, states (K, N, d), reference) -> error: the largest in time, at the end, and max max(0, -g).
-NORMS: Mapping[str, Callable[[Any, Floats, Known], float]] = {
-    "largest": _largest,
-    "final": _final,
-    "overlap": _overlap,
-}
-
-
-def _errors(problem: Any, x: Floats, known: Known, errors: Sequence[str]) -> dict[str, float]:
-    arrived = bool(np.isfinite(x).all())
-    return {name: NORMS[name](problem, x, known) if arrived else np.nan for name in errors} | {
-        "reference_error": float(known.error.max())
-    }

@@ -68,6 +68,7 @@ class Order:
     scattered: bool = False  # errors fall in the mean, but not from step to step
     drifting: bool = False  # the slopes in the range still change, all in one direction
     diverging: bool = False  # errors grow as h falls
+    rising: bool = False  # the error of the finest step exceeds the two before it
 
     def count(self, role: Role) -> int:
         """Count the rows of one role, such as the coarse ones left out as "pre-asymptotic"."""
@@ -79,7 +80,9 @@ class Order:
         names: dict[Role, str] = {"pre-asymptotic": "pre-asymptotic", "floor": "at the floor", "failed": "failed"}
         parts = [f"{self.count(role)} {name}" for role, name in names.items() if self.count(role)]
         left_out = f" (left out: {', '.join(parts)})" if parts else ""
-        return f"{_why_none(self) if self.interval is None else _finding(self, self.interval[0])}{left_out}."
+        if self.slope is None or self.interval is None:
+            return f"{_why_none(self)}{left_out}."
+        return f"{_finding(self, self.slope, self.interval)}{left_out}."
 
 
 def estimate(
@@ -137,10 +140,17 @@ def estimate(
 
 
 def order_text(order: Order) -> str:
-    """Order for a table cell: "1.00 [0.98, 1.03]", "exact" or "none", followed by "scattered" or "drifting"."""
+    """Return the order for a table cell: "1.00 [0.98, 1.03]", with "scattered" or "drifting" behind it; or a word.
+
+    "exact", "none", or "does not fall": the error of the finest step exceeds the two before it.
+    """
     if order.slope is None or order.interval is None:
         return "exact" if order.exact else "none"
-    slope, low, high = (f"{value:.2f}".replace("-0.00", "0.00") for value in (order.slope, *order.interval))
+    return "does not fall" if order.rising and not order.diverging else _slope_text(order.slope, order.interval, order)
+
+
+def _slope_text(value: float, interval: tuple[float, float], order: Order) -> str:
+    slope, low, high = (f"{value:.2f}".replace("-0.00", "0.00") for value in (value, *interval))
     notes = (", scattered" if order.scattered else "") + (", drifting" if order.drifting else "")
     return f"{slope} [{low}, {high}]{notes}"
 
@@ -275,6 +285,7 @@ def _fitted(rows: tuple[Row, ...], x: Floats, y: Floats, resolution: float) -> O
         scattered=bool(slope > 0.0 and not one_way and spread > SCATTER * (x[0] - x[-1]) / (x.size - 1)),
         drifting=bool(known and one_way and abs(slopes[0] - slopes[-1]) > SLOPE_DRIFT + shift),
         diverging=slope + half < -SLOPE_DRIFT,
+        rising=bool(y[-1] > max(y[-2], y[-3])),
     )
 
 
@@ -288,13 +299,16 @@ def _why_none(order: Order) -> str:
     return f"No order can be read: {usable} of {size} errors are usable, {MIN_POINTS} are needed"
 
 
-def _finding(order: Order, low: float) -> str:
+def _finding(order: Order, slope: float, interval: tuple[float, float]) -> str:
     if order.diverging:
         says = "The error grows as h falls"
-    elif low <= SLOPE_DRIFT:
+    elif order.rising:
+        says = "The error does not fall with h: that of the finest step exceeds the two before it"
+    elif interval[0] <= SLOPE_DRIFT:
         says = "No convergence is shown"
     else:
         says = "The error falls with h"
     scatter = " and the errors scatter about their trend instead of following it" if order.scattered else ""
     drift = " and the slopes still change in one direction" if order.drifting else ""
-    return f"{says}{scatter}{drift}: order {order_text(order)}, 95 % interval, {order.count('used')} step sizes"
+    fitted = _slope_text(slope, interval, order)
+    return f"{says}{scatter}{drift}: order {fitted}, 95 % interval, {order.count('used')} step sizes"

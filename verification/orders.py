@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 
 from dincl import InvalidProblem
 from verification.budget import Budget
-from verification.measure import NORMS, measure
+from verification.error_norms import Errors, checked_errors, reference_error
+from verification.measure import measure
 from verification.method import Methods, as_methods
 from verification.order import MIN_STEPS, Order, estimate, order_text
 from verification.references import known_at
@@ -20,6 +21,9 @@ from verification.result import Result, left_out
 
 if TYPE_CHECKING:
     from verification.page.sheet import Axes
+
+# What a setting is, by its name in ``Method``.
+SETTINGS = {"dt": "step dt [time]", "tol": "tolerance [length]"}
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -38,12 +42,15 @@ class OrderStudy(Result):
         Names of the errors, the first is drawn.
     looks
         label -> keywords of matplotlib.
+    setting
+        What the settings are: the label of the axis.
     """
 
     table: pd.DataFrame
     fits: pd.DataFrame
     errors: tuple[str, ...]
     looks: dict[str, dict[str, Any]]
+    setting: str = SETTINGS["dt"]
     title: str = "Order of convergence"
     name: str = "orders"
 
@@ -51,7 +58,7 @@ class OrderStudy(Result):
         """The error against the setting, in logarithms; rows that the fit left out are hollow, failed ones crosses."""
         from verification.page.charts import draw_orders
 
-        panel = draw_orders(self.table, self.fits, self.looks, error or self.errors[0], ax)
+        panel = draw_orders(self.table, self.fits, self.looks, error or self.errors[0], self.setting, ax)
         panel.set_title(self.title)
         return panel
 
@@ -72,7 +79,7 @@ def order_study(
     settings: Sequence[float],
     t: ArrayLike,
     reference: Any,
-    errors: Sequence[str] = ("largest", "final"),
+    errors: Errors = ("largest", "final"),
     budget: Budget | None = None,
 ) -> OrderStudy:
     """Run every method with every setting, and fit error = C h^p on the asymptotic part of each curve.
@@ -90,7 +97,10 @@ def order_study(
     reference
         ``reference(problem, tol)``, a function t -> exact states, a Known, or an array (K, N, d).
     errors
-        "largest" over t, "final" at the last t: max_i |X_i - exact| [length]; "overlap": max max(0, -g) over t.
+        Of max_i |X_i - exact| [length]: the "largest" over t, the "final" one at the last t, "L2", its root mean square
+        over time, "dense", the largest of dense output between the times, too. "overlap": max max(0, -g) over t. A
+        function of the state (N, d), such as a height or an energy: the largest error of its values over t. Several of
+        these, or a mapping from names to them.
     budget
         Of one run: CpuSeconds or DriftEvaluations. Finer settings than one that exceeds it are left out.
 
@@ -99,10 +109,11 @@ def order_study(
     InvalidProblem
         For fewer than five settings, unknown names of errors, objects that are not methods, times that do not increase.
     """
-    chosen, names = as_methods(methods), checked_errors(errors)
+    chosen, norms = as_methods(methods), checked_errors(errors)
+    names = tuple(norms)
     ladder = checked_settings(settings, least=MIN_STEPS)
-    known = known_at(reference, t)
-    rows = [row for method in chosen for row in measure(problem, method, ladder, known, names, budget, repeats=1)]
+    known = known_at(reference, t, between="dense" in names)
+    rows = [row for method in chosen for row in measure(problem, method, ladder, known, norms, budget, repeats=0)]
     table, fits = pd.DataFrame(rows), []
     untried = left_out(table)
     for method in chosen:
@@ -113,7 +124,9 @@ def order_study(
         table.loc[mine, "role"] = [row.role for row in orders[names[0]].rows]
         table.loc[mine, "slope"] = [np.nan if row.slope is None else row.slope for row in orders[names[0]].rows]
     looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
-    return OrderStudy(table, pd.DataFrame(fits), names, looks)
+    meanings = {method.setting for method in chosen}
+    setting = " or ".join(SETTINGS.get(name, name) for name in sorted(meanings))
+    return OrderStudy(table, pd.DataFrame(fits), names, looks, setting)
 
 
 def order_of(rows: pd.DataFrame, error: str) -> Order:
@@ -121,18 +134,9 @@ def order_of(rows: pd.DataFrame, error: str) -> Order:
 
     The overlap has no reference; its floor is rounding.
     """
-    floor = 0.0 if error == "overlap" else float(np.nan_to_num(rows["reference_error"]).max())
+    floor = float(np.nan_to_num(reference_error(rows, error)).max())
     failed = (rows["status"] != "SUCCESS").to_numpy()
     return estimate(rows["setting"], rows[error].where(~failed), floor=floor, failed=failed)
-
-
-def checked_errors(errors: Sequence[str]) -> tuple[str, ...]:
-    """Names of errors, one at least, each known."""
-    names = (errors,) if isinstance(errors, str) else tuple(errors)
-    unknown = [name for name in names if name not in NORMS]
-    if unknown or not names:
-        raise InvalidProblem(f"errors = {errors!r}: must be one or more of {', '.join(NORMS)}")
-    return names
 
 
 def checked_settings(settings: Sequence[float], least: int = 1) -> tuple[float, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,8 @@ SAME = 5e-8
 ROUNDING = 4 * np.finfo(float).eps
 # The stated error over the distance between the last two runs with halved steps, and halvings at most.
 SAFETY, MOST_HALVINGS = 2.0, 16
+# Times between two output times at which dense output is looked at.
+BETWEEN = 4
 
 
 @dataclass(frozen=True)
@@ -32,11 +34,14 @@ class Known:
         Times (K,) and states (K, N, d).
     error
         Stated error max_i |X_i - exact| at each time, (K,) [length].
+    between
+        The solution at times between those, where it was asked for.
     """
 
     t: Floats
     x: Floats
     error: Floats
+    between: Known | None = field(default=None, kw_only=True)
 
     def at(self, times: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """States (len(times), N, d), stated errors (len(times),) at some of the times t; ValueError for others."""
@@ -112,8 +117,10 @@ def reference(
     return Reference(problem, number("tol", tol, positive=True), scheme, step)
 
 
-def known_at(source: Any, t: ArrayLike) -> Known:
-    """The solution at times t (K,) from a Reference, a Known, a function t -> states, or such a function's values.
+def known_at(source: Any, t: ArrayLike, *, between: bool = False) -> Known:
+    """Return the solution at times t (K,) from a Reference, a Known, a function t -> states, or an array of states.
+
+    With ``between`` also at the times of ``times_between``; this needs a function.
 
     Raises
     ------
@@ -123,6 +130,14 @@ def known_at(source: Any, t: ArrayLike) -> Known:
     times = np.atleast_1d(array("t", t))
     if times.ndim != 1 or times.size == 0 or (np.diff(times) <= 0).any():
         raise dincl.InvalidProblem(f"t = {describe(t)}: must be one or more increasing times")
+    if between:
+        if not callable(source):
+            raise dincl.InvalidProblem(
+                f"reference = {describe(source)}: errors of dense output need one that can be evaluated at any time: "
+                "verification.reference(...) or a function t -> states"
+            )
+        both = known_at(source, np.union1d(times, times_between(times)))
+        return replace(known_at(both, times), between=known_at(both, times_between(times)))
     if isinstance(source, Known):
         return Known(times, *source.at(times))
     found = source(times) if callable(source) else source
@@ -132,6 +147,13 @@ def known_at(source: Any, t: ArrayLike) -> Known:
     if x.ndim < 2 or len(x) != len(times):
         raise dincl.InvalidProblem(f"reference of shape {x.shape}: must give one state for each of {len(times)} times")
     return _exact(times, x)
+
+
+def times_between(t: Floats) -> Floats:
+    """Return BETWEEN equally spaced times between each two of 0, t_1, ..., t_K."""
+    ends = np.append(0.0, t) if t[0] > 0 else t
+    parts = np.arange(1, BETWEEN + 1) / (BETWEEN + 1)
+    return np.ravel(ends[:-1, None] + np.diff(ends)[:, None] * parts)
 
 
 def _exact(t: Floats, x: ArrayLike) -> Known:

@@ -14,9 +14,10 @@ from dincl import InvalidProblem
 from dincl.checks import describe
 from verification import cheapest
 from verification.budget import Budget
+from verification.error_norms import Errors, checked_errors
 from verification.measure import COUNTERS, REPEATS, measure
 from verification.method import Method, Methods, as_methods
-from verification.orders import checked_errors, checked_settings
+from verification.orders import checked_settings
 from verification.references import Known, known_at
 from verification.result import Result, left_out, left_out_rows
 
@@ -35,8 +36,9 @@ class WorkPrecision(Result):
     Attributes
     ----------
     table
-        One row for each method and setting: family, status, errors, ``cpu_seconds`` (the shortest of ``repeats``) with
-        ``spread`` (median over shortest), ``disturbed`` (the run waited for the processor), counted work.
+        One row for each method and setting: family, status, errors, ``cpu_seconds`` of the integration (the shortest of
+        ``repeats``) with ``spread`` (median over shortest), ``output_seconds`` (what all output times add),
+        ``disturbed`` (the run waited for the processor), counted work.
     errors
         Names of the errors, the first is drawn.
     budget
@@ -129,7 +131,7 @@ def work_precision(
     t: ArrayLike,
     reference: Any,
     budget: Budget,
-    errors: Sequence[str] = ("largest", "final", "overlap"),
+    errors: Errors = ("largest", "final", "overlap"),
 ) -> WorkPrecision:
     """Run every method from coarse to fine settings until a run exceeds the budget; errors against cost.
 
@@ -150,18 +152,19 @@ def work_precision(
     """
     if not isinstance(budget, Budget):
         raise InvalidProblem(f"budget = {describe(budget)}: must be CpuSeconds(...) or DriftEvaluations(...)")
-    chosen, names, known = as_methods(methods), checked_errors(errors), known_at(reference, t)
+    chosen, norms = as_methods(methods), checked_errors(errors)
+    known = known_at(reference, t, between="dense" in norms)
     rows = [
         row
         for method in chosen
-        for row in rows_of(problem, method, settings_of(method, settings), known, names, budget)
+        for row in rows_of(problem, method, settings_of(method, settings), known, norms, budget)
     ]
     looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
-    return WorkPrecision(pd.DataFrame(rows), names, budget, looks)
+    return WorkPrecision(pd.DataFrame(rows), tuple(norms), budget, looks)
 
 
 def rows_of(
-    problem: Any, method: Method, settings: Sequence[float], known: Known, errors: Sequence[str], budget: Budget
+    problem: Any, method: Method, settings: Sequence[float], known: Known, errors: Errors, budget: Budget
 ) -> list[dict[str, Any]]:
     """The rows of one method, as they are in the table of the chart."""
     rows = measure(problem, method, settings, known, errors, budget, REPEATS)

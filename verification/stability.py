@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 import dincl
 from dincl.checks import describe, number
 from dincl.extras import MissingLibrary
-from verification.measure import distance
+from verification.error_norms import distance
 from verification.method import Method
 from verification.outcome import Outcome, judge
 from verification.references import known_at

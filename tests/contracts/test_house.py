@@ -35,7 +35,7 @@ ORDER = {
     ),
     "verification": (
         "evidence claims decide selection pytest_plugin",
-        "outcome order lines result budget cheapest machine_code references method measure",
+        "outcome order lines result budget machine_code references error_norms cheapest method measure",
         "page meanfield_methods orders rates stability speed_accuracy compare",
         "thesis.introduction thesis.conclusions thesis.appendix",
         "thesis.chapter1 thesis.chapter2.yardsticks thesis.chapter2 thesis.chapter2.stability",

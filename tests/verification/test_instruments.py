@@ -104,7 +104,7 @@ def test_budget_of_counted_work_is_the_same_every_time():
         for _ in range(2)
     ]
     assert runs[0]["status"].tolist() == ["SUCCESS", "SUCCESS", "OUT_OF_BUDGET", "LEFT_OUT", "LEFT_OUT", "LEFT_OUT"]
-    columns = [name for name in runs[0] if name not in ("cpu_seconds", "spread", "disturbed")]
+    columns = [name for name in runs[0] if name not in ("cpu_seconds", "output_seconds", "spread", "disturbed")]
     pd.testing.assert_frame_equal(runs[0][columns], runs[1][columns])
 
 
@@ -132,22 +132,32 @@ def test_waiting_for_the_processor_is_said(monkeypatch):
     assert "1 of 1 measurements were disturbed" in next(iter(found.summaries()))
 
 
-def test_brief_runs_are_repeated_in_turn_and_the_shortest_counts(monkeypatch):
-    seen, cpu = [], iter(np.cumsum([0, 9.0, 0, 0.15, 0, 2.0, 0, 0.1, 0, 0.6, 0, 0.12, 0, 0.05, 0, 0.4]))
+def test_brief_runs_are_repeated_in_turn_and_the_shortest_without_output_counts(monkeypatch):
+    seen, clock = [], [0.0]
+    seconds = {
+        (0.1, 3): iter([0.15, 0.11, 0.12]),
+        (0.05, 3): iter([2.0]),
+        (0.025, 3): iter([0.1, 0.2, 0.3]),
+        (0.1, 1): iter([0.05, 0.1, 0.4]),
+        (0.05, 1): iter([1.5]),
+        (0.025, 1): iter([0.2, 0.2, 0.2]),
+    }
     monkeypatch.setattr(measure, "_warm_up", lambda *_: None)
-    monkeypatch.setattr(measure.time, "process_time", lambda: next(cpu))
+    monkeypatch.setattr(measure.time, "process_time", lambda: clock[0])
 
     def run(problem, dt, t):
-        seen.append(dt)
+        seen.append((dt, len(t)))
+        clock[0] += next(seconds[dt, len(t)])
         return SLIDE.exact(t)
 
-    next(cpu), next(cpu)
     known = v.Known(np.array(T), SLIDE.exact(np.array(T)), np.zeros(3))
     rows = measure.measure(None, v.Method("own", run=run), (0.1, 0.05, 0.025), known, ("final",), None)
-    assert seen == [0.1, 0.05, 0.025, 0.1, 0.025, 0.1, 0.025]
+    first = [(0.1, 3), (0.05, 3), (0.025, 3), (0.1, 1), (0.05, 1), (0.025, 1)]
+    assert seen == first + 2 * [(0.1, 3), (0.1, 1), (0.025, 3), (0.025, 1)]
     assert [row["repeats"] for row in rows] == [3, 1, 3]
-    assert [row["cpu_seconds"] for row in rows] == pytest.approx([0.05, 2.0, 0.1])
-    assert rows[0]["spread"] == pytest.approx(3.0)
+    assert [row["cpu_seconds"] for row in rows] == pytest.approx([0.05, 1.5, 0.2])
+    assert [row["output_seconds"] for row in rows] == pytest.approx([0.06, 0.5, 0.0])
+    assert rows[0]["spread"] == pytest.approx(2.0)
 
 
 def test_methods_are_left_out_of_what_they_are_not_made_for():
@@ -254,7 +264,10 @@ def known(t):
         ({"settings": [0.1, -1.0]}, "settings = .*: must be 1 or more different numbers > 0"),
         ({"settings": {"tol": [0.1]}}, "settings has no entry 'PBD' or 'dt'"),
         ({"t": [2.0, 1.0]}, "t = .*: must be one or more increasing times"),
-        ({"errors": ("largest", "smallest")}, "errors = .*: must be one or more of largest, final, overlap"),
+        (
+            {"errors": ("largest", "smallest")},
+            "errors = .*: must be one or more of largest, final, L2, dense, overlap, or",
+        ),
         ({"budget": 2.0}, r"budget = 2.0: must be CpuSeconds\(...\) or DriftEvaluations"),
         ({"reference": np.zeros((2, 1, 2))}, "reference of shape .*: must give one state for each of 3 times"),
     ],

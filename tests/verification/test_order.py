@@ -176,6 +176,16 @@ def test_divergence_keeps_its_sign(power):
     assert order_text(order).startswith("-")
 
 
+def test_errors_that_rise_at_the_end_do_not_fall():
+    error = 0.01 * H
+    error[-2:] = error[-3] * np.array([0.9, 2.0])  # as where tolerances of a solver add up over ever more steps
+    order = estimate(H, error)
+    assert order.rising
+    assert order_text(order) == "does not fall"
+    assert order.verdict.startswith("The error does not fall with h: that of the finest step exceeds the two before it")
+    assert not estimate(H, 0.01 * H).rising
+
+
 def test_errors_that_stop_falling_far_above_the_floor_are_no_convergence():
     order = estimate(H, H**4 + 1e-3)
     assert order.count("floor") == 0

@@ -11,6 +11,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from verification.cheapest import NOT_TRIED, RESOLVED, accuracy, front
+from verification.error_norms import label as error_label
+from verification.error_norms import reference_error
 from verification.page.outcome_map import draw_outcomes, outcome_handles
 from verification.page.sheet import GREY, Axes, own_axes
 
@@ -19,13 +21,7 @@ Floats = NDArray[np.float64]
 # One colour for each family (Okabe and Ito's palette, apart from yellow, which is too light for lines).
 COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#000000", "#6f6f6f")
 MARKERS = ("o", "s", "^", "D", "v", "P", "X", "*")
-NAMES = {
-    "largest": "largest error in time",
-    "final": "error at the end",
-    "overlap": "largest overlap",
-    "cpu_seconds": "CPU time [s]",
-    "setting": "setting",
-}
+COSTS = {"cpu_seconds": "CPU time of integration [s]", "output_seconds": "CPU time of output [s]"}
 # Why a method has no point on a chart, by the status of its first run; of any other status: it failed.
 NOTHING = {"SUCCESS": "not counted", "OUT_OF_BUDGET": "too slow", "REFUSED": "refused", "LEFT_OUT": "left out"}
 # The colours and words of what belongs to no method.
@@ -47,8 +43,18 @@ def styles(looks: Looks) -> dict[str, dict[str, Any]]:
     return found
 
 
-def draw_orders(table: pd.DataFrame, fits: pd.DataFrame, looks: Looks, error: str, ax: Axes | None) -> Axes:
-    """Error against setting; the fitted line of each method, rows outside of the fit hollow, failures crosses."""
+def cost_label(cost: str) -> str:
+    """Return the label of the axis of a cost."""
+    return COSTS.get(cost, cost.replace("_", " "))
+
+
+def draw_orders(
+    table: pd.DataFrame, fits: pd.DataFrame, looks: Looks, error: str, setting: str, ax: Axes | None
+) -> Axes:
+    """Draw errors against settings; rows outside of the fit are hollow, failures crosses.
+
+    ``setting`` is the label of the axis.
+    """
     panel = own_axes(ax)
     for label, look in styles(looks).items():
         rows = table[table["method"] == label]
@@ -56,7 +62,7 @@ def draw_orders(table: pd.DataFrame, fits: pd.DataFrame, looks: Looks, error: st
         _line(panel, rows, "setting", rows[error], look, f"{label}: {fit['order']}")
         _failures(panel, rows, "setting", look)
     _floor(panel, table, error)
-    panel.set(xlabel=NAMES["setting"], ylabel=NAMES[error])
+    panel.set(xlabel=setting, ylabel=error_label(error))
     _legend(panel)
     return panel
 
@@ -71,7 +77,7 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
         _failures(panel, rows, cost, look)
     _front(panel, front(table, error, cost), cost)
     _floor(panel, table, error)
-    panel.set(xlabel=NAMES.get(cost, cost.replace("_", " ")), ylabel=NAMES[error])
+    panel.set(xlabel=cost_label(cost), ylabel=error_label(error))
     _legend(panel)
     return panel
 
@@ -112,9 +118,9 @@ def _legend(panel: Axes) -> None:
 
 def _floor(panel: Axes, table: pd.DataFrame, error: str) -> None:
     """Where the reference itself is no better."""
-    limit = RESOLVED * float(np.nan_to_num(table["reference_error"]).max())
+    limit = RESOLVED * float(np.nan_to_num(reference_error(table, error)).max())
     low, high = panel.get_ylim()
-    if error == "overlap" or not low < limit < high:
+    if not low < limit < high:
         return
     panel.axhspan(low, limit, color="#efefef", zorder=0)
     text = "not resolved by the reference"

@@ -13,7 +13,8 @@ from bokeh.plotting import figure
 from bokeh.resources import Resources
 
 from verification.cheapest import NOT_TRIED, accuracy, front
-from verification.page.charts import FAILED, LOWEST, NAMES, Looks, styles
+from verification.error_norms import label as error_label
+from verification.page.charts import FAILED, LOWEST, Looks, cost_label, styles
 
 HEIGHT = 560  # dots
 MARKERS = ("circle", "square", "triangle", "diamond", "inverted_triangle", "star", "hex", "circle_x", "square_pin")
@@ -51,7 +52,7 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
         Columns of the table.
     """
     axes: dict[str, Any] = {"x_axis_type": "log", "y_axis_type": "log"}
-    axes |= {"x_axis_label": NAMES.get(cost, cost.replace("_", " ")), "y_axis_label": NAMES[error]}
+    axes |= {"x_axis_label": cost_label(cost), "y_axis_label": error_label(error)}
     panel = figure(height=HEIGHT, sizing_mode="stretch_width", **TOOLS, **axes)
     best = front(table, error, cost)
     drawn = panel.line(best[cost], best["accuracy"].clip(lower=LOWEST), line_color="#d9d9d9", line_width=9)

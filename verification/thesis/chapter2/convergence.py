@@ -9,7 +9,8 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Key, Row, Study
-from verification.measure import distance, reached
+from verification.error_norms import distance
+from verification.measure import reached
 from verification.order import Order, estimate, order_text
 from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
 from verification.thesis.chapter2.reference import EventReference

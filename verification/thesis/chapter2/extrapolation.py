@@ -15,7 +15,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
-from verification.measure import distance
+from verification.error_norms import distance
 from verification.references import Known
 from verification.thesis.chapter2.convergence import STEP
 from verification.thesis.chapter2.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, REFERENCE_TOL

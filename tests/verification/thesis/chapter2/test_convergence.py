@@ -5,7 +5,8 @@ import pandas as pd
 import pytest
 
 import dincl
-from verification.measure import distance, reached
+from verification.error_norms import distance
+from verification.measure import reached
 from verification.thesis.chapter2 import convergence, infeasibility, large_steps, page
 from verification.thesis.chapter2 import reference as event_driven
 from verification.thesis.chapter2.extrapolation import extrapolate
