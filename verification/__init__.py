@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from verification.budget import Budget, CpuSeconds, DriftEvaluations
+    from verification.chart import WorkPrecision
     from verification.claims import Claim, Correction, Cost, Effect, claim
     from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
     from verification.meanfield_methods import DensityProblem, ParticleProblem, density_methods, particle_methods
@@ -20,10 +21,11 @@ if TYPE_CHECKING:
     from verification.orders import OrderStudy, order_study
     from verification.outcome import Outcome
     from verification.page.results import save
+    from verification.problem_sets import WorkPrecisionSet
     from verification.rates import W1Rates, w1_rates
     from verification.references import Known, Reference, reference
     from verification.result import Result
-    from verification.speed_accuracy import WorkPrecision, work_precision
+    from verification.speed_accuracy import work_precision
     from verification.stability import StabilityMap, stability_map
 
 # Where the names are: a module is loaded when one of its names is first used, so that the plugin of pytest, which comes
@@ -41,7 +43,9 @@ _PLACES = {
     "rates": ("W1Rates", "w1_rates"),
     "references": ("Known", "Reference", "reference"),
     "result": ("Result",),
-    "speed_accuracy": ("WorkPrecision", "work_precision"),
+    "problem_sets": ("WorkPrecisionSet",),
+    "speed_accuracy": ("work_precision",),
+    "chart": ("WorkPrecision",),
     "stability": ("StabilityMap", "stability_map"),
 }
 _MODULE_OF = {name: module for module, names in _PLACES.items() for name in names}
@@ -69,6 +73,7 @@ __all__ = [
     "StabilityMap",
     "W1Rates",
     "WorkPrecision",
+    "WorkPrecisionSet",
     "at_least",
     "at_most",
     "claim",

@@ -136,14 +136,19 @@ def compare(
     file: Annotated[Path, typer.Argument(help="A Python file that names problem, methods, settings and t.")],
     out: Out = Path("comparison"),
 ) -> None:
-    """Compare methods on a problem of your own: orders, speed against accuracy, and a page in <out>."""
+    """Compare methods on a problem of your own: orders, speed against accuracy, and a page in <out>.
+
+    FILE names problem, methods, settings and t, as verification.work_precision takes them. It may also name reference
+    (default: verification.reference(problem, tol=1e-11)) and budget of one run (default: verification.CpuSeconds(2.0)).
+    """
     from dincl import InvalidProblem
     from verification.compare import compare as compared
 
     try:
-        print(compared(file, out))
+        page, results = compared(file, out)
     except InvalidProblem as wrong:
         raise typer.BadParameter(str(wrong)) from None
+    print(*map(repr, results), page, sep="\n")
 
 
 @app.command()

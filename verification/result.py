@@ -18,19 +18,21 @@ if TYPE_CHECKING:
 
 
 def left_out(table: pd.DataFrame) -> dict[str, str]:
-    """Method -> why, of those that were not tried: a library is missing, or they are not made for so large a problem.
+    """Return method -> why, of methods without a run: a library is missing, the problem is too large, it was refused.
 
     ``table`` has rows of ``measure``, those of a method from coarse to fine.
     """
     first = table.drop_duplicates("method")
-    never = first[first["status"] == "LEFT_OUT"]
+    never = first[first["status"].isin(("LEFT_OUT", "REFUSED"))]
     return dict(zip(never["method"], never["detail"], strict=True))
 
 
 def left_out_rows(table: pd.DataFrame) -> dict[str, pd.DataFrame]:
-    """The same as a table with its caption; nothing if all were tried."""
+    """Return the same as a table with its caption; nothing if all methods ran."""
     why = left_out(table)
-    return {"Methods that were left out.": pd.DataFrame(why.items(), columns=["method", "why"])} if why else {}
+    return (
+        {"Methods that were left out or refused.": pd.DataFrame(why.items(), columns=["method", "why"])} if why else {}
+    )
 
 
 class Result(ABC):

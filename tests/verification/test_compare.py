@@ -34,6 +34,21 @@ def test_a_file_becomes_tables_charts_and_a_page(tmp_path):
     assert rows.groupby("method").size().to_dict() == {"PBD": 6, "springs": 6}
 
 
+def test_modules_beside_the_file_are_found_and_the_verdicts_are_printed(tmp_path):
+    (tmp_path / "crowd_of_mine.py").write_text(FILE.split("problem =", maxsplit=1)[0] + "speed = -1.0\n", "utf-8")
+    result = run(tmp_path, "from crowd_of_mine import speed\n" + FILE.replace("-np.ones_like(x)", "speed + 0 * x"))
+    assert result.exit_code == 0, result.output
+    assert "OrderStudy of 2 methods\n  PBD, largest: none" in result.output
+    assert "cheapest by CPU time at an error of\n" in result.output
+    assert result.output.rstrip().endswith(str(tmp_path / "out" / "index.html"))
+
+
+def test_help_names_all_that_a_file_may_name():
+    shown = " ".join(CliRunner().invoke(app, ["compare", "--help"]).output.split())
+    for name in ("problem", "methods", "settings", "reference", "budget"):
+        assert name in shown
+
+
 def test_reference_and_budget_of_the_file_are_taken(tmp_path):
     more = (
         "reference = lambda t: np.zeros((len(t), 1, 1))\nbudget = v.DriftEvaluations(8)\nsettings = {'dt': settings}\n"

@@ -288,14 +288,16 @@ def test_bad_input_is_named(changes, message):
 @pytest.mark.parametrize(
     ("method", "detail"),
     [
-        (v.Method("a", scheme=lambda dt: 3), "'a' made 3 of the setting 0.1: must make a dincl.Scheme"),
+        (v.Method("a", scheme=lambda dt: None), "'a' made None of the setting 0.1: must make a dincl.Scheme"),
+        (v.Method("a", run=lambda *_: None), "'a' returned None: must return an array of states"),
         (v.Method("a", run=lambda *_: np.zeros(3)), "'a' returned shape (3,): must return (3, 1, 2)"),
     ],
 )
 def test_a_method_that_makes_something_else_is_refused(method, detail):
-    found = v.work_precision(SLIDE, [method], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0)).table.iloc[0]
-    assert found["status"] == "REFUSED"
-    assert detail in found["detail"]
+    chart = v.work_precision(SLIDE, [method], [0.1], T, SLIDE.exact, v.CpuSeconds(1.0))
+    assert chart.table["status"].tolist() == ["REFUSED"]
+    assert detail in chart.table["detail"].iloc[0]
+    assert detail in repr(chart)
 
 
 def test_bad_methods_and_maps_are_named():

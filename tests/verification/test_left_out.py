@@ -34,7 +34,7 @@ def test_a_chart_leaves_it_out_and_says_why():
     assert set(rows.loc["Clarabel", "status"]) == {"LEFT_OUT"}
     assert set(rows.loc["Clarabel", "detail"]) == {WHY}
     assert repr(chart).endswith(f"left out: Clarabel: {WHY}")
-    said = chart.summaries()["Methods that were left out."]
+    said = chart.summaries()["Methods that were left out or refused."]
     assert said.to_numpy().tolist() == [["Clarabel", WHY]]
     assert chart.cheapest([1e-2])["cheapest"].tolist() == ["PBD"]
     assert "Clarabel: left out" in [text.get_text() for text in chart.plot().get_legend().get_texts()]
@@ -43,7 +43,7 @@ def test_a_chart_leaves_it_out_and_says_why():
 def test_a_chart_of_methods_that_were_all_tried_says_nothing():
     chart = v.work_precision(SLIDE, {"PBD": dincl.PBD}, STEPS, T, SLIDE.exact, v.CpuSeconds(5.0))
     assert "left out" not in repr(chart)
-    assert len(chart.summaries()) == 2
+    assert len(chart.summaries()) == 3
 
 
 def test_a_study_of_orders_leaves_it_out_and_says_why():
@@ -69,8 +69,8 @@ def test_a_program_of_ones_own_whose_library_is_missing_is_left_out():
 def test_a_comparison_says_it_on_its_page(tmp_path):
     file = tmp_path / "mine.py"
     file.write_text(FILE, "utf-8")
-    page = compare(file, tmp_path / "out").read_text("utf-8")
-    assert "Methods that were left out." in page
+    page = compare(file, tmp_path / "out")[0].read_text("utf-8")
+    assert "Methods that were left out or refused." in page
     assert "dincl-testbed[yardsticks]" in page
 
 

@@ -82,6 +82,18 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     return panel
 
 
+def draw_profiles(profile: pd.DataFrame, looks: Looks, ax: Axes | None) -> Axes:
+    """Draw performance profiles: the share of problems solved within a ratio of the smallest cost."""
+    panel = own_axes(ax)
+    most = 2.0 * max(float(profile["ratio"].max()), 1.0)
+    for label, look in styles(looks).items():
+        rows = profile[profile["method"] == label]
+        panel.step([*rows["ratio"], most], [*rows["share"], rows["share"].max()], where="post", label=label, **look)
+    panel.set(xlabel="cost over the smallest cost", ylabel="share of problems", xscale="log", ylim=(0.0, 1.05))
+    _legend(panel)
+    return panel
+
+
 def _line(panel: Axes, rows: pd.DataFrame, x: str, y: pd.Series, look: dict[str, Any], label: str) -> bool:
     """A curve, if there is anything of it; values of zero stand on the lower edge."""
     done = ((rows["status"] == "SUCCESS") & (rows[x] > 0)).to_numpy()

@@ -47,7 +47,7 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     Parameters
     ----------
     table, looks
-        Of ``verification.speed_accuracy.WorkPrecision``.
+        Of ``verification.chart.WorkPrecision``.
     error, cost
         Columns of the table.
     """

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
+from verification.chart import TARGETS, WorkPrecision
 from verification.cheapest import NOT_TRIED, UNDECIDED, accuracy
 from verification.order import MIN_STEPS, estimate, order_text
 from verification.page.parts import number
 from verification.page.prose import fill
-from verification.speed_accuracy import TARGETS, WorkPrecision
 from verification.thesis.chapter2.methods import CHARTED, PBD
 from verification.thesis.chapter2.work_precision import Form, chart
 from verification.thesis.chapter2.work_references import SCENES

@@ -9,13 +9,13 @@ from typing import Any
 import pandas as pd
 
 from verification.budget import GRACE, CpuSeconds
+from verification.chart import TARGETS
 from verification.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
 from verification.measure import BRIEF, REPEATS
 from verification.page.context import Context
 from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text, number
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.speed_accuracy import TARGETS
 from verification.thesis.chapter2 import (
     cheapest,
     figures_work_precision,

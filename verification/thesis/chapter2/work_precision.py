@@ -9,8 +9,9 @@ import pandas as pd
 
 from dincl.study import Key, Row, Study
 from verification.budget import Budget, CpuSeconds
+from verification.chart import WorkPrecision
 from verification.references import Known
-from verification.speed_accuracy import WorkPrecision, rows_of, settings_of
+from verification.speed_accuracy import rows_of, settings_of
 from verification.thesis.chapter2.methods import CHARTED, METHODS, NamedMethod
 from verification.thesis.chapter2.work_references import SCENES
 
