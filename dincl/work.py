@@ -26,7 +26,8 @@ class Work:
     back_ends
         Names of the back ends that answered.
     callbacks
-        Calls of Python by compiled steps: positions of moving sets, rows and projections that only Python knows.
+        Calls of Python: steps of schemes that are not compiled; in compiled steps positions of moving sets, rows and
+        projections that only Python knows. Evaluations of a drift are counted apart.
     """
 
     degrees_of_freedom: int = 0

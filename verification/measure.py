@@ -30,6 +30,7 @@ COUNTERS = (
     "constraint_projections",
     "solver_calls",
     "solver_iterations",
+    "callbacks",
 )
 # Runs shorter than this are repeated [s of CPU time]; the shortest counts.
 BRIEF, REPEATS = 0.2, 3
@@ -96,7 +97,7 @@ def measure(
     LEFT_OUT (after one of these, or if a library is missing).
     """
     norms = checked_errors(errors)
-    nothing = dict.fromkeys((*norms, *COUNTERS), np.nan) | of_reference(known, norms)
+    nothing = {"compiled": method.compiled} | dict.fromkeys((*norms, *COUNTERS), np.nan) | of_reference(known, norms)
     start = {"status": "", "detail": ""} | nothing
     attempts = [Attempt(setting, {"method": method.label, "setting": setting} | start) for setting in settings]
     for index, attempt in enumerate(attempts):
@@ -215,8 +216,10 @@ def _run(problem: Any, method: Method, setting: float, t: Floats, budget: Budget
         return _Outcome(states, partial(_straight, problem, t, states), columns)
     path = dincl.solve(watched, _scheme(method, setting), t=t, throw=False)
     work = asdict(path.stats)
-    counters = {name: work[name] for name in COUNTERS}
-    return _Outcome(reached(path, t), path, {"status": path.status.name, "detail": path.detail} | counters)
+    columns = {"status": path.status.name, "detail": path.detail} | {name: work[name] for name in COUNTERS}
+    if method.compiled is None:
+        columns["compiled"] = work["callbacks"] == 0
+    return _Outcome(reached(path, t), path, columns)
 
 
 def _straight(problem: Any, t: Floats, states: Floats, times: Floats) -> Floats:

@@ -31,6 +31,9 @@ class Method:
         (problem, setting, t) -> the states at the times t, an array whose first axis is time: (K, N, d) for particles.
     setting
         What the setting is: "dt" [time], or "tol" [length] of a method that chooses its steps.
+    compiled
+        Whether its steps run without Python, as charts then say; None: unknown for ``run``, and for ``scheme`` true of
+        runs that count no callbacks.
     most_unknowns
         The largest number of unknowns N d that it is made for, or None.
     look
@@ -47,6 +50,7 @@ class Method:
     scheme: SchemeOf | None = None
     run: Callable[[Any, float, Any], Any] | None = None
     setting: str = "dt"
+    compiled: bool | None = None
     most_unknowns: int | None = None
     look: Mapping[str, Any] = field(default_factory=dict)
 

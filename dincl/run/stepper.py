@@ -73,6 +73,7 @@ class Stepper(ABC):
                 detail = f"A coordinate is not a number, or exceeds {LARGEST:g} in magnitude."
                 return Reached(index, state, StepFailure(Status.NON_FINITE, detail))
             self.work.steps += 1
+            self.work.callbacks += 1
             if output is not None:
                 output.fill(index, state, after)
             state = after

@@ -204,12 +204,13 @@ class CompiledProblem:
         arrays, before = self.arrays, self._counted
         drifts, builds = int(arrays.drift.calls[0]), int(arrays.near.number[1])
         iterations, calls = float(arrays.program.answer[0]), float(arrays.program.answer[2])
-        self._counted = (drifts, builds, iterations, calls, self.sets.calls)
+        python = self.sets.calls + (self.solving.calls if isinstance(self.solving, PythonFunction) else 0)
+        self._counted = (drifts, builds, iterations, calls, python)
         work.drift_evaluations += drifts - before[0]
         work.neighbour_builds += builds - before[1]
         work.solver_iterations += round(iterations - before[2])
         work.solver_calls += round(calls - before[3])
-        work.callbacks += self.sets.calls - before[4]
+        work.callbacks += python - before[4]
         if calls > 0 and self.name not in work.back_ends:
             work.back_ends += (self.name,)
         self.drift.count_evaluations(drifts - before[0])

@@ -1,5 +1,7 @@
 """The chart names all that is drawn on it, beside its axes."""
 
+from dataclasses import dataclass
+
 import numpy as np
 import pytest
 
@@ -32,8 +34,30 @@ def entries(axes):
 
 def test_every_method_has_an_entry_and_those_without_a_run_say_why(drawn):
     labels = set(entries(drawn[1]))
-    assert {"PBD", "fails: failed", "small: left out", "slow: too slow"} <= labels
+    assert {"PBD (compiled)", "fails: failed", "small: left out", "slow: too slow"} <= labels
     assert "refuses: refused" in labels
+
+
+def test_methods_are_marked_by_what_their_steps_are_made_of():
+    class Slow(dincl.Stepper):
+        def step(self, t, h, state):
+            return dincl.StepState(state.x + h * self.velocity(t, state.x))
+
+    @dataclass(frozen=True)
+    class Euler(dincl.FixedStep):
+        def stepper(self, problem):
+            return Slow(problem)
+
+    methods = [
+        v.Method("PBD", scheme=dincl.PBD),
+        v.Method("Euler", scheme=Euler),
+        v.Method("Ipopt", scheme=lambda dt: dincl.CatchUp(dt, dincl.Ipopt(tol=1e-9))),
+        v.Method("fast", run=lambda problem, dt, t: SLIDE.exact(t), compiled=True),
+        v.Method("unknown", run=lambda problem, dt, t: SLIDE.exact(t)),
+    ]
+    found = v.work_precision(SLIDE, methods, [0.1, 0.05], T, SLIDE.exact, v.CpuSeconds(5.0))
+    marked = {"PBD (compiled)", "Euler (calls Python)", "Ipopt (calls Python)", "fast (compiled)", "unknown"}
+    assert marked <= set(entries(found.plot()))
 
 
 def test_crosses_have_an_entry_where_there_are_any(drawn):

@@ -72,7 +72,7 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     panel = own_axes(ax)
     for label, look in styles(looks).items():
         rows = table[table["method"] == label].sort_values("setting", ascending=False)
-        if not _line(panel, rows, cost, accuracy(rows, error), look, label):
+        if not _line(panel, rows, cost, accuracy(rows, error), look, label + made_of(rows)):
             panel.plot([], [], label=f"{label}: {NOTHING.get(rows['status'].iloc[0], 'failed')}", **look)
         _failures(panel, rows, cost, look)
     _front(panel, front(table, error, cost), cost)
@@ -80,6 +80,12 @@ def draw_work_precision(table: pd.DataFrame, looks: Looks, error: str, cost: str
     panel.set(xlabel=cost_label(cost), ylabel=error_label(error))
     _legend(panel)
     return panel
+
+
+def made_of(rows: pd.DataFrame) -> str:
+    """Return how a method is marked in a legend: by what its steps are made of, "" if that is not known."""
+    known = rows["compiled"].dropna() if "compiled" in rows else rows[:0]
+    return "" if not len(known) else " (compiled)" if known.all() else " (calls Python)"
 
 
 def draw_profiles(profile: pd.DataFrame, looks: Looks, ax: Axes | None) -> Axes:

@@ -14,7 +14,7 @@ from bokeh.resources import Resources
 
 from verification.cheapest import NOT_TRIED, accuracy, front
 from verification.error_norms import label as error_label
-from verification.page.charts import FAILED, LOWEST, Looks, cost_label, styles
+from verification.page.charts import FAILED, LOWEST, Looks, cost_label, made_of, styles
 
 HEIGHT = 560  # dots
 MARKERS = ("circle", "square", "triangle", "diamond", "inverted_triangle", "star", "hex", "circle_x", "square_pin")
@@ -93,5 +93,11 @@ def _failures(table: pd.DataFrame, error: str, cost: str) -> dict[str, Any]:
 
 
 def _told(rows: pd.DataFrame, x: pd.Series, y: pd.Series) -> dict[str, Any]:
-    columns = {"method": rows["method"], "setting": rows["setting"], "overlap": rows["overlap"], "x": x, "y": y}
+    columns = {
+        "method": rows["method"] + made_of(rows),
+        "setting": rows["setting"],
+        "overlap": rows["overlap"],
+        "x": x,
+        "y": y,
+    }
     return {name: list(values) for name, values in (columns | {"status": rows["status"]}).items()}
