@@ -25,12 +25,12 @@ AHEAD = 4.0
 
 
 @dataclass(frozen=True)
-class Stop:
+class Stop(ABC):
     """A rule that ends an iteration; ``limit`` of the minimiser ends it if the rule does not."""
 
+    @abstractmethod
     def at(self, point: Point) -> bool:
         """Return whether a point with its multipliers meets the rule."""
-        return False
 
     def after(self, before: NDArray[np.float64], x: NDArray[np.float64], dtau: float) -> bool:
         """Return whether the step from ``before`` to x, of length ``dtau``, meets the rule."""
@@ -77,6 +77,9 @@ class RelativeMove(Stop):
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "eps", number("eps", self.eps, positive=True))
+
+    def at(self, point: Point) -> bool:
+        return False
 
     def after(self, before: NDArray[np.float64], x: NDArray[np.float64], dtau: float) -> bool:
         return float(np.linalg.norm(x - before)) <= dtau * self.eps * float(np.linalg.norm(before))

@@ -1,25 +1,35 @@
-"""Work handed to an executor a few pieces at a time, whose results are kept as they come."""
+"""Pieces of work done by an executor, whose results are kept as they come; and how far they are."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+import time
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ProcessPoolExecutor, wait
-from contextlib import suppress
+from contextlib import contextmanager, suppress
+from datetime import timedelta
 from multiprocessing import connection, get_context, parent_process
 from threading import Thread
 from typing import TypeVar
 
-from dincl.study.stopped import StudyStopped
+from dincl.extras import needs
+
+with needs("dincl.study", "report"):
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
 
 MAKES_NO_NUMBERS = True
 Piece = TypeVar("Piece")
 Result = TypeVar("Result")
 WORKERS = 2
-# Pieces under way at once for each worker of an executor, so that none waits for the next; and for an executor that
-# does not say how many it has.
-AHEAD = 2
-WORKERS_UNTOLD = 32
+# Pieces under way at once for each worker, so that none waits for the next; workers of an executor that has no count.
+AHEAD, UNKNOWN_WORKERS = 2, 32
+# Seconds between two lines of progress where there is no terminal.
+INTERVAL = 5.0
+
+
+class StudyStopped(RuntimeError):
+    """A study that ended before its last run: what it had computed is saved, and the same call resumes it."""
 
 
 def carry_out(
@@ -28,24 +38,24 @@ def carry_out(
     keep: Callable[[Piece, Result], None],
     executor: Executor,
 ) -> None:
-    """Make the results of all pieces, begun in this order, and keep each as soon as it is there.
+    """Compute the results of all pieces, begun in this order, and keep each as soon as it is there.
 
-    After an error, of a piece or of ``keep``, or Ctrl-C, no other piece is begun; those that can not be called back are
+    After an error, of a piece or of ``keep``, or Ctrl-C, no other piece is begun; pieces that cannot be cancelled are
     waited for and kept, too; a result that could not be kept is tried once more.
 
     Parameters
     ----------
     pieces
-        What is to be done.
+        The work.
     submit
-        Hands a piece to the executor.
+        Passes a piece to the executor.
     keep
         Takes a piece and its result, in this thread.
     executor
-        Says how many workers there are.
+        Has the number of workers.
     """
     todo = list(pieces)[::-1]
-    at_once = AHEAD * int(getattr(executor, "_max_workers", WORKERS_UNTOLD))
+    at_once = AHEAD * int(getattr(executor, "_max_workers", UNKNOWN_WORKERS))
     under_way: dict[Future[Result], Piece] = {}
     try:
         while todo or under_way:
@@ -64,7 +74,7 @@ def carry_out(
 
 
 def workers() -> ProcessPoolExecutor:
-    """Two processes, each with libraries that keep to one thread: more would only take turns.
+    """Start two processes whose libraries use one thread each: more would only take turns.
 
     They end with the process that started them, however that ends: by SIGTERM or SIGKILL, too.
     """
@@ -74,13 +84,55 @@ def workers() -> ProcessPoolExecutor:
 
 
 def _end_with_parent() -> None:
-    """Begin to watch the process that started this one."""
+    """Watch the process that started this one, in a thread."""
     parent = parent_process()
     if parent is not None:
         Thread(target=_watch, args=(parent.sentinel,), name="watches the parent", daemon=True).start()
 
 
 def _watch(parent: int) -> None:
-    """Wait for the end of the parent; then nobody wants the result of this process."""
+    """Wait for the end of the parent, then end this process."""
     connection.wait([parent])
     os._exit(0)
+
+
+@contextmanager
+def progress(title: str, total: float, unit: str, console: Console | None = None) -> Iterator[Callable[[float], None]]:
+    """Show a bar on a terminal, otherwise a line every few seconds; on stderr unless a console is given.
+
+    The function that this gives is called with how much of ``total`` [unit] is done. Rate and remaining time are
+    measured from the first call on, since what was there before took no time.
+    """
+    console = console or Console(stderr=True)
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        TextColumn(f"{{task.completed:g}} of {{task.total:g}} {unit}"),
+        TimeElapsedColumn(),
+        TextColumn("{task.fields[pace]}"),
+    )
+    start = last = time.monotonic()
+    first: tuple[float, float] | None = None
+
+    def done(amount: float) -> None:
+        nonlocal first, last
+        now = time.monotonic()
+        first = first or (amount, now)
+        rate = pace(amount - first[0], now - first[1], total - amount, unit)
+        bar.update(task, completed=amount, pace=rate)
+        if not console.is_terminal and now - last > INTERVAL:
+            line = f"{title}: {amount:g} of {total:g} {unit}, {now - start:.0f} s{rate and ', '}{rate}"
+            console.print(line, highlight=False, markup=False, soft_wrap=True)
+            last = now
+
+    with Progress(*columns, console=console, disable=not console.is_terminal) as bar:
+        task = bar.add_task(title, total=total, pace="")
+        yield done
+
+
+def pace(done: float, seconds: float, left: float, unit: str) -> str:
+    """Format how fast ``done`` [unit] was done, and how long ``left`` [unit] will take; "" if it is not known yet."""
+    if done <= 0 or seconds <= 0:
+        return ""
+    rate = done / seconds
+    return f"{rate:.3g} {unit}/s, {timedelta(seconds=round(left / rate))} left"

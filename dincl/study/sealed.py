@@ -1,4 +1,4 @@
-"""Parquet files that know their own checksum: a table is read as it was written, or not at all."""
+"""Parquet files with their own checksum: a table is read as it was written, or not at all."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ class DamagedTable(InvalidProblem):
     """A table that was changed after it was written, by one bit or more, or cannot be read."""
 
     def __init__(self, path: Path, why: str) -> None:
-        remedy = "put a sound copy in its place, or remove it to have it made again"
+        remedy = "put a sound copy in its place, or remove it to have it recomputed"
         super().__init__(f"{path}: must be as it was written, but {why}; {remedy}")
         self._made_of = path, why
 
@@ -50,7 +50,7 @@ def write_sealed(table: pd.DataFrame, path: Path) -> None:
 
 
 def read_sealed(path: Path) -> pd.DataFrame:
-    """Read a table; one that was written without a checksum, by other code, as it is.
+    """Read a table; one without a checksum, written by other code, is read as it is.
 
     Raises
     ------
@@ -63,9 +63,9 @@ def read_sealed(path: Path) -> pd.DataFrame:
     import pyarrow as pa
 
     data = path.read_bytes()
-    noted = _checksum_in(data)
-    if noted is not None and sha256(_with_checksum(data, BLANK)).hexdigest().encode() != noted:
-        raise DamagedTable(path, "its checksum is another one")
+    stated = _checksum_in(data)
+    if stated is not None and sha256(_with_checksum(data, BLANK)).hexdigest().encode() != stated:
+        raise DamagedTable(path, "its checksum differs")
     try:
         return pd.read_parquet(BytesIO(data))
     except (OSError, ValueError, LookupError, pa.ArrowException) as error:
@@ -73,16 +73,17 @@ def read_sealed(path: Path) -> pd.DataFrame:
 
 
 def is_sealed(path: Path) -> bool:
-    """Whether a table was written with a checksum."""
+    """Return whether a table was written with a checksum."""
     return _checksum_in(path.read_bytes()) is not None
 
 
 def _checksum_in(data: bytes) -> bytes | None:
-    """The checksum that a file states; the metadata are at its end, behind any text of the table."""
+    """Find the checksum that a file states; the metadata are at its end, behind any text of the table."""
     found = FIELD.findall(data)
     return found[-1] if found else None
 
 
 def _with_checksum(data: bytes, checksum: bytes) -> bytes:
+    """Put a checksum in its place."""
     *_, field = FIELD.finditer(data)
     return data[: field.start(1)] + checksum + data[field.end(1) :]

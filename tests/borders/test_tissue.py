@@ -7,7 +7,7 @@ import pytest
 
 import dincl
 import tissue
-from dincl.study.stopped import StudyStopped
+from dincl.study import StudyStopped
 from tests.borders import tissue_functions as own
 from tests.borders.harness import complaints
 from tests.borders.tissue_calls import CALLS

@@ -11,11 +11,11 @@ from PIL import Image
 from rich.console import Console
 from typer.testing import CliRunner
 
-import dincl.study.bar
+import dincl.study.execute
 import tissue
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from dincl.study.bar import progress
+from dincl.study import progress
 from tissue.cli.app import app
 from tissue.pictures.picture import picture
 
@@ -278,7 +278,7 @@ def test_a_bad_seed(seed):
 
 
 def test_progress_is_told_in_lines_where_there_is_no_terminal(monkeypatch):
-    monkeypatch.setattr(dincl.study.bar, "INTERVAL", -1.0)
+    monkeypatch.setattr(dincl.study.execute, "INTERVAL", -1.0)
     result = call("run", "small.toml", "--out", "x")
     lines = result.stderr.splitlines()
     assert [line.split(" h,")[0] for line in lines] == [f"growing: {t} of 1" for t in (0.25, 0.5, 0.75, 1)]

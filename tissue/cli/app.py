@@ -12,7 +12,7 @@ import typer
 
 from dincl.errors import InvalidProblem
 from dincl.files import check_writable, replacing, write_text
-from dincl.study.bar import progress
+from dincl.study import progress
 from tissue.cli.explore import explore
 from tissue.cli.figures import figures
 from tissue.cli.messages import RUN_FAILED, messages

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 import typer
 
 from dincl.errors import InvalidProblem
-from dincl.study.stopped import StudyStopped
+from dincl.study import StudyStopped
 
 MAKES_NO_NUMBERS = True
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from dincl.study.bar import progress
+from dincl.study import progress
 from tissue.cli.messages import GOES_ON, INTERRUPTED, messages
 
 if TYPE_CHECKING:

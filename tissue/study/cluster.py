@@ -12,7 +12,7 @@ from threading import Event, Thread
 from typing import TYPE_CHECKING, Any
 
 from dincl.errors import InvalidProblem
-from dincl.study.stopped import StudyStopped
+from dincl.study import StudyStopped
 from tissue.study.identity import code_differences, house_code, processor
 
 if TYPE_CHECKING:

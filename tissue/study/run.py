@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from dincl.checks import function
 from dincl.checks import path as checked_path
-from dincl.study import execute
-from dincl.study.stopped import StudyStopped
+from dincl.study import StudyStopped, execute
 from tissue.study.cluster import watched
 from tissue.study.identity import code, code_differences
 from tissue.study.plan import Piece, TissueStudy, load_study

@@ -16,7 +16,7 @@ from filelock import FileLock, Timeout
 
 from dincl.errors import InvalidProblem
 from dincl.files import PARTIAL
-from dincl.study.stopped import StudyStopped
+from dincl.study import StudyStopped
 from tissue.study.files import set_aside, write_note, write_table
 from tissue.study.identity import IDENTITY, differences, fingerprint, identity, processor
 from tissue.study.layout import ABOUT, COPY, LOCK, note, part, trajectory

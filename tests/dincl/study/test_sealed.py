@@ -38,7 +38,7 @@ def test_it_is_read_as_it_was_written(path: Path) -> None:
         assert table.attrs == TABLE.attrs
 
 
-def test_each_flipped_bit_changes_nothing_or_is_told(path: Path, rng: np.random.Generator) -> None:
+def test_each_flipped_bit_changes_nothing_or_is_refused(path: Path, rng: np.random.Generator) -> None:
     data = path.read_bytes()
     told = 0
     for bit in rng.choice(8 * len(data), FLIPS, replace=False).tolist():
@@ -56,7 +56,7 @@ def test_each_flipped_bit_changes_nothing_or_is_told(path: Path, rng: np.random.
 
 
 @pytest.mark.parametrize("left", [0, 3, 500, -1])
-def test_a_file_that_is_cut_is_told(left: int, path: Path) -> None:
+def test_a_file_that_is_cut_is_refused(left: int, path: Path) -> None:
     path.write_bytes(path.read_bytes()[:left])
     with pytest.raises(DamagedTable, match=r"table\.parquet: must be as it was written, but .*; put a sound copy"):
         read_sealed(path)
@@ -86,7 +86,7 @@ def test_a_damaged_table_of_runs_is_set_aside_and_made_again(
     path.with_suffix(".csv").unlink()  # which is for people
     again = study().complete(tmp_path, Inline())
     pd.testing.assert_frame_equal(again, whole)
-    assert "its checksum is another one" in capsys.readouterr().out
+    assert "its checksum differs" in capsys.readouterr().out
     assert (tmp_path / "superseded" / "runs.parquet").read_bytes() == data
 
 

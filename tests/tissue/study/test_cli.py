@@ -6,8 +6,8 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-import dincl.study.bar
-from dincl.study.stopped import StudyStopped
+import dincl.study.execute
+from dincl.study import StudyStopped
 from tests.tissue.study.stand_in import outcomes, study_file
 from tissue.cli.app import app
 from tissue.study.read import Results
@@ -35,7 +35,7 @@ def test_a_study_ends_with_one_line_on_what_was_done():
 
 
 def test_progress_is_told_with_rate_and_remaining_time(monkeypatch):
-    monkeypatch.setattr(dincl.study.bar, "INTERVAL", -1.0)
+    monkeypatch.setattr(dincl.study.execute, "INTERVAL", -1.0)
     lines = call("small.toml", "--out", "out").stderr.splitlines()
     assert re.fullmatch(r"small: 0 of 600 runs, \d+ s", lines[0])
     assert all(
@@ -46,9 +46,9 @@ def test_progress_is_told_with_rate_and_remaining_time(monkeypatch):
 
 
 def test_the_pace_leaves_out_what_was_there_before():
-    assert dincl.study.bar.pace(10, 4, 100, "runs") == "2.5 runs/s, 0:00:40 left"
-    assert dincl.study.bar.pace(0, 4, 100, "runs") == ""
-    assert dincl.study.bar.pace(3, 0, 100, "runs") == ""
+    assert dincl.study.execute.pace(10, 4, 100, "runs") == "2.5 runs/s, 0:00:40 left"
+    assert dincl.study.execute.pace(0, 4, 100, "runs") == ""
+    assert dincl.study.execute.pace(3, 0, 100, "runs") == ""
 
 
 def test_remarks_come_first():

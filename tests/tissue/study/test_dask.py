@@ -12,7 +12,7 @@ import pytest
 import tissue
 import tissue.study.outcomes
 from dincl.errors import InvalidProblem
-from dincl.study.stopped import StudyStopped
+from dincl.study import StudyStopped
 from tests.executors import Here
 from tests.tissue.study.stand_in import outcomes, stored, study_file, use_stand_in
 from tissue.study import identity

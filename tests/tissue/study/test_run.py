@@ -9,8 +9,8 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
+from dincl.study import StudyStopped
 from dincl.study.execute import AHEAD
-from dincl.study.stopped import StudyStopped
 from tests.tissue.study.stand_in import outcomes, stored, study_file
 from tissue.files.parameters import preset
 from tissue.study.plan import load_study

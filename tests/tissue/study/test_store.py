@@ -14,7 +14,7 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from dincl.files import replacing
-from dincl.study.stopped import StudyStopped
+from dincl.study import StudyStopped
 from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
 from tissue.study import identity, store
 from tissue.study.layout import note, part
