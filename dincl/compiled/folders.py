@@ -16,8 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
-from dincl.provenance.source import digest_of, read_source
-from dincl.provenance.walk import HOUSE, closure
+from dincl.provenance.code import PACKAGES, closure, digest_of, read_source
 
 MAKES_NO_NUMBERS = True
 # Modules with kernels, and packages, which stand for all that is beneath them. Kernels take no numbers from elsewhere:
@@ -55,7 +54,7 @@ _ROOT = Path(__file__).parents[2]
 def require_folder(function: Callable[..., Any]) -> None:
     """Raise RuntimeError for a function of these packages outside of the folders: its kept code could be outdated."""
     name = function.__module__ or ""
-    if name.partition(".")[0] in HOUSE and not holds_kernels(name):
+    if name.partition(".")[0] in PACKAGES and not holds_kernels(name):
         raise RuntimeError(f"{name} compiles {function.__name__}: add its folder to dincl.compiled.folders.FOLDERS")
 
 
@@ -82,8 +81,8 @@ _CODE: dict[str, list[str]] = {}
 def _code_of(module: str, function: Callable[..., Any]) -> list[str]:
     if module not in _CODE:
         top = module.partition(".")[0]
-        outside = [] if top in HOUSE else list(_outside(function))
-        packages = ("dincl", top) if top in HOUSE else HOUSE
+        outside = [] if top in PACKAGES else list(_outside(function))
+        packages = ("dincl", top) if top in PACKAGES else PACKAGES
         _CODE[module] = [digest for package in sorted({*packages}) for digest in _folders(package)] + outside
     return _CODE[module]
 
@@ -105,5 +104,5 @@ def _folder(name: str) -> str:
 def _outside(function: Callable[..., Any]) -> Iterator[str]:
     """Name the modules outside of the packages that the file of a function imports, with their digests."""
     for name, path in closure(function).modules.items():
-        if name.partition(".")[0] not in HOUSE:
+        if name.partition(".")[0] not in PACKAGES:
             yield f"{name} {read_source(path).digest}"

@@ -22,7 +22,7 @@ from numba.core.caching import CacheImpl, CompileResultCacheImpl, FunctionCache,
 from numba.core.serialize import dumps
 
 from dincl.compiled.folders import stamp
-from dincl.provenance.source import source
+from dincl.provenance.code import source
 
 MAKES_NO_NUMBERS = True
 

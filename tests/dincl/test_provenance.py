@@ -1,4 +1,4 @@
-"""What numbers are made by: every change that can matter is seen, with its name, and none that can not."""
+"""Provenance: every change that can matter is named, and no other."""
 
 import dataclasses
 import importlib
@@ -15,9 +15,8 @@ import numpy as np
 import pytest
 
 import dincl
-import dincl.provenance
 from dincl import InvalidProblem
-from dincl.provenance import changed_modules, closure, differences, provenance
+from dincl.provenance import closure, differences, provenance, record
 
 # A chain of imports, each of another form; by module.
 FILES = {
@@ -83,7 +82,7 @@ def test_closure_follows_every_form_of_import(folder: Path) -> None:
     assert found.libraries == {"numpy"}
 
 
-def test_what_makes_no_numbers_belongs_to_a_closure_that_begins_there(folder: Path) -> None:
+def test_module_that_makes_no_numbers_belongs_to_a_closure_that_starts_there(folder: Path) -> None:
     starts = module_of("chain.aside"), module_of("chain.talks")
     for some in (starts, starts[::-1]):
         assert set(closure(*some).modules) == {"chain", "chain.aside", "chain.talks", "chain.behind"}
@@ -95,9 +94,7 @@ def test_change_of_each_file_of_the_closure_is_seen_and_named(module: str, folde
     before = provenance(function)
     path = place(folder, module)
     path.write_text(path.read_text() + "MORE = 1\n")
-    after = provenance(function)
-    assert changed_modules(before, after) == [module]
-    assert differences(before, after) == [f"module {module} has changed"]
+    assert differences(before, provenance(function)) == [f"module {module} has changed"]
 
 
 @pytest.mark.parametrize("module", sorted(FILES.keys() - REACHED))
@@ -138,7 +135,7 @@ def test_lines_of_a_string_are_no_remarks(old: str, new: str, folder: Path) -> N
     before = provenance(function)
     path = place(folder, "chain.inner.deep")
     path.write_text(path.read_text().replace(old, new))
-    assert changed_modules(before, provenance(function)) == ["chain.inner.deep"]
+    assert differences(before, provenance(function)) == ["module chain.inner.deep has changed"]
 
 
 def test_walk_ends_where_a_module_says_that_it_makes_no_numbers(folder: Path) -> None:
@@ -167,10 +164,10 @@ def test_data_beside_the_modules_counts(folder: Path) -> None:
 def test_version_of_a_library_counts(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     function = module_of("chain.start").f
     before = provenance(function)
-    monkeypatch.setattr(dincl.provenance, "version", lambda name: "0.1")
-    dincl.provenance._version.cache_clear()
+    monkeypatch.setattr(record, "version", lambda name: "0.1")
+    record._version.cache_clear()
     lines = differences(before, provenance(function))
-    dincl.provenance._version.cache_clear()
+    record._version.cache_clear()
     assert lines == [f"numpy: {np.__version__} -> 0.1"]
 
 
@@ -230,8 +227,8 @@ def test_function_without_a_file_is_refused() -> None:
     assert "must be defined in a file" in run.stderr
 
 
-def test_note_of_another_kind_is_told() -> None:
-    assert differences({"code": "1"}, provenance(closure)) == ["nothing is noted of what it was made by"]
+def test_record_of_another_form_is_reported() -> None:
+    assert differences({"code": "1"}, provenance(closure)) == ["the file does not record what it was made by"]
 
 
 def test_module_depends_on_what_it_imports_alone() -> None:

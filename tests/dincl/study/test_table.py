@@ -1,4 +1,4 @@
-"""Tables of runs: nothing is lost by an interruption, nothing of different making is mixed."""
+"""Tables of runs: nothing is lost by an interruption, rows made by different code are not mixed."""
 
 import os
 from collections.abc import Callable
@@ -119,9 +119,7 @@ def test_write_that_breaks_off_leaves_the_old_table(tmp_path: Path, monkeypatch:
 def test_rows_of_other_making_are_refused(tmp_path: Path) -> None:
     Table(tmp_path / "runs.parquet", ("method", "dt"), made_by(code="1", other="2")).append(two_rows(RUNS[0]))
     other = Table(tmp_path / "runs.parquet", ("method", "dt"), made_by(code="9", other="2"))
-    with pytest.raises(
-        ValueError, match=r"runs\.parquet was made by other .*\(setting code: 1 -> 9\), "
-    ):
+    with pytest.raises(ValueError, match=r"runs\.parquet was made by other .*\(setting code: 1 -> 9\), "):
         other.append(two_rows(RUNS[1]))
 
 

@@ -47,7 +47,7 @@ def test_tables_without_a_checksum_get_one(tmp_path: Path, monkeypatch: pytest.M
 def test_tables_of_before_their_provenance_was_kept_say_so() -> None:
     found = kept.all_changes()
     assert found.keys() == {file.stem for file in FILES}
-    assert found["w1_rates"] == ["nothing is noted of what it was made by"]
+    assert found["w1_rates"] == ["the file does not record what it was made by"]
 
 
 def test_a_table_knows_whether_its_code_has_changed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
