@@ -42,8 +42,6 @@ from dincl.projection import (
     Projection,
 )
 from dincl.projection.project import project
-from dincl.run.outcome import Between, Event, RunOutcome
-from dincl.run.stepper import Stepper, StepState
 from dincl.schemes import (
     PBD,
     CatchUp,
@@ -57,7 +55,8 @@ from dincl.schemes import (
 )
 from dincl.solve import solve
 from dincl.status import Status
-from dincl.trajectory import StepFailed, Trajectory
+from dincl.steps.grid import Stepper, StepState
+from dincl.trajectory import Between, Event, RunOutcome, StepFailed, Trajectory
 from dincl.work import Work
 
 __all__ = [

@@ -10,9 +10,8 @@ import numpy as np
 from dincl.checks import array, describe, flag
 from dincl.errors import InvalidProblem
 from dincl.problem import Problem
-from dincl.run.outcome import RunOutcome
 from dincl.schemes.base import Scheme
-from dincl.trajectory import StepFailed, Trajectory
+from dincl.trajectory import RunOutcome, StepFailed, Trajectory
 
 if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray

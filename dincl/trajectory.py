@@ -1,9 +1,10 @@
-"""What ``solve`` returns: the kept states, how the run ended, the work it took, and proofs that can be recomputed."""
+"""Results: of a scheme, ``RunOutcome``; of ``solve``, ``Trajectory``, with residuals that can be recomputed."""
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,18 +17,76 @@ if TYPE_CHECKING:
 
     from numpy.typing import ArrayLike, NDArray
 
+    from dincl.errors import StepFailure
     from dincl.frame import DataFrame
     from dincl.plotting import Axes, Film
     from dincl.problem import Problem
-    from dincl.run.outcome import Between, Event
     from dincl.schemes.base import Scheme
     from dincl.status import Status
     from dincl.work import Work
 
 
+class Event(NamedTuple):
+    """A change of the contacts.
+
+    Attributes
+    ----------
+    t
+        When [time].
+    kind
+        "contact": a gap closes; "release": a multiplier reaches zero and the gap opens.
+    constraint
+        Index into the constraints of the problem.
+    row
+        The row of that constraint in words, e.g. "particle 3 and 1".
+    """
+
+    t: float
+    kind: str
+    constraint: int
+    row: str
+
+
+class Between(ABC):
+    """The solution between the output times of a run, and its residuals."""
+
+    @abstractmethod
+    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute x at increasing times (K,) within the run, shape (K, N, d)."""
+
+    @abstractmethod
+    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute dist(x' - F, -N^g) at the output times, shape (K,); infinite where it is not defined."""
+
+
+@dataclass(frozen=True, eq=False)
+class RunOutcome:
+    """Result of a scheme: a ``Trajectory`` without the problem and the scheme that it belongs to.
+
+    Attributes
+    ----------
+    t, x, status, detail, stats, events, error
+        As in ``Trajectory``.
+    between
+        The states between the output times, and the residuals.
+    failure
+        What ended the run early, for the error that solve raises.
+    """
+
+    t: NDArray[np.float64]
+    x: NDArray[np.float64]
+    status: Status
+    detail: str
+    stats: Work
+    between: Between
+    events: tuple[Event, ...] = ()
+    error: NDArray[np.float64] | None = None
+    failure: StepFailure | None = None
+
+
 @dataclass(frozen=True, eq=False, repr=False)
 class Trajectory:
-    """The solution at the kept times.
+    """The solution at the output times.
 
     Attributes
     ----------

@@ -10,7 +10,7 @@ from typing import Any
 @contextmanager
 def machine_code() -> Iterator[list[Any]]:
     """Make a list that is empty after the block if nothing in it was compiled by numba or loaded from the disk."""
-    from dincl.compiled.announcement import compiler_events
+    from dincl.compiled.functions import compiler_events
 
     with compiler_events() as found:
         yield found

@@ -1,31 +1,30 @@
-"""Compiled code: the one room that knows numba's insides.
+"""Compiled code: the one room that uses parts of numba that are not its public interface.
 
-1. ``kernel`` and ``c_function`` compile a function and keep its machine code on the disk.
-2. ``inner`` and ``maker`` compile the parts of kernels: those that allocate no arrays, and those that do.
+1. ``kernel`` and ``c_function`` compile a function and cache its machine code on the disk.
+2. ``inner`` and ``allocating`` compile functions that are inlined into kernels: without new arrays, and with them.
 3. ``call`` makes the function with which kernels call a C function of a ``signature`` by its address.
 4. ``StructPointer`` places a named tuple of arrays and numbers in memory; kernels get it by its address.
 5. ``dincl.compiled.lanes`` has the operations on one number or on several in one register.
-6. ``heard`` collects what compiled functions of a user raise.
+6. ``collect_errors`` collects what compiled functions of a user raise.
 
-Parts and structs cost nothing at run time. Every use of a name that numba or llvmlite may change is in this package,
-and ``tests/dincl/compiled`` has a test for each.
+Inlined functions and structs cost nothing at run time. Every use of a name that numba or llvmlite may change is in
+this package, and ``tests/dincl/compiled`` has a test for each.
 """
 
 from dincl.compiled.calls import DOUBLES, call, signature
-from dincl.compiled.functions import c_function, kernel
-from dincl.compiled.parts import inner, maker
-from dincl.compiled.raised import heard
+from dincl.compiled.functions import allocating, c_function, inner, kernel
 from dincl.compiled.structs import StructPointer, reader, struct_type
+from dincl.compiled.uncaught import collect_errors
 
 __all__ = [
     "DOUBLES",
     "StructPointer",
+    "allocating",
     "c_function",
     "call",
-    "heard",
+    "collect_errors",
     "inner",
     "kernel",
-    "maker",
     "reader",
     "signature",
     "struct_type",

@@ -1,19 +1,24 @@
-"""Calls of C functions by address: one compiled kernel serves every drift, every rule and every force."""
+"""C functions by address: how kernels call them, and drifts that users compile."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from inspect import Parameter, Signature
-from typing import Any
+from typing import Any, cast
 
+import numba
 from llvmlite import ir
+from llvmlite.binding import get_host_cpu_name
 from numba import types
-from numba.extending import intrinsic
+from numba.core.errors import NumbaError
+from numba.extending import intrinsic, is_jitted
 
 # The type of an argument that is the address of doubles: kernels pass a C-contiguous array of them, of any shape.
 DOUBLES: Any = types.CPointer(types.float64)
 _PLAIN: dict[Any, Any] = {int: types.int64, float: types.float64, None: types.void}
-_instruction: Any = intrinsic  # whose types do not say that the first argument is not the caller's
+# Kernels call an intrinsic without ``typing``, the first argument of its definition; numba's own types do not say so.
+instruction: Callable[[Callable[..., Any]], Callable[..., Any]] = cast("Any", intrinsic)
+_carray: Any = numba.carray  # type: ignore[attr-defined]
 
 
 def signature(returned: Any, *arguments: Any) -> Any:
@@ -26,6 +31,10 @@ def signature(returned: Any, *arguments: Any) -> Any:
 
 def _plain(kind: Any) -> Any:
     return types.Tuple([*map(_plain, kind)]) if isinstance(kind, tuple) else _PLAIN.get(kind, kind)
+
+
+# int64 f(double t, double *x, double *out, int64 n, int64 d, double *data): out = F(t, x); 0 is success.
+DRIFT: Any = signature(int, float, DOUBLES, DOUBLES, int, int, DOUBLES)
 
 
 def call(described: Any) -> Callable[..., Any]:
@@ -51,12 +60,11 @@ def call(described: Any) -> Callable[..., Any]:
     # Numba reads the number of arguments from the signature of ``define``.
     names = ("typing", "address", *(f"argument_{k}" for k in range(len(expected))))
     define.__signature__ = Signature([Parameter(name, Parameter.POSITIONAL_OR_KEYWORD) for name in names])  # type: ignore[attr-defined]
-    made: Callable[..., Any] = _instruction(define)
-    return made
+    return instruction(define)
 
 
 def _fits(expected: Any, given: Any) -> bool:
-    """Say whether a value of this type can be passed; a float is not cut to an integer."""
+    """Return whether a value of this type can be passed; a float is not cut to an integer."""
     if expected == DOUBLES:
         return isinstance(given, types.Array) and given.dtype == types.float64 and given.layout == "C"
     if isinstance(expected, types.Float):
@@ -69,3 +77,51 @@ def _fits(expected: Any, given: Any) -> bool:
 def _as_passed(expected: Any, given: Any) -> Any:
     """Return the type that numba converts a value to: an array stays one until its address is taken."""
     return given if expected == DOUBLES else expected
+
+
+_READ_ONLY = types.Array(types.float64, 2, "C", readonly=True)
+
+
+def is_dispatcher(function: Any) -> bool:
+    """Return whether a user made this function with ``numba.njit``."""
+    return bool(is_jitted(function))
+
+
+def compile_drift(function: Any) -> Any:
+    """Compile a user's function (t, x) -> (n, d) as a C function DRIFT; None if it returns no array of two axes."""
+
+    def drift(t, x, out, n, d, data):  # type: ignore[no-untyped-def]
+        try:  # numba prints an error that is not caught here
+            value = function(t, _as_read_only(_carray(x, (n, d))))
+        except Exception:  # noqa: BLE001  # of any kind: Python calls the function again, which raises it
+            return 1
+        if value.shape != (n, d):
+            return 1
+        for i in range(n):
+            for k in range(d):
+                out[i * d + k] = value[i, k]
+        return 0
+
+    try:
+        function.compile((types.float64, _READ_ONLY))
+        returned = function.overloads[types.float64, _READ_ONLY].signature.return_type
+        kinds = (types.Float, types.Integer)
+        if not (isinstance(returned, types.Array) and returned.ndim == 2 and isinstance(returned.dtype, kinds)):
+            return None
+        compiled = numba.cfunc(DRIFT)(drift)
+    except (NumbaError, RuntimeError):  # RuntimeError if the types of the function are declared
+        return None
+    function = None  # which the machine code does not need; the user may forget it
+    return compiled
+
+
+@instruction
+def _as_read_only(typing: Any, array: Any) -> Any:
+    """Return the same array for functions that must not write to it."""
+    return _READ_ONLY(array), lambda context, builder, signature, values: values[0]
+
+
+def processor_name() -> str:
+    """Return the name of this processor, for whose instructions machine code is made."""
+    name: str = get_host_cpu_name()
+    return name

@@ -1,16 +1,16 @@
-"""The folders that hold kernels: a digest of their code is the key of all machine code that is kept.
+"""Folders that hold kernels: a digest of their code is the key of cached machine code.
 
-Code is what is left of a file without docstrings and comments, so that a new docstring compiles nothing. A kernel of
-dincl depends on the folders in dincl, one of another package on those in this package, too. A function in any other
-file, of a user or of a test, depends on all folders and on the files outside of the packages that its file imports,
-directly or through others.
+The digest leaves out docstrings and comments, so that a new docstring compiles nothing. A kernel of dincl depends on
+the folders in dincl, a kernel of another package on the folders of its package, too. A function in any other file, of a
+user or of a test, depends on all folders and on the files outside of the packages that its file imports, directly or
+through others.
 """
 
 from __future__ import annotations
 
 import json
 import platform
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -52,20 +52,40 @@ _ROOT = Path(__file__).parents[2]
 
 
 def require_folder(function: Callable[..., Any]) -> None:
-    """Raise RuntimeError for a function of these packages outside of the folders: its kept code could be outdated."""
+    """Raise RuntimeError for a function of these packages outside of the folders: its cached code could be outdated."""
     name = function.__module__ or ""
     if name.partition(".")[0] in PACKAGES and not holds_kernels(name):
         raise RuntimeError(f"{name} compiles {function.__name__}: add its folder to dincl.compiled.folders.FOLDERS")
 
 
 def holds_kernels(module: str) -> bool:
-    """Say whether a module is in one of the folders."""
+    """Return whether a module is in one of the folders."""
     return any(module == folder or module.startswith(f"{folder}.") for folder in FOLDERS)
 
 
 def stamp(function: Callable[..., Any]) -> str:
     """Compute the digest of the versions and the code that the machine code of a function depends on."""
-    return digest_of(json.dumps([versions(), *_code_of(function.__module__, function)]).encode())
+    module = function.__module__
+    if module not in _CODE:
+        top = module.partition(".")[0]
+        code = [
+            digest
+            for package in sorted({"dincl", top} if top in PACKAGES else PACKAGES)
+            for digest in _folders(package)
+        ]
+        if top not in PACKAGES:
+            imported = closure(function).modules.items()
+            code += [
+                f"{name} {read_source(path).digest}"
+                for name, path in imported
+                if name.partition(".")[0] not in PACKAGES
+            ]
+        _CODE[module] = code
+    return digest_of(json.dumps([versions(), *_CODE[module]]).encode())
+
+
+# The digests of the code by module: all functions of a module depend on the same files.
+_CODE: dict[str, list[str]] = {}
 
 
 @cache
@@ -74,35 +94,15 @@ def versions() -> list[str]:
     return [platform.python_version(), *map(version, LIBRARIES)]
 
 
-# By module: what a function's file imports is the same for all functions in it.
-_CODE: dict[str, list[str]] = {}
-
-
-def _code_of(module: str, function: Callable[..., Any]) -> list[str]:
-    if module not in _CODE:
-        top = module.partition(".")[0]
-        outside = [] if top in PACKAGES else list(_outside(function))
-        packages = ("dincl", top) if top in PACKAGES else PACKAGES
-        _CODE[module] = [digest for package in sorted({*packages}) for digest in _folders(package)] + outside
-    return _CODE[module]
-
-
 @cache
 def _folders(package: str) -> list[str]:
-    """Compute a digest for each folder of a package."""
-    return [_folder(name) for name in FOLDERS if name.startswith(f"{package}.")]
-
-
-def _folder(name: str) -> str:
-    """Compute the digest of a folder; modules with MAKES_NO_NUMBERS do not count."""
-    place = _ROOT.joinpath(*name.split("."))
-    files = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
-    sources = ((path.relative_to(_ROOT).as_posix(), read_source(path)) for path in files)
-    return digest_of(json.dumps([(path, found.digest) for path, found in sources if found.makes_numbers]).encode())
-
-
-def _outside(function: Callable[..., Any]) -> Iterator[str]:
-    """Name the modules outside of the packages that the file of a function imports, with their digests."""
-    for name, path in closure(function).modules.items():
-        if name.partition(".")[0] not in PACKAGES:
-            yield f"{name} {read_source(path).digest}"
+    """Compute a digest for each folder of a package; modules with MAKES_NO_NUMBERS do not count."""
+    digests = []
+    for name in FOLDERS:
+        if name.startswith(f"{package}."):
+            place = _ROOT.joinpath(*name.split("."))
+            files = sorted(place.rglob("*.py")) if place.is_dir() else [place.with_suffix(".py")]
+            sources = ((path.relative_to(_ROOT).as_posix(), read_source(path)) for path in files)
+            code = [(path, found.digest) for path, found in sources if found.makes_numbers]
+            digests.append(digest_of(json.dumps(code).encode()))
+    return digests

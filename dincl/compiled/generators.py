@@ -16,7 +16,8 @@ from numba.core import cgutils
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from dincl.compiled.vectors import DOUBLE, LONG, SHORT, constant, entry, in_all, instruction, kind_of, like, load_at
+from dincl.compiled.calls import instruction
+from dincl.compiled.vectors import DOUBLE, LONG, SHORT, address_of, broadcast, constant, kind_of, like, load_at
 
 # The words of a generator: the state of its bits, and the functions that take a double and 64 bits from there.
 GENERATOR = 3
@@ -65,11 +66,11 @@ def threefry(typing: Any, key: Any, counter: Any, place: Any, number: Any) -> An
         word, (of_key, of_counter, _, _) = like(kind, SHORT), signature.args
 
         def read(kind: Any, array: Any, index: Any) -> Any:
-            return builder.trunc(load_at(builder, entry(context, builder, kind, array, index, LONG)), word)
+            return builder.trunc(load_at(builder, address_of(context, builder, kind, array, index, LONG)), word)
 
         keys = [read(of_key, values[0], ir.Constant(LONG, k)) for k in range(2)]
         x, y = read(of_counter, values[1], values[2]), builder.trunc(values[3], SHORT)
-        y = in_all(builder, y) if word != SHORT else y
+        y = broadcast(builder, y) if word != SHORT else y
         keys.append(builder.xor(builder.xor(*keys), constant(word, PARITY)))
         x, y = builder.add(x, keys[0]), builder.add(y, keys[1])
         for k in range(ROUNDS):

@@ -17,6 +17,7 @@ from typing import Any
 from llvmlite import ir
 from numba import types
 
+from dincl.compiled.calls import instruction
 from dincl.compiled.vectors import (
     DOUBLE,
     LANES,
@@ -25,11 +26,10 @@ from dincl.compiled.vectors import (
     SINGLE,
     WIDTH,
     LanesType,
+    address_of,
+    broadcast,
     call_llvm,
     constant,
-    entry,
-    in_all,
-    instruction,
     kind_of,
     like,
     load_at,
@@ -47,7 +47,7 @@ def load(typing: Any, a: Any, i: Any) -> Any:
     """Load entry i of an array of doubles."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return load_at(builder, entry(context, builder, signature.args[0], values[0], values[1], DOUBLE))
+        return load_at(builder, address_of(context, builder, signature.args[0], values[0], values[1], DOUBLE))
 
     return kind_of(a)(a, types.intp), generate
 
@@ -76,8 +76,8 @@ def load_wide(typing: Any, a: Any, i: Any) -> Any:
     """Load entry i of an array of doubles into eight lanes: eight numbers, or one in all of them."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        loaded = load_at(builder, entry(context, builder, signature.args[0], values[0], values[1], DOUBLE))
-        return loaded if kind_of(a) == LANES else in_all(builder, loaded)
+        loaded = load_at(builder, address_of(context, builder, signature.args[0], values[0], values[1], DOUBLE))
+        return loaded if kind_of(a) == LANES else broadcast(builder, loaded)
 
     return LANES(a, types.intp), generate
 
@@ -87,7 +87,7 @@ def store(typing: Any, a: Any, i: Any, v: Any) -> Any:
     """Store v as entry i of an array of doubles."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        place = entry(context, builder, signature.args[0], values[0], values[1], DOUBLE)
+        place = address_of(context, builder, signature.args[0], values[0], values[1], DOUBLE)
         builder.store(values[2], place).align = 8
         return context.get_dummy_value()
 
@@ -181,7 +181,7 @@ def spread(typing: Any, a: Any, number: Any) -> Any:
     """Return the number as an entry of this array would be: alone, or in all lanes."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return in_all(builder, values[1]) if signature.return_type == LANES else values[1]
+        return broadcast(builder, values[1]) if signature.return_type == LANES else values[1]
 
     return kind_of(a)(a, types.float64), generate
 

@@ -20,7 +20,6 @@ from numba.core.typing.templates import AttributeTemplate
 from numba.extending import (
     NativeValue,
     infer_getattr,
-    intrinsic,
     lower_getattr_generic,
     models,
     register_model,
@@ -29,8 +28,9 @@ from numba.extending import (
 )
 from numpy.typing import NDArray
 
+from dincl.compiled.calls import instruction
+
 # Decorators whose types do not say what they take.
-_instruction: Any = intrinsic
 _lowering: Any = lower_getattr_generic
 _unboxing: Any = unbox
 _typing: Any = typeof_impl
@@ -91,15 +91,14 @@ def reader(example: Any) -> Callable[[int], Any]:
     """Make the function with which kernels get the struct at an address; it is one like this named tuple."""
     kind = struct_type(example)
 
-    @_instruction
+    @instruction
     def read(typing: Any, address: Any) -> Any:
         return kind(types.int64), lambda context, builder, signature, values: values[0]
 
-    found: Callable[[int], Any] = read
-    return found
+    return read
 
 
-@_instruction
+@instruction
 def struct_after(typing: Any, first: Any, k: Any) -> Any:
     """Return struct k of several of one type that follow one another in memory, of which ``first`` is the first."""
     if not isinstance(first, StructType):
@@ -126,7 +125,7 @@ class StructPointer:
     def __init__(self, value: Any, kind: StructType | None = None) -> None:
         self.value = value
         self._kind = kind
-        self._words = written(value)
+        self._words = to_words(value)
         self.address: int = self._words.ctypes.data
 
     @property
@@ -140,7 +139,7 @@ class StructPointer:
         """Put arrays or named tuples of the same types in place of others: ``replace({"pairs.partner": longer})``."""
         for path, part in parts.items():
             self.value = _replaced(self.value, path.split("."), part)
-        self._words[:] = written(self.value)
+        self._words[:] = to_words(self.value)
 
 
 def _replaced(value: Any, names: list[str], part: Any) -> Any:
@@ -175,7 +174,7 @@ def _address(kind: Any, pointer: Any, c: Any) -> Any:
     return NativeValue(address, is_error=c.pyapi.c_api_error())
 
 
-def written(value: Any) -> NDArray[np.int64]:
+def to_words(value: Any) -> NDArray[np.int64]:
     """Write a tuple of arrays, tuples and numbers as numba has it in memory; the arrays must outlive the words."""
     words: list[int] = []
     _write(value, words)

@@ -1,4 +1,4 @@
-"""Several doubles in one register as one value of kernels: their type, their arithmetic, and how LLVM writes them.
+"""Lanes, several doubles in one register as one value of kernels: their type, arithmetic and form in LLVM.
 
 Eight tissues side by side in lanes take 2.2 to 2.3 times less than one after the other; a step in space takes 1.4 times
 less with the coordinates of a point in four lanes. LLVM finds neither by itself.
@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import operator
 from collections.abc import Callable
-from typing import Any, cast
+from typing import Any
 
 from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.core.typing.templates import AbstractTemplate, infer_global
-from numba.extending import intrinsic, lower_builtin, lower_cast, models, register_model
+from numba.extending import lower_builtin, lower_cast, models, register_model
 
 # How many runs go side by side: the length of a row of an array (n, WIDTH).
 WIDTH = 8
@@ -42,11 +42,6 @@ class _Model(models.PrimitiveModel):
         super().__init__(dmm, fe_type, ir.VectorType(DOUBLE, fe_type.width))  # type: ignore[no-untyped-call]
 
 
-def instruction(define: Callable[..., Any]) -> Callable[..., Any]:
-    """Make an intrinsic of numba: kernels call it without ``typing``, the first argument of ``define``."""
-    return cast("Callable[..., Any]", intrinsic(define))
-
-
 def kind_of(*parts: Any) -> Any:
     """Find the type of entries of arrays, or of values computed from them: lanes if one of them is, else a double."""
     wide = (part for part in parts if isinstance(part, LanesType))
@@ -64,14 +59,14 @@ def constant(value: ir.Type, number: float) -> ir.Constant:
     return ir.Constant(value, [number] * value.count if isinstance(value, ir.VectorType) else number)
 
 
-def in_all(builder: Any, number: Any, width: int = WIDTH) -> Any:
+def broadcast(builder: Any, number: Any, width: int = WIDTH) -> Any:
     """Put a number of LLVM into all lanes."""
     undefined = ir.Constant(ir.VectorType(number.type, width), ir.Undefined)
     one = builder.insert_element(undefined, number, ir.Constant(SHORT, 0))
     return builder.shuffle_vector(one, undefined, ir.Constant(ir.VectorType(SHORT, width), [0] * width))
 
 
-def entry(context: Any, builder: Any, kind: Any, array: Any, index: Any, element: Any) -> Any:
+def address_of(context: Any, builder: Any, kind: Any, array: Any, index: Any, element: Any) -> Any:
     """Compute the address of entry ``index`` of an array."""
     data = context.make_array(kind)(context, builder, array).data
     if kind.ndim == 2:
@@ -87,7 +82,7 @@ def load_at(builder: Any, place: Any) -> Any:
 
 
 def call_llvm(builder: Any, name: str, *parts: Any) -> Any:
-    """Call an instruction of LLVM on values of one type."""
+    """Call an intrinsic function of LLVM on values of one type."""
     value = parts[0].type
     element = value.element if isinstance(value, ir.VectorType) else value
     letter = "f64" if element == DOUBLE else "f32"
@@ -98,8 +93,8 @@ def call_llvm(builder: Any, name: str, *parts: Any) -> Any:
 
 
 @_cast(types.Float, LanesType)
-def _widened(context: Any, builder: Any, kind: Any, wanted: Any, value: Any) -> Any:
-    return in_all(builder, context.cast(builder, value, kind, types.float64), wanted.width)
+def _widen(context: Any, builder: Any, kind: Any, target: Any, value: Any) -> Any:
+    return broadcast(builder, context.cast(builder, value, kind, types.float64), target.width)
 
 
 def _operator(function: Callable[..., Any], operation: str, operands: int) -> None:

@@ -66,11 +66,11 @@ def compiled(drift: Any) -> CompiledDrift | None:
         return drift
     if "numba" not in sys.modules:  # then there are no functions of numba
         return None
-    from dincl.compiled.dispatchers import drift_of, is_dispatcher
+    from dincl.compiled.calls import compile_drift, is_dispatcher
 
     if not is_dispatcher(drift):
         return None
     if drift not in _C_FUNCTIONS:
-        _C_FUNCTIONS[drift] = drift_of(drift)
+        _C_FUNCTIONS[drift] = compile_drift(drift)
     function = _C_FUNCTIONS[drift]
     return None if function is None else DispatchedDrift(drift, function)

@@ -6,7 +6,7 @@ import numpy as np
 
 from dincl.compiled import c_function, call, inner
 from dincl.compiled.arrays import Floats
-from dincl.compiled.dispatchers import DRIFT
+from dincl.compiled.calls import DRIFT
 from dincl.constants import LARGEST
 
 # Return values of ``velocity``.

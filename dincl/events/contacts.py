@@ -13,7 +13,7 @@ from dincl.solvers.factor import times
 from dincl.solvers.sparse_active_set import nearest_sparse
 from dincl.solvers.sparse_factor import SPARSE_FROM
 from dincl.solvers.sparse_order import FEW, analyse, covers
-from dincl.steps.catch_up import list_sorted
+from dincl.steps.programs import list_sorted
 from dincl.system.arrays import COINCIDENT, OK, SETS, evaluate, longest, system_at
 
 # Gaps up to this are contacts, relative to the size of the problem; rounding leaves 1e-15.
@@ -74,7 +74,7 @@ def list_touching(run: EventWorkspace) -> int:
         if gap(rows, sets, r, x) <= allowed:
             value = linearise(rows, sets, r, x, program.gradient)
             if value != value:
-                system.blamed[0] = r
+                system.offending[0] = r
                 return -1
             program.bound[r] = set_speed(system, r)
             state.speed = max(state.speed, abs(program.bound[r]))

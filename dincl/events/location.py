@@ -9,7 +9,7 @@ from dincl.events.workspace import ACTIVE, CLOSED, EventWorkspace
 from dincl.neighbours import EVENT_MARGIN, SHORT_STEP_MARGIN, TOO_WIDE
 from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, linearise
 from dincl.solvers.factor import times
-from dincl.steps.catch_up import carry, list_sorted
+from dincl.steps.programs import carry, list_sorted
 from dincl.system.arrays import OK, system_at
 
 # Sets are taken to be carried up to so many times as far as they are at the nodes.

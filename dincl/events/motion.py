@@ -35,7 +35,7 @@ def linearise_active(run: EventWorkspace, t: float, x: Floats) -> int:
         r = active.row[k]
         gap = linearise(system.rows, system.sets, r, x, system.program.gradient)
         if gap != gap:
-            system.blamed[0] = r
+            system.offending[0] = r
             return COINCIDENT
         system.program.bound[r] = gap
     return OK

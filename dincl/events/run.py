@@ -32,11 +32,10 @@ from dincl.norms import longest
 from dincl.projection.active_set import ActiveSet
 from dincl.projection.cone import distance_to_cone
 from dincl.projection.feasible import FeasibleSet
-from dincl.run.outcome import Between, Event
 from dincl.status import Status
 from dincl.system.arrays import OK
-from dincl.system.compiled_problem import CompiledProblem
-from dincl.system.units import units_of
+from dincl.system.compiled_problem import CompiledProblem, units_of
+from dincl.trajectory import Between, Event
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
@@ -180,8 +179,8 @@ class EventRun:
             raise StepFailure(*ENDS[code])
         if code != DONE:
             self._system.failure(code)
-        if self._system.sets.foreseen is not None:
-            raise self._system.sets.foreseen
+        if self._system.sets.path_failure is not None:
+            raise self._system.sets.path_failure
 
     @property
     def events(self) -> tuple[Event, ...]:

@@ -1,7 +1,7 @@
 """Pairs of discs that are close to each other, and how far searches look beyond what is needed now.
 
 A list of pairs or rows is made for more than the search radius asked for and serves until particles and sets have moved
-by the difference. All factors of this policy stand here; ``lists`` applies them to discs, ``dincl.steps.catch_up``,
+by the difference. All factors of this policy stand here; ``lists`` applies them to discs, ``dincl.steps.programs``,
 ``dincl.events.location`` and ``dincl.constraints.selection`` to rows.
 """
 

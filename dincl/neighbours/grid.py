@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from dincl.compiled import inner, kernel, maker
+from dincl.compiled import allocating, inner, kernel
 from dincl.compiled.arrays import Axes, Floats, Indices, Offsets
 
 # A grid spans at most so many axes; distances always use all of them.
@@ -38,7 +38,7 @@ class SortedDiscs(NamedTuple):
     radius: Floats  # (n,)
 
 
-@maker
+@allocating
 def sort_by_cell(cell: Indices, cells: int, x: Floats, radius: Floats, axes: Axes) -> SortedDiscs:
     """Sort the discs by the number of their cell, each in 0 .. cells - 1: a counting sort."""
     first = np.zeros(cells + 2, np.int32)
@@ -67,7 +67,7 @@ def is_close(x: Floats, radius: Floats, i: int, j: int, axes: Axes) -> bool:
     return bool(square <= limit * limit)
 
 
-@maker
+@allocating
 def grown(pairs: Indices, count: int, more: int) -> Indices:
     """Copy pairs[:count] into a list with twice the capacity for `more` others; TooManyPairs if that is too long."""
     if count + more > MOST_PAIRS:
@@ -78,7 +78,7 @@ def grown(pairs: Indices, count: int, more: int) -> Indices:
     return copied
 
 
-@maker
+@allocating
 def _group(key: Indices, value: Indices, rows: int) -> tuple[Offsets, Indices]:
     """Collect the values of equal key, each in 0 .. rows - 1, into rows, keeping their order: a counting sort."""
     place = np.zeros(rows + 2, np.int64)
@@ -93,7 +93,7 @@ def _group(key: Indices, value: Indices, rows: int) -> tuple[Offsets, Indices]:
     return place[: rows + 1], entry
 
 
-@maker
+@allocating
 def rows_of_pairs(pairs: Indices, n: int) -> tuple[Offsets, Indices]:
     """Sort pairs (m, 2) of n discs, in linear time, into rows of the larger number: offsets, ascending partners."""
     smaller, larger = np.empty(len(pairs), np.int32), np.empty(len(pairs), np.int32)
@@ -141,7 +141,7 @@ def grid_layout(x: Floats, radius: Floats) -> tuple[Offsets, Floats, float]:
     return shape[: GRID_AXES if fits else 0], low, edge
 
 
-@maker
+@allocating
 def _cell_of_each(x: Floats, shape: Offsets, low: Floats, edge: float, axes: Axes) -> Indices:
     """Compute the number of the cell of each disc, the last axis running fastest."""
     per_length = 1.0 / edge
@@ -157,7 +157,7 @@ def _cell_of_each(x: Floats, shape: Offsets, low: Floats, edge: float, axes: Axe
     return cell
 
 
-@maker
+@allocating
 def _rows_ahead(shape: Offsets, axes: Axes) -> Offsets:
     """Compute the steps from a cell to the middles of the following rows of three cells along the last axis.
 

@@ -5,7 +5,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compiled import inner, kernel, maker
+from dincl.compiled import allocating, inner, kernel
 from dincl.compiled.arrays import Axes, Floats, Indices, Offsets
 from dincl.neighbours.grid import GRID_AXES, PAIRS_PER_DISC, grown, is_close, rows_of_pairs, sort_by_cell
 
@@ -44,7 +44,7 @@ def _smallest_cell(x: Floats, smallest: float) -> float:
     return math.ldexp(1.0, math.frexp(edge)[1])
 
 
-@maker
+@allocating
 def _levels_of(radius: Floats, smallest: float) -> tuple[Indices, Offsets]:
     """Find level l of each disc, the least with radius <= 2^l times the smallest, and the levels in use, ascending."""
     level = np.empty(radius.size, np.int32)
@@ -92,7 +92,7 @@ def _slot_of(key: np.uint64, level: int, keys: Keys, levels: Indices) -> np.int6
     return slot
 
 
-@maker
+@allocating
 def _fill_table(x: Floats, edge: float, level: Indices, axes: Axes) -> tuple[Keys, Indices, Indices]:
     """Enter the cells of all discs; return keys and levels of the table, and the slot of each disc."""
     size = 4
@@ -110,7 +110,7 @@ def _fill_table(x: Floats, edge: float, level: Indices, axes: Axes) -> tuple[Key
     return keys, levels, slots
 
 
-@maker
+@allocating
 def _steps_to_neighbours(axes: Axes) -> Keys:
     """Compute the differences of keys between a cell and all its neighbours and itself, which is in the middle."""
     used = min(len(axes), GRID_AXES)

@@ -44,7 +44,7 @@ class _ActiveSetSolver(QpSolver):
 
     @property
     def compiled(self) -> Any:
-        from dincl.steps.catch_up import active_set
+        from dincl.steps.programs import active_set
 
         return active_set
 

@@ -32,7 +32,7 @@ class QpAnswer(NamedTuple):
 
 
 class QpSolver(Solver):
-    """Projects onto polyhedra; ``dincl.steps.catch_up`` makes projections onto curved sets of them.
+    """Projects onto polyhedra; ``dincl.steps.programs`` makes projections onto curved sets of them.
 
     A back end sees each program in the displacement u = (z - y) / s, with rows of unit length and the largest
     violation s, so that its tolerances are relative to the move and not to the coordinates.

@@ -8,7 +8,7 @@ import numpy as np
 
 from dincl.matrices import from_rows
 from dincl.steps.programs import near_program, take_solution
-from dincl.system.python_function import PythonFunction, numbers_at
+from dincl.system.callbacks import PythonFunction, numbers_at
 
 if TYPE_CHECKING:
     from dincl.projection.base import Projected, Solver

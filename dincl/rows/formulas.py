@@ -12,7 +12,7 @@ import numpy as np
 
 from dincl.compiled import c_function, inner, kernel
 from dincl.compiled.arrays import Floats
-from dincl.compiled.dispatchers import DRIFT
+from dincl.compiled.calls import DRIFT
 from dincl.drifts.functions import call_drift
 
 

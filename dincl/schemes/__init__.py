@@ -1,9 +1,8 @@
 """The schemes, one per file."""
 
 from dincl.schemes.base import FixedStep, Scheme
-from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp
+from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp, MidpointCatchUp
 from dincl.schemes.event_driven import EventDriven
-from dincl.schemes.midpoint_catch_up import MidpointCatchUp
 from dincl.schemes.pbd import PBD, SecondOrderPBD
 from dincl.schemes.penalty import Penalty
 

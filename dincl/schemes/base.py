@@ -1,4 +1,4 @@
-"""What a scheme is, and what a scheme of equal time steps is: a step, without the loop."""
+"""Schemes: base classes, and the run of a scheme of equal time steps with the straight lines between the steps."""
 
 from __future__ import annotations
 
@@ -7,15 +7,21 @@ from dataclasses import dataclass, field
 from functools import partial
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dincl.checks import number
+from dincl.errors import StepFailure
+from dincl.norms import longest
+from dincl.status import Status
+from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid, divide_time
+from dincl.trajectory import Between, RunOutcome
 
 if TYPE_CHECKING:
-    import numpy as np
+    from collections.abc import Callable
+
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
-    from dincl.run.outcome import RunOutcome
-    from dincl.run.stepper import Stepper
 
 
 @dataclass(frozen=True)
@@ -24,14 +30,14 @@ class Scheme(ABC):
 
     @abstractmethod
     def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
-        """The solution at increasing ``times`` (K,) >= 0, or until it fails; InvalidProblem if it cannot serve."""
+        """Compute the solution at increasing ``times`` (K,) >= 0, or until it fails; InvalidProblem if it cannot."""
 
 
 @dataclass(frozen=True)
 class FixedStep(Scheme):
     """A scheme with steps of length ``dt`` > 0 [time]; a run takes the next smaller length that divides it evenly.
 
-    A subclass is a frozen dataclass; its further fields come after dt, and it says with ``stepper`` how a step is made.
+    A subclass is a frozen dataclass; its further fields come after dt, and ``stepper`` makes its steps.
     """
 
     dt: float = field()
@@ -40,11 +46,106 @@ class FixedStep(Scheme):
         object.__setattr__(self, "dt", number("dt", self.dt, positive=True))
 
     def run(self, problem: Problem, times: NDArray[np.float64]) -> RunOutcome:
-        """Equal steps of at most ``dt`` to the last of ``times``."""
-        from dincl.schemes.loop import run_steps
-
+        """Make equal steps of at most ``dt`` to the last of ``times``."""
         return run_steps(partial(self.stepper, problem), self.dt, times)
 
     @abstractmethod
     def stepper(self, problem: Problem) -> Stepper:
         """Bind to a problem; InvalidProblem if the two do not go together."""
+
+
+def run_steps(bind: Callable[[], Stepper], dt: float, times: NDArray[np.float64]) -> RunOutcome:
+    """Make equal steps of at most ``dt`` until the last of ``times`` (K,), or until one fails.
+
+    ``bind()`` makes a Stepper; it is stored, and must pickle for the outcome to pickle.
+    """
+    grid, stepper = divide_time(float(times[-1]), dt), bind()
+    start = stepper.start()
+    output = Output(grid, times, start)
+    # Numbers that overflow end the run with a Status of their own.
+    with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+        reached = stepper.advance(grid, 0, grid.steps, start, output)
+    count = int(output.filled[0])
+    t, x, last = times[:count].copy(), output.x[:count], None
+    status, detail, failure = Status.SUCCESS, "", reached.failure
+    if failure is not None:
+        status, time = failure.status, grid.time(reached.k)
+        detail = f"{failure.detail} This was in the step from t = {time:.6g} with dt = {grid.h:.6g}."
+        if not count or t[-1] < time:
+            t, x = np.append(t, time), np.concatenate((x, reached.state.x[None]))
+            last = reached
+    return RunOutcome(t, x, status, detail, stepper.work, StraightLines(bind, grid, output, last), failure=failure)
+
+
+@dataclass(frozen=True, eq=False)
+class StraightLines(Between):
+    """Straight lines between the steps; the steps around a time are repeated from a stored state before it.
+
+    ``bind()`` makes a new Stepper of the scheme for the problem: repeated steps do not add to the work of the run.
+    Stored are the states before the steps of the output times, and the ``last`` one of a run that failed.
+    """
+
+    bind: Callable[[], Stepper]
+    grid: TimeGrid
+    output: Output
+    last: Reached | None = None
+
+    def states(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute x between two steps by (1.48)."""
+        stepper, steps = self.bind(), self.grid.before(times)
+        values = np.empty((len(times), *stepper.problem.x0.shape))
+        k, state = 0, stepper.start()
+        for index, (step, weight) in enumerate(zip(steps, self.grid.weights(times, steps), strict=True)):
+            stored = self._stored_before(int(step))
+            if stored.k > k:
+                k, state = stored.k, stored.state
+            if times[index] > 0 and self.grid.steps:
+                state, after = self._step(stepper, int(step), k, state)
+                k, values[index] = int(step), state.towards(after, float(weight))
+            else:
+                values[index] = state.x
+        return values
+
+    def residuals(self, times: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute the residuals of the steps that end at or after each of the output times."""
+        stepper = self.bind()
+        found = [self._residual(stepper, self._stored(q)) if t > 0 else np.inf for q, t in enumerate(times)]
+        return np.array(found)
+
+    def _stored(self, q: int) -> Reached:
+        """Return the step and state of output time q."""
+        if self.last is not None and q == self.output.filled[0]:
+            return self.last
+        v = self.output.velocity[q] if len(self.output.velocity) else None
+        return Reached(int(self.output.step[q]), StepState(self.output.before[q], v))
+
+    def _stored_before(self, step: int) -> Reached:
+        """Return the last stored state at or before a step; without any, step -1."""
+        if self.last is not None and self.last.k <= step:
+            return self.last
+        q = int(np.searchsorted(self.output.step[: int(self.output.filled[0])], step, side="right")) - 1
+        return self._stored(q) if q >= 0 else Reached(-1, StepState(np.zeros(0)))
+
+    def _step(self, stepper: Stepper, step: int, k: int, state: StepState) -> tuple[StepState, StepState]:
+        """Compute the states before and after a step, from the state at step k; StepFailure if there is none."""
+        before = stepper.advance(self.grid, k, step, state)
+        after = before if before.failure else stepper.advance(self.grid, step, step + 1, before.state)
+        if after.failure:
+            raise after.failure
+        return before.state, after.state
+
+    def _residual(self, stepper: Stepper, stored: Reached) -> float:
+        from dincl.projection.cone import distance_to_cone
+
+        state, h, t = stored.state, self.grid.h, self.grid.time(stored.k)
+        if state.v is not None:
+            return np.inf
+        try:
+            _, after = self._step(stepper, stored.k, stored.k, state)
+            problem = stepper.problem
+            drift = problem.velocity(t, state.x)
+            reaction = (after.x - state.x) / h - drift
+            rows = problem.rows_within(t + h, after.x, h * longest(drift) / 2)
+            return distance_to_cone(reaction.ravel(), rows.jacobian(after.x))
+        except StepFailure:
+            return np.inf

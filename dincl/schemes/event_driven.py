@@ -9,9 +9,9 @@ import numpy as np
 
 from dincl.checks import number
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.run.outcome import Between, RunOutcome
 from dincl.schemes.base import Scheme
 from dincl.status import Status
+from dincl.trajectory import Between, RunOutcome
 from dincl.work import Work
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from numpy.typing import ArrayLike, NDArray
 
     from dincl.problem import Problem
-    from dincl.run.stepper import Stepper
+    from dincl.steps.grid import Stepper
 
 # Sweeps that converge are done long before; more of them look like a run that does not end.
 MOST_SWEEPS = 1_000_000

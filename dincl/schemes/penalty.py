@@ -13,7 +13,7 @@ from dincl.schemes.base import FixedStep
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
-    from dincl.run.stepper import Stepper
+    from dincl.steps.grid import Stepper
 
 
 @dataclass(frozen=True)

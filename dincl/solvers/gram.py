@@ -2,11 +2,11 @@
 
 import numpy as np
 
-from dincl.compiled import kernel, maker
+from dincl.compiled import allocating, kernel
 from dincl.compiled.arrays import Flags, Floats, Offsets
 
 
-@maker
+@allocating
 def _by_column(indptr: Offsets, indices: Offsets, columns: int, chosen: Offsets) -> tuple[Offsets, Offsets]:
     """Give the rows that have an entry in each column, as places in ``chosen``, ascending."""
     start = np.zeros(columns + 1, np.int64)
@@ -71,7 +71,7 @@ def gram_pattern(indptr: Offsets, indices: Offsets, columns: int, chosen: Offset
     return start, room[:size]
 
 
-@maker
+@allocating
 def _longer(entry: Offsets) -> Offsets:
     """Copy it, with room for as many others."""
     copied = np.empty(2 * entry.size, np.int64)

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from dincl.compiled import inner, kernel, maker
+from dincl.compiled import allocating, inner, kernel
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.matrices.products import times, transposed_times
 
@@ -15,7 +15,7 @@ LONGEST_STEP = 1e12
 LARGEST = 1e10
 
 
-@maker
+@allocating
 def _largest_eigenvalue(indptr: Offsets, indices: Offsets, data: Floats, columns: int) -> float:
     """Bound the eigenvalues of A A^T by the largest row sum of |A| |A|^T."""
     total = np.zeros(columns)

@@ -1,8 +1,8 @@
-"""Time steps of any scheme: the loop over a grid, and what is kept of it.
+"""Time steps of any scheme in compiled code: the loop over a grid, and the states at output times.
 
 A scheme gives a function that makes one step, compiled by ``step_function`` and called by its address: ``step(t, x,
-after, place, d, setting)`` finds its ``Stepping`` at the address ``place``, reads the state at t from it and writes the
-one at t + h, h = setting[0]. So the loop is written, and compiled, once.
+after, place, d, setting)`` finds its ``Stepping`` at the address ``place``, reads the state at t and writes the one at
+t + h, h = setting[0]. So the loop is written, and compiled, once.
 """
 
 from collections.abc import Callable
@@ -12,11 +12,10 @@ import numpy as np
 
 from dincl.compiled import c_function, inner, kernel, reader
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.compiled.dispatchers import DRIFT
+from dincl.compiled.calls import DRIFT
 from dincl.constants import LARGEST
 from dincl.drifts.functions import call_drift
-from dincl.steps import sweeps as sets
-from dincl.steps.sweeps import Families
+from dincl.steps.sweeps import NO_FAMILIES, Families
 from dincl.system.arrays import NOT_A_NUMBER, OK, bounded
 
 
@@ -31,27 +30,27 @@ class StepRange(NamedTuple):
 
 
 class OutputArrays(NamedTuple):
-    """K output times, increasing, and what is kept for each of them."""
+    """K output times, increasing, and the states at these times."""
 
     step: Offsets  # (K,): the step k in which the time lies, t_k < t <= t_{k+1}
     weight: Floats  # (K,): its place there, 1 at the end of the step
     x: Floats  # (K, n): the state at the time, on the straight line of the step  (1.48)
     before: Floats  # (K, n): the state at t_k
-    velocity: Floats  # (K, n): and, for second-order schemes, the velocity
-    filled: Offsets  # (1,): how many are kept so far
+    velocity: Floats  # (K, n): the velocity at t_k, for second-order schemes
+    filled: Offsets  # (1,): how many output times were reached
 
 
 class ProjectionArrays(NamedTuple):
-    """The nearest point of S(t), or of its linearisation, to y, searched from ``around``: z.
+    """A projection of y onto S(t), or onto its linearisation, searched from ``around``: z.
 
-    The function at ``address`` has the signature of ``DRIFT``: it is given t, and ``question`` in place of the data.
+    The function at ``address`` has the signature of ``DRIFT``; it gets t, and ``question`` in place of the data.
     """
 
     address: int
     y: Floats  # (n,)
     around: Floats  # (n,)
     z: Floats  # (n,)
-    question: Floats  # the time to which the linearisation is carried, the reach, the tolerance
+    question: Floats  # (4,): time to which a linearisation is carried, search radius, tolerance, 1 for S(t) itself
 
 
 class Stepping(NamedTuple):
@@ -62,20 +61,18 @@ class Stepping(NamedTuple):
     x: Floats  # (n,): the state
     v: Floats  # (n,): the velocity, (0,) for first-order schemes
     after: Floats  # (n,): the state after a step
-    rate: Floats  # (n,): velocities or forces, to write to
-    setting: Floats  # the length of the step, and what the scheme was given
+    rate: Floats  # (n,): workspace for velocities or forces
+    setting: Floats  # the length of the step, and the parameters of the scheme
     output: OutputArrays
     projection: ProjectionArrays
 
 
 def no_output(n: int) -> OutputArrays:
-    """Output of no time, for n coordinates."""
+    """Make the output of a run without output times, for n coordinates."""
     steps, table = np.zeros(0, dtype=np.int64), np.zeros((0, n))
     return OutputArrays(steps, np.zeros(0), table, table, table, np.zeros(1, dtype=np.int64))
 
 
-# Those of a scheme that looks at all near rows together.
-NO_FAMILIES = sets.EXAMPLE
 _NONE = np.zeros(0)
 NO_PROJECTION = ProjectionArrays(0, _NONE, _NONE, _NONE, _NONE)
 stepping_at = reader(Stepping(0, NO_FAMILIES, _NONE, _NONE, _NONE, _NONE, _NONE, no_output(0), NO_PROJECTION))
@@ -88,9 +85,9 @@ def step_function(function: Callable[..., int]) -> Any:
 
 @kernel
 def advance(place: int, step: int, grid: StepRange) -> tuple[int, int]:
-    """Make steps by the function at the address ``step``; how it ended, and the step reached.
+    """Make steps by the function at the address ``step``; return the code of the last one, and the step reached.
 
-    A step that cannot be made leaves the state as it was.
+    A step that fails leaves the state as it was.
     """
     run = stepping_at(place)
     x, v, after = run.x, run.v, run.after
@@ -103,7 +100,7 @@ def advance(place: int, step: int, grid: StepRange) -> tuple[int, int]:
             return code, k
         if not bounded(after, LARGEST):
             return NOT_A_NUMBER, k
-        keep(run.output, k, x, v, after)
+        write_output(run.output, k, x, v, after)
         for i in range(v.size):
             v[i] = (after[i] - x[i]) / h
         for i in range(x.size):
@@ -112,8 +109,8 @@ def advance(place: int, step: int, grid: StepRange) -> tuple[int, int]:
 
 
 @inner
-def keep(output: OutputArrays, k: int, x: Floats, v: Floats, after: Floats) -> None:
-    """Keep the states at the output times of step k."""
+def write_output(output: OutputArrays, k: int, x: Floats, v: Floats, after: Floats) -> None:
+    """Write the states at the output times of step k."""
     step, q = output.step, output.filled[0]
     found, before, velocity = output.x, output.before, output.velocity
     while q < step.size and step[q] == k:

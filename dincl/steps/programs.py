@@ -1,18 +1,201 @@
-"""Least-distance programs of near rows, as solvers in Python take them; and single projections."""
+"""Nearest points of S(t) in compiled code, by least-distance programs of the near rows."""
+
+from typing import Any
 
 import numpy as np
 
-from dincl.compiled import kernel
+from dincl.compiled import inner, kernel
 from dincl.compiled.arrays import Floats, Indices
-from dincl.solvers.factor import times
-from dincl.steps.catch_up import project
-from dincl.system.arrays import system_at
+from dincl.drifts.functions import call_drift
+from dincl.neighbours import ROW_MARGIN
+from dincl.rows.candidates import distance_from_search, find_candidates, note_search, sort_candidates
+from dincl.rows.table import DISPLACEMENTS, GRADIENTS, call_python, gap, linearise
+from dincl.solvers.active_set import nearest
+from dincl.solvers.factor import add, times
+from dincl.steps.loop import step_function
+from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, farthest, system_at
 
-Program = tuple[Indices, Indices, Floats, Floats, Floats, Floats]
+# A projection that ends outside of the search radius is repeated with twice its distance, at most this often.
+MOST_SEARCHES = 60
+# Linearisations for one projection onto a curved set; a y that violates by less than this part of tol is its own.
+MOST_RELINEARISATIONS, NEGLIGIBLE = 60, 1e-3
+
+
+@inner
+def project(place: int, t: float, around: Floats, radius: float, later: float, exact: bool, tol: float) -> int:
+    """Project y of a system onto S(t), or onto its linearisation: OK or why not.
+
+    Parameters
+    ----------
+    place : int
+        The address of the system, which holds y, and then z and the multipliers.
+    t : float
+        The time of the set.
+    around : (n,)
+        Where the search begins, and where the set is linearised unless ``exact``.
+    radius : float
+        Rows are listed that can be violated within this distance of ``around`` [length].
+    later : float
+        The linearisation is carried to this time, each row with its set.
+    exact : bool
+        Whether to project onto S(t) and not onto its linearisation.
+    tol : float
+        The residual allowed [length].
+    """
+    system = system_at(place)
+    d = system.sets.shift.shape[1]
+    carried = carry(place, t, later)
+    if call_python(system.sets, t, around, DISPLACEMENTS) != 0:
+        return SETS
+    for _ in range(MOST_SEARCHES):
+        if not list_sorted(place, t, around, radius, ROW_MARGIN):
+            return PYTHON
+        code = solve(place, t, around, later, exact, tol)
+        if code != OK:
+            return code
+        distance = farthest(system.program.z, around, d) + carried
+        if distance <= radius:
+            return OK
+        radius = 2.0 * distance
+    return TOO_FAR
+
+
+@inner
+def solve(place: int, t: float, around: Floats, later: float, exact: bool, tol: float) -> int:
+    """Project with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
+    system = system_at(place)
+    rows, near, program, solving = system.rows, system.near, system.program, system.solving
+    solving.called[0] = 0.0
+    if solving.whole != 0:
+        question = solving.question
+        question[0], question[1], question[2], question[3] = t, later, 1.0 if exact else 0.0, tol
+        code = int(call_drift(solving.address, t, around, program.z, place, 0, question))
+        program.answer[2] += solving.called[0]
+        return code
+    if exact and is_inside(place, t, NEGLIGIBLE * tol):
+        for k in range(program.z.size):
+            program.z[k] = program.y[k]
+        return OK
+    code = linearise_near(place, t, around)
+    if later != t and system.sets.address != 0:
+        for q in range(near.number[0]):
+            r = near.row[q]
+            for p in range(rows.start[r], rows.stop[r]):
+                axis = rows.column[p] % system.move.shape[1]
+                program.bound[r] += program.gradient[p] * system.move[rows.row[r].family, axis]
+    residual = 0.0
+    for _ in range(MOST_RELINEARISATIONS if exact else 1):
+        if code == OK:
+            code = call_drift(solving.address, tol, program.y, program.z, place, 0, program.answer)
+        residual = program.answer[1]
+        if code == OK and exact:
+            code, residual = certify(place, t)
+        if code != OK or residual <= tol:
+            break
+    program.answer[1] = residual
+    program.answer[2] += solving.called[0]
+    return MISSED if code == OK and not residual <= tol else code
+
+
+@inner
+def list_sorted(place: int, t: float, x: Floats, radius: float, margin: float) -> bool:
+    """List every row that matters within ``radius`` of x, in the order of the cloud; false on failure.
+
+    A new list is made for ``margin`` times the radius, see ``dincl.neighbours``.
+    """
+    system = system_at(place)
+    sets, near = system.sets, system.near
+    if distance_from_search(sets, x, near) + radius <= near.radius[0]:
+        return True
+    if near.search == 0:
+        find_candidates(system.rows, sets, x, margin * radius, near)
+    else:
+        near.radius[0] = margin * radius
+        if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.radius) != 0:
+            return False
+        note_search(sets, x, margin * radius, near)
+    sort_candidates(system.rows, x, sets.shift.shape[1], near)
+    return True
+
+
+@inner
+def linearise_near(place: int, t: float, x: Floats) -> int:
+    """Linearise the listed rows at x: a_r . z >= bound_r with unit gradients."""
+    system = system_at(place)
+    rows, sets, near, program = system.rows, system.sets, system.near, system.program
+    if call_python(sets, t, x, GRADIENTS) != 0:
+        return SETS
+    for q in range(near.number[0]):
+        r = near.row[q]
+        value = linearise(rows, sets, r, x, program.gradient)
+        if value != value:
+            system.offending[0] = r
+            return COINCIDENT
+        program.bound[r] = times(rows, r, program.gradient, x) - value
+    return OK
+
+
+@inner
+def certify(place: int, t: float) -> tuple[int, float]:
+    """Linearise the listed rows at z, and compute the residual of z as the nearest point of the curved set to y."""
+    system = system_at(place)
+    program, near = system.program, system.near
+    code, residual, z = linearise_near(place, t, program.z), 0.0, program.z
+    for k in range(z.size):
+        program.direction[k] = z[k] - program.y[k]
+    for q in range(near.number[0]):
+        r = near.row[q]
+        multiplier = program.multiplier[r]
+        value = times(system.rows, r, program.gradient, z) - program.bound[r]
+        residual = max(residual, -value, abs(min(multiplier, value)))
+        if multiplier > 0.0:
+            add(system.rows, r, program.gradient, -multiplier, program.direction)
+    for k in range(z.size):
+        residual = max(residual, abs(program.direction[k]))
+    return code, residual
+
+
+@inner
+def is_inside(place: int, t: float, allowed: float) -> bool:
+    """Return whether y violates no listed row by more than ``allowed``."""
+    system = system_at(place)
+    if call_python(system.sets, t, system.program.y, GRADIENTS) != 0:
+        return False
+    for q in range(system.near.number[0]):
+        if not gap(system.rows, system.sets, system.near.row[q], system.program.y) >= -allowed:
+            return False
+    return True
+
+
+@inner
+def carry(place: int, t: float, later: float) -> float:
+    """Write how far each set is carried from t to a later time into ``move``; return the longest way."""
+    system = system_at(place)
+    if system.sets.address == 0 or later == t:
+        return 0.0
+    move, shift, longest = system.move, system.sets.shift, 0.0
+    call_python(system.sets, later, system.program.y, DISPLACEMENTS)
+    for f in range(move.shape[0]):
+        for k in range(move.shape[1]):
+            move[f, k] = shift[f, k]
+    call_python(system.sets, t, system.program.y, DISPLACEMENTS)
+    for f in range(move.shape[0]):
+        square = 0.0
+        for k in range(move.shape[1]):
+            move[f, k] -= shift[f, k]
+            square += move[f, k] * move[f, k]
+        longest = max(longest, np.sqrt(square))
+    return longest
 
 
 @kernel
-def near_program(place: int) -> Program:
+def project_once(place: int, t: float, around: Floats, radius: float, later: float, exact: bool, tol: float) -> int:
+    """Project y of the system onto S(t), or onto its linearisation at ``around`` (n,), carried to a later time."""
+    return project(place, t, around, radius, later, exact, tol)
+
+
+@kernel
+def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, Floats]:
     """Collect min |z - y| subject to a_k . z >= b_k for the near rows of the system, with rows of length 1.
 
     Returns
@@ -24,7 +207,7 @@ def near_program(place: int) -> Program:
     length : (m,)
         The lengths of the gradients in the table, 1 for one that vanishes.
     multiplier : (m,)
-        Those of a similar program.
+        The multipliers of a similar program.
     """
     system = system_at(place)
     rows, near, program = system.rows, system.near, system.program
@@ -50,7 +233,7 @@ def near_program(place: int) -> Program:
 
 @kernel
 def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
-    """Write z = y + move and the multipliers of the near rows, of length 1, into the system; the residual of z.
+    """Write z = y + move and the multipliers of the near rows, of length 1, into the system; return the residual of z.
 
     The residual is the largest of |z - y - A^T multiplier|, the violations, and |min(multiplier, a . z - b)|, for the
     rows as the table has them.
@@ -75,7 +258,11 @@ def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
     return residual
 
 
-@kernel
-def project_once(place: int, t: float, around: Floats, reach: float, later: float, exact: bool, tol: float) -> int:
-    """Project y of the system onto S(t), or onto its linearisation at ``around`` (n,), carried to a later time."""
-    return project(place, t, around, reach, later, exact, tol)
+@step_function
+def active_set(t: float, y: Any, z: Any, place: int, d: int, answer: Any) -> int:
+    """Solve the program of the near rows by the active set; see ``dincl.system.arrays.Solving``."""
+    system = system_at(place)
+    near, program, chosen = system.near, system.program, system.chosen
+    code = nearest(system.rows, near.row, near.number[0], program, chosen, 0.0)
+    system.solving.called[0] = 1.0 if chosen.number[0] > 0 else 0.0
+    return code

@@ -3,21 +3,19 @@
 from __future__ import annotations
 
 import time
-from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
-from dincl.run.grid import Output, TimeGrid
-from dincl.run.stepper import Reached, Stepper, StepState
 from dincl.steps import loop as kernels
-from dincl.steps.catch_up import project_onto_linearised, project_onto_set
+from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid
 from dincl.steps.loop import OutputArrays, ProjectionArrays, Stepping, StepRange
+from dincl.steps.sweeps import NO_FAMILIES
 from dincl.steps.swept_sets import SweptSets
 from dincl.system.arrays import OK
-from dincl.system.compiled_problem import CompiledProblem, ProgramSolver
+from dincl.system.compiled_problem import CompiledProblem
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -25,6 +23,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
     from dincl.problem import Problem
+    from dincl.projection.base import Projection
 
 # In the first call, particles times steps; each call makes twice as many steps as the last one while it takes less than
 # this [s], so that an interrupt, or a budget, does not wait.
@@ -43,7 +42,7 @@ class CompiledStepper(Stepper):
     system
         The drift, the sets and their rows.
     swept, projection
-        The sets as sweeps go through them, or the projection, of schemes that have one.
+        The sets of schemes that make sweeps, or the projection of schemes that have one.
     v0
         Velocity at the start, (N, d), of a second-order scheme.
     """
@@ -61,19 +60,19 @@ class CompiledStepper(Stepper):
     ) -> None:
         super().__init__(problem)
         self._step, self._swept, self._v0, self.system = step, swept, v0, system
-        self.system.sets.work = self.work
+        system.sets.work = self.work
         n = problem.x0.size
-        self._empty = kernels.no_output(n)
+        self._no_output = kernels.no_output(n)
         self._pointer = StructPointer(
             Stepping(
-                place=self.system.place,
-                families=kernels.NO_FAMILIES if swept is None else swept.arrays,
+                place=system.place,
+                families=NO_FAMILIES if swept is None else swept.arrays,
                 x=np.zeros(n),
                 v=np.zeros(0 if v0 is None else n),
                 after=np.zeros(n),
                 rate=np.zeros(n),
                 setting=np.array([0.0, *setting]),
-                output=self._empty,
+                output=self._no_output,
                 projection=projection,
             )
         )
@@ -88,77 +87,72 @@ class CompiledStepper(Stepper):
         projected: bool = True,
         v0: NDArray[np.float64] | None = None,
     ) -> CompiledStepper:
-        """A scheme that looks at one row after another; projections of the user are made if ``projected``."""
+        """Bind a scheme that takes one row after another; projections of the user are made if ``projected``."""
         swept = SweptSets(problem, projected=projected)
         system = CompiledProblem(problem, swept.selection, custom_sweeps=swept.custom_sweeps, programs=False)
+        system.functions += swept.searches
         return cls(problem, step, setting, system=system, swept=swept, v0=v0)
 
     @classmethod
-    def projecting(
-        cls, problem: Problem, step: Any, solver: ProgramSolver, tol: float, *, linearised: bool
-    ) -> CompiledStepper:
-        """A scheme that projects onto S, or onto its linearisation, in each step, to the residual ``tol``."""
-        system = CompiledProblem(problem, solver=solver)
-        project, program = project_onto_linearised if linearised else project_onto_set, system.arrays.program
-        arrays = ProjectionArrays(project.address, program.y, np.zeros(problem.x0.size), program.z, np.zeros(3))
-        return cls(problem, step, [tol], system=system, projection=arrays)
+    def projecting(cls, problem: Problem, step: Any, projection: Projection, *, linearised: bool) -> CompiledStepper:
+        """Bind a scheme that projects onto S, or onto its linearisation, in each step."""
+        from dincl.steps.catch_up import nearest_point
+
+        projection.check(problem)
+        system = CompiledProblem(problem, solver=projection.solver())
+        program, question = system.arrays.program, np.array([0.0, 0.0, 0.0, not linearised])
+        arrays = ProjectionArrays(nearest_point.address, program.y, np.zeros(problem.x0.size), program.z, question)
+        return cls(problem, step, [projection.tol], system=system, projection=arrays)
 
     def start(self) -> StepState:
         return StepState(self.problem.x0, self._v0)
 
     def step(self, t: float, h: float, state: StepState) -> StepState:
-        reached = self._go(t, TimeGrid(h, 1), 0, 1, state, None)
+        reached = self._steps(t, TimeGrid(h, 1), 0, 1, state, None)
         if reached.failure:
             raise reached.failure
         return reached.state
 
     def advance(self, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None = None) -> Reached:
-        reached = self._go(0.0, on, k, end, state, output)
+        reached = self._steps(0.0, on, k, end, state, output)
         self.work.steps += reached.k - k
         return reached
 
-    def _go(self, origin: float, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None) -> Reached:
+    def _steps(self, origin: float, on: TimeGrid, k: int, end: int, state: StepState, output: Output | None) -> Reached:
+        """Make the steps k ... end - 1 of a grid whose t_0 is ``origin``."""
         shape, run = self.problem.x0.shape, self._pointer.value
         run.x[:] = state.x.ravel()
         if run.v.size:
             v = self._v0 if state.v is None else state.v
             run.v[:] = np.asarray(v).ravel()
-        if output is not None or run.output is not self._empty:
-            self._pointer.replace({"output": self._empty if output is None else _arrays(output, run.x.size)})
+        if output is not None or run.output is not self._no_output:
+            self._pointer.replace({"output": self._no_output if output is None else _arrays(output, run.x.size)})
         most, code = max(FIRST // len(self.problem.x0), 1), OK
-        with self.system.callbacks(), ExitStack() as searches:
-            for search in self._swept.searches if self._swept else ():
-                searches.enter_context(search)
+        with self.system.callbacks():
             while k < end and code == OK:
                 began = time.perf_counter()
                 grid = StepRange(origin, on.t_end, on.steps, k, min(end, k + most))
                 code, k = kernels.advance(self._pointer.address, self._step.address, grid)
-                self._count()
+                if self._swept:
+                    self._swept.count(self.work)
+                self.system.count(self.work)
                 most = 2 * most if time.perf_counter() - began < SHORT else most
-        v = run.v.reshape(shape).copy() if run.v.size else None
-        reached = StepState(run.x.reshape(shape).copy(), v)
+        reached = StepState(run.x.reshape(shape).copy(), run.v.reshape(shape).copy() if run.v.size else None)
         try:
             if code != OK:
                 self.fail(code)
         except StepFailure as failure:
             return Reached(k, reached, failure)
-        return Reached(k, reached, None)
-
-    def _count(self) -> None:
-        """Add what was done since this was asked last to the counters."""
-        if self._swept:
-            self._swept.count(self.work)
-        self.system.count(self.work)
+        return Reached(k, reached)
 
     def fail(self, code: int) -> None:
         """Raise StepFailure, or what a function of the user raised, for the code by which a step ended."""
-        if self._swept and not self.system.sets.failed:
+        self.system.raise_errors()
+        if self._swept:
             self._swept.failure(code)
-        tol = float(self._pointer.value.setting[-1])
-        self.system.failure(code, tol)
+        self.system.failure(code, float(self._pointer.value.setting[-1]))
 
 
 def _arrays(output: Output, n: int) -> OutputArrays:
-    """The output as kernels take it."""
     x, before, velocity = (part.reshape(-1, n) for part in (output.x, output.before, output.velocity))
     return OutputArrays(output.step, output.weight, x, before, velocity, output.filled)

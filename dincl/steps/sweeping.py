@@ -1,4 +1,4 @@
-"""Steps of schemes that look at one row after another: position based dynamics, and the penalty method."""
+"""Steps of schemes that take one row after another: position based dynamics, and the penalty method."""
 
 from typing import Any
 
@@ -7,32 +7,32 @@ from dincl.compiled.arrays import Floats
 from dincl.neighbours.lists import DONE, FAILED, add_disc_forces, gather, pair_list_at
 from dincl.rows.table import DISPLACEMENTS, GRADIENTS, RowTable, Sets, call_python, evaluate_row, value_of
 from dincl.steps.loop import Stepping, step_function, stepping_at
-from dincl.steps.sweeps import DISCS, WALL, Families, blame_discs, sweep
+from dincl.steps.sweeps import DISCS, WALL, Families, record_discs, sweep
 from dincl.system.arrays import COINCIDENT, OK, SETS, SystemArrays, evaluate, system_at
 
 
 @inner
-def push_all(system: SystemArrays, families: Families, x: Floats, spring: bool, force: Floats) -> int:
-    """Add max(0, -g)^(1 or 0) grad g of all rows to ``force``: OK or why not."""
+def add_forces(system: SystemArrays, families: Families, x: Floats, spring: bool, force: Floats) -> int:
+    """Add max(0, -g) grad g of all rows to ``force``, or grad g of violated rows without ``spring``: OK or why not."""
     rows, shift = system.rows, system.sets.shift
     for f in range(families.form.size):
         if families.form[f] == DISCS:
-            code = push_family_of_discs(families, f, x, spring, force)
+            code = add_forces_of_discs(families, f, x, spring, force)
             if code != OK:
                 return code
         elif families.form[f] == WALL:
-            push_wall(x, families.normal[f], families.bound[families.first[f] :], shift[f], spring, force)
+            add_wall_forces(x, families.normal[f], families.bound[families.first[f] :], shift[f], spring, force)
         else:
             for r in range(families.first[f], families.last[f]):
-                if not push_row(rows, system.sets, r, x, system.program.gradient, spring, force):
-                    families.blamed[0], families.blamed[1] = f, r - families.first[f]
+                if not add_row_force(rows, system.sets, r, x, system.program.gradient, spring, force):
+                    families.offending[0], families.offending[1] = f, r - families.first[f]
                     return COINCIDENT
     return OK
 
 
 @inner
-def push_family_of_discs(families: Families, f: int, x: Floats, spring: bool, force: Floats) -> int:
-    """The same for discs."""
+def add_forces_of_discs(families: Families, f: int, x: Floats, spring: bool, force: Floats) -> int:
+    """Add the forces of a family of discs."""
     pairs, points = pair_list_at(families.pairs[f]), x
     if pairs.disc.size > 0:
         gather(x, pairs, families.axes.size)
@@ -43,12 +43,12 @@ def push_family_of_discs(families: Families, f: int, x: Floats, spring: bool, fo
         ended = add_disc_forces(points, pairs, spring, force, (0, 0, 0))
     else:
         ended = add_disc_forces(points, pairs, spring, force, families.axes)
-    return OK if ended == DONE else blame_discs(families, f, ended == FAILED)
+    return OK if ended == DONE else record_discs(families, f, ended == FAILED)
 
 
 @inner
-def push_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats, spring: bool, force: Floats) -> bool:
-    """The same for a row of the table; false if it is violated and has no direction."""
+def add_row_force(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats, spring: bool, force: Floats) -> bool:
+    """Add the force of a row of the table; false if it is violated and has no direction."""
     value = value_of(rows, sets, r, x)
     if not value < 0.0:
         return value == value
@@ -60,8 +60,8 @@ def push_row(rows: RowTable, sets: Sets, r: int, x: Floats, gradient: Floats, sp
 
 
 @inner
-def push_wall(x: Floats, normal: Floats, bound: Floats, shift: Floats, spring: bool, force: Floats) -> None:
-    """The same for a wall that was carried by ``shift``."""
+def add_wall_forces(x: Floats, normal: Floats, bound: Floats, shift: Floats, spring: bool, force: Floats) -> None:
+    """Add the forces of a wall that was carried by ``shift``."""
     d, carried = normal.size, 0.0
     for k in range(d):
         carried += normal[k] * shift[k]
@@ -77,7 +77,7 @@ def push_wall(x: Floats, normal: Floats, bound: Floats, shift: Floats, spring: b
 
 @inner
 def sweep_often(run: Stepping, t: float, x: Floats, sweeps: int) -> int:
-    """Project x in place onto one row after another of all sets as they are at time t, so many times: OK or why not."""
+    """Project x in place onto one row after another of all sets at time t, so many ``sweeps``: OK or why not."""
     system = system_at(run.place)
     if call_python(system.sets, t, x, DISPLACEMENTS) != 0:
         return SETS
@@ -114,7 +114,7 @@ def penalty(t: float, x: Any, after: Any, place: int, d: int, setting: Any) -> i
     for k in range(start.size):
         force[k] = 0.0
     if code == OK:
-        code = push_all(system, run.families, start, setting[2] == 2.0, force)
+        code = add_forces(system, run.families, start, setting[2] == 2.0, force)
     for k in range(start.size):
         force[k] = start[k] + h * (rate[k] + setting[1] * force[k])
     return code

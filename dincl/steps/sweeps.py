@@ -1,4 +1,4 @@
-"""The sets of a problem as a sweep goes through them: one family of rows for each, in the order of the constraints."""
+"""Sweeps in compiled code: projections onto one row after another, set by set in the order of the constraints."""
 
 from typing import Any, NamedTuple
 
@@ -12,16 +12,16 @@ from dincl.rows.formulas import project
 from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, GRADIENTS, SWEEP, RowTable, call_python, evaluate_row, value_of
 from dincl.system.arrays import COINCIDENT, FLAT, OK, SETS, UNSETTLED, SystemArrays
 
-# How the rows of a family are given: discs, of which near pairs are listed; a wall for all particles; rows of the
-# table; projections that Python makes.
-DISCS, WALL, ROWS, OWN = range(4)
+# Forms of families: discs, whose near pairs are listed; a wall for all particles; rows of the table; projections of
+# the user, in Python.
+DISCS, WALL, ROWS, USER = range(4)
 # A row that Python evaluates is projected onto until a step moves less than this, relative to the first or to x; never
 # more than so many times.
 SETTLED, MOST_ITERATIONS = 1e-13, 50
 
 
 class Families(NamedTuple):
-    """One entry for each constraint of the problem."""
+    """Rows of each constraint of the problem, in one of four forms."""
 
     form: Offsets
     moving: Offsets  # 1 if the set is carried along a path
@@ -31,18 +31,18 @@ class Families(NamedTuple):
     normal: Floats  # (families, d): of walls
     bound: Floats  # least allowed heights of all particles over walls [length]
     corrections: Offsets  # (1,): by rows of walls and of the table
-    blamed: Offsets  # (3,): what could not be projected onto: the family, and its row or two discs
+    offending: Offsets  # (3,): after a failure the family, and its row or two discs
     axes: Offsets  # (d,)
 
 
-# For its types.
 _NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
-EXAMPLE = Families(_NONE, _NONE, _NONE, _NONE, _NONE, np.zeros((0, 1)), _FLOATS, _NONE, _NONE, _NONE)
+# Of a scheme that makes no sweeps.
+NO_FAMILIES = Families(_NONE, _NONE, _NONE, _NONE, _NONE, np.zeros((0, 1)), _FLOATS, _NONE, _NONE, _NONE)
 
 
 @inner
 def sweep(system: SystemArrays, families: Families, t: float, x: Floats) -> int:
-    """Project x onto one row after another of all sets, as they are at time t: OK or why not."""
+    """Project x onto one row after another of all sets at time t: OK or why not."""
     if families.axes.size == 2:
         return sweep_all(system, families, t, x, (0, 0))
     if families.axes.size == 3:
@@ -52,14 +52,15 @@ def sweep(system: SystemArrays, families: Families, t: float, x: Floats) -> int:
 
 @inner
 def sweep_all(system: SystemArrays, families: Families, t: float, x: Floats, axes: Any) -> int:
-    """The same with the number of axes in a type that the compiler knows."""
+    """Sweep with the number of axes in a type that the compiler knows."""
     for f in range(families.form.size):
         form, code = families.form[f], OK
         if form == DISCS:
             code = sweep_family_of_discs(families, f, x, axes)
         else:
-            # Python evaluates its rows where they are.
-            called = form == ROWS and is_called(system, families, f)
+            # Python evaluates its rows at their places; all other rows stand still, and particles are moved.
+            first = families.first[f]
+            called = form == ROWS and first < families.last[f] and system.rows.row[first].kind == CALLBACK
             carried = families.moving[f] != 0 and not called
             if carried:
                 carry(x, system.sets.shift, f, -1.0)
@@ -78,15 +79,8 @@ def sweep_all(system: SystemArrays, families: Families, t: float, x: Floats, axe
 
 
 @inner
-def is_called(system: SystemArrays, families: Families, f: int) -> bool:
-    """Whether Python evaluates the rows of a family, which are of one kind."""
-    first = families.first[f]
-    return bool(first < families.last[f] and system.rows.row[first].kind == CALLBACK)
-
-
-@inner
 def carry(x: Floats, shift: Floats, f: int, way: float) -> None:
-    """Move all particles along with set f, ``way`` = 1, or to where it is at rest, ``way`` = -1."""
+    """Move all particles by ``way`` = 1 or -1 times the shift of set f."""
     d = shift.shape[1]
     for p in range(0, x.size, d):
         for k in range(d):
@@ -103,19 +97,19 @@ def sweep_family_of_discs(families: Families, f: int, x: Floats, axes: Any) -> i
         gather(x, pairs, len(axes))
         ended = sweep_discs(pairs.point, pairs, axes)
         scatter(x, pairs, len(axes))
-    return OK if ended == lists.DONE else blame_discs(families, f, ended == lists.FAILED)
+    return OK if ended == lists.DONE else record_discs(families, f, ended == lists.FAILED)
 
 
 @inner
-def blame_discs(families: Families, f: int, failed: bool) -> int:
-    """Say which discs lie on one point, or that no list could be made."""
+def record_discs(families: Families, f: int, failed: bool) -> int:
+    """Record which discs lie on one point; ``failed`` if the search for pairs failed."""
     pairs = pair_list_at(families.pairs[f])
     if failed:
         return SETS
-    families.blamed[0] = f
+    families.offending[0] = f
     for end in range(2):
         disc = pairs.number[lists.ONE + end]
-        families.blamed[1 + end] = disc if pairs.disc.size == 0 else pairs.disc[disc]
+        families.offending[1 + end] = disc if pairs.disc.size == 0 else pairs.disc[disc]
     return COINCIDENT
 
 
@@ -154,7 +148,7 @@ def sweep_rows(system: SystemArrays, families: Families, f: int, t: float, x: Fl
             elif value != value:
                 moved = -1
         if moved < 0 or code != OK:
-            families.blamed[0], families.blamed[1] = f, r - families.first[f]
+            families.offending[0], families.offending[1] = f, r - families.first[f]
             return code if code != OK else COINCIDENT
         families.corrections[0] += moved
     return OK
@@ -162,7 +156,7 @@ def sweep_rows(system: SystemArrays, families: Families, f: int, t: float, x: Fl
 
 @inner
 def project_distance(rows: RowTable, r: int, x: Floats, axes: Any) -> int:
-    """1 if row r moved x, 0 if it did not, -1 if it has no direction."""
+    """Project x onto the distance in row r; return 1 if x moved, 0 if not, -1 if the row has no direction."""
     row, d = rows.row[r], len(axes)
     if row.j < 0:
         return project(x, row.i * d, rows.coefficient, rows.start[r], True, row.length, row.sign, axes)
@@ -171,7 +165,7 @@ def project_distance(rows: RowTable, r: int, x: Floats, axes: Any) -> int:
 
 @inner
 def project_affine(rows: RowTable, r: int, x: Floats) -> int:
-    """x += (b - a . x) a / |a|^2 where a . x < b: 1 if row r moved x, 0 if it did not."""
+    """Project x onto row r: x += (b - a . x) a / |a|^2 where a . x < b; return 1 if x moved, else 0."""
     row, height = rows.row[r], 0.0
     for p in range(rows.start[r], rows.stop[r]):
         height += rows.coefficient[p] * x[rows.column[p]]
@@ -185,7 +179,7 @@ def project_affine(rows: RowTable, r: int, x: Floats) -> int:
 
 @inner
 def project_curved(system: SystemArrays, r: int, t: float, x: Floats) -> int:
-    """Move x to the nearest point of {g_r >= 0}, for a row without a formula of its projection, which x violates.
+    """Project x onto {g_r >= 0}, for a violated row whose projection has no formula: OK or why not.
 
     The row is linearised again at the point reached, always for the same start y: a fixed point with
     x = y + lambda grad g(x) and g(x) = 0 is the nearest point of a violated set. The footnote to Method 2.2 stops after
@@ -215,14 +209,14 @@ def project_curved(system: SystemArrays, r: int, t: float, x: Floats) -> int:
 
 @inner
 def step_from(
-    rows: RowTable, gradient: Floats, r: int, weight: float, y: Floats, x: Floats, room: Floats
+    rows: RowTable, gradient: Floats, r: int, multiplier: float, y: Floats, x: Floats, before: Floats
 ) -> tuple[float, float]:
-    """x = y + weight grad g_r: the largest change of a coordinate, and the largest coordinate."""
+    """Write x = y + multiplier grad g_r; return the largest change of a coordinate, and the largest coordinate."""
     moved, largest = 0.0, 0.0
     for k in range(x.size):
-        room[k], x[k] = x[k], y[k]
+        before[k], x[k] = x[k], y[k]
     for p in range(rows.start[r], rows.stop[r]):
-        x[rows.column[p]] += weight * gradient[p]
+        x[rows.column[p]] += multiplier * gradient[p]
     for k in range(x.size):
-        moved, largest = max(moved, abs(x[k] - room[k])), max(largest, abs(x[k]))
+        moved, largest = max(moved, abs(x[k] - before[k])), max(largest, abs(x[k]))
     return moved, largest

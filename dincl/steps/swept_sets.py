@@ -1,4 +1,4 @@
-"""The sets of a problem as sweeps go through them, see ``dincl.steps.sweeps``."""
+"""Sets of a problem in the arrays that sweeps read, see ``dincl.steps.sweeps``."""
 
 from __future__ import annotations
 
@@ -15,9 +15,9 @@ from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.affine import HeightRows
 from dincl.rows.base import CustomSweep, DiscPairs
 from dincl.status import Status
-from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, OWN, ROWS, WALL, Families
+from dincl.steps.sweeps import DISCS, MOST_ITERATIONS, ROWS, USER, WALL, Families
 from dincl.system import arrays as codes
-from dincl.system.python_function import PythonFunction, numbers_at
+from dincl.system.callbacks import PythonFunction, numbers_at
 
 if TYPE_CHECKING:
     from dincl.problem import Problem
@@ -25,16 +25,16 @@ if TYPE_CHECKING:
 
 
 class SweptSets:
-    """What sweeps go through, in the order of the constraints: discs, walls, rows, or projections of the user.
+    """Sets in the order of the constraints, as discs, walls, rows, or projections of the user.
 
     Attributes
     ----------
     selection
-        The rows that are in the table of the system: none of discs, walls and sets with projections of the user.
+        The rows in the table of the system: none of discs, walls and sets with projections of the user.
     custom_sweeps
         Projections of the user, by index of their constraint.
     arrays
-        What kernels take.
+        The arrays for kernels.
     searches
         The searches for near pairs, one for each large family of discs.
     """
@@ -50,7 +50,7 @@ class SweptSets:
         nothing = HeightRows(np.zeros(d), np.zeros(0, dtype=np.int64), np.zeros(0), count)
         blocks = tuple(one if form == ROWS else nothing for form, one in zip(forms, swept, strict=True))
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
-        self.custom_sweeps = {f: one for f, one in enumerate(swept) if forms[f] == OWN}
+        self.custom_sweeps = {f: one for f, one in enumerate(swept) if forms[f] == USER}
         self.searches: list[PythonFunction] = []
         self._lists = lists = {f: self._pair_list(one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
         self._counted = np.zeros(NUMBERS, dtype=np.int64)
@@ -66,12 +66,12 @@ class SweptSets:
             normal=np.array([walls[f].normal if f in walls else np.zeros(d) for f in range(families)]).reshape(-1, d),
             bound=np.concatenate([np.zeros(0), *(wall.bound for wall in walls.values())]),
             corrections=np.zeros(1, dtype=np.int64),
-            blamed=np.zeros(3, dtype=np.int64),
+            offending=np.zeros(3, dtype=np.int64),
             axes=np.zeros(d, dtype=np.int64),
         )
 
     def count(self, work: Work) -> None:
-        """Add what was done since this was asked last."""
+        """Add the work since the last call."""
         total = sum((one.value.number for one in self._lists.values()), np.zeros(NUMBERS, dtype=np.int64))
         done, self._counted = total - self._counted, total
         work.neighbour_builds += int(done[BUILDS])
@@ -80,10 +80,8 @@ class SweptSets:
         self.arrays.corrections[0] = 0
 
     def failure(self, code: int) -> None:
-        """Raise StepFailure for the codes that stand for a row, or what a search raised; return for all others."""
-        for search in self.searches:
-            search.failure()
-        family, i, j = (int(place) for place in self.arrays.blamed)
+        """Raise StepFailure for the codes that stand for a row; return for all others."""
+        family, i, j = (int(place) for place in self.arrays.offending)
         if code == codes.COINCIDENT and self.arrays.form[family] == DISCS:
             raise StepFailure(Status.COINCIDENT_CENTRES, f"Particles {i} and {j} lie on one point.")
         if code not in (codes.COINCIDENT, codes.FLAT, codes.UNSETTLED):
@@ -98,7 +96,7 @@ class SweptSets:
         raise StepFailure(Status.NOT_CONVERGED, detail)
 
     def _pair_list(self, discs: DiscPairs, d: int) -> StructPointer:
-        """Arrays for the near pairs of a family; none is listed yet."""
+        """Make arrays for the near pairs of a family; none is listed yet."""
         m, smallest, some = len(discs.radius), float(discs.radius.min(initial=np.inf)), discs.among is not None
         few = m <= ALL_PAIRS
 
@@ -132,4 +130,4 @@ def _form(swept: Any) -> int:
     # All particles, as of a wall for which every one is near.
     if isinstance(swept, HeightRows) and len(swept) == swept.count:
         return WALL
-    return OWN if isinstance(swept, CustomSweep) else ROWS
+    return USER if isinstance(swept, CustomSweep) else ROWS

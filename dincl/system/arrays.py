@@ -1,4 +1,4 @@
-"""What compiled steps share: the drift, the sets, the codes by which a step ends, lengths of moves."""
+"""Arrays and codes that all compiled steps share: the drift, the sets, programs, and how a step ends."""
 
 from typing import NamedTuple
 
@@ -19,14 +19,14 @@ FLAT, UNSETTLED, PYTHON = range(10, 13)
 
 
 class Drift(NamedTuple):
-    """The function at ``address``, see ``pointers``; where it failed, ``failed`` holds t, x and what it gave.
+    """The drift at ``address``, see ``dincl.drifts.functions.velocity``; after a failure ``failed`` has t, x and F.
 
-    ``unit`` holds the units of time, length and velocity of the run, powers of two, in those of the function.
+    ``unit`` has the units of time, length and velocity of the run, powers of two, in the units of the function.
     """
 
     address: int
     data: Floats
-    calls: Offsets  # (2,): how many, and how the last one failed
+    calls: Offsets  # (2,): their number, and the code of the last failure
     failed: Floats  # (1 + 2 n,)
     unit: Floats  # (3,)
     point: Floats  # (n,): x in the units of the function
@@ -35,19 +35,19 @@ class Drift(NamedTuple):
 class Solving(NamedTuple):
     """The solver of least-distance programs, called by its address with the signature of ``DRIFT``.
 
-    It is given the tolerance, y and z, the address of the system and ``answer``, and solves the program of the rows
-    that are near: it writes z, the multipliers, and the residual into the answer. One that is ``whole`` is given the
-    point that is searched from in place of y, and ``question``, and projects onto the set itself.
+    It gets the tolerance, y and z, the address of the system and ``answer``, and solves the program of the near rows:
+    it writes z, the multipliers, and the residual into the answer. A solver that is ``whole`` gets the start of the
+    search in place of y, and ``question``, and projects onto the set itself.
     """
 
     address: int
     whole: int
-    question: Floats  # (4,): time, the time to which linearised rows are carried, whether they are not, tolerance
-    called: Floats  # (1,): 1 if the last program was not solved by y itself
+    question: Floats  # (4,): time, the time to which linearised rows are carried, 1 for the set itself, tolerance
+    called: Floats  # (1,): 0 if y itself solved the last program
 
 
 class SystemArrays(NamedTuple):
-    """A small system and room to work in; ``velocity`` is what the drift gave last, ``blamed`` the row of a failure."""
+    """A problem and workspace; ``velocity`` is the last value of the drift, ``offending`` the row of a failure."""
 
     rows: RowTable
     sets: Sets
@@ -58,11 +58,11 @@ class SystemArrays(NamedTuple):
     velocity: Floats  # (n,)
     middle: Floats  # (n,)
     move: Floats  # (families, d)
-    blamed: Offsets  # (1,)
+    offending: Offsets  # (1,)
     solving: Solving
 
 
-# For its types.
+# An example, for its types.
 SYSTEM = SystemArrays(
     row_table(np.zeros(0, dtype=ROW), np.zeros(1, dtype=np.int64), np.zeros(0, dtype=np.int64), np.zeros(0)),
     Sets(
@@ -90,7 +90,7 @@ system_at = reader(SYSTEM)
 
 @inner
 def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
-    """F(t, x), finite: OK or DRIFT."""
+    """Compute F(t, x), finite: OK or DRIFT."""
     drift.calls[0] += 1
     time, length, speed, point = drift.unit[0] * t, drift.unit[1], drift.unit[2], x
     if length != 1.0:
@@ -111,7 +111,7 @@ def evaluate(drift: Drift, d: int, t: float, x: Floats, out: Floats) -> int:
 
 @inner
 def bounded(x: Floats, most: float) -> bool:
-    """Whether all numbers are finite and none is larger than ``most``."""
+    """Return whether all numbers are finite and none is larger than ``most``."""
     fits = True
     for k in range(x.size):
         fits = fits and abs(x[k]) <= most
@@ -120,7 +120,7 @@ def bounded(x: Floats, most: float) -> bool:
 
 @inner
 def farthest(x: Floats, y: Floats, d: int) -> float:
-    """max_i |X_i - Y_i|."""
+    """Compute max_i |X_i - Y_i|."""
     largest = 0.0
     for i in range(0, x.size, d):
         square = 0.0
@@ -132,7 +132,7 @@ def farthest(x: Floats, y: Floats, d: int) -> float:
 
 @inner
 def longest(x: Floats, d: int) -> float:
-    """max_i |X_i|."""
+    """Compute max_i |X_i|."""
     largest = 0.0
     for i in range(0, x.size, d):
         square = 0.0

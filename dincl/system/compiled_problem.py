@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from contextlib import ExitStack, contextmanager
-from typing import TYPE_CHECKING, Any, ClassVar, NoReturn, Protocol
+import math
+from typing import TYPE_CHECKING, NamedTuple, NoReturn
 
 import numpy as np
 
@@ -19,25 +19,24 @@ from dincl.solvers.factor import Chosen, room
 from dincl.status import Status
 from dincl.system import arrays as codes
 from dincl.system.arrays import Drift, Solving, SystemArrays, overlaps_at
-from dincl.system.drift_pointer import DriftPointer
-from dincl.system.python_function import Callback, PythonFunction, numbers_at
+from dincl.system.callbacks import DriftPointer, PythonFunction, catching, numbers_at
 from dincl.system.sets_pointer import SetsPointer, entries_for
-from dincl.system.units import Units
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator, Mapping, Sequence
+    from collections.abc import Mapping, Sequence
+    from contextlib import AbstractContextManager
 
     from numpy.typing import NDArray
 
     from dincl.constraints.selection import Selection
     from dincl.problem import Problem
+    from dincl.projection.base import Solver
     from dincl.rows.base import CustomSweep, RowsOfOneKind
     from dincl.work import Work
 
 # More rows, or particles, than these are not listed all at once: those of 200 discs.
 MOST_PARTICLES = 200
-ONE = Units()
-NONE: Mapping[int, CustomSweep] = {}
+NO_SWEEPS: Mapping[int, CustomSweep] = {}
 # The name in ``Work.back_ends``.
 NAME = "active set"
 FAILURES = {
@@ -49,16 +48,27 @@ FAILURES = {
 }
 
 
-class ProgramSolver(Protocol):
-    """What solves the programs of near rows, see ``dincl.projection.base.Solver``."""
+class Units(NamedTuple):
+    """Units of a run: its numbers times ``length`` and ``time`` are the numbers of the user.
 
-    name: ClassVar[str]
-    whole: ClassVar[bool]
-    dense: ClassVar[bool]
+    Powers of two: the numbers of a run are of size one, and no bit of them changes.
+    """
 
-    def bind(self, system: CompiledProblem) -> Any:
-        """What has the address of this solver for a system."""
-        ...
+    length: float = 1.0
+    time: float = 1.0
+
+    @property
+    def speed(self) -> float:
+        """The unit of velocities [length / time]."""
+        return self.length / self.time
+
+
+def units_of(length: float, time: float) -> Units:
+    """Return the powers of two next below a length and a time; 1 for a zero."""
+    return Units(*(math.ldexp(0.5, math.frexp(value)[1]) if value > 0 else 1.0 for value in (length, time)))
+
+
+ONE = Units()
 
 
 class CompiledProblem:
@@ -66,18 +76,16 @@ class CompiledProblem:
 
     Attributes
     ----------
-    problem
-        Which one.
     selection
-        The rows in its table: all of them, or, of many particles, those that are near.
+        The rows in the table: all rows, or, of many particles, the near rows.
     units
-        In which the arrays are; the problem and its functions keep their own.
+        Units of the arrays; the problem and its functions have their own.
     solver
-        What solves the programs of the near rows.
-    arrays, place
-        What kernels take, and the address by which they do; they may be called inside of ``with callbacks()``.
-    drift, sets
-        What the arrays point to.
+        Solves the programs of the near rows; None for the active set.
+    place
+        The address of ``arrays`` for kernels, which are called inside of ``with callbacks()``.
+    functions
+        The functions of Python that kernels call.
     """
 
     def __init__(
@@ -86,8 +94,8 @@ class CompiledProblem:
         selection: Selection | None = None,
         units: Units = ONE,
         *,
-        custom_sweeps: Mapping[int, CustomSweep] = NONE,
-        solver: ProgramSolver | None = None,
+        custom_sweeps: Mapping[int, CustomSweep] = NO_SWEEPS,
+        solver: Solver | None = None,
         programs: bool = True,
     ) -> None:
         """Without ``programs``, no program is solved for the rows in the table, which takes less memory."""
@@ -99,16 +107,19 @@ class CompiledProblem:
         self._programs, self._dense = programs, programs and (solver is None or solver.dense)
         n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
         rows, called = self._tabulated()
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(self.selection, called, units, custom_sweeps)
-        self.search = None if all_rows else PythonFunction(self._list_rows)
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(selection, called, units, custom_sweeps)
+        search = None if all_rows else PythonFunction(self._list_rows)
         self.solving = None if solver is None else solver.bind(self)
+        functions = (self.drift, self.sets, search, self.solving)
+        self.functions = [one for one in functions if isinstance(one, PythonFunction)]
+        m = len(rows.row)
         self._pointer = self.sets.system = StructPointer(
             SystemArrays(
                 rows=rows,
                 sets=self.sets.arrays,
-                near=no_candidates(len(rows.row), n, families, d, self.search.address if self.search else 0),
-                program=least_distance(np.zeros(len(rows.column)), np.zeros(len(rows.row)), np.zeros(len(rows.row)), n),
-                chosen=self._room(len(rows.row)),
+                near=no_candidates(m, n, families, d, search.address if search else 0),
+                program=least_distance(np.zeros(len(rows.column)), np.zeros(m), np.zeros(m), n),
+                chosen=self._room(m),
                 drift=Drift(
                     self.drift.address,
                     self.drift.data,
@@ -120,7 +131,7 @@ class CompiledProblem:
                 velocity=np.zeros(n),
                 middle=np.zeros(n),
                 move=np.zeros((families, d)),
-                blamed=np.zeros(1, dtype=np.int64),
+                offending=np.zeros(1, dtype=np.int64),
                 solving=Solving(
                     address=self.solving.address if self.solving else 0,
                     whole=int(solver is not None and solver.whole),
@@ -134,46 +145,40 @@ class CompiledProblem:
 
     @property
     def arrays(self) -> SystemArrays:
-        """What kernels take."""
+        """The arrays at ``place``."""
         arrays: SystemArrays = self._pointer.value
         return arrays
 
-    @contextmanager
-    def callbacks(self) -> Iterator[None]:
+    def callbacks(self) -> AbstractContextManager[None]:
         """Surround calls of kernels, which may call Python."""
-        with ExitStack() as stack:
-            for function in (self.drift, self.sets, self.search, self.solving):
-                if isinstance(function, Callback):
-                    stack.enter_context(function)
-            yield
+        return catching(self.functions)
 
     def overlaps(self, times: NDArray[np.float64], x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """How far states (K, N, d) at these times are outside of the rows in the table, shape (K,) [length]."""
+        """Compute how far states (K, N, d) at these times are outside of the rows in the table, shape (K,) [length]."""
         overlap, flat = np.empty(len(times)), x.reshape(len(times), -1) / self.units.length
         with self.callbacks():
             overlaps_at(self.place, times / self.units.time, flat, overlap)
-        if self.sets.failed:
-            self.sets.failure()
+        self.sets.raise_error()
         return overlap * self.units.length
 
     def near_rows(self) -> Selection:
-        """The rows that are near, in the order of the problem."""
+        """Return the near rows, in the order of the problem."""
         keep = np.zeros(len(self.selection), dtype=np.bool_)
         near = self.arrays.near
         keep[near.row[: int(near.number[0])]] = True
         return self.selection.take(keep)
 
     def _tabulated(self) -> tuple[RowTable, tuple[int, ...]]:
-        """The rows as kernels read them, and the indices of constraints whose rows Python evaluates."""
+        """Return the rows as kernels read them, and the indices of constraints whose rows Python evaluates."""
         n, d = self.problem.x0.size, self.problem.x0.shape[1]
         return tabulate(self.selection.blocks, n, d, self.units.length, dense=self._programs and self.solver is None)
 
     def _room(self, m: int) -> Chosen:
-        """Room for the factors of a dense solver."""
+        """Make room for the factors of a dense solver."""
         n = self.problem.x0.size
         return room(min(m, n) + 1, n) if self._dense else room(1, n if self._programs else 0)
 
-    def _list_rows(self, t: float, x: int, out: int, n: int, d: int, reach: int) -> None:
+    def _list_rows(self, t: float, x: int, *_: int) -> None:
         """Put the rows near x at time t into the table; rows that stay keep their multipliers."""
         problem, before = self.problem, self.selection
         near = numbers_at(x, problem.x0.shape).copy()
@@ -191,7 +196,7 @@ class CompiledProblem:
 
     @property
     def names(self) -> tuple[tuple[int, str], ...]:
-        """For each row of the table the index of its constraint, and the row in words."""
+        """The index of the constraint of each row in the table, and the row in words."""
         return self.selection.names
 
     @property
@@ -200,7 +205,7 @@ class CompiledProblem:
         return NAME if self.solver is None else self.solver.name
 
     def count(self, work: Work) -> None:
-        """Add what was done since this was asked last, and tell the drift."""
+        """Add the work since the last call, and let the drift count its evaluations."""
         arrays, before = self.arrays, self._counted
         drifts, builds = int(arrays.drift.calls[0]), int(arrays.near.number[1])
         iterations, calls = float(arrays.program.answer[0]), float(arrays.program.answer[2])
@@ -215,19 +220,20 @@ class CompiledProblem:
             work.back_ends += (self.name,)
         self.drift.count_evaluations(drifts - before[0])
 
+    def raise_errors(self) -> None:
+        """Raise what a function of the user raised in a kernel, if anything."""
+        for function in self.functions:
+            function.raise_error()
+
     def failure(self, code: int, tol: float = 0.0) -> NoReturn:
         """Raise StepFailure, or what a function of the user raised, for the code by which a kernel ended."""
+        self.raise_errors()
         arrays = self.arrays
-        if self.sets.failed:
-            self.sets.failure()
-        for function in (self.search, self.solving):
-            if isinstance(function, PythonFunction):
-                function.failure()
         if code == codes.DRIFT:
             at, n = arrays.drift.failed, arrays.velocity.size
             self.drift.failure(float(at[0]), at[1 : n + 1], at[n + 1 :], int(arrays.drift.calls[1]))
         if code == codes.COINCIDENT:
-            raise self.selection.coincidence(int(arrays.blamed[0]))
+            raise self.selection.coincidence(int(arrays.offending[0]))
         if code == codes.MISSED:
             residual = float(arrays.program.answer[1])
             detail = f"{self.name} left a residual of {residual:.2g}, asked for was {tol:.2g}."
@@ -238,9 +244,10 @@ class CompiledProblem:
 def tabulate(
     blocks: Sequence[RowsOfOneKind], n: int, d: int, unit: float = 1.0, *, dense: bool = False
 ) -> tuple[RowTable, tuple[int, ...]]:
-    """The rows of all blocks, one below the other, and the indices of blocks that only Python can evaluate.
+    """Make the table of the rows of all blocks, one below the other, and find the blocks that only Python can evaluate.
 
-    Lengths are divided by ``unit``. Rows of those blocks have entries in all n coordinates, if ``dense``.
+    Returns the indices of these blocks, too; their rows have entries in all n coordinates, if ``dense``. Lengths are
+    divided by ``unit``.
     """
     called: list[int] = []
     parts, formulas, before = [], [], 0

@@ -1,18 +1,17 @@
-"""What compiled code asks Python about sets: where they are, rows that Python evaluates, projections that it makes."""
+"""Sets of a problem, as compiled code asks Python for them: places of moving sets, rows, projections of users."""
 
 from __future__ import annotations
 
-import ctypes
 from functools import partial
-from typing import TYPE_CHECKING, Any, NoReturn
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.constraints.moving import derivative
 from dincl.errors import StepFailure
 from dincl.rows.table import GRADIENTS, SWEEP, VELOCITIES, Sets
+from dincl.system.callbacks import PythonFunction, numbers_at
 from dincl.system.kinks import NO_KINKS, kinks_of, smooth_around
-from dincl.system.python_function import C_FUNCTION, PLACE, Callback, numbers_at
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -20,33 +19,31 @@ if TYPE_CHECKING:
     from dincl.compiled.structs import StructPointer
     from dincl.constraints.selection import Selection
     from dincl.rows.base import CustomSweep, RowsOfOneKind
-    from dincl.system.units import Units
+    from dincl.system.compiled_problem import Units
     from dincl.work import Work
 
 # A Jacobian of no more entries than this has room for all of them.
 MOST_DENSE = 100_000
-# Of the differences that give the velocities of moving sets [time], where nobody says otherwise.
+# Step of the differences for velocities of moving sets [time], unless ``spacing`` is set.
 SPACING = 1e-3
 
 
-class SetsPointer(Callback):
-    """The sets of a problem at any time; a context in which kernels may ask for them.
+class SetsPointer(PythonFunction):
+    """The sets of a problem at any time; its address is 0 if compiled code has nothing to ask.
 
     Attributes
     ----------
     arrays
-        What ``dincl.rows.table`` reads. Its address, which is 0 if there is nothing to ask, lives as long as this.
+        Read and written by ``dincl.rows.table``.
     system
-        The struct that holds the arrays as its field ``sets``: arrays that have become too short are replaced there.
+        The struct with the arrays as its field ``sets``: longer arrays replace them there.
     custom_sweeps, work
         Projections of the user by index of their constraint, and the work of the run that they count.
-    calls
-        How many questions were answered.
     spacing
-        Of the differences that give the velocities of moving sets [time].
+        Step of the differences for velocities of moving sets [time].
     kinks
         Intervals (K, 2) with a jump of a velocity in each: no difference reaches across one [time].
-    foreseen
+    path_failure
         Why kinks could not be found, if so.
     """
 
@@ -56,19 +53,18 @@ class SetsPointer(Callback):
     def __init__(
         self, selection: Selection, called: tuple[int, ...], units: Units, custom_sweeps: Mapping[int, CustomSweep]
     ) -> None:
-        count, d = selection.shape
+        self._shape = count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
-        self.kinks, self._units, self.custom_sweeps, self.calls = NO_KINKS, units, custom_sweeps, 0
-        self.foreseen: StepFailure | None = None
-        self._error: BaseException | None = None
+        self.kinks, self._units, self.custom_sweeps = NO_KINKS, units, custom_sweeps
+        self.path_failure: StepFailure | None = None
         moving = {f: one for f, one in enumerate(selection.constraints) if one.displacement(0.0, d) is not None}
         self._paths: dict[int, Any] = {f: partial(one.displacement, d=d) for f, one in moving.items()}
-        self._shape, m = (count, d), self._select(selection, called)
-        self.python: Any = self._answer
-        self._callback = C_FUNCTION(self.python)
-        asks, entries = bool(self._paths or m or custom_sweeps), entries_for(m * count * d)
+        m = self._select(selection, called)
+        entries = entries_for(m * count * d)
+        if self._paths or m or custom_sweeps:
+            super().__init__(self._answer)
         self.arrays = Sets(
-            address=int(ctypes.cast(self._callback, PLACE).value or 0) if asks else 0,
+            address=self.address,
             request=np.zeros(3),
             shift=np.zeros((families, d)),
             speed=np.zeros((families, d)),
@@ -79,7 +75,7 @@ class SetsPointer(Callback):
         )
 
     def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
-        """Take the rows that Python evaluates; how many they are."""
+        """Take the rows that Python evaluates, and return their number."""
         self._called: list[tuple[int, RowsOfOneKind]] = [(f, selection.blocks[f]) for f in called]
         return sum(len(block) for _, block in self._called)
 
@@ -91,43 +87,29 @@ class SetsPointer(Callback):
             self.system.replace({"sets.value": self.arrays.value, "sets.first": self.arrays.first})
         self._grow(len(self.arrays.entry))
 
-    def failure(self) -> NoReturn:
-        """Raise what was raised while an answer was made."""
-        error, self._error = self._error, None
-        self.arrays.request[1] = 0.0
-        raise error or RuntimeError("no answer of the sets failed")
-
-    @property
-    def failed(self) -> bool:
-        """Whether an answer failed, and nobody heard of it yet."""
-        return bool(self.arrays.request[1])
-
     def keep(self, error: BaseException) -> None:
-        self._error, self.arrays.request[1] = error, 1.0
+        """Keep an error, and let kernels see it: an interrupted function returns 0."""
+        super().keep(error)
+        self.arrays.request[1] = 1.0
 
-    def _answer(self, t: float, x: int, out: int, n: int, d: int, data: int) -> int:
-        self.calls += 1
-        try:
-            if self.arrays.request[0] == SWEEP:
-                family = int(self.arrays.request[2])
-                self.custom_sweeps[family].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
-            else:
-                self._fill(t, x)
-        except BaseException as error:  # noqa: BLE001  # raised again by ``failure``; here it would be printed
-            self.keep(error)
-            return 1
-        return 0
+    def raise_error(self) -> None:
+        """Raise the error of a question, if any; the next question is asked again."""
+        self.arrays.request[1] = 0.0
+        super().raise_error()
 
-    def _fill(self, scaled: float, place: int) -> None:
-        sets, unit = self.arrays, self._units
-        t = scaled * unit.time
-        for family in self._paths:
-            sets.shift[family] = self._paths[family](t) / unit.length
-            if sets.request[0] == VELOCITIES:
+    def _answer(self, t: float, x: int, *_: int) -> None:
+        question, _, family = self.arrays.request
+        if question == SWEEP:
+            self.custom_sweeps[int(family)].sweep(t * self._units.time, numbers_at(x, self._shape), self.work)
+            return
+        unit, t = self._units, t * self._units.time
+        for f, path in self._paths.items():
+            self.arrays.shift[f] = path(t) / unit.length
+            if question == VELOCITIES:
                 smooth = smooth_around(t, self.kinks)
-                sets.speed[family] = derivative(self._paths[family], t, self.spacing, smooth) / unit.speed
-        if sets.request[0] >= GRADIENTS and self._called:
-            self._evaluate(numbers_at(place, self._shape) * unit.length)
+                self.arrays.speed[f] = derivative(path, t, self.spacing, smooth) / unit.speed
+        if question >= GRADIENTS and self._called:
+            self._evaluate(numbers_at(x, self._shape) * unit.length)
 
     def _evaluate(self, x: Any) -> None:
         """Write values and Jacobian of the rows that Python evaluates."""
@@ -156,13 +138,13 @@ class SetsPointer(Callback):
         self.system.replace(arrays)
 
     def find_kinks(self, end: float) -> None:
-        """Find where velocities of sets jump until ``end``, unless a path fails: a run may keep what it reaches."""
+        """Find where velocities of sets jump until ``end``, unless a path fails, perhaps later than the run ends."""
         try:
             self.kinks = kinks_of(list(self._paths.values()), end)
         except StepFailure as failure:
-            self.foreseen = failure
+            self.path_failure = failure
 
 
 def entries_for(dense: int) -> int:
-    """For how many entries of a Jacobian that has so many when dense there is room at first."""
+    """Return how many entries there is room for at first, of a Jacobian with so many when dense."""
     return min(dense, MOST_DENSE)

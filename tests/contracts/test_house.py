@@ -20,7 +20,7 @@ ORDER = {
     "dincl": (
         "constants errors status work norms files checks extras callables pickles",
         "provenance study compiled matrices drifts rows neighbours constraints problem solvers",
-        "run system steps projection minimise geometry scenes shapes plotting frame trajectory",
+        "system steps projection minimise geometry scenes shapes plotting frame trajectory",
         "events schemes solve",
     ),
     "meanfield": (

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.run.grid import TimeGrid, divide_time
+from dincl.steps.grid import TimeGrid, divide_time
 
 
 def decay(x0=((1.0, -2.0),), constraints=()):

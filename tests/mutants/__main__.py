@@ -29,13 +29,13 @@ MUTATED = (
     *(
         "dincl/projection",
         "dincl/rows",
-        "dincl/run",
+        "dincl/steps/grid.py",
         "dincl/scenes",
         "dincl/schemes",
         "dincl/projection/cone.py",
         "dincl/matrices/__init__.py",
     ),
-    *("dincl/compiled/kept.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
+    *("dincl/compiled/cache.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
     "dincl/trajectory.py",
     *("meanfield/density", "meanfield/forces", "meanfield/model", "meanfield/solvers"),
     *(

@@ -10,7 +10,7 @@ import numpy as np
 
 import dincl
 from dincl.rows import AffineRows, CustomSweep, DiscPairs, DistanceRows, HeightRows
-from dincl.run.stepper import StepState
+from dincl.steps.grid import StepState
 
 
 class Coincident(Exception):

@@ -10,10 +10,9 @@ import numpy as np
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.norms import longest
 from dincl.problem import Problem
-from dincl.run.grid import TimeGrid
-from dincl.run.stepper import Reached
 from dincl.schemes import FixedStep
 from dincl.status import Status
+from dincl.steps.grid import Reached, TimeGrid
 from tissue.explore.inclusions import METHODS, PICTURES, Floats, Inclusion, reference
 
 MAKES_NO_NUMBERS = True

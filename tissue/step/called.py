@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.compiled import StructPointer, c_function, heard
+from dincl.compiled import StructPointer, c_function, collect_errors
 from dincl.status import Status
 from tissue.division import BESIDE, DivisionRule
 from tissue.events.event import EmtEvent
@@ -74,7 +74,7 @@ def push_and_energy(force: Force) -> tuple[int, int]:
 @contextmanager
 def answered() -> Iterator[None]:
     """Raise FunctionFailed behind a call of kernels if a function of a user raised in it; its error is the cause."""
-    with heard() as errors:
+    with collect_errors() as errors:
         yield
     if errors:
         raise _origin(errors[0].__traceback__).failed(errors[0], "raised") from errors[0]

@@ -54,7 +54,7 @@ def house_code() -> dict[str, str]:
 @cache
 def processor() -> str:
     """The kind of processor: results of different kinds may differ in the last bits."""
-    from dincl.compiled.dispatchers import processor_name
+    from dincl.compiled.calls import processor_name
 
     return f"{platform.system()} {platform.machine()} {processor_name()}"
 

@@ -21,9 +21,8 @@ from dincl.errors import StepFailure
 from dincl.files import replacing
 from dincl.projection import Projection
 from dincl.rows.affine import linearised
-from dincl.run.grid import TimeGrid
-from dincl.run.stepper import Reached, Stepper
 from dincl.scenes import Scene, pile
+from dincl.steps.grid import Reached, Stepper, TimeGrid
 from verification.thesis.chapter3 import bench
 from verification.thesis.chapter4 import bench as emt_bench
 

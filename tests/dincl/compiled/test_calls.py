@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from numba.core.errors import TypingError
 
-from dincl.compiled import DOUBLES, StructPointer, c_function, call, heard, kernel, signature, struct_type
+from dincl.compiled import DOUBLES, StructPointer, c_function, call, collect_errors, kernel, signature, struct_type
 
 
 class Pair(NamedTuple):
@@ -88,10 +88,10 @@ def through(address, n):
 
 def test_what_is_raised_is_heard(capfd):
     ask = kernel(through)
-    with heard() as errors:
+    with collect_errors() as errors:
         ask(failing.address, 0)
     assert errors == []
-    with heard() as errors:
+    with collect_errors() as errors:
         ask(failing.address, 1)
         ask(failing.address, 2)
     assert [repr(error) for error in errors] == ["ValueError('n')"]

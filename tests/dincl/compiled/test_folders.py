@@ -1,4 +1,4 @@
-"""The key of kept machine code: the code of the folders that hold kernels, for other files what they import, too."""
+"""The key of cached machine code: the code of the folders that hold kernels; of other files also their imports."""
 
 from collections.abc import Callable
 from pathlib import Path

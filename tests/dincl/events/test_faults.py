@@ -5,8 +5,8 @@ import pytest
 from scipy.optimize import brentq
 
 import dincl
+from dincl.system.compiled_problem import units_of
 from dincl.system.kinks import kinks_of, smooth_around
-from dincl.system.units import units_of
 from tests.dincl.events.hard_problems import hard_problem
 
 

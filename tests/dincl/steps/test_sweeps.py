@@ -11,8 +11,8 @@ from hypothesis.extra import numpy as hnp
 import dincl
 from dincl.neighbours import ALL_PAIRS
 from dincl.rows import CustomSweep
-from dincl.run.stepper import StepState
-from dincl.schemes.loop import run_steps
+from dincl.schemes.base import run_steps
+from dincl.steps.grid import StepState
 from dincl.steps.stepper import CompiledStepper
 from dincl.steps.sweeping import pbd
 from tests.dincl.catalog import SCENES

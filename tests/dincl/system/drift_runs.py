@@ -6,7 +6,7 @@ import numpy as np
 
 from dincl.compiled import kernel
 from dincl.drifts.functions import OK, velocity
-from dincl.system.drift_pointer import DriftPointer
+from dincl.system.callbacks import DriftPointer, catching
 
 X = np.array([[0.5, -0.25], [1.0, 3.0], [-0.0, 2.0]])
 
@@ -34,7 +34,7 @@ def run(problem, steps=7, h=0.1, slices=1):
     """A small compiled run."""
     pointer, x = DriftPointer(problem), problem.x0.copy()
     out = np.empty_like(x)
-    with pointer:
+    with catching([pointer]):
         for _ in range(slices):
             evaluations, code = descend(pointer.address, pointer.data, h, steps, x, out)
             pointer.count_evaluations(evaluations)

@@ -11,7 +11,7 @@ import dincl
 from dincl.compiled import kernel
 from dincl.drifts import attraction, compiled
 from dincl.drifts.functions import OK, call_drift, velocity
-from dincl.system.drift_pointer import DriftPointer
+from dincl.system.callbacks import DriftPointer, catching
 from tests.dincl.system.drift_runs import X, asked, plain, run
 from verification.budget import OutOfBudgetError
 
@@ -162,7 +162,7 @@ def test_a_failure_is_told_once():
 def test_an_interrupt_before_the_first_line_of_the_drift_is_heard(capfd):
     pointer, out = DriftPointer(dincl.Problem(X, lambda t, x: -x)), np.zeros_like(X)
     interrupt = ctypes.cast(ctypes.pythonapi.PyErr_SetInterrupt, ctypes.c_void_p).value
-    with pointer:
+    with catching([pointer]):
         code = interrupted(interrupt, pointer.address, pointer.data, X, out)
         assert code != OK
         with pytest.raises(KeyboardInterrupt):
@@ -178,7 +178,7 @@ def test_others_hear_of_what_is_not_of_the_drift(monkeypatch):
         def __del__(self):
             raise RuntimeError
 
-    with DriftPointer(dincl.Problem(X, lambda t, x: -x)):
+    with catching([DriftPointer(dincl.Problem(X, lambda t, x: -x))]):
         Noisy()
     Noisy()
     assert [found.exc_type for found in heard] == [RuntimeError, RuntimeError]

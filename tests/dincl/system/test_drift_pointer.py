@@ -9,7 +9,7 @@ import pytest
 
 import dincl
 from dincl.drifts import attraction, compiled, constant, swirl
-from dincl.system.drift_pointer import DriftPointer
+from dincl.system.callbacks import DriftPointer
 from tests.dincl.system.drift_runs import X, plain, run
 from verification.budget import DriftEvaluations, OutOfBudgetError, counted
 

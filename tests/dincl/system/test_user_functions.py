@@ -180,7 +180,7 @@ def test_an_interrupt_before_the_first_line_of_a_path_is_heard(capfd):
     wall = dincl.Moving(dincl.HalfSpace((0, 1), -5.0), lambda t: np.zeros(2))
     system = CompiledProblem(dincl.Problem(X0, lambda t, x: 0 * x, [wall]))
     interrupt = ctypes.cast(ctypes.pythonapi.PyErr_SetInterrupt, ctypes.c_void_p).value
-    with system.sets:
+    with system.callbacks():
         interrupted(interrupt, system.sets.arrays, X0.ravel().copy(), np.zeros(4))
         with pytest.raises(KeyboardInterrupt):
             system.failure(SETS)

@@ -11,8 +11,8 @@ from dincl.errors import StepFailure
 from dincl.norms import longest
 from dincl.projection.daqp import Daqp
 from dincl.projection.feasible import FeasibleSet
-from dincl.run.outcome import Event
 from dincl.status import Status
+from dincl.trajectory import Event
 from tests.twins.events.choice import TOUCHING, Chooser, ContactChoice
 from tests.twins.events.held import Held
 from tests.twins.events.pieces import DensePiece, Pieces

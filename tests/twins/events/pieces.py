@@ -11,7 +11,7 @@ import numpy as np
 
 from dincl.errors import StepFailure
 from dincl.projection.cone import distance_to_cone
-from dincl.run.outcome import Between
+from dincl.trajectory import Between
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray

@@ -10,9 +10,9 @@ import numpy as np
 from dincl.checks import number
 from dincl.errors import StepFailure
 from dincl.norms import longest
-from dincl.run.outcome import RunOutcome
 from dincl.schemes.base import Scheme
 from dincl.status import Status
+from dincl.trajectory import RunOutcome
 from dincl.work import Work
 
 if TYPE_CHECKING:

@@ -73,7 +73,7 @@ def test_rows_of_the_tissue_depend_on_its_code_and_presets_and_others_do_not():
     presets = {f"tissue.files/presets/{name}.toml" for name in ("thesis", "published")}
     assert presets <= json.loads(made["data"]).keys()
     assert not any(name.startswith("tissue") for name in json.loads(other["code"]) | json.loads(other["data"]))
-    assert {"dincl.schemes.loop", "verification.thesis.chapter2.methods"} <= json.loads(other["code"]).keys()
+    assert {"dincl.schemes.base", "verification.thesis.chapter2.methods"} <= json.loads(other["code"]).keys()
 
 
 # Substeps

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 import dincl
 from dincl.checks import describe, integer, number
 from dincl.errors import StepFailure
-from dincl.run.grid import TimeGrid, divide_time
 from dincl.scenes import Scene
+from dincl.steps.grid import TimeGrid, divide_time
 from verification.thesis.chapter2.yardsticks.kept import Kept
 
 Floats = NDArray[np.float64]

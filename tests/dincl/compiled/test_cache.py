@@ -1,4 +1,4 @@
-"""Kept machine code that is damaged, whichever file and however, is made again; tried in a process of its own."""
+"""Damaged machine code in the cache is compiled again, whichever file and however; tried in a process of its own."""
 
 import errno
 import os
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from dincl.compiled.kept import CheckedFiles
+from dincl.compiled.cache import CheckedFiles
 
 PLAIN = "def scaled(x):\n    return 2 * x + 1\n\n\ndef called(x):\n    return 3.0 * x + 1.0\n"
 PROGRAM = """
@@ -73,7 +73,7 @@ def files(folder: Path, stamp: str = "of this code") -> CheckedFiles:
     return CheckedFiles(str(folder), "function", stamp)
 
 
-def test_what_was_kept_comes_back(tmp_path: Path) -> None:
+def test_saved_code_is_loaded(tmp_path: Path) -> None:
     files(tmp_path).save("double", [1])
     files(tmp_path).save("int", [2])
     files(tmp_path).save("int", [3])

@@ -1,8 +1,8 @@
-"""Machine code kept on the disk, under a stamp of the code it was made of, with checksums.
+"""Cache of machine code on the disk: files with checksums, for a stamp of the code that it was compiled from.
 
-Numba keys kept code by the file of the function alone, and so uses it when a function that it calls has changed. It
-reads its files as they are: an empty one ends the program with an error, machine code in which a bit has changed with
-any value, or with a fault of memory. This is for results that are right, not for speed.
+Numba's own cache has the file of the function alone as its key, and so is used when a function that it calls has
+changed. It reads its files as they are: an empty one ends the program with an error, machine code in which a bit has
+changed with any value, or with a fault of memory. This cache is for results that are right, not for speed.
 """
 
 from __future__ import annotations
@@ -30,22 +30,22 @@ DIGEST = sha256().digest_size
 
 
 class CheckedFiles(IndexDataCacheFile):
-    """The files of one function: an index, from types of arguments to names of files, and a file for each of these.
+    """Files of one function: an index, from types of arguments to names of files, and a file for each of these.
 
     Each begins with a checksum, also of the version of numba and of the stamp: numba could not read types in it whose
-    classes have another name by now. Each file of machine code contains its key: two processes may have given the
-    same name to two of them.
+    classes were renamed. Each file of machine code contains its key: two processes may have given the same name to two
+    of them.
     """
 
     def load(self, key: Any) -> Any:
-        """Return what was kept for a key; None if there is nothing, or nothing sound."""
+        """Return the machine code for a key; None if there is none, or its file is damaged."""
         name = self._load_index().get(key)
         path = None if name is None else self._data_path(name)  # type: ignore[no-untyped-call]
-        kept, code = (None, None) if path is None else self._read(path) or (None, None)
-        return code if kept == key else None
+        stored, code = (None, None) if path is None else self._read(path) or (None, None)
+        return code if stored == key else None
 
     def save(self, key: Any, data: Any) -> None:
-        """Keep what belongs to a key, the index last; a full disk costs another compilation later."""
+        """Store the machine code for a key, the index last; a full disk costs another compilation later."""
         index = self._load_index()
         names = (name for name in map(self._data_name, count(1)) if name not in index.values())
         name = index.get(key) or next(names)
@@ -54,7 +54,7 @@ class CheckedFiles(IndexDataCacheFile):
             self._write(self._index_path, {**index, key: name})
 
     def flush(self) -> None:
-        """Forget what was kept."""
+        """Empty the cache."""
         self._write(self._index_path, {})
 
     def _load_index(self) -> dict[Any, str]:
@@ -66,7 +66,7 @@ class CheckedFiles(IndexDataCacheFile):
             file.write(self._checksum(data) + data)
 
     def _read(self, path: str) -> Any:
-        """Return what was written; None if it is not there, damaged, or of another version or stamp."""
+        """Return the content of a file; None if it is missing, damaged, or of another version or stamp."""
         try:
             data = Path(path).read_bytes()
         except OSError:
@@ -77,15 +77,15 @@ class CheckedFiles(IndexDataCacheFile):
         return sha256(f"{numba.__version__} {self._source_stamp} ".encode() + data).digest()
 
 
-class _Place(_CacheLocator):
+class _Locator(_CacheLocator):
     """The folder that numba would take, for files named after the text of the function and marked with our stamp."""
 
-    def __init__(self, function: Callable[..., Any], place: Any) -> None:
-        self._function, self._place = function, place
-        self._py_file = place._py_file
+    def __init__(self, function: Callable[..., Any], standard: Any) -> None:
+        self._function, self._standard = function, standard
+        self._py_file = standard._py_file
 
     @classmethod
-    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Place | None:
+    def from_function(cls, py_func: Callable[..., Any], py_file: str) -> _Locator | None:
         """Take the first place that numba would."""
         classes: list[Any] = CacheImpl._locator_classes
         found = (standard.from_function(py_func, py_file) for standard in classes)
@@ -93,7 +93,7 @@ class _Place(_CacheLocator):
 
     def get_cache_path(self) -> str:
         """Return the folder."""
-        return str(self._place.get_cache_path())
+        return str(self._standard.get_cache_path())
 
     def get_source_stamp(self) -> str:
         """Return the stamp of the machine code."""
@@ -104,16 +104,16 @@ class _Place(_CacheLocator):
         return source(textwrap.dedent(inspect.getsource(self._function))).digest
 
 
-class _Machinery(CompileResultCacheImpl):
-    """The part of numba that turns compiled functions into bytes and back, with our place."""
+class _Serialiser(CompileResultCacheImpl):
+    """The part of numba that turns compiled functions into bytes and back, with our locator."""
 
-    _locator_classes = [_Place]  # noqa: RUF012  # as numba has it
+    _locator_classes = [_Locator]  # noqa: RUF012  # as numba has it
 
 
-class KeptCode(FunctionCache):
-    """The machine code of one function on the disk, as by numba's ``cache=True``, with our stamp and our files."""
+class CodeCache(FunctionCache):
+    """Machine code of one function on the disk, as by numba's ``cache=True``, with our stamp and our files."""
 
-    _impl_class = _Machinery
+    _impl_class = _Serialiser
 
     def __init__(self, function: Callable[..., Any]) -> None:
         super().__init__(function)  # type: ignore[no-untyped-call]

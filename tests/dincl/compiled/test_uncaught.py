@@ -1,4 +1,4 @@
-"""Errors that nobody can catch reach the listeners of their thread, and else the hook that was there before."""
+"""Errors that nobody can catch are offered in their thread, and else go to the hook that was there before."""
 
 import sys
 from threading import Barrier, Thread
@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from dincl.compiled.raised import Listener, heard
+from dincl.compiled.uncaught import collect_errors, uncaught_errors
 
 
 def raised(by: object, error: BaseException) -> SimpleNamespace:
@@ -14,19 +14,6 @@ def raised(by: object, error: BaseException) -> SimpleNamespace:
 
 
 OF_NUMBA = "<numba.core.cpu.CPUContext object at 0x1>"
-
-
-class Named(Listener):
-    """A listener for the errors of one object."""
-
-    def __init__(self, name: str) -> None:
-        self.name, self.found = name, []
-
-    def hears(self, one: object) -> bool:
-        if one.object != self.name:
-            return False
-        self.found.append(one.exc_value)
-        return True
 
 
 @pytest.fixture
@@ -37,31 +24,35 @@ def passed(monkeypatch: pytest.MonkeyPatch) -> list[object]:
     return found
 
 
-def test_the_first_error_of_compiled_code_is_kept(passed: list[object]) -> None:
+def test_the_first_error_of_compiled_code_is_collected(passed: list[object]) -> None:
     hook, errors = sys.unraisablehook, [ValueError(k) for k in range(4)]
-    with heard() as found:
+    with collect_errors() as found:
         sys.unraisablehook(raised(OF_NUMBA, errors[0]))
         sys.unraisablehook(raised(OF_NUMBA, errors[1]))
         sys.unraisablehook(raised("a file", errors[2]))
-        with heard() as inside:
+        with collect_errors() as inside:
             sys.unraisablehook(raised(OF_NUMBA, errors[3]))
     assert (found, inside, passed) == ([errors[0]], [errors[3]], [errors[2]])
     assert sys.unraisablehook is hook
 
 
-def test_each_listener_gets_its_own(passed: list[object]) -> None:
-    errors = [ValueError(k) for k in range(3)]
-    with Named("one") as one, Named("two") as two, heard() as found:
+def test_an_error_that_is_refused_goes_to_the_block_around(passed: list[object]) -> None:
+    errors, taken = [ValueError(k) for k in range(3)], []
+
+    def taking(name):
+        return lambda one: one.object == name and not taken.append((name, one.exc_value))
+
+    with uncaught_errors(taking("one")), uncaught_errors(taking("two")), collect_errors() as found:
         for name, error in zip(("two", "one", "three"), errors, strict=True):
             sys.unraisablehook(raised(name, error))
-    assert (one.found, two.found, found, passed) == ([errors[1]], [errors[0]], [], [errors[2]])
+    assert (taken, found, passed) == ([("two", errors[0]), ("one", errors[1])], [], [errors[2]])
 
 
-def test_threads_do_not_hear_each_other(passed: list[object]) -> None:
+def test_threads_get_their_own_errors(passed: list[object]) -> None:
     hook, together, found = sys.unraisablehook, Barrier(2, timeout=10), {}
 
     def listen(name: str) -> None:
-        with heard() as errors:
+        with collect_errors() as errors:
             together.wait()
             sys.unraisablehook(raised(OF_NUMBA, ValueError(name)))
             together.wait()
@@ -79,6 +70,6 @@ def test_threads_do_not_hear_each_other(passed: list[object]) -> None:
 
 def test_the_hook_comes_back_after_an_error(passed: list[object]) -> None:
     hook = sys.unraisablehook
-    with pytest.raises(KeyError), heard():
+    with pytest.raises(KeyError), collect_errors():
         raise KeyError
     assert sys.unraisablehook is hook

@@ -113,7 +113,7 @@ def test_functions_of_one_name_are_told_apart(folder: Path) -> None:
 
 
 @pytest.mark.slow
-def test_what_was_kept_for_a_type_that_is_gone_is_not_read(folder: Path) -> None:
+def test_cached_code_of_a_type_that_was_renamed_is_not_read(folder: Path) -> None:
     """The files of numba hold the types of arguments, which it cannot make of a class that was renamed.
 
     What was made of the old code is written over.
