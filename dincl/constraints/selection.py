@@ -92,7 +92,7 @@ class Selection:
                 least[rows] = (unit @ np.tile(derivative(path, t, spacing), self.shape[0]))[rows]
         return least
 
-    def carried(self, start: float, end: float) -> float:
+    def largest_displacement(self, start: float, end: float) -> float:
         """Compute the largest displacement of a set between two times [length]."""
         moves = self._moves(start, end)
         return 0.0 if moves is None else longest(moves)
@@ -128,7 +128,7 @@ class Candidates:
         """
         if self._selected is not None:
             time, reference, selected_within, selection = self._selected
-            if longest(x - reference) + selection.carried(time, t) + search_radius <= selected_within:
+            if longest(x - reference) + selection.largest_displacement(time, t) + search_radius <= selected_within:
                 return selection
         selection = select(self._constraints, t, x, ROW_MARGIN * search_radius)
         self._selected = t, x.copy(), ROW_MARGIN * search_radius, selection
@@ -136,20 +136,22 @@ class Candidates:
         return selection
 
 
-def carried_over(before: Selection, multipliers: NDArray[np.float64], selection: Selection) -> NDArray[np.float64]:
-    """Return the multipliers (m,) of a selection: those of its rows in the selection before, zero for the others."""
+def transfer_multipliers(
+    before: Selection, multipliers: NDArray[np.float64], selection: Selection
+) -> NDArray[np.float64]:
+    """Return multipliers (m,) for a selection: of its rows that were in the selection before, zero for all others."""
     found, first, last = np.zeros(len(selection)), 0, 0
     for old, new in zip(before.blocks, selection.blocks, strict=True):
         of_old, of_new = multipliers[first : first + len(old)], found[last : last + len(new)]
         first, last = first + len(old), last + len(new)
         active = of_old > 0
         if active.any() and len(new):
-            _, here, there = np.intersect1d(row_names(old)[active], row_names(new), return_indices=True)
+            _, here, there = np.intersect1d(row_keys(old)[active], row_keys(new), return_indices=True)
             of_new[there] = of_old[active][here]
     return found
 
 
-def row_names(rows: RowsOfOneKind) -> NDArray[np.complex128]:
+def row_keys(rows: RowsOfOneKind) -> NDArray[np.complex128]:
     """Return the two keys of each row of a constraint as one complex number, which sorts fast, shape (m,)."""
     names: NDArray[np.complex128] = np.ascontiguousarray(rows.keys(), dtype=np.float64).view(np.complex128).ravel()
     return names

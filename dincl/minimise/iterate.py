@@ -12,7 +12,7 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.constants import LARGEST
-from dincl.constraints.selection import Candidates, row_names
+from dincl.constraints.selection import Candidates, row_keys
 from dincl.errors import StepFailure
 from dincl.matrices import combined, stacked
 from dincl.norms import longest
@@ -175,11 +175,11 @@ def carry_over(
     ``multipliers`` (m,) belong to the rows ``before``, block after block.
     """
     carried = np.zeros(len(near))
-    names = row_names(near)
+    names = row_keys(near)
     rest, rest_multipliers = [], []
     for block, own in zip(before, parts(multipliers, [len(block) for block in before]), strict=True):
         held, weights = block.take(own > 0), own[own > 0]
-        _, here, there = np.intersect1d(row_names(held), names, return_indices=True)
+        _, here, there = np.intersect1d(row_keys(held), names, return_indices=True)
         carried[there] = weights[here]
         missing = np.ones(len(weights), dtype=bool)
         missing[here] = False

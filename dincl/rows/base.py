@@ -20,14 +20,15 @@ if TYPE_CHECKING:
 class TableRows(NamedTuple):
     """m rows of one kind, as compiled code reads them; row k has ``entries[k]`` columns and coefficients.
 
-    ``numbers`` maps fields of ``dincl.rows.table.ROW``, and "formula", an address, to arrays (m,) or to one number for
-    all rows; other fields are zero.
+    ``numbers`` maps fields of ``dincl.rows.table.ROW`` to arrays (m,) or to one number for all rows; other fields are
+    zero. ``formula`` is the address of a compiled formula.
     """
 
     numbers: dict[str, Any]
     entries: NDArray[np.int64]
     column: NDArray[np.int64]
     coefficient: NDArray[np.float64]
+    formula: int = 0
 
 
 class Polynomial(NamedTuple):

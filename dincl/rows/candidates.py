@@ -6,7 +6,7 @@ import numpy as np
 
 from dincl.compiled import inner
 from dincl.compiled.arrays import Floats, Offsets
-from dincl.rows.table import AFFINE, CALLBACK, DISTANCE, RowTable, Sets, gap, value_of
+from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, RowTable, Sets, value_of
 
 
 class CandidateRows(NamedTuple):
@@ -40,11 +40,8 @@ def find_candidates(rows: RowTable, sets: Sets, x: Floats, radius: float, near: 
                 arrow = x[row.i * d + k] - x[row.j * d + k]
                 square += arrow * arrow
             close = square <= least * least
-        elif row.kind == AFFINE:
-            close = gap(rows, sets, r, x) * np.sqrt(row.square) <= margin
         else:
-            # The margin is NaN if the radius is 0 and no Lipschitz constant is known: then the row is a candidate.
-            close = row.kind == CALLBACK or not value_of(rows, sets, r, x) > margin
+            close = row.kind in (CALLBACK, FORMULA) or value_of(rows, sets, r, x) <= margin
         if close:
             near.row[count] = r
             count += 1

@@ -100,15 +100,13 @@ class FormulaRows(RowsOfOneKind):
         The particles of each row, shape (m, p).
     parameters
         The parameters of each row, shape (m, q), q <= p d.
-    lipschitz
-        How fast g changes at most while no particle moves faster than 1. Rows with g > lipschitz * search radius are
-        no candidates; without this number all rows are.
+
+    All rows are candidates in compiled code, since no Lipschitz constant of the formula is known.
     """
 
     formula: Any
     particles: NDArray[np.int64]
     parameters: NDArray[np.float64]
-    lipschitz: float = np.inf
     shift: NDArray[np.float64] | float = 0.0
 
     def __len__(self) -> int:
@@ -144,8 +142,9 @@ class FormulaRows(RowsOfOneKind):
         column = coordinates(self.particles, d)
         coefficient = np.zeros(column.shape)
         coefficient[:, : self.parameters.shape[1]] = self.parameters
-        numbers = {"kind": FORMULA, "i": -1, "j": -1, "lipschitz": self.lipschitz, "formula": self.formula.address}
-        return TableRows(numbers, np.full(len(self), column.shape[1]), column.ravel(), coefficient.ravel())
+        numbers = {"kind": FORMULA, "i": -1, "j": -1, "lipschitz": np.inf}
+        entries = np.full(len(self), column.shape[1])
+        return TableRows(numbers, entries, column.ravel(), coefficient.ravel(), self.formula.address)
 
     def _evaluated(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
         """dg/dx and, last, g, shape (m, p d + 1)."""

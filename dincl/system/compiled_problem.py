@@ -9,7 +9,7 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.constants import LARGEST
-from dincl.constraints.selection import carried_over, select
+from dincl.constraints.selection import select, transfer_multipliers
 from dincl.errors import StepFailure
 from dincl.rows.base import TableRows
 from dincl.rows.candidates import no_candidates
@@ -184,7 +184,7 @@ class CompiledProblem:
         near = numbers_at(x, problem.x0.shape).copy()
         self.selection = select(problem.constraints, t, near, float(self.arrays.near.radius[0]))
         rows, called = self._tabulated()
-        multiplier = carried_over(before, self.arrays.program.multiplier, self.selection)
+        multiplier = transfer_multipliers(before, self.arrays.program.multiplier, self.selection)
         m = len(rows.row)
         arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
         arrays |= {f"chosen.{name}": part for name, part in self._room(m)._asdict().items()}
@@ -262,13 +262,11 @@ def tabulate(
             part = TableRows(numbers, np.full(m, e), np.tile(np.arange(e), m), np.zeros(m * e))
             before += m
         row = np.zeros(len(part.entries), dtype=ROW)
-        formulas.append(np.full(len(row), part.numbers.get("formula", 0)))
+        formulas.append(np.full(len(row), part.formula))
         for name, values in part.numbers.items():
-            if name != "formula":
-                row[name] = values
+            row[name] = values
         row["family"] = family
         row["length"] /= unit
-        row["lipschitz"][row["kind"] == FORMULA] *= unit
         apart = np.repeat(row["kind"] == DISTANCE, part.entries)
         parts.append((row, part, np.where(apart, part.coefficient / unit, part.coefficient)))
     entries = np.concatenate([np.zeros(1, dtype=np.int64), *(part.entries for _, part, _ in parts)])

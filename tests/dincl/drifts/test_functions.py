@@ -1,19 +1,16 @@
-"""Kernels call C functions by address: arguments arrive, codes come back, and the machine code serves any address."""
+"""Drifts called by their address: every number is checked, and the machine code serves any address."""
 
 import ctypes
 import os
 import subprocess
 import sys
-from functools import partial
 from pathlib import Path
 
 import numpy as np
 import pytest
-from numba.core.errors import TypingError
 
-from dincl.compiled import kernel
 from dincl.constants import LARGEST
-from dincl.drifts.functions import FAILED, NOT_A_NUMBER, OK, call_drift
+from dincl.drifts.functions import FAILED, NOT_A_NUMBER, OK
 from tests.dincl.system.drift_runs import asked
 
 WORD, PLACE = ctypes.c_int64, ctypes.POINTER(ctypes.c_double)
@@ -43,30 +40,6 @@ def total(address, x, data):
 
 def address(function):
     return ctypes.cast(function, ctypes.c_void_p).value
-
-
-@partial(kernel, references=False)
-def through(at, t, x, out, n, d, data):
-    return call_drift(at, t, x, out, n, d, data)
-
-
-@pytest.mark.parametrize("shape", [(6,), (3, 2), (1, 3, 2)])
-def test_every_argument_arrives(shape):
-    def drift(t, x, out, n, d, data):
-        for k in range(n * d):
-            out[k] = t * x[k] + 10 * n + d + data[0]
-        return 7
-
-    function = DRIFT(drift)
-    x, out = np.arange(6.0).reshape(shape), np.zeros(shape)
-    assert through(address(function), 2.0, x, out, 3, 2, np.array([0.5])) == 7
-    assert np.array_equal(out, 2.0 * x + 32.5)
-
-
-@pytest.mark.parametrize("wrong", [np.zeros((3, 2), np.float32), np.zeros((3, 4))[:, ::2], np.zeros((2, 3)).T])
-def test_other_arrays_are_refused_when_compiling(wrong):
-    with pytest.raises(TypingError):
-        through(0, 0.0, wrong, np.zeros((3, 2)), 3, 2, np.zeros(1))
 
 
 @pytest.mark.parametrize(

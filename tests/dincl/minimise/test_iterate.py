@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import dincl
-from dincl.constraints.selection import row_names
+from dincl.constraints.selection import row_keys
 from dincl.matrices import from_equal_rows
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
 from dincl.minimise.iterate import Iterate, carry_over
@@ -56,14 +56,14 @@ def test_rows_left_over_come_back():
 )
 def test_names_are_unique_within_a_constraint(constraint):
     rows = constraint.select(line(0.0, 1.0, 2.0), 100.0)
-    assert len(set(row_names(rows).tolist())) == len(rows) >= 2
+    assert len(set(row_keys(rows).tolist())) == len(rows) >= 2
 
 
 def test_names_do_not_depend_on_the_other_rows():
     rows = dincl.HalfSpace(normal=(0, 1)).select(line(0.0, 1.0, 2.0), 1.0)
-    assert row_names(rows.take(np.array([False, True, True]))).tolist() == row_names(rows).tolist()[1:]
+    assert row_keys(rows.take(np.array([False, True, True]))).tolist() == row_keys(rows).tolist()[1:]
     other = AffineRows(from_equal_rows(np.array([[0, 1]]), np.ones((1, 2)), 6), np.zeros(1))
-    assert row_names(other).tolist() == row_names(rows).tolist()[:1]
+    assert row_keys(other).tolist() == row_keys(rows).tolist()[:1]
 
 
 @pytest.mark.parametrize("squared", [False, True])

@@ -53,9 +53,9 @@ class ContactRows:
         unit = divided(matrix, length)
         return unit, length, self.rows.least_speeds(t, unit, self.spacing)
 
-    def carried(self, start: float, end: float) -> float:
+    def largest_displacement(self, start: float, end: float) -> float:
         """The largest displacement of a set between two times [length]."""
-        return self.rows.carried(start, end)
+        return self.rows.largest_displacement(start, end)
 
 
 def near(problem: Problem, t: float, x: NDArray[np.float64], distance: float, spacing: float) -> ContactRows:
