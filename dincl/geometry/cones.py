@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dincl.checks import array, describe, instance, number
+from dincl.checks import instance, number, shaped
 from dincl.constraints.selection import select
 from dincl.errors import InvalidProblem, ProjectionFailed, StepFailure
 from dincl.matrices import combined, divided, row_squares
@@ -101,9 +101,7 @@ class NormalCone:
 
     def _split(self, u: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """The multipliers and the tangent part of u."""
-        vector = array("u", u)
-        if vector.shape != self.shape:
-            raise InvalidProblem(f"u = {describe(u)}: must be finite numbers of shape {self.shape}")
+        vector = shaped("u", u, self.shape)
         with projection_failures():
             parts = split(-vector.ravel(), self.matrix)
         return parts.multipliers, -parts.rest.reshape(self.shape)
@@ -161,7 +159,7 @@ def support(
     Source: (1.29), used for these sets in Proposition 1.28 and Definition 2.7.
     """
     cone = normal_cone(problem, t, x, tol)
-    w = of_shape("direction", direction, problem)
+    w = shaped("direction", direction, problem.x0.shape)
     size = radius if radius == math.inf else number("radius", radius, positive=True)
     along = length(cone.normal_part(-w).ravel())
     return 0.0 if along <= NEGLIGIBLE * length(w.ravel()) else size * along
@@ -221,7 +219,7 @@ def tangent_velocity(
     """
     time, state, allowed = checked(problem, t, x, tol)
     step = number("spacing", spacing, positive=True)
-    target = None if u is None else of_shape("u", u, problem)
+    target = None if u is None else shaped("u", u, problem.x0.shape)
     with projection_failures():
         target = problem.velocity(time, state) if target is None else target
         rows, gradients = active_rows(problem, time, state, allowed)
@@ -265,16 +263,8 @@ def _lengths(gradients: csr_array) -> NDArray[np.float64]:
 def checked(problem: Problem, t: float, x: ArrayLike, tol: float) -> tuple[float, NDArray[np.float64], float]:
     """Check a time >= 0, a state of the shape of x0, and a tolerance > 0."""
     instance("problem", problem, Problem, "a dincl.Problem")
-    time = number("t", t, non_negative=True)
-    return time, of_shape("x", x, problem), number("tol", tol, positive=True)
-
-
-def of_shape(name: str, value: ArrayLike, problem: Problem) -> NDArray[np.float64]:
-    """Check a state or a velocity."""
-    found = array(name, value)
-    if found.shape != problem.x0.shape:
-        raise InvalidProblem(f"{name} of shape {found.shape}: must have the shape of x0, {problem.x0.shape}")
-    return found
+    time, allowed = number("t", t, non_negative=True), number("tol", tol, positive=True)
+    return time, shaped("x", x, problem.x0.shape), allowed
 
 
 @contextmanager
