@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,12 +12,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from dincl.callables import UserFunction
-from dincl.checks import array, describe, items
+from dincl.checks import array, describe, function, items
 from dincl.constraints.base import Constraint
 from dincl.constraints.selection import select
 from dincl.drifts.base import CompiledDrift
 from dincl.errors import InvalidProblem, StepFailure
-from dincl.pickles import check_pickles
 from dincl.rows.base import RowsOfOneKind, StackedRows
 from dincl.status import Status
 
@@ -55,11 +55,14 @@ class Problem:
     constraints: Sequence[Constraint] = ()
 
     def __init__(self, x0: ArrayLike, drift: Drift, constraints: Sequence[Constraint] = ()) -> None:
-        object.__setattr__(self, "x0", _start(x0))
-        if not callable(drift):
-            raise InvalidProblem(f"drift = {describe(drift)}: must be a callable (t, x) -> velocity of the shape of x")
-        object.__setattr__(self, "drift", drift)
-        object.__setattr__(self, "constraints", _families(constraints))
+        start = array("x0", x0)
+        if start.ndim != 2 or 0 in start.shape:
+            raise InvalidProblem(f"x0 of shape {start.shape}: must have shape (N, d) with N, d >= 1")
+        allowed = "a callable (t, x) -> velocity of the shape of x"
+        sets = items("constraints", constraints, Constraint, "a list of dincl constraints")
+        object.__setattr__(self, "x0", start)
+        object.__setattr__(self, "drift", function("drift", drift, allowed))
+        object.__setattr__(self, "constraints", sets)
         # What overflows in a function of the user is found in what it returns.
         with np.errstate(all="ignore"):
             self._check()
@@ -70,7 +73,7 @@ class Problem:
         return f"{type(self).__name__}(N = {n}, d = {d}, constraints = [{sets}])"
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled; PicklingError names the part that cannot be."""
+        """Return the state to pickle; PicklingError names a part that cannot be pickled."""
         check_pickles("drift", self.drift)
         for k, constraint in enumerate(self.constraints):
             check_pickles(f"constraints[{k}]", constraint)
@@ -80,66 +83,64 @@ class Problem:
         return self
 
     def __deepcopy__(self, memo: dict[int, Any]) -> Problem:
-        """Itself, as nothing in it changes: a drift that does not pickle can still be copied."""
+        """Return itself, as nothing in it changes: a drift that does not pickle can still be copied."""
         return self
 
     def velocity(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """F(t, x), checked: shape (N, d), finite; StepFailure otherwise."""
-        # No view: its base could be written to.
+        """Evaluate F(t, x), shape (N, d), finite; StepFailure otherwise."""
+        # A copy, as the base of a view could be written to.
         seen = x.copy()
         seen.flags.writeable = False
         return DRIFT.evaluated(self.drift, t, seen, shape=x.shape)
 
-    def rows_within(self, t: float, x: NDArray[np.float64], reach: float) -> StackedRows:
-        """All rows that can be violated at time t once every particle moved by at most ``reach`` from x."""
-        return select(self.constraints, t, x, reach).at(t)
+    def rows_within(self, t: float, x: NDArray[np.float64], search_radius: float) -> StackedRows:
+        """Select all rows that can be violated at time t once every particle moved at most ``search_radius`` from x."""
+        return select(self.constraints, t, x, search_radius).at(t)
 
     def violation(self, t: float, x: NDArray[np.float64]) -> float:
-        """max_k max(0, -g_k(x)) at time t, over all constraints [units of g]; infinite where one is not defined."""
+        """Compute max_k max(0, -g_k(x)) at time t over all constraints [units of g]; infinite if one is not defined."""
         try:
             return max(0.0, float(np.max(-self.rows_within(t, x, 0.0).values(x), initial=0.0)))
         except StepFailure:
             return math.inf
 
     def _check(self) -> None:
+        """Raise InvalidProblem unless drift and constraints can be evaluated at the start, which is feasible."""
+        count, d = self.x0.shape
         if isinstance(self.drift, CompiledDrift):
-            self.drift.check(*self.x0.shape)
+            self.drift.check(count, d)
         try:
             for constraint in self.constraints:
-                constraint.check(*self.x0.shape)
-                _check_rows(constraint, self.x0)
-                _check_feasible(constraint, self.x0)
+                constraint.check(count, d)
+                _check_start(constraint, self.x0)
             self.velocity(0.0, self.x0)
         except StepFailure as failure:
             name = "drift" if failure.status is Status.DRIFT_FAILED else "constraints"
             raise InvalidProblem(f"{name}: {failure.detail} {failure.status.value}") from failure
 
 
-def _start(x0: ArrayLike) -> NDArray[np.float64]:
-    checked = array("x0", x0)
-    if checked.ndim != 2 or 0 in checked.shape:
-        raise InvalidProblem(f"x0 of shape {checked.shape}: must have shape (N, d) with N, d >= 1")
-    return checked
-
-
-def _families(constraints: Sequence[Constraint]) -> tuple[Constraint, ...]:
-    return items("constraints", constraints, Constraint, "a list of dincl constraints")
-
-
-def _check_rows(constraint: Constraint, x: NDArray[np.float64]) -> None:
-    rows: Any = select((constraint,), 0.0, x, 0.0).blocks[0]
-    if not isinstance(rows, RowsOfOneKind):
-        name = type(constraint).__name__
+def _check_start(constraint: Constraint, x: NDArray[np.float64]) -> None:
+    """Raise InvalidProblem unless x is feasible, and the constraint selects rows of a known kind."""
+    name, selection = type(constraint).__name__, select((constraint,), 0.0, x, 0.0)
+    found: Any = selection.blocks[0]
+    if not isinstance(found, RowsOfOneKind):
         allowed = "must be AffineRows, DistanceRows or rows of another kind of dincl.rows"
-        raise InvalidProblem(f"constraints: {name}.select returned {describe(rows)}: {allowed}")
-
-
-def _check_feasible(constraint: Constraint, x: NDArray[np.float64]) -> None:
-    (rows,) = select((constraint,), 0.0, x, 0.0).at(0.0).blocks
+        raise InvalidProblem(f"constraints: {name}.select returned {describe(found)}: {allowed}")
+    (rows,) = selection.at(0.0).blocks
     values = rows.values(x)
-    allowed = START_TOLERANCE * float(np.abs(x).max())
-    if values.min(initial=0.0) < -allowed:
+    tolerance = START_TOLERANCE * float(np.abs(x).max())
+    if values.min(initial=0.0) < -tolerance:
         worst = rows.label(int(values.argmin()), x.shape[1])
-        raise InvalidProblem(
-            f"x0 violates {type(constraint).__name__} by {-values.min():.3g} at {worst}: allowed is {allowed:.1g}"
-        )
+        raise InvalidProblem(f"x0 violates {name} by {-values.min():.3g} at {worst}: allowed is {tolerance:.1g}")
+
+
+def check_pickles(name: str, part: Any) -> None:
+    """Raise PicklingError that names the innermost part that does not pickle, and says what to do."""
+    try:
+        pickle.dumps(part)
+    except (pickle.PicklingError, AttributeError, TypeError) as error:
+        for inner, value in getattr(part, "__dict__", {}).items():
+            check_pickles(f"{name}.{inner}", value)
+        raise pickle.PicklingError(
+            f"{name} = {describe(part)}: cannot be pickled; define it at module level, or keep path.to_frame()"
+        ) from error

@@ -10,15 +10,17 @@ import numpy as np
 
 from dincl.checks import array, integer
 from dincl.errors import InvalidProblem
-from dincl.pickles import check_pickles
+from dincl.extras import needs
+from dincl.problem import check_pickles
+from dincl.shapes import radii
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from numpy.typing import ArrayLike, NDArray
+    from pandas import DataFrame
 
     from dincl.errors import StepFailure
-    from dincl.frame import DataFrame
     from dincl.plotting import Axes, Film
     from dincl.problem import Problem
     from dincl.schemes.base import Scheme
@@ -91,7 +93,7 @@ class Trajectory:
     Attributes
     ----------
     t
-        Kept times, shape (K,); after a failure those that were reached, and last the time of the last state.
+        Output times, shape (K,); after a failure those that were reached, and last the time of the last state.
     x
         States, shape (K, N, d).
     status, detail
@@ -101,7 +103,7 @@ class Trajectory:
     events
         Contacts and releases in the order of time; empty for time steps, which do not look for them.
     error
-        Estimated error max_i |X_i - exact| at the kept times, shape (K,); None from schemes that make no estimate.
+        Estimated error max_i |X_i - exact| at the output times, shape (K,); None from schemes that make no estimate.
     """
 
     t: NDArray[np.float64]
@@ -116,7 +118,7 @@ class Trajectory:
     error: NDArray[np.float64] | None = None
 
     def __getstate__(self) -> dict[str, Any]:
-        """What is pickled; PicklingError names the part that cannot be."""
+        """Return the state to pickle; PicklingError names a part that cannot be pickled."""
         check_pickles("scheme", self.scheme)
         return self.__dict__
 
@@ -127,21 +129,21 @@ class Trajectory:
         return last
 
     def violation(self) -> NDArray[np.float64]:
-        """max_k max(0, -g_k(x)) at each kept time, shape (K,), recomputed from the problem [units of g]."""
+        """Recompute max_k max(0, -g_k(x)) at each output time from the problem, shape (K,) [units of g]."""
         return np.array([self.problem.violation(t, x) for t, x in zip(self.t, self.x, strict=True)])
 
     def normal_cone_residual(self) -> NDArray[np.float64]:
-        """How far the velocity is from F - N(S, x) at each kept time, shape (K,) [length / time].
+        """Compute how far the velocity is from F - N(S, x) at each output time, shape (K,) [length / time].
 
-        For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the kept
-        time, with the rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|; zero up to tol/h
-        for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (at t = 0 before any
-        step, for second-order schemes, at coincident centres).
+        For time steps dist((x_{k+1} - x_k)/h - F(t_k, x_k), -N^g(x_{k+1})) for the step that ends at or after the
+        output time, with the rows of N^g (Definition 1.24) that the step could have closed: g <= h max |F_i|; zero up
+        to tol/h for catch-up. For ``EventDriven`` the same with x' itself. Infinite where it is not defined (at t = 0
+        before any step, for second-order schemes, at coincident centres).
         """
         return self.between.residuals(self.t)
 
     def __call__(self, t: ArrayLike) -> NDArray[np.float64]:
-        """x(t) for one time, shape (N, d), or several, shape (..., N, d): (1.48), or the dense output of the scheme.
+        """Return x(t) for one time, (N, d), or several, (..., N, d): (1.48), or the dense output of the scheme.
 
         Raises InvalidProblem for times outside of the run.
         """
@@ -155,10 +157,10 @@ class Trajectory:
         return values.reshape(*times.shape, *self.problem.x0.shape)
 
     def plot(self, ax: Axes | None = None) -> Axes:
-        """The last state to scale, the start in outline, the paths through the kept states, walls and obstacles.
+        """Draw the last state to scale, the start in outline, the paths through the states, walls and obstacles.
 
         Drawn on ``ax`` (for d = 3 one with projection="3d"), or on a new figure; for d = 1 places over time. Moving
-        sets are drawn at the last time. Paths are straight between kept times: keep more times for finer ones. Needs
+        sets are drawn at the last time. Paths are straight between output times: pass more times for finer ones. Needs
         matplotlib. Raises InvalidProblem for d > 3.
         """
         from dincl.plotting import plot
@@ -166,7 +168,7 @@ class Trajectory:
         return plot(self._film(self.t, self.x), ax)
 
     def animate(self, file: str | Path, frames: int = 100, fps: float = 20.0) -> Path:
-        """Write a movie, .gif or (with the program ffmpeg) .mp4, of ``frames`` equally spaced times; returns the file.
+        """Write a movie, .gif or (with the program ffmpeg) .mp4, of ``frames`` equally spaced times; return the file.
 
         Needs matplotlib. Raises InvalidProblem for another ending, a missing program, d > 3.
         """
@@ -176,16 +178,24 @@ class Trajectory:
         return animate(self._film(times, self(times)), file, fps)
 
     def to_frame(self) -> DataFrame:
-        """A pandas table: one row per kept time and particle with t, particle, x, y, z, and radius if it is known.
+        """Return a pandas table: a row per output time and particle: t, particle, x, y, z, and radius if known.
 
         From d = 4 on the columns are x0, x1, ... Needs pandas.
         """
-        from dincl.frame import to_frame
+        with needs("to_frame", "report"):
+            import pandas as pd
 
-        return to_frame(self.problem, self.t, self.x)
+        times, count, d = self.x.shape
+        columns = {"t": np.repeat(self.t, count), "particle": np.tile(np.arange(count), times)}
+        names = "xyz"[:d] if d <= 3 else [f"x{k}" for k in range(d)]
+        columns |= {name: self.x[:, :, k].ravel() for k, name in enumerate(names)}
+        radius = radii(self.problem)
+        if radius.any():
+            columns["radius"] = np.tile(radius, times)
+        return pd.DataFrame(columns)
 
     def _repr_html_(self) -> str:
-        """Status and picture, for notebooks; words alone without matplotlib or for d > 3."""
+        """Show status and picture in notebooks; words alone without matplotlib or for d > 3."""
         from dincl.plotting import to_html
 
         return to_html(self._film(self.t, self.x))
@@ -200,12 +210,12 @@ class Trajectory:
 
     def __repr__(self) -> str:
         n, d = self.problem.x0.shape
-        kept = f"{len(self.t)} kept times to t = {self.t[-1]:g}"
-        return f"Trajectory({self.status.name}, {type(self.scheme).__name__}, {kept}, N = {n}, d = {d})"
+        output = f"{len(self.t)} output times to t = {self.t[-1]:g}"
+        return f"Trajectory({self.status.name}, {type(self.scheme).__name__}, {output}, N = {n}, d = {d})"
 
 
 class StepFailed(RuntimeError):
-    """A run that ended early; ``trajectory`` holds all that was computed until then, with its Status."""
+    """A run that ended early; ``trajectory`` has everything that was computed until then, with its Status."""
 
     def __init__(self, trajectory: Trajectory) -> None:
         super().__init__(f"{trajectory.status.value} {trajectory.detail}".rstrip())

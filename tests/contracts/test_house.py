@@ -18,9 +18,9 @@ TOP = "(public names)"  # the __init__ file at the root of a package
 # The rooms of each package, lowest first; a line of this table may hold several.
 ORDER = {
     "dincl": (
-        "constants errors status work norms files checks extras callables pickles",
+        "constants errors status work norms files checks extras callables",
         "provenance study compiled matrices drifts rows neighbours constraints problem solvers",
-        "system steps projection minimise geometry scenes shapes plotting frame trajectory",
+        "system steps projection minimise geometry scenes shapes plotting trajectory",
         "events schemes solve",
     ),
     "meanfield": (

@@ -1,4 +1,4 @@
-"""The run: times, steps, what is kept, and what the result proves about itself."""
+"""The run: times, steps, output, and the residuals of its result."""
 
 import numpy as np
 import pytest
@@ -135,4 +135,4 @@ def test_reprs_are_short():
     scene = dincl.scenes.pile(500)
     path = dincl.solve(scene, dincl.PBD(0.1), t=[0.1, 0.2])
     assert repr(scene) == "Scene(N = 500, d = 2, constraints = [NonOverlap, HalfSpace, HalfSpace, HalfSpace])"
-    assert repr(path) == "Trajectory(SUCCESS, PBD, 2 kept times to t = 0.2, N = 500, d = 2)"
+    assert repr(path) == "Trajectory(SUCCESS, PBD, 2 output times to t = 0.2, N = 500, d = 2)"

@@ -35,7 +35,7 @@ MUTATED = (
         "dincl/projection/cone.py",
         "dincl/matrices/__init__.py",
     ),
-    *("dincl/compiled/cache.py", "dincl/files.py", "dincl/frame.py", "dincl/norms.py", "dincl/study/sealed.py"),
+    *("dincl/compiled/cache.py", "dincl/files.py", "dincl/norms.py", "dincl/study/sealed.py"),
     "dincl/trajectory.py",
     *("meanfield/density", "meanfield/forces", "meanfield/model", "meanfield/solvers"),
     *(
