@@ -13,7 +13,7 @@ SCHEMES = [
     pytest.param(dincl.Penalty(0.002, strength=20.0), id="Penalty"),
     pytest.param(dincl.CatchUp(0.02, dincl.ActiveSet(1e-10)), id="CatchUp"),
     pytest.param(dincl.LinearisedCatchUp(0.02, dincl.ActiveSet(1e-10)), id="LinearisedCatchUp"),
-    pytest.param(dincl.MidpointCatchUp(0.02, dincl.Daqp(1e-10)), id="MidpointCatchUp"),
+    pytest.param(dincl.MidpointCatchUp(0.02, dincl.ActiveSet(1e-10)), id="MidpointCatchUp"),
     pytest.param(dincl.EventDriven(1e-9), id="EventDriven"),
 ]
 LIMIT = AngleLimit((0, 1, 2, 3, 4), cosine=-0.75)
