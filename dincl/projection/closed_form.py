@@ -99,7 +99,7 @@ def _served(blocks: Sequence[RowsOfOneKind], count: int, size: int) -> bool:
     curved = [block for block in blocks if not block.affine]
     if not all(block.closed_form for block in curved):
         return False
-    used = sum((block.used(count) for block in curved), np.zeros(count, dtype=np.int64))
+    used = sum((block.rows_per_particle(count) for block in curved), np.zeros(count, dtype=np.int64))
     if len(curved) == len(blocks):
         return bool(used.max() <= 1)
     walls = stacked([block.jacobian(np.zeros(0)) for block in blocks if block.affine], size)

@@ -136,7 +136,7 @@ class RowsOfOneKind(Rows):
         """Return the largest length in the formula, in units of which rounding is measured; 0 if there is none."""
         return 0.0
 
-    def used(self, count: int) -> NDArray[np.int64]:
+    def rows_per_particle(self, count: int) -> NDArray[np.int64]:
         """Count the rows of each of ``count`` particles, shape (count,); only for kinds with ``closed_form``."""
         raise NotImplementedError(f"{type(self).__name__} has no closed form")
 

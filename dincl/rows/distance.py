@@ -118,7 +118,7 @@ class DistanceRows(RowsOfOneKind):
     def longest_length(self) -> float:
         return float(self.length.max(initial=0.0))
 
-    def used(self, count: int) -> NDArray[np.int64]:
+    def rows_per_particle(self, count: int) -> NDArray[np.int64]:
         ends = self.i if self.j is None else np.concatenate((self.i, self.j))
         return np.bincount(ends, minlength=count)
 

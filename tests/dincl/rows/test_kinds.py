@@ -70,10 +70,10 @@ def test_rows_of_other_particles_are_projected_by_their_formula(name, d, rng):
         with pytest.raises(NotImplementedError, match="no closed form"):
             rows.project(y.copy())
         with pytest.raises(NotImplementedError, match="no closed form"):
-            rows.used(6)
+            rows.rows_per_particle(6)
         return
     tied = np.abs(rows.jacobian(y).toarray()).reshape(len(rows), 6, d).max(axis=2) > 0
-    assert rows.used(6).tolist() == tied.sum(axis=0).tolist()
+    assert rows.rows_per_particle(6).tolist() == tied.sum(axis=0).tolist()
     for k in range(len(rows)):
         row, x = rows.take(np.arange(len(rows)) == k), y.copy()
         multiplier = row.project(x)
