@@ -14,10 +14,13 @@ from numpy.typing import ArrayLike, NDArray
 from dincl.callables import UserFunction
 from dincl.checks import array, describe, function, items
 from dincl.constraints.base import Constraint
+from dincl.constraints.derivatives import check_jacobian
 from dincl.constraints.selection import select
+from dincl.constraints.smooth import Smooth
 from dincl.drifts.base import CompiledDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.rows.base import RowsOfOneKind, StackedRows
+from dincl.rows.functions import SmoothRows
 from dincl.status import Status
 
 # A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
@@ -69,7 +72,7 @@ class Problem:
 
     def __repr__(self) -> str:
         n, d = self.x0.shape
-        sets = ", ".join(type(constraint).__name__ for constraint in self.constraints)
+        sets = ", ".join(repr(one) if isinstance(one, Smooth) else type(one).__name__ for one in self.constraints)
         return f"{type(self).__name__}(N = {n}, d = {d}, constraints = [{sets}])"
 
     def __getstate__(self) -> dict[str, Any]:
@@ -127,6 +130,8 @@ def _check_start(constraint: Constraint, x: NDArray[np.float64]) -> None:
         allowed = "must be AffineRows, DistanceRows or rows of another kind of dincl.rows"
         raise InvalidProblem(f"constraints: {name}.select returned {describe(found)}: {allowed}")
     (rows,) = selection.at(0.0).blocks
+    if isinstance(rows, SmoothRows):
+        check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
     values = rows.values(x)
     tolerance = START_TOLERANCE * float(np.abs(x).max())
     if values.min(initial=0.0) < -tolerance:

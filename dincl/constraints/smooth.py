@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from dincl.checks import function
 from dincl.constraints.base import Constraint
+from dincl.constraints.derivatives import NumericalJacobian
 from dincl.rows.functions import all_rows
 
 if TYPE_CHECKING:
@@ -66,17 +67,26 @@ class Smooth(Constraint):
     g
         (N, d) -> (m,).
     jacobian
-        (N, d) -> dg/dx of shape (m, N*d) or (m, N, d), dense, or scipy.sparse of shape (m, N*d).
+        (N, d) -> dg/dx of shape (m, N*d) or (m, N, d), dense, or scipy.sparse of shape (m, N*d). A Problem compares it
+        with differences at its start and refuses a wrong one. None: it is computed, by complex steps if g accepts
+        complex x, else by central differences; see ``NumericalJacobian``. The repr says which.
 
     All rows are candidates at all times, since no Lipschitz constant of g is known.
     """
 
     g: Callable[[NDArray[np.float64]], Any]
-    jacobian: Callable[[NDArray[np.float64]], Any]
+    jacobian: Callable[[NDArray[np.float64]], Any] | None = None
 
     def __post_init__(self) -> None:
-        for name in ("g", "jacobian"):
-            function(name, getattr(self, name), "a callable of x (N, d)")
+        function("g", self.g, "a callable of x (N, d)")
+        if self.jacobian is None:
+            object.__setattr__(self, "jacobian", NumericalJacobian(self.g))
+        function("jacobian", self.jacobian, "a callable of x (N, d)")
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
-        return all_rows(self.g, self.jacobian, x)
+        derivative: Any = self.jacobian
+        return all_rows(self.g, derivative, x)
+
+    def __repr__(self) -> str:
+        how = self.jacobian.method if isinstance(self.jacobian, NumericalJacobian) else "given"
+        return f"Smooth(jacobian: {how})"

@@ -1,0 +1,141 @@
+"""Jacobians of functions of users: checked by a directional difference, or computed where none is given."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl.callables import UserFunction
+from dincl.errors import FunctionFailed, InvalidProblem
+from dincl.status import Status
+
+if TYPE_CHECKING:
+    from numpy.typing import NDArray
+
+    from dincl.rows.base import RowsOfOneKind
+
+EPS = float(np.finfo(np.float64).eps)
+# Step of central differences, relative to the size of the coordinates: rounding and truncation both leave 1e-10.
+CENTRAL_STEP = EPS ** (1 / 3)
+# Step of complex differences, which have no rounding: its square vanishes beside 1.
+COMPLEX_STEP = 1e-100
+# Relative error of a Jacobian along a direction that is taken for a mistake, and of one-sided slopes for a kink.
+MISTAKE, KINK = 1e-3, 1e-2
+G = UserFunction("g", ("x",), Status.CONSTRAINT_FAILED)
+
+
+class NumericalJacobian:
+    """dg/dx of a function g: (N, d) -> (m,), by complex steps if g accepts complex x, else by central differences.
+
+    Complex steps are exact up to rounding: dg/dx_k = Im g(x + i h e_k) / h (Squire and Trapp, SIAM Rev. 40, 1998).
+    Central differences have a relative error of about 1e-10; their step is relative to the first x, the start of a
+    problem. Both call g for each coordinate, the latter twice.
+    """
+
+    def __init__(self, g: Callable[[NDArray[np.float64]], Any]) -> None:
+        self._g = g
+        self._complex: bool | None = None
+        self._size = 1.0
+
+    @property
+    def method(self) -> str:
+        """How derivatives are computed, known after the first one."""
+        return {None: "differences", True: "complex steps", False: "central differences"}[self._complex]
+
+    def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute dg/dx at x (N, d), shape (m, N*d)."""
+        if self._complex is None:
+            self._size = float(np.abs(x).max()) or 1.0
+            self._complex = self._accepts_complex(x)
+        return self._by_complex_steps(x) if self._complex else self._by_differences(x)
+
+    def _accepts_complex(self, x: NDArray[np.float64]) -> bool:
+        """Compare both along one direction: functions such as abs drop the imaginary part without a word."""
+        direction = generic_direction(x)
+        expected = _slopes(self._values, x, direction)[2]
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                found = np.asarray(self._g(x + 1j * COMPLEX_STEP * direction))
+        except Exception:  # noqa: BLE001  # g is of the user, and need not know complex numbers
+            return False
+        if found.dtype != np.complex128 or found.shape != expected.shape or not np.isfinite(found).all():
+            return False
+        slopes = found.imag / COMPLEX_STEP
+        return bool((np.abs(slopes - expected) <= MISTAKE * np.abs(expected).max(initial=1e-10)).all())
+
+    def _by_complex_steps(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        columns = []
+        for index in np.ndindex(x.shape):
+            moved = x.astype(np.complex128)
+            moved[index] += 1j * COMPLEX_STEP
+            columns.append(G.numbers(np.imag(G.call(self._g, moved)) / COMPLEX_STEP))
+        return np.stack(columns, axis=1)
+
+    def _by_differences(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        columns = []
+        for index in np.ndindex(x.shape):
+            ends = [x.copy(), x.copy()]
+            h = CENTRAL_STEP * self._size
+            ends[0][index] -= h
+            ends[1][index] += h
+            width = float(ends[1][index] - ends[0][index])
+            columns.append((self._values(ends[1]) - self._values(ends[0])) / width)
+        return np.stack(columns, axis=1)
+
+    def _values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return G.evaluated(self._g, x, shape=(None,))
+
+
+def generic_direction(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a direction of the shape of x whose entries are all different, of magnitude up to 1."""
+    direction: NDArray[np.float64] = np.cos(1.0 + np.arange(x.size)).reshape(x.shape)
+    return direction
+
+
+def check_jacobian(rows: RowsOfOneKind, x: NDArray[np.float64], name: str) -> None:
+    """Compare the Jacobian of rows with differences of their values along one direction.
+
+    Rows with a kink at x, or values that are not defined beside x, are not judged.
+
+    Raises
+    ------
+    InvalidProblem
+        If they differ: names the row, both slopes, and the sign or the factor by which they differ.
+    """
+    direction = generic_direction(x)
+    try:
+        forward, backward, slopes = _slopes(rows.values, x, direction)
+    except FunctionFailed:
+        return
+    given = rows.jacobian(x) @ direction.ravel()
+    size = np.maximum(np.abs(slopes), np.abs(given))
+    rounding = 4 * EPS * (1.0 + np.abs(rows.values(x))) / (CENTRAL_STEP * (float(np.abs(x).max()) or 1.0))
+    smooth = np.abs(forward - backward) <= KINK * size + rounding
+    wrong = smooth & (np.abs(slopes - given) > MISTAKE * size + rounding)
+    if not wrong.any():
+        return
+    k = int(np.flatnonzero(wrong)[0])
+    raise InvalidProblem(
+        f"{name}: along a test direction {rows.label(k, x.shape[1])} changes by {slopes[k]:.6g}, but {given[k]:.6g} by "
+        f"its derivative{_difference(given[wrong], slopes[wrong])}: must return dg/dx"
+    )
+
+
+def _difference(given: NDArray[np.float64], slopes: NDArray[np.float64]) -> str:
+    ratios = given / np.where(slopes == 0, np.inf, slopes)
+    if np.ptp(ratios) > MISTAKE * np.abs(ratios).max() or not ratios.any():
+        return ""
+    return ", the wrong sign" if abs(ratios[0] + 1) <= MISTAKE else f", a wrong factor of {ratios[0]:.4g}"
+
+
+def _slopes(
+    values: Callable[[NDArray[np.float64]], NDArray[np.float64]], x: NDArray[np.float64], direction: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Compute forward, backward and central differences along a direction."""
+    h = CENTRAL_STEP * (float(np.abs(x).max()) or 1.0)
+    before, here, after = values(x - h * direction), values(x), values(x + h * direction)
+    return (after - here) / h, (here - before) / h, (after - before) / (2 * h)
