@@ -21,7 +21,7 @@ Errors = str | Quantity | Sequence["str | Quantity"] | Mapping[str, "str | Quant
 DIFFERENCE = 1e-7
 
 
-class Answer(NamedTuple):
+class Computed(NamedTuple):
     """States of a run at the K output times, (K, N, d), and at the times between them, as ``Known.between``."""
 
     x: Floats
@@ -34,35 +34,35 @@ def distance(x: Floats, y: Floats) -> Floats:
     return far
 
 
-def _largest(problem: Any, answer: Answer, known: Known) -> float:
+def _largest(problem: Any, answer: Computed, known: Known) -> float:
     return float(distance(answer.x, known.x).max())
 
 
-def _final(problem: Any, answer: Answer, known: Known) -> float:
+def _final(problem: Any, answer: Computed, known: Known) -> float:
     return float(distance(answer.x[-1:], known.x[-1:])[0])
 
 
-def _root_mean_square(problem: Any, answer: Answer, known: Known) -> float:
+def _root_mean_square(problem: Any, answer: Computed, known: Known) -> float:
     """The error is zero at t = 0 and linear between output times."""
     t, e = np.append(0.0, known.t), np.append(0.0, distance(answer.x, known.x))
     squares = np.diff(t) * (e[1:] ** 2 + e[1:] * e[:-1] + e[:-1] ** 2) / 3
     return float(np.sqrt(squares.sum() / t[-1])) if t[-1] > 0 else float(e[-1])
 
 
-def _dense(problem: Any, answer: Answer, known: Known) -> float:
+def _dense(problem: Any, answer: Computed, known: Known) -> float:
     if known.between is None or answer.between is None:
         raise ValueError("the error 'dense' needs a reference between the output times: known_at(..., between=True)")
     largest = _largest(problem, answer, known)
     return max(largest, float(distance(answer.between, known.between.x).max(initial=0.0)))
 
 
-def _overlap(problem: Any, answer: Answer, known: Known) -> float:
+def _overlap(problem: Any, answer: Computed, known: Known) -> float:
     if not isinstance(problem, dincl.Problem):
         return np.nan
     return max(problem.violation(float(t), state) for t, state in zip(known.t, answer.x, strict=True))
 
 
-Norm = Callable[[Any, Answer, Known], float]
+Norm = Callable[[Any, Computed, Known], float]
 NORMS: Mapping[str, Norm] = {
     "largest": _largest,
     "final": _final,
@@ -91,7 +91,7 @@ class ErrorOf:
     name: str
     quantity: Quantity
 
-    def __call__(self, problem: Any, answer: Answer, known: Known) -> float:
+    def __call__(self, problem: Any, answer: Computed, known: Known) -> float:
         """Return the error of a run; infinite where the quantity is not finite."""
         exact = [self._value(state) for state in known.x]
         found = [np.asarray(self.quantity(state), dtype=np.float64) for state in answer.x]
@@ -162,7 +162,7 @@ def _name(error: object) -> str:
     return "quantity" if name == "<lambda>" else str(name)
 
 
-def measured(problem: Any, answer: Answer, known: Known, errors: Mapping[str, Norm]) -> dict[str, float]:
+def measured(problem: Any, answer: Computed, known: Known, errors: Mapping[str, Norm]) -> dict[str, float]:
     """Return the errors of a run, NaN if it did not arrive."""
     arrived = bool(np.isfinite(answer.x).all())
     return {name: error(problem, answer, known) if arrived else np.nan for name, error in errors.items()}

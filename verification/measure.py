@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 import dincl
 from dincl.checks import describe
 from verification.budget import Budget, CpuSeconds, OutOfBudgetError, counted
-from verification.error_norms import Answer, Errors, Norm, checked_errors, measured, of_reference
+from verification.error_norms import Computed, Errors, Norm, checked_errors, measured, of_reference
 from verification.machine_code import machine_code
 from verification.method import Method
 from verification.references import Known
@@ -163,7 +163,7 @@ def _first(
         return {"status": "OUT_OF_BUDGET", "detail": f"Stopped after {budget}."}
     except FAILURES as failure:
         return {"status": "FAILED", "detail": f"{type(failure).__name__}: {failure}"}
-    answer = Answer(outcome.x, None if known.between is None else outcome.dense(known.between.t))
+    answer = Computed(outcome.x, None if known.between is None else outcome.dense(known.between.t))
     return outcome.columns | measured(problem, answer, known, norms)
 
 
