@@ -8,11 +8,9 @@ from dincl.events.motion import set_speed
 from dincl.events.workspace import ACTIVE, CLOSED, OPEN, EventWorkspace
 from dincl.neighbours import ROW_MARGIN
 from dincl.rows.table import VELOCITIES, call_python, gap, linearise
-from dincl.solvers.active_set import CYCLES, nearest
-from dincl.solvers.factor import times
-from dincl.solvers.sparse_active_set import nearest_sparse
-from dincl.solvers.sparse_factor import SPARSE_FROM
-from dincl.solvers.sparse_order import FEW, analyse, covers
+from dincl.solvers.active_set import CYCLES, nearest, nearest_sparse
+from dincl.solvers.envelope_factor import row_dot
+from dincl.solvers.sparse_factor import FEW, SPARSE_FROM, analyse, covers
 from dincl.steps.programs import list_sorted
 from dincl.system.arrays import COINCIDENT, OK, SETS, evaluate, longest, system_at
 
@@ -92,7 +90,7 @@ def nearest_velocity(run: EventWorkspace, count: int) -> int:
         covers(run.touching, count, gram) or analyse(rows, run.touching, list_upcoming(run, count), gram)
     ):
         code = nearest_sparse(rows, run.touching, count, program, gram, speed)
-    return code if code != CYCLES else nearest(rows, run.touching, count, program, system.chosen, speed)
+    return code if code != CYCLES else nearest(rows, run.touching, count, program, system.factor, speed)
 
 
 @inner
@@ -121,7 +119,7 @@ def record_changes(run: EventWorkspace, count: int) -> None:
     program, rows, overlap = system.program, system.rows, -0.5 * TOUCHING * state.size
     for q in range(count):
         r = run.touching[q]
-        opening = times(rows, r, program.gradient, program.z) - program.bound[r]
+        opening = row_dot(rows, r, program.gradient, program.z) - program.bound[r]
         least = state.zero if run.contact[r] == ACTIVE or not gap(rows, system.sets, r, run.x) < overlap else 0.0
         if program.multiplier[r] > least:
             run.change[r] = ACTIVE

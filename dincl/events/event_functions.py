@@ -12,7 +12,7 @@ from dincl.events.motion import dense_state, dense_velocity, set_speed
 from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.workspace import SPARE, EventWorkspace
 from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_python, linearise
-from dincl.solvers.factor import times
+from dincl.solvers.envelope_factor import row_dot
 from dincl.system.arrays import OK, system_at
 
 # Nodes are the ends of this many equal parts of a step; minima between them are searched for.
@@ -61,7 +61,7 @@ def event_function(run: EventWorkspace, which: int, theta: float) -> tuple[float
         return row.sign * (value - length * length), row.sign * slope
     if row.kind in (CALLBACK, FORMULA):
         value = linearise(rows, sets, which, run.point, system.program.gradient) - state.level
-        slope = times(rows, which, system.program.gradient, run.rate[SPARE]) - h * set_speed(system, which)
+        slope = row_dot(rows, which, system.program.gradient, run.rate[SPARE]) - h * set_speed(system, which)
         return value, slope
     for p in range(rows.start[which], rows.stop[which]):
         column = rows.column[p]
@@ -90,7 +90,7 @@ def margin(run: EventWorkspace, which: int, theta: float) -> float:
     r = which - run.contact.size
     call_python(system.sets, state.t + theta * state.step, run.point, VELOCITIES)
     linearise(system.rows, system.sets, r, run.point, system.program.gradient)
-    speed = times(system.rows, r, system.program.gradient, run.rate[SPARE]) - set_speed(system, r)
+    speed = row_dot(system.rows, r, system.program.gradient, run.rate[SPARE]) - set_speed(system, r)
     return float(zero - abs(speed))
 
 

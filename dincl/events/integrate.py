@@ -14,7 +14,7 @@ from dincl.events.runge_kutta import dense_value
 from dincl.events.steps import accept_step, check_jump, make_step, pass_stop, truncate_step
 from dincl.events.workspace import AGAIN, DONE, FULL, JUMPS, NO_STEP, SLOW, SPARE, STUCK, EventWorkspace
 from dincl.rows.table import VELOCITIES, call_python, gap, linearise
-from dincl.solvers.factor import times
+from dincl.solvers.envelope_factor import row_dot
 from dincl.system.arrays import OK, SETS, bounded, longest, system_at
 
 # Changes of the contacts at one time.
@@ -149,7 +149,7 @@ def close_gap(run: EventWorkspace, closing: int, earliest: float) -> int:
     for _ in range(MOST_NEWTON):
         call_python(sets, state.t, run.x, VELOCITIES)
         width = linearise(rows, sets, closing, run.x, gradient)
-        speed = times(rows, closing, gradient, run.rate[0]) - set_speed(system, closing)
+        speed = row_dot(rows, closing, gradient, run.rate[0]) - set_speed(system, closing)
         wait = max(-width / speed if speed < 0.0 else 0.0, earliest - state.t)
         for k in range(run.x.size):
             run.x[k] += wait * run.rate[0, k]

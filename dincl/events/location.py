@@ -8,7 +8,7 @@ from dincl.events.event_functions import MULTIPLIERS, NEVER, PARTS, SUSPICIOUS, 
 from dincl.events.workspace import ACTIVE, CLOSED, EventWorkspace
 from dincl.neighbours import EVENT_MARGIN, SHORT_STEP_MARGIN, TOO_WIDE
 from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, linearise
-from dincl.solvers.factor import times
+from dincl.solvers.envelope_factor import row_dot
 from dincl.steps.programs import carry, list_sorted
 from dincl.system.arrays import OK, system_at
 
@@ -137,6 +137,6 @@ def may_move(run: EventWorkspace, r: int) -> bool:
             run.point[column] = run.x[column] + state.step * way
         linearise(rows, system.sets, r, run.point, gradient)
         state.theta = -1.0
-        if abs(times(rows, r, gradient, run.rate[i])) > state.zero:
+        if abs(row_dot(rows, r, gradient, run.rate[i])) > state.zero:
             return True
     return False

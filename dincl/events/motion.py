@@ -11,10 +11,8 @@ from dincl.compiled.arrays import Floats
 from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.workspace import SPARE, EventWorkspace
 from dincl.rows.table import VELOCITIES, call_python, linearise
-from dincl.solvers.active_set import across
-from dincl.solvers.factor import add, append, backward, border, clear, forward, times
-from dincl.solvers.sparse_factor import SPARSE_FROM, refactor, solve_sparse
-from dincl.solvers.sparse_order import analyse, covers
+from dincl.solvers.envelope_factor import add_row, append, border, clear, orthogonal_square, row_dot, solve_envelope
+from dincl.solvers.sparse_factor import SPARSE_FROM, analyse, covers, refactor, solve_sparse
 from dincl.system.arrays import COINCIDENT, OK, SETS, SINGULAR, SystemArrays, evaluate, system_at
 
 # Newton steps back onto the active contacts; from a state that is off by an integration error one or two are enough.
@@ -57,7 +55,7 @@ def factorise(run: EventWorkspace) -> int:
     for k in range(count):
         r = active.row[k]
         border(rows, r, gradient, active)
-        square = across(rows, r, gradient, active)
+        square = orthogonal_square(rows, r, gradient, active)
         if not square > 4.0 * EPS:
             active.number[0] = count
             return SINGULAR
@@ -83,8 +81,7 @@ def solve_active(run: EventWorkspace) -> None:
     """Solve with the factor for ``right`` of the active rows, in place."""
     active, gram = run.active, run.gram
     if gram.number[1] == 0:
-        forward(active, 0)
-        backward(active)
+        solve_envelope(active)
         return
     for k in range(gram.number[0]):
         gram.right[k] = 0.0
@@ -125,11 +122,11 @@ def velocity_at(run: EventWorkspace, t: float, x: Floats, rate: Floats, multipli
     for _ in range(2):
         for k in range(count):
             r = active.row[k]
-            right[k] = set_speed(system, r) - times(rows, r, gradient, rate)
+            right[k] = set_speed(system, r) - row_dot(rows, r, gradient, rate)
         solve_active(run)
         for k in range(count):
             multiplier[k] += right[k]
-            add(rows, active.row[k], gradient, right[k], rate)
+            add_row(rows, active.row[k], gradient, right[k], rate)
     return OK
 
 
@@ -158,7 +155,7 @@ def restore(run: EventWorkspace, t: float, x: Floats) -> int:
             active.right[k] = system.program.bound[active.row[k]]
         solve_active(run)
         for k in range(active.number[0]):
-            add(system.rows, active.row[k], system.program.gradient, -active.right[k], x)
+            add_row(system.rows, active.row[k], system.program.gradient, -active.right[k], x)
     return OK
 
 

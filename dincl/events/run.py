@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
     from dincl.events.runge_kutta import RungeKutta
     from dincl.problem import Problem
-    from dincl.solvers.sparse_factor import SparseGram
+    from dincl.solvers.sparse_factor import SparseFactor
     from dincl.work import Work
 
 # Spacing of the differences that give the velocities of moving sets, as a part of the run.
@@ -145,7 +145,7 @@ class EventRun:
         size, kinks, last = system.size / unit.length, sets.kinks.ravel() / unit.time, end / unit.time
         pair, arrays = pair_for(tol / system.size, many), system.compiled.arrays
         stop, resume = kinks[:2] if len(kinks) else (last, last)
-        steps = step_table(PLACES, pair.terms, x.size, len(arrays.chosen.row), len(arrays.rows.row))
+        steps = step_table(PLACES, pair.terms, x.size, len(arrays.factor.row), len(arrays.rows.row))
         numbers = {"end": last, "stop": stop, "resume": resume, "tol": tol / unit.length, "size": size}
         numbers |= {"largest": LARGEST * min(1.0, 1.0 / unit.length), "parts": parts, "undecided": 1, "many": many}
         workspace = event_workspace(arrays, system.compiled.place, system.gram, pair, steps, x.copy(), kinks, **numbers)
@@ -213,7 +213,7 @@ class DenseOutput(Between):
     """
 
     def __init__(
-        self, system: CompiledProblem, gram: SparseGram, pair: RungeKutta, size: float, start: NDArray[np.float64]
+        self, system: CompiledProblem, gram: SparseFactor, pair: RungeKutta, size: float, start: NDArray[np.float64]
     ) -> None:
         self._problem, self._units, self._pair, self._size = system.problem, system.units, pair, size
         self._start, self._system, self._gram = start, system, gram

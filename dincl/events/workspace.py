@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from dincl.compiled.arrays import Floats, Offsets
 from dincl.compiled.structs import struct_type
 from dincl.events.runge_kutta import RungeKutta
-from dincl.solvers.factor import Chosen, room
-from dincl.solvers.sparse_factor import SPARSE_FROM, SparseGram, room_for_gram
+from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
+from dincl.solvers.sparse_factor import SPARSE_FROM, SparseFactor, sparse_factor
 from dincl.system.arrays import SYSTEM, SystemArrays
 
 # State of a row: its gap is open; closed, without force; closed, with a multiplier > 0.
@@ -77,8 +77,8 @@ class EventWorkspace(NamedTuple):
     """A run of the event-driven method to ``state.end`` for n coordinates and m rows."""
 
     system: int  # address of its SystemArrays
-    gram: SparseGram
-    active: Chosen  # the active rows, and their factor if they are few
+    gram: SparseFactor
+    active: EnvelopeFactor  # the active rows, and their factor if they are few
     kinks: Floats  # (2 K,): before and behind each time at which the velocity of a set jumps
     pair: RungeKutta
     state: NDArray[np.void]
@@ -103,19 +103,19 @@ def step_table(steps: int, terms: int, n: int, most: int, m: int) -> StepTable:
     return StepTable(end, start, h, x, dense, active, number, np.zeros((m + 1024, 4)))
 
 
-def sparse_gram(system: SystemArrays) -> SparseGram:
+def sparse_gram(system: SystemArrays) -> SparseFactor:
     """Allocate the sparse factor for as many rows as can touch: two for each coordinate, as in a packing of spheres."""
     rows, n, m = system.rows, system.velocity.size, len(system.rows.row)
     if m < SPARSE_FROM:
-        return room_for_gram(0, 0, 0, 0)
+        return sparse_factor(0, 0, 0, 0)
     most = min(m, 2 * n)
-    return room_for_gram(most, n, m, min(len(rows.column), most * int((rows.stop - rows.start).max())))
+    return sparse_factor(most, n, m, min(len(rows.column), most * int((rows.stop - rows.start).max())))
 
 
 def event_workspace(
     system: SystemArrays,
     address: int,
-    gram: SparseGram,
+    gram: SparseFactor,
     pair: RungeKutta,
     steps: StepTable,
     x: Floats,
@@ -123,7 +123,7 @@ def event_workspace(
     **state: float,
 ) -> EventWorkspace:
     """Allocate a run from x (n,) with these numbers of its state, others 0; ``address`` is that of the system."""
-    n, m, most = x.size, system.rows.row.size, system.chosen.row.size
+    n, m, most = x.size, system.rows.row.size, system.factor.row.size
     begin = np.zeros(1, dtype=STATE)
     for name, value in state.items():
         begin[name] = value
@@ -131,7 +131,7 @@ def event_workspace(
     return EventWorkspace(
         system=address,
         gram=gram,
-        active=room(most, n),
+        active=envelope_factor(most, n),
         kinks=kinks,
         pair=pair,
         state=begin,

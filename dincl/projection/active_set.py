@@ -54,14 +54,14 @@ class _ActiveSetSolver(QpSolver):
         """Solve with the rows in the order of their first coordinates, in which the envelope is narrow."""
         from dincl.rows.table import ROW, row_table
         from dincl.solvers.active_set import CYCLES, INFEASIBLE, least_distance, solve
-        from dincl.solvers.factor import room
+        from dincl.solvers.envelope_factor import envelope_factor
 
         m, n = matrix.shape[0], matrix.shape[1]
         rows = row_table(np.zeros(m, dtype=ROW), matrix.indptr, matrix.indices, np.zeros(0))
         first = np.minimum(matrix.indptr[:-1], max(len(matrix.indices) - 1, 0))
         order = np.argsort(matrix.indices[first], kind="stable") if len(matrix.indices) else np.arange(m)
         program = least_distance(matrix.data, least, multipliers.copy(), n)
-        code = solve(rows, order, program, room(min(m, n) + 1, n))
+        code = solve(rows, order, program, envelope_factor(min(m, n) + 1, n))
         if code == INFEASIBLE:
             raise StepFailure(Status.INFEASIBLE, f"{self.name}: no point meets all constraints.")
         if code == CYCLES:

@@ -48,7 +48,7 @@ class _GaussSeidelSolver(QpSolver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        from dincl.solvers.dual_sweeps import dual_sweeps
+        from dincl.solvers.dual import dual_sweeps
 
         self._sweeps = dual_sweeps
 

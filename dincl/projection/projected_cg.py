@@ -53,9 +53,9 @@ class _ProjectedCGSolver(QpSolver):
 
     def __init__(self, tol: float) -> None:
         super().__init__(tol)
-        from dincl.solvers import proportioning
+        from dincl.solvers import dual
 
-        self._minimise = proportioning.bounded_conjugate_gradients
+        self._minimise = dual.bounded_conjugate_gradients
 
     def qp(
         self, matrix: csr_array, least: NDArray[np.float64], multipliers: NDArray[np.float64], tol: float

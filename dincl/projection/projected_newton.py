@@ -109,11 +109,11 @@ class _Dual:
 
     def __init__(self, matrix: csr_array, least: NDArray[np.float64]) -> None:
         from dincl.matrices import products
-        from dincl.solvers import accelerated, proportioning
+        from dincl.solvers import dual
 
         self._matrix, self._least = matrix, least
         self._times, self._transposed_times = products.times, products.transposed_times
-        self._sweep, self._minimise = accelerated.accelerated_sweeps, proportioning.bounded_conjugate_gradients
+        self._sweep, self._minimise = dual.accelerated_sweeps, dual.bounded_conjugate_gradients
         self._arrays = matrix.indptr, matrix.indices, matrix.data
 
     def at(self, mu: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

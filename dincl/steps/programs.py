@@ -11,7 +11,7 @@ from dincl.neighbours import ROW_MARGIN
 from dincl.rows.candidates import distance_from_search, find_candidates, note_search, sort_candidates
 from dincl.rows.table import DISPLACEMENTS, GRADIENTS, call_python, gap, linearise
 from dincl.solvers.active_set import nearest
-from dincl.solvers.factor import add, times
+from dincl.solvers.envelope_factor import add_row, row_dot
 from dincl.steps.loop import step_function
 from dincl.system.arrays import COINCIDENT, MISSED, OK, PYTHON, SETS, TOO_FAR, farthest, system_at
 
@@ -131,7 +131,7 @@ def linearise_near(place: int, t: float, x: Floats) -> int:
         if value != value:
             system.offending[0] = r
             return COINCIDENT
-        program.bound[r] = times(rows, r, program.gradient, x) - value
+        program.bound[r] = row_dot(rows, r, program.gradient, x) - value
     return OK
 
 
@@ -146,10 +146,10 @@ def certify(place: int, t: float) -> tuple[int, float]:
     for q in range(near.number[0]):
         r = near.row[q]
         multiplier = program.multiplier[r]
-        value = times(system.rows, r, program.gradient, z) - program.bound[r]
+        value = row_dot(system.rows, r, program.gradient, z) - program.bound[r]
         residual = max(residual, -value, abs(min(multiplier, value)))
         if multiplier > 0.0:
-            add(system.rows, r, program.gradient, -multiplier, program.direction)
+            add_row(system.rows, r, program.gradient, -multiplier, program.direction)
     for k in range(z.size):
         residual = max(residual, abs(program.direction[k]))
     return code, residual
@@ -226,7 +226,7 @@ def near_program(place: int) -> tuple[Indices, Indices, Floats, Floats, Floats, 
             indices[p], data[p] = rows.column[e], program.gradient[e] / length[q]
             p += 1
         indptr[q + 1] = p
-        missing[q] = (program.bound[r] - times(rows, r, program.gradient, program.y)) / length[q]
+        missing[q] = (program.bound[r] - row_dot(rows, r, program.gradient, program.y)) / length[q]
         multiplier[q] = program.multiplier[r] * length[q]
     return indptr, indices, data, missing, length, multiplier
 
@@ -251,7 +251,7 @@ def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
         program.multiplier[r] = multiplier[q] / length
         for e in range(rows.start[r], rows.stop[r]):
             misfit[rows.column[e]] -= program.gradient[e] * program.multiplier[r]
-        value = times(rows, r, program.gradient, z) - program.bound[r]
+        value = row_dot(rows, r, program.gradient, z) - program.bound[r]
         residual = max(residual, -value, abs(min(program.multiplier[r], value)))
     for k in range(y.size):
         residual = max(residual, abs(misfit[k]))
@@ -262,7 +262,7 @@ def take_solution(place: int, move: Floats, multiplier: Floats) -> float:
 def active_set(t: float, y: Any, z: Any, place: int, d: int, answer: Any) -> int:
     """Solve the program of the near rows by the active set; see ``dincl.system.arrays.Solving``."""
     system = system_at(place)
-    near, program, chosen = system.near, system.program, system.chosen
-    code = nearest(system.rows, near.row, near.number[0], program, chosen, 0.0)
-    system.solving.called[0] = 1.0 if chosen.number[0] > 0 else 0.0
+    near, program, factor = system.near, system.program, system.factor
+    code = nearest(system.rows, near.row, near.number[0], program, factor, 0.0)
+    system.solving.called[0] = 1.0 if factor.number[0] > 0 else 0.0
     return code

@@ -11,7 +11,7 @@ from dincl.drifts.functions import velocity
 from dincl.rows.candidates import CandidateRows, no_candidates
 from dincl.rows.table import GRADIENTS, ROW, RowTable, Sets, call_python, gap, row_table
 from dincl.solvers.active_set import LeastDistance, least_distance
-from dincl.solvers.factor import Chosen, room
+from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 
 # How steps end; the first ones are those of ``active_set.nearest``.
 OK, INFEASIBLE, CYCLES, DRIFT, SETS, COINCIDENT, TOO_FAR, MISSED, NOT_A_NUMBER, SINGULAR = range(10)
@@ -53,7 +53,7 @@ class SystemArrays(NamedTuple):
     sets: Sets
     near: CandidateRows
     program: LeastDistance
-    chosen: Chosen
+    factor: EnvelopeFactor
     drift: Drift
     velocity: Floats  # (n,)
     middle: Floats  # (n,)
@@ -77,7 +77,7 @@ SYSTEM = SystemArrays(
     ),
     no_candidates(0, 0, 0, 1),
     least_distance(np.zeros(0), np.zeros(0), np.zeros(0), 0),
-    room(1, 0),
+    envelope_factor(1, 0),
     Drift(0, np.zeros(1), np.zeros(2, dtype=np.int64), np.zeros(1), np.ones(3), np.zeros(0)),
     np.zeros(0),
     np.zeros(0),

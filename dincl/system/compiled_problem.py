@@ -15,7 +15,7 @@ from dincl.rows.base import TableRows
 from dincl.rows.candidates import no_candidates
 from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, ROW, RowTable, row_table
 from dincl.solvers.active_set import least_distance
-from dincl.solvers.factor import Chosen, room
+from dincl.solvers.envelope_factor import EnvelopeFactor, envelope_factor
 from dincl.status import Status
 from dincl.system import arrays as codes
 from dincl.system.arrays import Drift, Solving, SystemArrays, overlaps_at
@@ -119,7 +119,7 @@ class CompiledProblem:
                 sets=self.sets.arrays,
                 near=no_candidates(m, n, families, d, search.address if search else 0),
                 program=least_distance(np.zeros(len(rows.column)), np.zeros(m), np.zeros(m), n),
-                chosen=self._room(m),
+                factor=self._factor(m),
                 drift=Drift(
                     self.drift.address,
                     self.drift.data,
@@ -173,10 +173,10 @@ class CompiledProblem:
         n, d = self.problem.x0.size, self.problem.x0.shape[1]
         return tabulate(self.selection.blocks, n, d, self.units.length, dense=self._programs and self.solver is None)
 
-    def _room(self, m: int) -> Chosen:
+    def _factor(self, m: int) -> EnvelopeFactor:
         """Make room for the factors of a dense solver."""
         n = self.problem.x0.size
-        return room(min(m, n) + 1, n) if self._dense else room(1, n if self._programs else 0)
+        return envelope_factor(min(m, n) + 1, n) if self._dense else envelope_factor(1, n if self._programs else 0)
 
     def _list_rows(self, t: float, x: int, *_: int) -> None:
         """Put the rows near x at time t into the table; rows that stay keep their multipliers."""
@@ -187,7 +187,7 @@ class CompiledProblem:
         multiplier = transfer_multipliers(before, self.arrays.program.multiplier, self.selection)
         m = len(rows.row)
         arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}
-        arrays |= {f"chosen.{name}": part for name, part in self._room(m)._asdict().items()}
+        arrays |= {f"factor.{name}": part for name, part in self._factor(m)._asdict().items()}
         arrays |= {"program.gradient": np.zeros(len(rows.column)), "program.bound": np.zeros(m)}
         arrays |= {"program.multiplier": multiplier, "near.row": np.arange(m), "near.key": np.zeros(m)}
         self._pointer.replace(arrays)

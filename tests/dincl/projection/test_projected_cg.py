@@ -4,7 +4,7 @@ import numpy as np
 
 from dincl import scenes
 from dincl.rows.affine import linearised
-from dincl.solvers.proportioning import bounded_conjugate_gradients
+from dincl.solvers.dual import bounded_conjugate_gradients
 from tests.dincl.dense import full
 
 

@@ -4,8 +4,7 @@ import numpy as np
 
 from dincl import scenes
 from dincl.rows.affine import linearised
-from dincl.solvers.accelerated import accelerated_sweeps
-from dincl.solvers.dual_sweeps import dual_sweeps
+from dincl.solvers.dual import accelerated_sweeps, dual_sweeps
 from tests.dincl.dense import full
 
 

@@ -8,7 +8,7 @@ from dincl.matrices import from_rows
 from dincl.projection.daqp import Daqp
 from dincl.rows.table import ROW, row_table
 from dincl.solvers.active_set import INFEASIBLE, OK, least_distance, solve
-from dincl.solvers.factor import room
+from dincl.solvers.envelope_factor import envelope_factor
 
 
 def compiled(dense, bound, y, start):
@@ -17,7 +17,7 @@ def compiled(dense, bound, y, start):
     rows = row_table(np.zeros(m, dtype=ROW), n * np.arange(m + 1), np.tile(np.arange(n), m), np.zeros(0))
     program = least_distance(dense.ravel().copy(), bound, start.copy(), n)
     program.y[:] = y
-    code = solve(rows, np.arange(m), program, room(min(m, n) + 1, n))
+    code = solve(rows, np.arange(m), program, envelope_factor(min(m, n) + 1, n))
     return code, program.z, program.multiplier
 
 

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from scipy.optimize import nnls
 from scipy.sparse import csr_array
 
-from dincl.solvers.dual_sweeps import dual_sweeps
+from dincl.solvers.dual import dual_sweeps
 from tests.twins import neighbours as twins
 
 Array = NDArray[np.float64]

@@ -5,10 +5,8 @@ import pytest
 
 from dincl.compiled import kernel
 from dincl.rows.table import ROW, row_table
-from dincl.solvers.active_set import CYCLES, INFEASIBLE, OK, least_distance
-from dincl.solvers.sparse_active_set import nearest_sparse
-from dincl.solvers.sparse_factor import room_for_gram
-from dincl.solvers.sparse_order import analyse
+from dincl.solvers.active_set import CYCLES, INFEASIBLE, OK, least_distance, nearest_sparse
+from dincl.solvers.sparse_factor import analyse, sparse_factor
 from tests.dincl.solvers.test_active_set import KINDS, compiled, programs, residual
 from tests.dincl.solvers.test_sparse_factor import contacts
 
@@ -24,7 +22,7 @@ def sparse(rows, gradient, n, bound, y, start):
     m = len(bound)
     program = least_distance(gradient, bound, start.copy(), n)
     program.y[:] = y
-    code = solve(rows, np.arange(m), program, room_for_gram(m, n, m, len(rows.column)))
+    code = solve(rows, np.arange(m), program, sparse_factor(m, n, m, len(rows.column)))
     return code, program.z, program.multiplier
 
 

@@ -5,8 +5,7 @@ import pytest
 
 from dincl.compiled import kernel
 from dincl.rows.table import ROW, row_table
-from dincl.solvers.sparse_factor import FILL, refactor, room_for_gram, solve_sparse
-from dincl.solvers.sparse_order import analyse, covers
+from dincl.solvers.sparse_factor import FILL, analyse, covers, refactor, solve_sparse, sparse_factor
 
 
 @kernel
@@ -50,7 +49,7 @@ def contacts(rng, n, d, m):
 
 def room(table, dense):
     m, n = dense.shape
-    return room_for_gram(m, n, m, len(table.column))
+    return sparse_factor(m, n, m, len(table.column))
 
 
 def use(gram, listed):
@@ -112,7 +111,7 @@ def test_a_chain_is_eliminated_without_fill():
     m = 200
     columns = np.array([[r, r + 1] for r in range(m)]).ravel()
     table = row_table(np.zeros(m, dtype=ROW), 2 * np.arange(m + 1), columns, np.zeros(0))
-    gram = room_for_gram(m, m + 1, m, 2 * m)
+    gram = sparse_factor(m, m + 1, m, 2 * m)
     assert analysed(table, np.arange(m), gram)
     assert gram.start[m] == m - 1
 
@@ -120,13 +119,13 @@ def test_a_chain_is_eliminated_without_fill():
 def test_a_list_without_room_is_not_analysed(rng):
     """Rows that all tie the same coordinates fill the factor; with too few places for them nothing is kept."""
     table, _, _ = contacts(rng, 30, 2, 50)
-    short = room_for_gram(49, 60, 50, len(table.column))
+    short = sparse_factor(49, 60, 50, len(table.column))
     assert not analysed(table, np.arange(50), short)
     assert (short.place == -1).all()
     assert analysed(table, np.arange(49), short)
     m = 2 * FILL + 10
     full = row_table(np.zeros(m, dtype=ROW), np.arange(m + 1), np.zeros(m, dtype=np.int64), np.zeros(0))
-    gram = room_for_gram(m, 1, m, m)
+    gram = sparse_factor(m, 1, m, m)
     assert not analysed(full, np.arange(m), gram)
     assert (gram.place == -1).all()
     assert gram.number[0] == 0

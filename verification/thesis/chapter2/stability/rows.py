@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.drifts import constant
-from dincl.solvers.dual_sweeps import dual_sweeps
+from dincl.solvers.dual import dual_sweeps
 from verification.thesis.chapter2.stability.case import Case, Found, within
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS, TOL, named
 from verification.thesis.chapter2.stability.outcome import ERROR, measured

@@ -5,33 +5,39 @@ import pytest
 
 from dincl.compiled import kernel
 from dincl.rows.table import ROW, row_table
-from dincl.solvers.active_set import across
-from dincl.solvers.factor import append, backward, border, clear, drop, forward, room
+from dincl.solvers.envelope_factor import (
+    append,
+    border,
+    clear,
+    drop,
+    envelope_factor,
+    orthogonal_square,
+    solve_envelope,
+)
 
 
 @kernel
-def take(rows, gradient, chosen, r):
-    border(rows, r, gradient, chosen)
-    square = across(rows, r, gradient, chosen)
+def take(rows, gradient, factor, r):
+    border(rows, r, gradient, factor)
+    square = orthogonal_square(rows, r, gradient, factor)
     if square > 1e-6:
-        append(rows, chosen, r, square)
+        append(rows, factor, r, square)
     return square
 
 
 @kernel
-def leave(rows, chosen, k):
-    drop(rows, chosen, k)
+def leave(rows, factor, k):
+    drop(rows, factor, k)
 
 
 @kernel
-def solve_gram(chosen):
-    forward(chosen, 0)
-    backward(chosen)
+def solve_gram(factor):
+    solve_envelope(factor)
 
 
 @kernel
-def empty(chosen):
-    clear(chosen)
+def empty(factor):
+    clear(factor)
 
 
 def random_rows(rng, n, m, entries, spread):
@@ -54,58 +60,58 @@ def random_rows(rng, n, m, entries, spread):
     )
 
 
-def spoil(chosen):
+def spoil(factor):
     """NaN wherever the factor has no entry: left of the envelope, right of the diagonal, below the last row."""
-    count = chosen.number[0]
-    for k in range(len(chosen.factor)):
-        left = chosen.first[k] if k < count else len(chosen.factor)
-        chosen.factor[k, :left] = np.nan
-        chosen.factor[k, k + 1 :] = np.nan
+    count = factor.number[0]
+    for k in range(len(factor.lower)):
+        left = factor.first[k] if k < count else len(factor.lower)
+        factor.lower[k, :left] = np.nan
+        factor.lower[k, k + 1 :] = np.nan
 
 
-def lower(chosen):
+def lower(factor):
     """L as a dense matrix."""
-    count = chosen.number[0]
+    count = factor.number[0]
     found = np.zeros((count, count))
     for k in range(count):
-        found[k, chosen.first[k] : k + 1] = chosen.factor[k, chosen.first[k] : k + 1]
+        found[k, factor.first[k] : k + 1] = factor.lower[k, factor.first[k] : k + 1]
     return found
 
 
 @pytest.mark.parametrize(("n", "m", "entries", "spread"), [(24, 40, 4, 6), (30, 25, 2, 30), (12, 30, 12, 12)])
 def test_rows_come_and_go(n, m, entries, spread, rng):
     rows, gradient, dense = random_rows(rng, n, m, entries, spread)
-    chosen, refused, dropped = room(min(m, n) + 1, n), 0, 0
-    empty(chosen)
+    factor, refused, dropped = envelope_factor(min(m, n) + 1, n), 0, 0
+    empty(factor)
     for _ in range(600):
-        now = list(chosen.row[: chosen.number[0]])
+        now = list(factor.row[: factor.number[0]])
         if len(now) == min(n, m) or (now and rng.random() < 0.45):
             place = int(rng.integers(len(now)))
-            leave(rows, chosen, place)
+            leave(rows, factor, place)
             del now[place]
             dropped += 1
         else:
             r = int(rng.choice(np.setdiff1d(np.arange(m), now)))
             others = dense[now]
             part = dense[r] - others.T @ np.linalg.lstsq(others.T, dense[r], rcond=None)[0] if now else dense[r]
-            square = take(rows, gradient, chosen, r)
+            square = take(rows, gradient, factor, r)
             # Cancellation costs as many digits as the others are close to dependent.
             assert square == pytest.approx(part @ part, abs=1e-7)
             refused += square <= 1e-6
             now += [r] if square > 1e-6 else []
-        spoil(chosen)
-        assert list(chosen.row[: chosen.number[0]]) == now
-        factor, gram = lower(chosen), dense[now] @ dense[now].T
-        assert np.abs(factor @ factor.T - gram).max(initial=0.0) <= 1e-13
-        assert (np.diag(factor) > 0).all()
-        touched = [min([k for k, r in enumerate(now) if dense[r, c]], default=len(chosen.row)) for c in range(n)]
-        assert list(chosen.touched) == touched
-        assert not chosen.dense.any()
+        spoil(factor)
+        assert list(factor.row[: factor.number[0]]) == now
+        cholesky, gram = lower(factor), dense[now] @ dense[now].T
+        assert np.abs(cholesky @ cholesky.T - gram).max(initial=0.0) <= 1e-13
+        assert (np.diag(cholesky) > 0).all()
+        touched = [min([k for k, r in enumerate(now) if dense[r, c]], default=len(factor.row)) for c in range(n)]
+        assert list(factor.touched) == touched
+        assert not factor.dense.any()
         right = rng.normal(size=len(now))
-        chosen.right[: len(now)] = right
-        solve_gram(chosen)
-        exact = np.linalg.solve(factor @ factor.T, right)
+        factor.right[: len(now)] = right
+        solve_gram(factor)
+        exact = np.linalg.solve(cholesky @ cholesky.T, right)
         size = 1 + np.abs(exact).max(initial=0.0)
-        assert np.abs(gram @ chosen.right[: len(now)] - right).max(initial=0.0) <= 1e-12 * size
+        assert np.abs(gram @ factor.right[: len(now)] - right).max(initial=0.0) <= 1e-12 * size
     assert dropped > 200
     assert refused > 0 or entries > 2
