@@ -66,7 +66,7 @@ def threefry(typing: Any, key: Any, counter: Any, place: Any, number: Any) -> An
         word, (of_key, of_counter, _, _) = like(kind, SHORT), signature.args
 
         def read(kind: Any, array: Any, index: Any) -> Any:
-            return builder.trunc(load_at(builder, address_of(context, builder, kind, array, index, LONG)), word)
+            return builder.trunc(load_at(builder, address_of(context, builder, kind, LONG, array, index)), word)
 
         keys = [read(of_key, values[0], ir.Constant(LONG, k)) for k in range(2)]
         x, y = read(of_counter, values[1], values[2]), builder.trunc(values[3], SHORT)

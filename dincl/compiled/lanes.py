@@ -1,12 +1,12 @@
-"""One number or several at once: a step written with these functions is compiled for one run and for eight.
+"""Operations on one number or on several at once: a step written with them is compiled for one run and for eight.
 
 An array (n,) holds a double for each cell, an array (n, WIDTH) eight of them, which are one value of type Lanes.
-``load(a, i)`` takes entry i of either, +, -, * and / act on all lanes, ``store(a, i, v)`` puts it back. What branches
-for one number is masked for eight: there is no ``if`` on lanes.
+``load(a, i)`` loads entry i of either, +, -, * and / act on all lanes, ``store(a, i, v)`` stores it. Masks take the
+place of branches: there is no ``if`` on lanes.
 
-Each function here is one instruction, and the same for one number and for each lane: so are the results, to the last
-bit. Sums and products are as written, with ``fma`` where it is meant: a compiler that may choose does so for each copy
-of a loop that it makes.
+Each function here is one instruction, the same for one number and for each lane, and so are the results, to the last
+bit. Sums and products are as written, with ``fma`` where one is intended: a compiler that may choose does so for each
+copy of a loop that it makes.
 """
 
 from __future__ import annotations
@@ -45,11 +45,7 @@ __all__ = [
 @instruction
 def load(typing: Any, a: Any, i: Any) -> Any:
     """Load entry i of an array of doubles."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return load_at(builder, address_of(context, builder, signature.args[0], values[0], values[1], DOUBLE))
-
-    return kind_of(a)(a, types.intp), generate
+    return kind_of(a)(a, types.intp), lambda c, b, s, values: load_at(b, address_of(c, b, a, DOUBLE, *values))
 
 
 @instruction
@@ -76,7 +72,7 @@ def load_wide(typing: Any, a: Any, i: Any) -> Any:
     """Load entry i of an array of doubles into eight lanes: eight numbers, or one in all of them."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        loaded = load_at(builder, address_of(context, builder, signature.args[0], values[0], values[1], DOUBLE))
+        loaded = load_at(builder, address_of(context, builder, a, DOUBLE, *values))
         return loaded if kind_of(a) == LANES else broadcast(builder, loaded)
 
     return LANES(a, types.intp), generate
@@ -87,8 +83,7 @@ def store(typing: Any, a: Any, i: Any, v: Any) -> Any:
     """Store v as entry i of an array of doubles."""
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        place = address_of(context, builder, signature.args[0], values[0], values[1], DOUBLE)
-        builder.store(values[2], place).align = 8
+        builder.store(values[2], address_of(context, builder, a, DOUBLE, *values[:2])).align = 8
         return context.get_dummy_value()
 
     return types.none(a, types.intp, kind_of(a)), generate
@@ -99,11 +94,7 @@ def load_from(width: int) -> Callable[..., Any]:
 
     @instruction
     def load_lanes(typing: Any, a: Any, k: Any) -> Any:
-        def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            array, place = values
-            return load_at(builder, _lanes_at(context, builder, signature.args[0], array, place, width))
-
-        return LanesType(width)(a, types.intp), generate
+        return LanesType(width)(a, types.intp), lambda c, b, s, values: load_at(b, _lanes_at(c, b, a, width, *values))
 
     return load_lanes
 
@@ -114,9 +105,7 @@ def store_to(width: int) -> Callable[..., Any]:
     @instruction
     def store_lanes(typing: Any, a: Any, k: Any, v: Any) -> Any:
         def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-            array, place, lanes = values
-            at = _lanes_at(context, builder, signature.args[0], array, place, width)
-            builder.store(lanes, at).align = 8
+            builder.store(values[2], _lanes_at(context, builder, a, width, *values[:2])).align = 8
             return context.get_dummy_value()
 
         return types.none(a, types.intp, LanesType(width)), generate
@@ -124,7 +113,7 @@ def store_to(width: int) -> Callable[..., Any]:
     return store_lanes
 
 
-def _lanes_at(context: Any, builder: Any, kind: Any, array: Any, place: Any, width: int) -> Any:
+def _lanes_at(context: Any, builder: Any, kind: Any, width: int, array: Any, place: Any) -> Any:
     data = context.make_array(kind)(context, builder, array).data
     return builder.bitcast(builder.gep(data, [place]), ir.VectorType(DOUBLE, width).as_pointer())
 
@@ -179,21 +168,14 @@ def shuffle(*places: int) -> Callable[..., Any]:
 @instruction
 def spread(typing: Any, a: Any, number: Any) -> Any:
     """Return the number as an entry of this array would be: alone, or in all lanes."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return broadcast(builder, values[1]) if signature.return_type == LANES else values[1]
-
-    return kind_of(a)(a, types.float64), generate
+    wide = kind_of(a) == LANES
+    return kind_of(a)(a, types.float64), lambda c, b, s, values: broadcast(b, values[1]) if wide else values[1]
 
 
 def _computed(parts: Any, compute: Callable[..., Any]) -> Any:
     """Describe an instruction on values: all are lanes if one is, and so is the result."""
     kind = kind_of(*parts)
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return compute(builder, *values)
-
-    return kind(*[kind] * len(parts)), generate
+    return kind(*[kind] * len(parts)), lambda context, builder, signature, values: compute(builder, *values)
 
 
 def _is_positive(builder: Any, v: Any) -> Any:
@@ -288,8 +270,4 @@ def positive_bits(typing: Any, v: Any) -> Any:
 @instruction
 def lowest_bit(typing: Any, bits: Any) -> Any:
     """Return the place of the lowest bit that is set; there must be one."""
-
-    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
-        return builder.cttz(values[0], ir.Constant(ir.IntType(1), 1))
-
-    return types.int64(types.int64), generate
+    return types.int64(types.int64), lambda c, b, s, values: b.cttz(values[0], ir.Constant(ir.IntType(1), 1))

@@ -1,7 +1,7 @@
-"""Structs by address: named tuples of arrays and numbers that kernels read where they are.
+"""Structs by address: named tuples of arrays and numbers in memory, of which kernels read the fields that they need.
 
 A tuple of sixty arrays is four hundred numbers. Thirty functions that pass it on by value take 3.3 times as long to
-compile as with one address, and a call from Python 3 times; any kernel reads the fields that it needs.
+compile as with one address, and a call from Python takes 3 times as long.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ _NOTHING: Any = ctypes.c_char * 0
 
 
 class StructType(types.Type):
-    """The type of the address of a named tuple; its fields are read when they are asked for."""
+    """The type of the address of a named tuple; a field is read on access."""
 
     def __init__(self, kind: Any) -> None:
         self.kind = kind
@@ -88,7 +88,7 @@ def _require_words(kind: Any) -> None:
 
 
 def reader(example: Any) -> Callable[[int], Any]:
-    """Make the function with which kernels get the struct at an address; it is one like this named tuple."""
+    """Make the function with which kernels get the struct at an address, of the type of this named tuple."""
     kind = struct_type(example)
 
     @instruction
@@ -119,7 +119,7 @@ class StructPointer:
     value
         The named tuple, whose arrays kernels change in place; or several of one type, of which kernels get the first.
     address
-        Where it is in memory, as long as this object lives.
+        Its address, as long as this object lives.
     """
 
     def __init__(self, value: Any, kind: StructType | None = None) -> None:
@@ -130,7 +130,7 @@ class StructPointer:
 
     @property
     def kind(self) -> StructType:
-        """The type, which kernels ask for that are given the object; found on use, for it takes 0.6 ms."""
+        """The type for kernels whose argument is this object; found on use, since that takes 0.6 ms."""
         if self._kind is None:
             self._kind = struct_type(self.value)
         return self._kind
@@ -154,7 +154,7 @@ def _replaced(value: Any, names: list[str], part: Any) -> Any:
 
 
 def _alike(old: Any, new: Any) -> bool:
-    """Say whether two parts are of one type; ``numba.typeof`` would take 40 times as long."""
+    """Return whether two parts are of one type; ``numba.typeof`` would take 40 times as long."""
     if isinstance(old, np.ndarray):
         return isinstance(new, np.ndarray) and (old.dtype, old.ndim) == (new.dtype, new.ndim)
     return type(old) is type(new) and (not isinstance(old, tuple) or all(map(_alike, old, new)))
@@ -167,7 +167,7 @@ def _type_of(pointer: StructPointer, _: Any) -> StructType:
 
 @_unboxing(StructType)
 def _address(kind: Any, pointer: Any, c: Any) -> Any:
-    """Pass the address to kernels that are given the object."""
+    """Pass the address to kernels whose argument is the object."""
     number = c.pyapi.object_getattr_string(pointer, "address")
     address = c.pyapi.long_as_longlong(number)
     c.pyapi.decref(number)
@@ -175,7 +175,7 @@ def _address(kind: Any, pointer: Any, c: Any) -> Any:
 
 
 def to_words(value: Any) -> NDArray[np.int64]:
-    """Write a tuple of arrays, tuples and numbers as numba has it in memory; the arrays must outlive the words."""
+    """Make the words by which numba represents a tuple of arrays, tuples and numbers; the arrays must outlive them."""
     words: list[int] = []
     _write(value, words)
     return np.array(words, dtype=np.int64)

@@ -66,7 +66,7 @@ def broadcast(builder: Any, number: Any, width: int = WIDTH) -> Any:
     return builder.shuffle_vector(one, undefined, ir.Constant(ir.VectorType(SHORT, width), [0] * width))
 
 
-def address_of(context: Any, builder: Any, kind: Any, array: Any, index: Any, element: Any) -> Any:
+def address_of(context: Any, builder: Any, kind: Any, element: Any, array: Any, index: Any) -> Any:
     """Compute the address of entry ``index`` of an array."""
     data = context.make_array(kind)(context, builder, array).data
     if kind.ndim == 2:

@@ -63,19 +63,14 @@ class Stepping(NamedTuple):
     after: Floats  # (n,): the state after a step
     rate: Floats  # (n,): workspace for velocities or forces
     setting: Floats  # the length of the step, and the parameters of the scheme
-    output: OutputArrays
     projection: ProjectionArrays
 
 
-def no_output(n: int) -> OutputArrays:
-    """Make the output of a run without output times, for n coordinates."""
-    steps, table = np.zeros(0, dtype=np.int64), np.zeros((0, n))
-    return OutputArrays(steps, np.zeros(0), table, table, table, np.zeros(1, dtype=np.int64))
-
-
-_NONE = np.zeros(0)
+_NONE, _TABLE = np.zeros(0), np.zeros((0, 1))
 NO_PROJECTION = ProjectionArrays(0, _NONE, _NONE, _NONE, _NONE)
-stepping_at = reader(Stepping(0, NO_FAMILIES, _NONE, _NONE, _NONE, _NONE, _NONE, no_output(0), NO_PROJECTION))
+NO_OUTPUT = OutputArrays(np.zeros(0, np.int64), _NONE, _TABLE, _TABLE, _TABLE, np.zeros(1, np.int64))
+stepping_at = reader(Stepping(0, NO_FAMILIES, _NONE, _NONE, _NONE, _NONE, _NONE, NO_PROJECTION))
+output_at = reader(NO_OUTPUT)
 
 
 def step_function(function: Callable[..., int]) -> Any:
@@ -84,12 +79,12 @@ def step_function(function: Callable[..., int]) -> Any:
 
 
 @kernel
-def advance(place: int, step: int, grid: StepRange) -> tuple[int, int]:
+def advance(place: int, step: int, grid: StepRange, output: int) -> tuple[int, int]:
     """Make steps by the function at the address ``step``; return the code of the last one, and the step reached.
 
-    A step that fails leaves the state as it was.
+    A step that fails leaves the state as it was. ``place`` and ``output`` are addresses of Stepping and OutputArrays.
     """
-    run = stepping_at(place)
+    run, found = stepping_at(place), output_at(output)
     x, v, after = run.x, run.v, run.after
     h = grid.end / grid.number
     run.setting[0] = h
@@ -100,7 +95,7 @@ def advance(place: int, step: int, grid: StepRange) -> tuple[int, int]:
             return code, k
         if not bounded(after, LARGEST):
             return NOT_A_NUMBER, k
-        write_output(run.output, k, x, v, after)
+        write_output(found, k, x, v, after)
         for i in range(v.size):
             v[i] = (after[i] - x[i]) / h
         for i in range(x.size):

@@ -9,9 +9,9 @@ import numpy as np
 
 from dincl.compiled.structs import StructPointer
 from dincl.errors import StepFailure
-from dincl.steps import loop as kernels
+from dincl.steps import loop
 from dincl.steps.grid import Output, Reached, Stepper, StepState, TimeGrid
-from dincl.steps.loop import OutputArrays, ProjectionArrays, Stepping, StepRange
+from dincl.steps.loop import NO_PROJECTION, OutputArrays, ProjectionArrays, Stepping, StepRange, advance
 from dincl.steps.sweeps import NO_FAMILIES
 from dincl.steps.swept_sets import SweptSets
 from dincl.system.arrays import OK
@@ -28,6 +28,7 @@ if TYPE_CHECKING:
 # In the first call, particles times steps; each call makes twice as many steps as the last one while it takes less than
 # this [s], so that an interrupt, or a budget, does not wait.
 FIRST, SHORT = 6400, 0.02
+NO_OUTPUT = StructPointer(loop.NO_OUTPUT)
 
 
 class CompiledStepper(Stepper):
@@ -55,14 +56,13 @@ class CompiledStepper(Stepper):
         *,
         system: CompiledProblem,
         swept: SweptSets | None = None,
-        projection: ProjectionArrays = kernels.NO_PROJECTION,
+        projection: ProjectionArrays = NO_PROJECTION,
         v0: NDArray[np.float64] | None = None,
     ) -> None:
         super().__init__(problem)
         self._step, self._swept, self._v0, self.system = step, swept, v0, system
         system.sets.work = self.work
         n = problem.x0.size
-        self._no_output = kernels.no_output(n)
         self._pointer = StructPointer(
             Stepping(
                 place=system.place,
@@ -72,7 +72,6 @@ class CompiledStepper(Stepper):
                 after=np.zeros(n),
                 rate=np.zeros(n),
                 setting=np.array([0.0, *setting]),
-                output=self._no_output,
                 projection=projection,
             )
         )
@@ -125,14 +124,13 @@ class CompiledStepper(Stepper):
         if run.v.size:
             v = self._v0 if state.v is None else state.v
             run.v[:] = np.asarray(v).ravel()
-        if output is not None or run.output is not self._no_output:
-            self._pointer.replace({"output": self._no_output if output is None else _arrays(output, run.x.size)})
+        table = NO_OUTPUT if output is None else StructPointer(_arrays(output, run.x.size))
         most, code = max(FIRST // len(self.problem.x0), 1), OK
         with self.system.callbacks():
             while k < end and code == OK:
                 began = time.perf_counter()
                 grid = StepRange(origin, on.t_end, on.steps, k, min(end, k + most))
-                code, k = kernels.advance(self._pointer.address, self._step.address, grid)
+                code, k = advance(self._pointer.address, self._step.address, grid, table.address)
                 if self._swept:
                     self._swept.count(self.work)
                 self.system.count(self.work)
