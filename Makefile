@@ -16,7 +16,7 @@ PYTHON ?= python3
 BIN := .venv/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 PIP_TOOLS := pip-tools==7.6.2
-EXTRAS := $(addprefix --extra ,dev meanfield report tissue views yardsticks)
+EXTRAS := $(addprefix --extra ,dev meanfield proofs report tissue views yardsticks)
 COMPILE := .venv-lock/bin/python -m piptools compile --quiet --upgrade $(EXTRAS) --allow-unsafe --strip-extras \
 	--no-emit-index-url --no-emit-find-links --no-emit-trusted-host --no-emit-options --annotation-style line
 

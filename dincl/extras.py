@@ -12,7 +12,7 @@ from dincl.errors import InvalidProblem
 
 MAKES_NO_NUMBERS = True
 
-Extra = Literal["all", "meanfield", "report", "tissue", "views", "yardsticks"]
+Extra = Literal["all", "meanfield", "proofs", "report", "tissue", "views", "yardsticks"]
 # What is imported, and the package that brings it: all that pyproject.toml lists under these extras.
 PACKAGES = {
     "PIL": "pillow",
@@ -20,9 +20,11 @@ PACKAGES = {
     "bokeh": "bokeh",
     "casadi": "casadi",
     "clarabel": "clarabel",
+    "cvc5": "cvc5",
     "cvxpy": "cvxpy",
     "distributed": "distributed",
     "filelock": "filelock",
+    "flint": "python-flint",
     "jinja2": "jinja2",
     "matplotlib": "matplotlib",
     "nicegui": "nicegui",
@@ -36,7 +38,10 @@ PACKAGES = {
     "qdldl": "qdldl",
     "rich": "rich",
     "sklearn": "scikit-learn",
+    "statsmodels": "statsmodels",
+    "sympy": "sympy",
     "typer": "typer",
+    "z3": "z3-solver",
 }
 BAD_INPUT = 2  # the code with which a command ends
 
