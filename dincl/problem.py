@@ -130,13 +130,13 @@ def _check_start(constraint: Constraint, x: NDArray[np.float64]) -> None:
         allowed = "must be AffineRows, DistanceRows or rows of another kind of dincl.rows"
         raise InvalidProblem(f"constraints: {name}.select returned {describe(found)}: {allowed}")
     (rows,) = selection.at(0.0).blocks
-    if isinstance(rows, SmoothRows):
-        check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
     values = rows.values(x)
     tolerance = START_TOLERANCE * float(np.abs(x).max())
     if values.min(initial=0.0) < -tolerance:
         worst = rows.label(int(values.argmin()), x.shape[1])
         raise InvalidProblem(f"x0 violates {name} by {-values.min():.3g} at {worst}: allowed is {tolerance:.1g}")
+    if isinstance(rows, SmoothRows):
+        check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
 
 
 def check_pickles(name: str, part: Any) -> None:

@@ -122,7 +122,8 @@ def test_the_wheel_says_what_it_is(wheel):
     assert said["Description-Content-Type"] == "text/markdown"
     assert said.get_payload(decode=True).decode() == (ROOT / "README.md").read_text("utf-8")
     assert said["Keywords"].split(",") == yaml.safe_load((ROOT / "CITATION.cff").read_text("utf-8"))["keywords"]
-    assert set(said.get_all("Provides-Extra")) == {"all", "dev", "meanfield", "proofs", "report", "tissue", "views", "yardsticks"}
+    extras = {"all", "dev", "meanfield", "proofs", "report", "tissue", "views", "yardsticks"}
+    assert set(said.get_all("Provides-Extra")) == extras
     assert {f"Programming Language :: Python :: {version}" for version in PYTHONS} <= set(said.get_all("Classifier"))
 
 

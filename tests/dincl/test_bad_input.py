@@ -198,14 +198,23 @@ def test_a_path_that_changes_its_shape_halfway(scheme, late):
     assert path.final == pytest.approx(np.array(APART))
 
 
-@pytest.mark.parametrize("scheme", STEPPED, ids=lambda scheme: type(scheme).__name__)
 @pytest.mark.parametrize("shape", [(2, 3), (2, 5), (1, 4)])
-def test_a_sparse_jacobian_of_a_wrong_shape(scheme, shape):
-    floor = dincl.Smooth(lambda x: x[:, 1] - 0.5, lambda x: csr_array(np.ones(shape)))
+def test_a_sparse_jacobian_of_a_wrong_shape(shape):
+    floor = dincl.Smooth(lambda x: x[:, 1] + 0.5, lambda x: csr_array(np.ones(shape)))
+    with pytest.raises(
+        dincl.InvalidProblem, match=rf"sparse matrix of shape \({shape[0]}, {shape[1]}\): must .* \(2, 4\)"
+    ):
+        problem(constraints=[floor])
+
+
+@pytest.mark.parametrize("scheme", STEPPED, ids=lambda scheme: type(scheme).__name__)
+def test_a_sparse_jacobian_whose_shape_changes(scheme):
+    slopes = np.array([[0.0, 1.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
+    floor = dincl.Smooth(lambda x: x[:, 1] + 0.5, lambda x: csr_array(slopes if x[0, 1] > -0.2 else slopes[:1]))
     falling = problem(drift=lambda t, x: np.tile([0.0, -1.0], (2, 1)), constraints=[floor])
-    path = dincl.solve(falling, scheme, t=[1.0], throw=False)
+    path = dincl.solve(falling, scheme, t=[3.0], throw=False)
     assert path.status is dincl.Status.CONSTRAINT_FAILED
-    assert f"sparse matrix of shape {shape}: must have shape (2, 4)" in path.detail
+    assert "sparse matrix of shape (1, 4): must have shape (2, 4)" in path.detail
 
 
 def test_centres_driven_to_coincide():

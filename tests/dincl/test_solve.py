@@ -124,7 +124,7 @@ def test_a_failed_run_says_when_and_what_to_try():
 def test_what_is_not_defined_is_infinite():
     fall = dincl.Problem([[0.0]], lambda t, x: np.full_like(x, -1.0))
     assert dincl.solve(fall, dincl.SecondOrderPBD(0.1), t=[0.5]).normal_cone_residual().tolist() == [np.inf]
-    late = dincl.Smooth(lambda x: np.array([1.0 if x[0, 0] > -0.95 else np.nan]), lambda x: np.ones((1, 1)))
+    late = dincl.Smooth(lambda x: np.array([1.0 if x[0, 0] > -0.95 else np.nan]), lambda x: np.zeros((1, 1)))
     path = dincl.solve(dincl.Problem([[0.0]], fall.drift, [late]), dincl.PBD(0.1), t=[0.9, 1.0], throw=False)
     assert path.status is dincl.Status.CONSTRAINT_FAILED
     assert fall.violation(0.0, fall.x0) == 0.0
