@@ -46,6 +46,7 @@ class StoreArrays(NamedTuple):
     sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells
     motion: BasalMotion
     blocks: Blocks
+    second: Floats  # (capacity,): of a cell that splits in this dt the cycle of its second daughter, else 0
     noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
     counts: Integers  # one for each of COUNTERS
     curve: CurveNumbers  # the basal layer
@@ -68,6 +69,7 @@ class Store(StructPointer):
             self.sizes,
             self.motion,
             self.blocks,
+            self.second,
             self.noise_key,
             self.counts,
             self.curve,
@@ -132,7 +134,7 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreAr
     motion = BasalMotion(*np.zeros((3, capacity)))
     sizes, key, counts = np.zeros(5, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
     on = Forces(*np.zeros((len(Forces._fields), capacity)))
-    return StoreArrays(cells, layers, emt, sizes, motion, blocks, key, counts, curve, on, space)
+    return StoreArrays(cells, layers, emt, sizes, motion, blocks, np.zeros(capacity), key, counts, curve, on, space)
 
 
 _EXAMPLE = _room(2, no_emt(), STRAIGHT, IN_PLANE)

@@ -11,10 +11,12 @@ from tissue.kernels import kernel
 from tissue.kernels.board import LOST, Board
 from tissue.kernels.near import find_near, list_before, list_ranges
 
-# Pairs with a larger gap before the sweep need not be looked at in it [R_soft].
+# Pairs with a larger gap before the sweep are not looked at in it at first [R_soft].
 MARGIN = 0.3
-# How far a nucleus may be pushed until such a pair may have met, less some rounding.
-FAR_PUSH = 0.499 * MARGIN
+# How far a nucleus may be pushed until such a pair may have met, as a share of the margin: a half, less some rounding.
+HALF = 0.499
+# By how much the margin grows where a nucleus was pushed farther, and beyond which all pairs are looked at.
+WIDER, WIDEST = 4.0, 1e3
 
 Plane = tuple[Any, Any]
 
@@ -24,7 +26,8 @@ def separate(board: Board, n: int) -> None:
     """|X_i - X_j| >= R_i + R_j (C1) for all pairs in the order i, then j < i.
 
     Overlapping discs are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that others than
-    those near it may have met it, the sweep begins again, with all pairs.
+    those near it may have met it, the sweep begins again with a larger margin. A pair that does not overlap changes
+    nothing, so the result is that of all pairs.
     """
     x, y, before_x, before_y = board.x, board.y, board.before_x, board.before_y
     find_near(board, n, 1.0, 0.5 * MARGIN)
@@ -32,12 +35,20 @@ def separate(board: Board, n: int) -> None:
         store(before_x, i, load(x, i))
         store(before_y, i, load(y, i))
     pushed, corrections = _push_apart(board, n, board.bent)
-    if positive_bits(pushed - FAR_PUSH * FAR_PUSH):
+    margin, whole = MARGIN, False
+    while not whole and positive_bits(pushed - HALF * margin * (HALF * margin)):
+        margin *= WIDER
+        whole = margin > WIDEST
         for i in range(n):
             store(x, i, load(before_x, i))
             store(y, i, load(before_y, i))
-            board.first[i] = 0
-        pushed, corrections = _push_apart(board, n, 0)
+        if whole:
+            for i in range(n):
+                board.first[i] = 0
+            pushed, corrections = _push_apart(board, n, 0)
+        else:
+            find_near(board, n, 1.0, 0.5 * margin)
+            pushed, corrections = _push_apart(board, n, board.bent)
     store(board.counts, 0, load(board.counts, 0) + corrections)
 
 

@@ -14,7 +14,7 @@ from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cycle import draw_cycle
 from tissue.model.emt import inherit_events
 from tissue.space.state import SPATIAL
-from tissue.state.cells import Cells, Integers
+from tissue.state.cells import Cells, Floats, Integers
 from tissue.state.numbers import Numbers
 
 
@@ -37,77 +37,92 @@ def is_due(cells: Cells, i: int, t: float) -> bool:
 
 @kernel
 def divide(store: Store, t: float, numbers: Numbers, rules: Rules, draws: Generator) -> None:
-    """End the cycle of each cell that is old enough: it begins a new one, alone or with a second daughter beside it."""
-    cells, sizes = store.cells, store.sizes
-    i = 0
-    while i < sizes[CELLS]:
+    """End the cycle of each cell that is old enough: it begins a new one, alone or with a second daughter beside it.
+
+    In a slice all daughters get their places at once: to shift the arrays for one after the other would cost n^2.
+    """
+    cells, splits = store.cells, 0
+    for i in range(store.sizes[CELLS]):
         if is_due(cells, i, t):
             own = numbers_of(numbers, cells.kind[i])
             two = cells.divides[i] and call_splits(rules.splits, store, i, draws.random(), own) != 0
             cells.birth[i] = t
             cells.cycle[i] = draw_cycle(own, draws)
-            if two:
-                daughter = _part(store, i, own, rules, draws)
-                cells.cycle[daughter] = draw_cycle(own, draws)
-        i += 1
+            if two and store.space.dimension == SPATIAL:
+                call_split_in_space(store.space.rules.split, store, i, draws.random(), own)
+                cells.cycle[store.sizes[CELLS] - 1] = draw_cycle(own, draws)
+            elif two:
+                store.second[i] = draw_cycle(own, draws)
+                splits += 1
+    if splits > 0:
+        _split(store, splits, numbers, rules)
 
 
 @inner
-def _part(store: Store, i: int, numbers: Numbers, rules: Rules, draws: Generator) -> int:
-    """Part cell i into two beside each other: the place of the second one."""
-    if store.space.dimension == SPATIAL:
-        call_split_in_space(store.space.rules.split, store, i, draws.random(), numbers)
-        last: int = store.sizes[CELLS] - 1
-        return last
-    _split(store, i, numbers)
-    call_place(rules.place, store, i, numbers)
-    return i + 1
+def _split(store: Store, splits: int, numbers: Numbers, rules: Rules) -> None:
+    """Put a copy behind each of the cells that split, in the arrays and in the layers, and part both.
 
-
-@inner
-def _split(store: Store, i: int, numbers: Numbers) -> None:
-    """Put a copy of cell i behind it, in the arrays and in the layers."""
-    cells, layers, sizes = store.cells, store.layers, store.sizes
-    n = sizes[CELLS]
-    _shift(store.blocks.floats, i, n)
-    _shift(store.blocks.flags, i, n)
-    _shift(store.blocks.integers, i, n)
-    cells.rest_aa[i] = numbers.new_junction
-    cells.id[i + 1] = sizes[NEXT_ID]
-    cells.mother[i + 1] = cells.id[i]
-    sizes[NEXT_ID] += 1
-    sizes[CELLS] = n + 1
-    sizes[APICAL] = _insert(layers.apical, sizes[APICAL], i)
-    sizes[BASAL] = _insert(layers.basal, sizes[BASAL], i)
-    inherit_events(store, i + 1)
+    ``Store.second`` says which cells split, and the cycle of the second daughter of each.
+    """
+    cells, layers, sizes, second, n = store.cells, store.layers, store.sizes, store.second, store.sizes[CELLS]
+    _spread_lines(store.blocks.floats, second, n, splits)
+    _spread_lines(store.blocks.flags, second, n, splits)
+    _spread_lines(store.blocks.integers, second, n, splits)
+    sizes[APICAL] = _spread_layer(layers.apical, sizes[APICAL], second, n, splits)
+    sizes[BASAL] = _spread_layer(layers.basal, sizes[BASAL], second, n, splits)
+    sizes[CELLS] = n + splits
+    place = 0
+    for i in range(n):
+        if second[i] > 0.0:
+            cells.rest_aa[place] = numbers_of(numbers, cells.kind[place]).new_junction
+            place += 1
+            cells.id[place], cells.mother[place] = sizes[NEXT_ID], cells.id[place - 1]
+            cells.cycle[place] = second[i]
+            sizes[NEXT_ID] += 1
+            inherit_events(store, place)
+        place += 1
+    store.counts[DIVISIONS] += splits
     _hold_again(store)
-    store.counts[DIVISIONS] += 1
+    place = 0
+    for i in range(n):
+        if second[i] > 0.0:
+            call_place(rules.place, store, place, numbers_of(numbers, cells.kind[place]))
+            second[i] = 0.0
+            place += 1
+        place += 1
 
 
 @inner
-def _shift(block: Any, i: int, n: int) -> None:
-    """Make room in all rows: each cell behind i goes one place on, and i is copied to i + 1."""
+def _spread_lines(block: Any, second: Floats, n: int, splits: int) -> None:
+    """Move the n cells apart in all lines, from the last one on, and copy each that splits into the place behind it."""
     for line in range(block.shape[0]):
-        for k in range(n, i, -1):
-            block[line, k] = block[line, k - 1]
+        place, i = n + splits - 1, n - 1
+        while place > i:
+            block[line, place] = block[line, i]
+            if second[i] > 0.0:
+                place -= 1
+                block[line, place] = block[line, i]
+            place, i = place - 1, i - 1
 
 
 @inner
-def _insert(layer: Integers, size: int, i: int) -> int:
-    """Make room for the new cell i + 1 in a layer: behind its mother, if she is in it; the new size."""
-    inside = False
+def _spread_layer(layer: Integers, size: int, second: Floats, n: int, splits: int) -> int:
+    """Give the cells of a layer their new places, and put each daughter behind her mother; the new size."""
+    added = 0
     for k in range(size):
-        inside = inside or layer[k] == i
-        if layer[k] > i:
-            layer[k] += 1
-    if not inside:
-        return size
-    k = size
-    while layer[k - 1] > i:
-        layer[k] = layer[k - 1]
-        k -= 1
-    layer[k] = i + 1
-    return size + 1
+        added += second[layer[k]] > 0.0
+    place, before, i = size + added - 1, splits, n - 1  # ``before``: how many of the cells up to i split
+    for k in range(size - 1, -1, -1):
+        cell = layer[k]
+        while i > cell:
+            before -= second[i] > 0.0
+            i -= 1
+        layer[place] = cell + before
+        if second[cell] > 0.0:
+            place -= 1
+            layer[place] = cell + before - 1
+        place -= 1
+    return size + added
 
 
 @inner

@@ -78,8 +78,9 @@ def _copy(store: Store, i: int, j: int) -> None:
     store.motion.bx_moves[j], store.motion.by_moves[j], store.motion.runs[j] = 1.0, 1.0, 0.0
     sizes[NEXT_ID] += 1
     sizes[CELLS] = j + 1
-    sizes[APICAL] = _append(store.layers.apical, sizes[APICAL], i, j)
-    sizes[BASAL] = _append(store.layers.basal, sizes[BASAL], i, j)
+    # A cell is in a layer if it is in its network.
+    sizes[APICAL] = _append(store.layers.apical, sizes[APICAL], store.space.apical.out[i] >= 0, j)
+    sizes[BASAL] = _append(store.layers.basal, sizes[BASAL], store.space.basal.out[i] >= 0, j)
     inherit_events(store, j)
     store.counts[DIVISIONS] += 1
 
@@ -91,12 +92,11 @@ def _copy_lines(block: Any, i: int, j: int) -> None:
 
 
 @inner
-def _append(layer: Integers, size: int, i: int, j: int) -> int:
-    """Put cell j behind all others of a layer, if cell i is in it; the new size."""
-    for k in range(size):
-        if layer[k] == i:
-            layer[size] = j
-            return size + 1
+def _append(layer: Integers, size: int, inside: bool, j: int) -> int:
+    """Put cell j behind all others of a layer if its mother is inside; the new size."""
+    if inside:
+        layer[size] = j
+        size += 1
     return size
 
 
