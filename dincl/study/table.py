@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 from dincl.files import replacing
 from dincl.provenance import differences, provenance
 from dincl.study.execute import carry_out, progress
+from dincl.study.parts import locked
 from dincl.study.sealed import DamagedTable, read_sealed, write_sealed
 
 if TYPE_CHECKING:
@@ -76,8 +77,21 @@ class Study:
         """Make the runs that the table in ``folder`` lacks; return the rows of this study's runs, sorted by key.
 
         Rows of another provenance are set aside first. An interruption loses only the runs under way.
+
+        Raises
+        ------
+        InvalidProblem
+            If another process is making the same table.
         """
         table = Table(folder / f"{self.name}.parquet", self.key, self.provenance())
+        with locked(folder, f"{self.name}.lock"):
+            self._resume(table, executor)
+        rows, names = table.read(), {self.name_of(key) for key in self.runs}
+        mine = [name in names for name in run_names(rows, self.key)]
+        return rows.loc[mine].reset_index(drop=True)  # all columns, even without rows
+
+    def _resume(self, table: Table, executor: Executor) -> None:
+        """Make the runs that a table lacks."""
         if changes := table.changes():
             print(f"{self.title}: the table starts anew, the old one is {table.set_aside()}. What differs:")
             more = [f"and {len(changes) - MOST_DIFFERENCES} more"] if len(changes) > MOST_DIFFERENCES else []
@@ -86,9 +100,6 @@ class Study:
         missing = [key for key in self.runs if self.name_of(key) not in done]
         if missing:
             self._make(missing, table, executor)
-        rows, names = table.read(), {self.name_of(key) for key in self.runs}
-        mine = [name in names for name in run_names(rows, self.key)]
-        return rows.loc[mine].reset_index(drop=True)  # all columns, even without rows
 
     def _make(self, missing: list[Key], table: Table, executor: Executor) -> None:
         """Make runs, and append their rows to the table."""
@@ -120,12 +131,15 @@ class Table:
     key
         Columns that name a run; one run may have several rows, which are appended together.
     provenance
-        What the rows depend on besides their key, see ``dincl.provenance``. It is stored in the file.
+        What the rows depend on besides their key, see ``dincl.provenance``. It is stored in the file, if it is known.
+    notes
+        Further attributes of the file, such as the command that makes it.
     """
 
     path: Path
     key: tuple[str, ...]
     provenance: Mapping[str, str]
+    notes: Mapping[str, str] = field(default_factory=dict)
 
     def read(self) -> pd.DataFrame:
         """Read all rows, sorted by key; none if there is no file yet.
@@ -165,8 +179,14 @@ class Table:
 
         table = pd.DataFrame([*self.read().to_dict("records"), *rows])
         table = table.sort_values(list(self.key), kind="stable", ignore_index=True)
-        table.attrs[ATTRIBUTE] = dict(self.provenance)
-        write(table, self.path)
+        write_csv(table, self.path)
+        self.replace(table)
+
+    def replace(self, rows: pd.DataFrame) -> None:
+        """Write all rows, in place of those that are there."""
+        rows.attrs = {**self.notes, **({ATTRIBUTE: dict(self.provenance)} if self.provenance else {})}
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        write_sealed(rows, self.path)
 
     def set_aside(self) -> Path:
         """Move the file to the folder ``superseded``; return where it went."""
@@ -190,10 +210,15 @@ def rounded(value: Any) -> Any:
 
 def write(table: pd.DataFrame, path: Path) -> None:
     """Write Parquet, which ``read_sealed`` reads, and a CSV beside it; each is put in place at once."""
+    write_csv(table, path)
+    write_sealed(table, path.with_suffix(".parquet"))
+
+
+def write_csv(table: pd.DataFrame, path: Path) -> None:
+    """Write the CSV beside a Parquet file, with their folder."""
     path.parent.mkdir(parents=True, exist_ok=True)
     with replacing(path.with_suffix(".csv")) as partial:
         table.to_csv(partial, index=False)
-    write_sealed(table, path.with_suffix(".parquet"))
 
 
 def digest(value: object) -> str:

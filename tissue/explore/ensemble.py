@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
-from tissue.study.seeds import run_seeds
+from tissue.study.plan import run_seeds
 
 if TYPE_CHECKING:
     import pandas as pd

@@ -11,9 +11,8 @@ from dincl.errors import InvalidProblem
 from dincl.files import write_text
 from tissue.files.parameter_files import read
 from tissue.files.parameters import PRESETS, Parameters, load, preset
-from tissue.study.layout import ABOUT
 from tissue.study.read import Results
-from tissue.study.store import about
+from tissue.study.store import ABOUT, about
 
 MAKES_NO_NUMBERS = True
 

@@ -15,7 +15,7 @@ from tissue.explore.ensemble import Ensemble, Grown
 from tissue.explore.folder import Folder
 from tissue.explore.setting import Setting, faults_of
 from tissue.files.parameters import PRESETS
-from tissue.study.seeds import run_seeds
+from tissue.study.plan import run_seeds
 
 if TYPE_CHECKING:
     from collections.abc import Collection

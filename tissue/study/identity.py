@@ -6,15 +6,13 @@ import json
 import platform
 from collections.abc import Iterator, Mapping
 from functools import cache
-from hashlib import sha256
 from importlib import import_module
 from typing import Any
 
 from dincl.provenance import provenance
 from tissue.files.parameter_files import flat
 from tissue.registration import own_code
-from tissue.study.plan import PART, TissueStudy
-from tissue.study.wording import in_scenarios
+from tissue.study.plan import PART, TissueStudy, in_scenarios
 
 MOST_DIFFERENCES = 12
 IDENTITY = ("replicates", "seed", "trajectories", "part", "scenarios", "code")
@@ -31,11 +29,6 @@ def identity(study: TissueStudy) -> dict[str, Any]:
         "scenarios": {name: parameters.as_dict() for name, parameters in study.scenarios.items()},
         "code": code(),
     }
-
-
-def fingerprint(what: Mapping[str, Any]) -> str:
-    """A text that is different for different values."""
-    return sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()
 
 
 def code() -> dict[str, str]:

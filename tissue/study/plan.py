@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from hashlib import sha256
 from os import PathLike
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
+import numpy as np
+from numpy.random import SeedSequence
+
+from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
 from tissue.events.known import events
@@ -16,7 +21,9 @@ from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
 from tissue.files.parameters import NoBase, Parameters, based_on
 from tissue.study.shape import checked
-from tissue.study.wording import in_scenarios, waits
+
+if TYPE_CHECKING:
+    from tissue.files.timing import Timing
 
 FOLDER = Path(__file__).parent.parent / "studies"
 # Replicates of one scenario that are computed and stored together, in lots of eight side by side.
@@ -58,7 +65,7 @@ class TissueStudy:
 
         Source: section 2.2.4 of chapter 4.
         """
-        return in_scenarios({name: _waiting(parameters) for name, parameters in self.scenarios.items()})
+        return in_scenarios({name: _waiting_events(parameters) for name, parameters in self.scenarios.items()})
 
     def pieces(self) -> Iterator[Piece]:
         """All pieces, one scenario after the other."""
@@ -111,13 +118,41 @@ def shipped() -> list[str]:
     return sorted(file.stem for file in FOLDER.glob("*.toml"))
 
 
-def _waiting(parameters: Parameters) -> list[str]:
+def run_seeds(study_seed: int, scenario: str, replicates: Iterable[int]) -> list[int]:
+    """One integer in [0, 2^63) for each replicate, a function of (study_seed, scenario, replicate) alone.
+
+    Runs of different scenarios are independent, and another scenario in the study changes the seed of none.
+    """
+    name = np.frombuffer(sha256(scenario.encode()).digest(), dtype="<u4")
+    return [_seed([*name.tolist(), study_seed], replicate) for replicate in replicates]
+
+
+def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
+    """The lines about each scenario with its name, those about all of them once."""
+    everywhere = set.intersection(*map(set, lines.values())) if len(lines) > 1 else set()
+    common = [f"every scenario: {line}" for line in next(iter(lines.values()), []) if line in everywhere]
+    others = ((name, line) for name, found in lines.items() for line in found if line not in everywhere)
+    own = [f"scenario {describe(name)}: {line}" for name, line in others]
+    return common + own
+
+
+def _waiting_events(parameters: Parameters) -> list[str]:
     """The events that wait."""
     found, marks = [], {event.name: event.mark for event in events()}
     for times in (dict(group.scenario.times) for group in parameters.groups()):
         pairs = ((event.name, event.after) for event in events() if event.name in times and event.after in times)
-        found += [line for one, two in pairs for line in waits(marks[one], times[one], marks[two], times[two])]
+        found += [line for one, two in pairs for line in _waits(marks[one], times[one], marks[two], times[two])]
     return list(dict.fromkeys(found))
+
+
+def _waits(event: str, waiting: Timing, other: str, first: Timing) -> list[str]:
+    """How an event waits for another one, where it may come first: a line, or none."""
+    if not waiting.ever or waiting.low is None or first.high is None or waiting.low.value >= first.high.value:
+        return []
+    if waiting.fixed is not None and first.fixed is not None:
+        return [f"[{event}] at {waiting.low} waits for [{other}] at {first.low}"]
+    missing = "" if first.sure else f", and does not begin in cells without [{other}]"
+    return [f"[{event}] ({waiting}) waits for [{other}] ({first}) where [{other}] is later{missing}"]
 
 
 def _found(path: str | PathLike[str]) -> Path:
@@ -146,3 +181,8 @@ def _changed(base: Parameters, tables: Mapping[str, Any]) -> Parameters | list[s
     except InvalidProblem as error:
         first, *lines = str(error).split("\n  ")
         return lines or [first.partition(": ")[2]]
+
+
+def _seed(entropy: list[int], replicate: int) -> int:
+    state = SeedSequence(entropy, spawn_key=(replicate,)).generate_state(1, np.uint64)
+    return int(state[0] >> np.uint64(1))  # as int64 in tables

@@ -14,12 +14,11 @@ import pyarrow.dataset as ds
 from dincl.checks import describe, integer, items, text
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
+from dincl.study.parts import Part
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
-from tissue.study.layout import note, part, trajectory
-from tissue.study.notes import Notes, refuse_damaged
 from tissue.study.plan import Piece
-from tissue.study.store import about
+from tissue.study.store import COPY, about, note, part, stored_part, trajectory
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -75,7 +74,7 @@ class Results:
     def damaged(self) -> list[Path]:
         """The files that are not as they were written; to run the study again computes their runs again."""
         stored = (piece for scenario in self.study.scenarios for piece in self._pieces(scenario))
-        return [file for piece in stored for file in self._notes.damaged(piece)]
+        return [file for piece in stored for file in self._part(piece).damaged()]
 
     def parameters(self, scenario: str) -> Parameters:
         """The parameters of a scenario."""
@@ -199,7 +198,7 @@ class Results:
         return self._read({piece: part(self.folder, kind, piece) for piece in pieces}, columns)
 
     def _read(self, files: Mapping[Piece, Path], columns: Sequence[str] | None = None) -> pd.DataFrame:
-        refuse_damaged(self._notes, files)
+        self._refuse_damaged(files)
         try:
             stored = ds.dataset([str(file) for file in files.values()])
             if unknown := [name for name in columns or () if name not in stored.schema.names]:
@@ -208,9 +207,25 @@ class Results:
         except (OSError, pa.ArrowException) as error:
             raise InvalidProblem(f"{self.folder}: a file is damaged or gone, run the study again: {error}") from error
 
-    @property
-    def _notes(self) -> Notes:
-        return Notes(self.folder, self._noted["fingerprint"], self.study.trajectories)
+    def _refuse_damaged(self, files: Mapping[Piece, Path]) -> None:
+        """Raise InvalidProblem that names the damaged ones of some files, and says how to compute them again."""
+        found = [(piece, bad) for piece, file in files.items() for bad in self._part(piece).damaged([file])]
+        if not found:
+            return
+        lines = [
+            f"{file}: replicates {piece.first} to {piece.replicates[-1]} of the scenario {piece.scenario!r}"
+            for piece, file in found
+        ]
+        again = (
+            f"tissue study FILE --out {self.folder}, where FILE is that of the study ({self.folder / COPY} is a copy)"
+        )
+        head = (
+            f"{self.folder}: files are damaged, or were changed since they were written; to compute them again: {again}"
+        )
+        raise InvalidProblem("\n  ".join([head, *lines]))
+
+    def _part(self, piece: Piece) -> Part:
+        return stored_part(self.folder, self._noted["fingerprint"], piece, self.study.trajectories)
 
     def _pieces(self, scenario: str) -> list[Piece]:
         """The pieces that are there, in the order of their replicates."""

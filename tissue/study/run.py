@@ -12,9 +12,8 @@ from dincl.checks import path as checked_path
 from dincl.study import StudyStopped, execute
 from tissue.study.cluster import watched
 from tissue.study.identity import code, code_differences
-from tissue.study.plan import Piece, TissueStudy, load_study
+from tissue.study.plan import Piece, TissueStudy, load_study, run_seeds
 from tissue.study.read import Results
-from tissue.study.seeds import run_seeds
 from tissue.study.store import StudyStore, opened
 
 if TYPE_CHECKING:

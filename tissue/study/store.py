@@ -1,35 +1,72 @@
-"""The folder of a study: one writer at a time, the parts that are there, and those that are still to be computed."""
+"""The folder of a study: where its files are, one writer at a time, and the pieces that are still to be computed."""
 
 from __future__ import annotations
 
-import json
 import logging
 import os
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import quote
 
 import pyarrow as pa
-from filelock import FileLock, Timeout
 
 from dincl.errors import InvalidProblem
-from dincl.files import PARTIAL
+from dincl.files import PARTIAL, write_text
 from dincl.study import StudyStopped
-from tissue.study.files import set_aside, write_note, write_table
-from tissue.study.identity import IDENTITY, differences, fingerprint, identity, processor
-from tissue.study.layout import ABOUT, COPY, LOCK, note, part, trajectory
-from tissue.study.notes import KINDS, Notes
-from tissue.study.plan import Piece, TissueStudy
+from dincl.study.parts import CHECKSUM, Part, fingerprint, locked, read_note, remove_partial, set_aside, write_note
+from tissue.study.identity import IDENTITY, differences, identity, processor
+from tissue.study.plan import PART, Piece, TissueStudy
 
 if TYPE_CHECKING:
     from tissue.study.outcomes import Outcomes
 
 log = logging.getLogger("tissue.study")
+ABOUT, COPY, LOCK = "study.json", "study.toml", "study.lock"
+KINDS = ("runs", "cells")
 # What is noted of a study: more than its identity. Behind it stands the checksum of it all.
 NOTED = ("title", "fingerprint", "processors", *IDENTITY)
-CHECKSUM = "sha256"
+
+
+def scenario_folder(folder: Path, kind: str, scenario: str) -> Path:
+    """Return the folder of the files of one kind: cells, runs, trajectories, or parts, the notes."""
+    return folder / kind / f"scenario={quote(scenario, safe='')}"
+
+
+def part(folder: Path, kind: str, piece: Piece) -> Path:
+    """Return the file of a piece: cells or runs."""
+    return scenario_folder(folder, kind, piece.scenario) / f"part-{piece.first // PART:05d}.parquet"
+
+
+def note(folder: Path, piece: Piece) -> Path:
+    """Return the note of a piece."""
+    return scenario_folder(folder, "parts", piece.scenario) / f"part-{piece.first // PART:05d}.json"
+
+
+def trajectory(folder: Path, scenario: str, replicate: int) -> Path:
+    """Return the file of all saved states of a replicate."""
+    return scenario_folder(folder, "trajectories", scenario) / f"replicate-{replicate:05d}.parquet"
+
+
+def stored_part(folder: Path, mark: str, piece: Piece, trajectories: tuple[int, ...]) -> Part:
+    """Return the files of a piece, and what its note says.
+
+    Parameters
+    ----------
+    folder
+        Of the study.
+    mark
+        The fingerprint of its identity; a note with another one is of another study.
+    piece
+        Which.
+    trajectories
+        The replicates of each scenario whose saved states are all stored.
+    """
+    whole = (trajectory(folder, piece.scenario, number) for number in trajectories if number in piece.replicates)
+    files = (*(part(folder, kind, piece) for kind in KINDS), *whole)
+    return Part(folder, note(folder, piece), {"study": mark, "piece": list(piece)}, files)
 
 
 @dataclass(frozen=True)
@@ -40,17 +77,12 @@ class StudyStore:
     study: TissueStudy
     fingerprint: str
 
-    @property
-    def notes(self) -> Notes:
-        """The notes of its parts."""
-        return Notes(self.folder, self.fingerprint, self.study.trajectories)
-
     def missing(self) -> list[Piece]:
-        """The pieces without sound files; those that are damaged get another name."""
-        return [piece for piece in self.study.pieces() if not self._sound(piece)]
+        """List the pieces without sound files; those that are damaged get another name."""
+        return [piece for piece in self.study.pieces() if not self._part(piece).is_sound()]
 
     def write(self, piece: Piece, outcomes: Outcomes) -> None:
-        """Store a piece; a note with the checksums of its files comes last, and with it the piece is there.
+        """Store a piece.
 
         Raises
         ------
@@ -62,25 +94,17 @@ class StudyStore:
             whole = pa.Table.from_pandas(table, preserve_index=False)
             files[trajectory(self.folder, piece.scenario, replicate)] = whole
         try:
-            checksums = {self.notes.name(path): write_table(path, table) for path, table in files.items()}
-            write_note(note(self.folder, piece), self.notes.text(piece, checksums))
+            self._part(piece).write(files)
         except OSError as error:
             raise StudyStopped(f"{self.folder} cannot be written to: {error}") from error
 
-    def _sound(self, piece: Piece) -> bool:
-        """Whether all files of a piece are there and as they were written; those that are not are set aside."""
-        if not note(self.folder, piece).exists():
-            return False
-        bad = self.notes.damaged(piece)
-        for file in bad:
-            aside = set_aside(file).name if file.exists() else "missing"
-            log.warning("%s is damaged (%s): its runs are computed again", file, aside)
-        return not bad
+    def _part(self, piece: Piece) -> Part:
+        return stored_part(self.folder, self.fingerprint, piece, self.study.trajectories)
 
 
 @contextmanager
 def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[StudyStore]:
-    """The folder of a study, made if it is new, for this process alone.
+    """Open the folder of a study, made if it is new, for this process alone.
 
     Raises
     ------
@@ -89,54 +113,49 @@ def opened(study: TissueStudy, out: str | os.PathLike[str]) -> Iterator[StudySto
         it, or if it cannot be written to.
     """
     folder = Path(out)
-    try:
-        new = identity(study)
-        _check_ours(folder, study, fingerprint(new))
-        folder.mkdir(parents=True, exist_ok=True)
-        lock = FileLock(folder / LOCK, timeout=0)
-        with lock.acquire():
-            for partial in folder.rglob(f"{PARTIAL}*"):
-                partial.unlink()
+    with ExitStack() as held:
+        try:
+            new = identity(study)
+            _check_ours(folder, fingerprint(new))
+            held.enter_context(locked(folder, LOCK))
+            remove_partial(folder)
             store = StudyStore(folder, study, _noted(folder, study, new))
-            lock.acquire()  # once more, for as long as the study takes
-    except Timeout as error:
-        raise InvalidProblem(f"{folder}: another process works on it, and goes on undisturbed") from error
-    except OSError as error:
-        raise InvalidProblem(f"{folder}: must be a folder that can be written to: {error}") from error
-    try:
+        except OSError as error:
+            raise InvalidProblem(f"{folder}: must be a folder that can be written to: {error}") from error
         yield store
-    finally:
-        lock.release()
 
 
 def about(folder: Path) -> dict[str, Any] | None:
-    """What is noted of the study in a folder; None if nothing is."""
+    """Read what is noted of the study in a folder; None if nothing is.
+
+    Raises
+    ------
+    InvalidProblem
+        If the note is none of a study, or is damaged.
+    """
     path = folder / ABOUT
-    try:
-        noted = json.loads(path.read_text("utf-8"))
-    except FileNotFoundError:
+    if not path.exists():
         return None
-    except (ValueError, OSError) as error:
-        raise InvalidProblem(f"{path}: must be the note of a study: {error}") from error
-    if not isinstance(noted, dict) or not set(NOTED) <= set(noted):
+    noted = read_note(path)
+    if noted is None or not set(NOTED) <= set(noted):
         raise InvalidProblem(f"{path}: must be the note of a study")
-    mark = noted.pop(CHECKSUM, fingerprint(noted))  # studies of before have none
+    mark = noted.pop(CHECKSUM, fingerprint(noted))  # older studies have none
     if noted.keys() != set(NOTED) or noted["fingerprint"] != _mark_of(noted) or mark != fingerprint(noted):
         raise InvalidProblem(f"{path}: must be as it was written, but is damaged; run the study again: it is restored")
     return noted
 
 
 def _mark_of(noted: Mapping[str, Any]) -> str:
-    """The fingerprint of the identity that is noted."""
+    """Return the fingerprint of the identity that is noted."""
     return fingerprint({key: noted[key] for key in IDENTITY})
 
 
-def _check_ours(folder: Path, study: TissueStudy, mark: str) -> None:
+def _check_ours(folder: Path, mark: str) -> None:
     """Refuse a folder with other things in it; a damaged note is restored where parts of this study are."""
     path = folder / ABOUT
     if path.exists() and not _is_note(folder):
-        notes = Notes(folder, mark, study.trajectories)
-        if not any(map(notes.is_mine, folder.glob("parts/*/part-*.json"))):
+        notes = map(read_note, folder.glob("parts/*/part-*.json"))
+        if not any(noted is not None and noted.get("study") == mark for noted in notes):
             about(folder)
     if not folder.is_dir() or path.exists():
         return
@@ -155,9 +174,10 @@ def _is_note(folder: Path) -> bool:
 
 
 def _noted(folder: Path, study: TissueStudy, new: dict[str, Any]) -> str:
-    """The fingerprint of the study, noted in its folder and checked against what was noted before."""
-    if (folder / ABOUT).exists() and not _is_note(folder):
-        log.warning("%s is damaged (%s): it is written again", folder / ABOUT, set_aside(folder / ABOUT).name)
+    """Note the study in its folder, checked against what was noted before; return its fingerprint."""
+    path = folder / ABOUT
+    if path.exists() and not _is_note(folder):
+        log.warning("%s is damaged (%s): it is written again", path, set_aside(path).name)
     mark, old = fingerprint(new), about(folder)
     if old is not None and old["fingerprint"] != mark:
         lines = [f"{folder}: holds results of another study; give another folder. What differs:"]
@@ -165,12 +185,8 @@ def _noted(folder: Path, study: TissueStudy, new: dict[str, Any]) -> str:
     processors = [] if old is None else old["processors"]
     if processors and processor() not in processors:
         log.warning("%s: begun on %s, goes on with %s: last bits may differ", folder, processors[0], processor())
-    noted = {
-        "title": study.title,
-        "fingerprint": mark,
-        "processors": list(dict.fromkeys([*processors, processor()])),
-        **new,
-    }
-    write_note(folder / ABOUT, json.dumps({**noted, CHECKSUM: fingerprint(noted)}, indent=1))
-    write_note(folder / COPY, study.text)
+    known = list(dict.fromkeys([*processors, processor()]))
+    noted = {"title": study.title, "fingerprint": mark, "processors": known, **new}
+    write_note(path, {**noted, CHECKSUM: fingerprint(noted)})
+    write_text(folder / COPY, study.text)
     return mark

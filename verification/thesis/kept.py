@@ -12,15 +12,17 @@ from pathlib import Path
 
 import pandas as pd
 
-from dincl.provenance import differences, provenance
+from dincl.provenance import provenance
+from dincl.study import Table
 from dincl.study.sealed import is_sealed, read_sealed, write_sealed
+from dincl.study.table import ATTRIBUTE
 
 MAKES_NO_NUMBERS = True
 DATA = Path(__file__).parent / "data"
 # Complete studies, a table each, as ``Study.complete`` writes it.
 STUDIES = DATA / "studies"
-# In the attributes of a table, which Parquet keeps: the module whose ``main`` makes it, and what that was then.
-MAKER, PROVENANCE = "made_by", "provenance"
+# In the attributes of a table, beside its provenance: the module whose ``main`` makes it.
+MAKER = "made_by"
 
 
 def keep(table: pd.DataFrame, file: Path, main: Callable[..., None], before: Iterable[pd.DataFrame] = ()) -> None:
@@ -38,16 +40,14 @@ def keep(table: pd.DataFrame, file: Path, main: Callable[..., None], before: Ite
         Tables some of whose rows go on in this one: where their provenance is another one, none is noted.
     """
     module, now = _module(main), provenance(main)
-    same = all(other.attrs.get(PROVENANCE) == now for other in before)
-    kept = table.reset_index(drop=True)
-    kept.attrs = {MAKER: module} | ({PROVENANCE: now} if same else {})
-    write_sealed(kept, file)
+    same = all(other.attrs.get(ATTRIBUTE) == now for other in before)
+    Table(file, (), now if same else {}, {MAKER: module}).replace(table.reset_index(drop=True))
 
 
 def changes(file: Path) -> list[str]:
-    """What differs in the code, data and libraries that a kept table is made by since it was made; a line for each."""
-    noted = read_sealed(file).attrs
-    return differences(noted.get(PROVENANCE, {}), provenance(import_module(noted[MAKER]).main))
+    """List what differs in code, data and libraries since a kept table was made, a line each."""
+    maker = import_module(read_sealed(file).attrs[MAKER])
+    return Table(file, (), provenance(maker.main)).changes()
 
 
 def files() -> list[Path]:

@@ -8,9 +8,10 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
+from dincl.study.parts import fingerprint
 from tests.full_disk import full_disk
 from tissue.explore.folder import Folder, NeedsPython
-from tissue.study.identity import IDENTITY, fingerprint
+from tissue.study.identity import IDENTITY
 from tissue.study.store import NOTED
 
 

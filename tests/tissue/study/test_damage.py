@@ -9,11 +9,11 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
+from dincl.study import parts
 from tests.tissue.study.stand_in import outcomes, stored, study_file
-from tissue.study import notes
-from tissue.study.layout import ABOUT, note, part, trajectory
 from tissue.study.plan import Piece
 from tissue.study.read import Results
+from tissue.study.store import ABOUT, note, part, trajectory
 
 FLIPS = 70
 OUT = Path("out")
@@ -41,7 +41,7 @@ def flip(path, bit):
     data = bytearray(path.read_bytes())
     data[bit // 8] ^= 1 << bit % 8
     path.write_bytes(data)
-    notes._remembered.cache_clear()  # as another process would begin
+    parts._remembered.cache_clear()  # as another process would begin
 
 
 def as_text(value):
@@ -142,9 +142,9 @@ def test_a_study_of_before_checksums_of_its_note_can_be_read(results):
 
 
 def test_each_file_is_read_for_its_checksum_once(results, monkeypatch):
-    notes._remembered.cache_clear()
+    parts._remembered.cache_clear()
     read = []
-    monkeypatch.setattr(notes, "checksum", lambda path, real=notes.checksum: read.append(path) or real(path))
+    monkeypatch.setattr(parts, "checksum", lambda path, real=parts.checksum: read.append(path) or real(path))
     for _ in range(3):
         results.cells("[A]")
         assert results.complete

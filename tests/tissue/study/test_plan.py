@@ -6,8 +6,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.study.plan import PART, Piece, load_study, shipped
-from tissue.study.seeds import run_seeds
+from tissue.study.plan import PART, Piece, load_study, run_seeds, shipped
 
 GOOD = """
 title = "two scenarios"

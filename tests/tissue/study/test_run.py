@@ -13,9 +13,8 @@ from dincl.study import StudyStopped
 from dincl.study.execute import AHEAD
 from tests.tissue.study.stand_in import outcomes, stored, study_file
 from tissue.files.parameters import preset
-from tissue.study.plan import load_study
+from tissue.study.plan import load_study, run_seeds
 from tissue.study.read import Results
-from tissue.study.seeds import run_seeds
 
 HOME = "tissue.study.outcomes.outcomes"
 

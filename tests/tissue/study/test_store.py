@@ -17,8 +17,8 @@ from dincl.files import replacing
 from dincl.study import StudyStopped
 from tests.tissue.study.stand_in import STUDY, outcomes, stored, study_file
 from tissue.study import identity, store
-from tissue.study.layout import note, part
 from tissue.study.plan import Piece, load_study
+from tissue.study.store import note, part
 
 PARTS = [f"part-0000{k}.parquet" for k in range(3)]
 
@@ -263,7 +263,7 @@ def test_a_disk_that_is_full_for_a_moment_costs_nothing(monkeypatch):
                 partial.symlink_to("/dev/full")
             yield partial
 
-    monkeypatch.setattr("tissue.study.files.replacing", onto_full_disk)
+    monkeypatch.setattr("dincl.study.parts.replacing", onto_full_disk)
     with pytest.raises(StudyStopped, match=r"out cannot be written to: .*No space left on device"):
         run()
     assert "part-00002.parquet" in [path.name for path in full.parent.iterdir()]  # tried once more

@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 
 from dincl.study.sealed import is_sealed, read_sealed
+from dincl.study.table import ATTRIBUTE
 from verification.thesis import kept
 from verification.thesis.chapter2 import pile_reference
 from verification.thesis.chapter5 import sampling
@@ -56,9 +57,9 @@ def test_a_table_knows_whether_its_code_has_changed(tmp_path: Path, monkeypatch:
     pd.testing.assert_frame_equal(pd.read_parquet(file), TABLE)
     assert kept.changes(file) == []
     table = pd.read_parquet(file)
-    code = table.attrs[kept.PROVENANCE]["code"]
+    code = table.attrs[ATTRIBUTE]["code"]
     assert '"meanfield.transport.wasserstein"' in code
-    table.attrs[kept.PROVENANCE]["code"] = code.replace(
+    table.attrs[ATTRIBUTE]["code"] = code.replace(
         '"meanfield.transport.wasserstein": "', '"meanfield.transport.wasserstein": "0'
     )
     table.to_parquet(file)
@@ -70,5 +71,5 @@ def test_provenance_is_noted_only_if_all_rows_have_it(main: Callable[[], None], 
     before, after = tmp_path / "before.parquet", tmp_path / "after.parquet"
     kept.keep(TABLE, before, main)
     kept.keep(TABLE, after, sampling.main, [pd.read_parquet(before)])
-    assert (kept.PROVENANCE in pd.read_parquet(after).attrs) is known
+    assert (ATTRIBUTE in pd.read_parquet(after).attrs) is known
     assert bool(kept.changes(after)) is not known

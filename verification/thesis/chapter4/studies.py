@@ -10,7 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from dincl.study import progress
-from tissue.study.identity import fingerprint, identity
+from dincl.study.parts import fingerprint
+from tissue.study.identity import identity
 from tissue.study.plan import TissueStudy, load_study
 from tissue.study.read import Results
 from tissue.study.run import carry_out
