@@ -37,6 +37,7 @@ HEAVY = (
     "piqp",
     "qdldl",
     "sklearn",
+    "statsmodels",
 )
 # What an extra is for, and what of it other extras serve: a minimiser of the tissue, the statements of one source.
 SERVED = {

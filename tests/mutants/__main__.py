@@ -48,7 +48,12 @@ MUTATED = (
         "tissue/space",
     ),
     *("tissue/state", "tissue/step", "tissue/division.py", "tissue/slopes.py", "tissue/start.py", "tissue/summary.py"),
-    *("tissue/study/categories.py", "tissue/study/comparisons.py", "tissue/study/curves.py"),
+    *(
+        "tissue/study/categories.py",
+        "tissue/study/comparisons.py",
+        "tissue/study/curves.py",
+        "tissue/study/proportions.py",
+    ),
     *("tissue/files/cell_types.py", "tissue/files/type_rules.py", "dincl/study/parts.py"),
     *("tissue/study/outcomes.py", "tissue/study/ranking.py", "tissue/study/ratios.py", "tissue/study/sensitivity.py"),
     *("verification/budget.py", "verification/cheapest.py", "verification/evidence.py", "verification/measure.py"),

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri, stdtrit
+from scipy.special import stdtrit
 
 from tissue.study.answers import mean_and_half
-from tissue.study.comparisons import POWER
-from tissue.study.ratios import LEVEL, quantile
+from tissue.study.proportions import LEVEL, sample_size
 
 MAKES_NO_NUMBERS = True
 
@@ -68,5 +67,5 @@ def runs_to_see(first: Mean, second: Mean) -> int | None:
     """
     if first.value == second.value:
         return None
-    z = quantile(LEVEL) + float(ndtri(POWER))
-    return max(2, math.ceil(z * z * (first.spread**2 + second.spread**2) / (first.value - second.value) ** 2))
+    spread = math.hypot(first.spread, second.spread)
+    return max(2, math.ceil(sample_size(first.value - second.value, spread, spread, level=LEVEL)))

@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Literal, get_args
+from typing import Literal
 
-import numpy as np
 import pandas as pd
-from scipy.special import ndtr, ndtri
-from scipy.stats import false_discovery_control
+from scipy.special import ndtr
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
-from tissue.study.ratios import LEVEL, Ratio, quantile, ratio
+from tissue.study.proportions import LEVEL, POWER, newcombe, sample_size
+from tissue.study.ratios import Ratio, ratio
 
-POWER = 0.8
 PRINTED_LEVEL = 0.99  # at which a measured ratio agrees with a printed one
 
 CLAIM_LEVEL = 0.99  # at which a claim is judged: so narrow a chance of error is for several claims of a question
@@ -23,7 +21,6 @@ CLAIM_LEVEL = 0.99  # at which a claim is judged: so narrow a chance of error is
 ROUNDING = 1e-12
 ALIKE = 0.1  # ratios that differ by less are alike: the thesis prints tenths and calls its results qualitative
 
-Correction = Literal["holm", "fdr"]
 Verdict = Literal["holds", "does not hold", "not decided"]
 
 
@@ -53,23 +50,28 @@ class Difference:
         return self.first.value - self.second.value
 
     def interval(self, level: float = LEVEL) -> tuple[float, float]:
-        """d - sqrt(a^2 - 2 c a b + b^2) with a = p_1 - low_1, b = high_2 - p_2; above with high_1 and low_2.
+        """Compute Newcombe's hybrid score interval, for the effective numbers of cells.
 
-        Low and high are the ends of Wilson's intervals, c is the correlation.
+        Two kinds of cells of the same runs are correlated, c, which statsmodels has only for pairs of single
+        observations. Then it is d - sqrt(a^2 - 2 c a b + b^2) with a = p_1 - low_1, b = high_2 - p_2; above with high_1
+        and low_2. Low and high are the ends of Wilson's intervals.
 
         Source
         ------
         R. G. Newcombe, Interval estimation for the difference between independent proportions, method 10; and for
         paired data, Statistics in Medicine 17 (1998).
         """
-        (low_1, high_1), (low_2, high_2) = self.first.interval(level), self.second.interval(level)
         p_1, p_2 = self.first.value, self.second.value
+        if self.correlation == 0:
+            return newcombe((p_1, self.first.size), (p_2, self.second.size), level)
+        (low_1, high_1), (low_2, high_2) = self.first.interval(level), self.second.interval(level)
         below, above = self._joined(p_1 - low_1, high_2 - p_2), self._joined(high_1 - p_1, p_2 - low_2)
         return max(-1.0, self.value - below), min(1.0, self.value + above)
 
     def p_value(self) -> float:
-        """P[a difference of this size or larger, either way], if there is none: the score test of two proportions.
+        """Compute P[a difference of this size or larger, either way], if there is none: the score test of proportions.
 
+        Ours, for the correlation of cells of the same runs; without one it is the test of statsmodels.
         1 where all cells of both ratios are hits, or none is; and where the difference has no spread, as that of two
         ratios of equal sizes that always change together.
         """
@@ -158,44 +160,8 @@ def runs_needed(
         return None
     middle = (first + second) / 2
     equal, unequal = math.sqrt(2 * middle * (1 - middle)), math.sqrt(first * (1 - first) + second * (1 - second))
-    cells = ((quantile(level) * equal + float(ndtri(power)) * unequal) / (first - second)) ** 2
+    cells = sample_size(first - second, equal, unequal, level=level, power=power)
     return max(1, math.ceil(cells / cells_per_run))
-
-
-def corrected(p_values: pd.Series, method: Correction = "holm") -> pd.Series:
-    """p-values that may be read as if each were the only one.
-
-    Parameters
-    ----------
-    p_values
-        From 0 to 1, of any number of comparisons.
-    method
-        "holm": max over j <= i of (m - j + 1) p_(j), at most 1: the chance of any false finding below 0.05 is 5 %.
-        "fdr": Benjamini and Hochberg's: of what is below 0.05, 5 % are expected to be false findings.
-
-    Returns
-    -------
-    pd.Series
-        In the order of the argument, none smaller than before.
-
-    Source
-    ------
-    S. Holm, A simple sequentially rejective multiple test procedure, Scandinavian Journal of Statistics 6 (1979);
-    Y. Benjamini, Y. Hochberg, Controlling the false discovery rate, JRSS B 57 (1995).
-    """
-    if method not in get_args(Correction):
-        raise InvalidProblem(f"method = {describe(method)}: must be one of {', '.join(get_args(Correction))}")
-    p = p_values.to_numpy(dtype=np.float64)
-    if not ((p >= 0) & (p <= 1)).all():
-        raise InvalidProblem(f"p_values = {describe(p)}: must be from 0 to 1")
-    if method == "fdr":
-        adjusted = false_discovery_control(p) if len(p) else p
-    else:
-        order = np.argsort(p, kind="stable")
-        steps = np.maximum.accumulate((len(p) - np.arange(len(p))) * p[order])
-        adjusted = np.empty_like(p)
-        adjusted[order] = np.minimum(1.0, steps)
-    return pd.Series(adjusted, index=p_values.index, name=p_values.name)
 
 
 def against_printed(measured: Ratio, printed: float, of: int) -> Difference:
@@ -274,7 +240,8 @@ def _runs_for_margin(difference: Difference, runs: int) -> int | None:
     variance = sum(found.value * (1 - found.value) / (found.size / runs) for found in ends)
     if distance == 0 or variance == 0:
         return None
-    return math.ceil(((quantile(CLAIM_LEVEL) + float(ndtri(POWER))) / distance) ** 2 * variance)
+    spread = math.sqrt(variance)
+    return math.ceil(sample_size(distance, spread, spread, level=CLAIM_LEVEL))
 
 
 def _sentence(text: str, difference: Difference) -> str:

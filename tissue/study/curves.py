@@ -11,7 +11,8 @@ import numpy as np
 import pandas as pd
 
 from tissue.study.categories import Edges, Rule, What, by_interval, interval_names, kept_times, outcome
-from tissue.study.ratios import COLUMNS, LEVEL, ratios
+from tissue.study.proportions import LEVEL
+from tissue.study.ratios import COLUMNS, ratios
 
 
 def over_time(cells: pd.DataFrame, rule: Rule = "thesis", level: float = LEVEL) -> pd.DataFrame:

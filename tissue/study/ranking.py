@@ -18,7 +18,8 @@ from scipy.special import ndtr
 from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
 from tissue.study.categories import EVENTS, happened, time_column
-from tissue.study.ratios import LEVEL, quantile, ratios
+from tissue.study.proportions import LEVEL, quantile
+from tissue.study.ratios import ratios
 
 FOLDS = 5
 SHUFFLES = 5  # of each factor in each fold

@@ -14,12 +14,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.special import ndtri
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.study.proportions import LEVEL, wilson
 
-LEVEL = 0.95
 COLUMNS = ("count", "of", "runs", "value", "low", "high", "effective")
 
 Floats = NDArray[np.float64]
@@ -65,44 +64,6 @@ class Ratio:
     def __str__(self) -> str:
         low, high = self.interval()
         return f"{100 * self.value:.1f} % [{100 * low:.1f}, {100 * high:.1f}] of {self.of}"
-
-
-def quantile(level: float) -> float:
-    """z with P[|N(0, 1)| <= z] = level.
-
-    Raises
-    ------
-    InvalidProblem
-        If the level does not lie between 0 and 1.
-    """
-    if not 0 < level < 1:
-        raise InvalidProblem(f"level = {describe(level)}: must be between 0 and 1, such as 0.95")
-    return float(ndtri(0.5 + level / 2))
-
-
-def wilson(value: Any, size: Any, level: float = LEVEL) -> tuple[Floats, Floats]:
-    """(p + z^2/2n +- z sqrt(p (1 - p)/n + z^2/4n^2))/(1 + z^2/n), for many ratios at once.
-
-    Parameters
-    ----------
-    value, size
-        Ratios p and numbers n > 0 of independent observations, which need not be whole; of one shape.
-    level
-        Probability to cover, 0 < level < 1.
-
-    Returns
-    -------
-    low, high
-        Exactly 0 for p = 0, exactly 1 for p = 1.
-
-    Source
-    ------
-    E. B. Wilson, Probable inference, the law of succession, and statistical inference, JASA 22 (1927).
-    """
-    p, n, z = np.asarray(value, dtype=np.float64), np.asarray(size, dtype=np.float64), quantile(level)
-    middle, half = p + z * z / (2 * n), z * np.sqrt(p * (1 - p) / n + (z / (2 * n)) ** 2)
-    scale = 1 + z * z / n
-    return np.where(p == 0, 0.0, (middle - half) / scale), np.where(p == 1, 1.0, (middle + half) / scale)
 
 
 def ratio(hits: pd.Series, replicate: pd.Series) -> Ratio:

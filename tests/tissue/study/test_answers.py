@@ -9,7 +9,8 @@ from typer.testing import CliRunner
 import tissue
 from tissue.cli.app import app
 from tissue.study import answers
-from tissue.study.comparisons import Difference, corrected
+from tissue.study.comparisons import Difference
+from tissue.study.proportions import corrected
 from tissue.study.ratios import as_ratio, ratio
 
 PLAN = """

@@ -8,18 +8,9 @@ import pytest
 from scipy.stats import binomtest, chi2_contingency
 
 from dincl.errors import InvalidProblem
-from tissue.study.comparisons import (
-    ALIKE,
-    Difference,
-    against_printed,
-    agrees,
-    alike,
-    corrected,
-    more,
-    runs_needed,
-    within,
-)
-from tissue.study.ratios import Ratio, effective_size, ratio, ratios, wilson
+from tissue.study.comparisons import ALIKE, Difference, against_printed, agrees, alike, more, runs_needed, within
+from tissue.study.proportions import corrected, wilson
+from tissue.study.ratios import Ratio, effective_size, ratio, ratios
 
 TRIALS = 600
 # Five standard deviations of a coverage of 0.95 in so many trials.
@@ -157,6 +148,17 @@ def test_difference_of_newcombe():
     """Two of the examples of Newcombe (1998), Table II, method 10: 56/70 - 48/80 and 9/10 - 3/10."""
     assert Difference(Ratio(56, 70), Ratio(48, 80)).interval() == pytest.approx((0.0524, 0.3339), abs=5e-5)
     assert Difference(Ratio(9, 10), Ratio(3, 10)).interval() == pytest.approx((0.1705, 0.8090), abs=5e-5)
+
+
+@pytest.mark.parametrize("level", [0.8, 0.95, 0.99])
+def test_the_interval_of_the_same_runs_without_a_correlation_is_that_of_different_runs(level):
+    for first, second in (
+        (Ratio(9, 10), Ratio(3, 10, 7.5)),
+        (Ratio(0, 40), Ratio(5, 400)),
+        (Ratio(10, 10), Ratio(0, 5)),
+    ):
+        correlated = Difference(first, second, 1e-15).interval(level)
+        assert correlated == pytest.approx(Difference(first, second).interval(level), abs=1e-14)
 
 
 def test_difference_changes_sign_with_the_order_and_stays_within_bounds():

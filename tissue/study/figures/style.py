@@ -11,7 +11,7 @@ import pandas as pd
 from tissue.pictures.emt import EMT_COLOURS
 from tissue.pictures.sheet import Axes, Figure, Line2D, Patch
 from tissue.study.categories import What
-from tissue.study.ratios import LEVEL
+from tissue.study.proportions import LEVEL
 
 MAKES_NO_NUMBERS = True
 

@@ -16,7 +16,7 @@ from dincl.study import read_sealed, workers
 from tissue.files.parameters import preset
 from tissue.state.cells import Floats
 from tissue.study.outcomes import SIDES, outcomes
-from tissue.study.ratios import wilson
+from tissue.study.proportions import wilson
 from tissue.study.read import Results
 from tissue.study.run import run_study
 from verification.thesis.chapter3.intervals import over_seeds

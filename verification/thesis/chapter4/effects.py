@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from tissue.study.categories import Rule, outcome
 from tissue.study.comparisons import PRINTED_LEVEL, against_printed, agrees
-from tissue.study.ratios import LEVEL, quantile, ratio
+from tissue.study.proportions import LEVEL, quantile
+from tissue.study.ratios import ratio
 from tissue.study.read import Results
 from verification.thesis.chapter4.differences import AS_PRINTED, NAME, PUBLISHED, ROWS, SEPARATOR, SETTINGS, design
 from verification.thesis.chapter4.printed import END, OF, PRINTED, Printed

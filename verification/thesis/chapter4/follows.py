@@ -8,11 +8,12 @@ from typing import Any
 import pandas as pd
 
 from tissue.study.categories import NO_INM
-from tissue.study.comparisons import Difference, corrected
+from tissue.study.comparisons import Difference
 from tissue.study.figures.at_end import ENDS, PROGRAMS, WITH_AND_WITHOUT
 from tissue.study.figures.cells import POPULATIONS
 from tissue.study.figures.environments import ALONE
-from tissue.study.ratios import LEVEL, Ratio, as_ratio
+from tissue.study.proportions import LEVEL, corrected
+from tissue.study.ratios import Ratio, as_ratio
 from verification.thesis.chapter4.beside import without_ending
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 

@@ -7,10 +7,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TypeVar
 
 import numpy as np
-from scipy.special import ndtri
 
-from tissue.study.comparisons import CLAIM_LEVEL, POWER, Difference, runs_needed
-from tissue.study.ratios import Ratio, as_ratio, quantile
+from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
+from tissue.study.proportions import POWER, quantile, sample_size
+from tissue.study.ratios import Ratio, as_ratio
 from verification.claims import Tables
 from verification.evidence import Comparison, Interval
 from verification.thesis.chapter4.studies import PRESETS
@@ -89,8 +89,8 @@ def runs_for_bound(value: float, bound: float, level: float = CLAIM_LEVEL, power
     """
     if value == bound or not 0 < bound < 1:
         return None
-    spread = quantile(level) * math.sqrt(bound * (1 - bound)) + float(ndtri(power)) * math.sqrt(value * (1 - value))
-    return max(1, math.ceil((spread / (value - bound)) ** 2))
+    spreads = (math.sqrt(p * (1 - p)) for p in (bound, value))
+    return max(1, math.ceil(sample_size(value - bound, *spreads, level=level, power=power)))
 
 
 def runs_for_margin(found: Difference, margin: float, level: float = CLAIM_LEVEL, power: float = POWER) -> int | None:
@@ -104,7 +104,8 @@ def runs_for_margin(found: Difference, margin: float, level: float = CLAIM_LEVEL
         return None
     variances = [side.value * (1 - side.value) for side in (found.first, found.second)]
     variance = sum(variances) - 2 * found.correlation * math.sqrt(math.prod(variances))
-    return max(1, math.ceil(((quantile(level) + float(ndtri(power))) / distance) ** 2 * variance))
+    spread = math.sqrt(variance)
+    return max(1, math.ceil(sample_size(distance, spread, spread, level=level, power=power)))
 
 
 def runs_by_width(cells: float, interval: Interval, level: float) -> int | None:
@@ -115,8 +116,8 @@ def runs_by_width(cells: float, interval: Interval, level: float) -> int | None:
     half, middle = (interval[1] - interval[0]) / 2, (interval[0] + interval[1]) / 2
     if middle == 0:
         return None
-    factor = (quantile(CLAIM_LEVEL) + float(ndtri(POWER))) / quantile(level)
-    return max(1, math.ceil(cells * (half / middle * factor) ** 2))
+    spread = half / quantile(level) * math.sqrt(cells)
+    return max(1, math.ceil(sample_size(middle, spread, spread, level=CLAIM_LEVEL)))
 
 
 def told(found: Mapping[str, Difference]) -> str:

@@ -7,7 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from tissue.study.comparisons import PRINTED_LEVEL, Difference, corrected
+from tissue.study.comparisons import PRINTED_LEVEL, Difference
+from tissue.study.proportions import corrected
 from tissue.study.ratios import as_ratio
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text

@@ -20,7 +20,7 @@ from tissue.state.cells import Flags, Integers
 from tissue.state.frame import Frame
 from tissue.study.outcomes import SIDES
 from tissue.study.plan import run_seeds
-from tissue.study.ratios import wilson
+from tissue.study.proportions import wilson
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter4.curved import file
 from verification.thesis.kept import keep

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from tissue.study.ratios import wilson
+from tissue.study.proportions import wilson
 
 
 def counted(hits: pd.Series, replicate: pd.Series) -> dict[str, float]:

@@ -6,7 +6,8 @@ import pandas as pd
 import pytest
 
 from tests.executors import Nowhere
-from tissue.study.comparisons import Difference, corrected
+from tissue.study.comparisons import Difference
+from tissue.study.proportions import corrected
 from tissue.study.ratios import Ratio, as_ratio
 from verification.page.context import Context
 from verification.thesis.chapter4 import differences, effects, follows, headings, kept, section_differences, studies

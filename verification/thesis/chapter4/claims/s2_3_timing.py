@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from tissue.events.known import row, settled
 from tissue.files.timing import timing
 from tissue.state.cells import Floats
-from tissue.study.ratios import wilson
+from tissue.study.proportions import wilson
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Comparison, Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4, TABLE_5

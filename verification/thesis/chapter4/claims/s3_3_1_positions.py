@@ -11,7 +11,7 @@ import numpy as np
 from tissue.model.observables import ab_positions
 from tissue.state.cells import CellLayers, Cells, Floats, empty
 from tissue.state.frame import Frame
-from tissue.study.comparisons import POWER
+from tissue.study.proportions import POWER
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most
 
