@@ -13,11 +13,11 @@ import numpy as np
 from tests.tissue.space.space_calls import board_of, call_substeps, taken
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.kernels.store import stored
-from tissue.space.step.board import LISTS, PAIRS, SUBSTEPS
-from tissue.space.surface import PLANE, Surface
-from tissue.step.group import Group
+from tissue.runs.group import Group
+from tissue.runs.simulate import simulate
+from tissue.state.store import stored
+from tissue.state.surface import PLANE, Surface
+from tissue.step.space_board import LISTS, PAIRS, SUBSTEPS
 
 TIMES, WARM = 12, 20
 SPACING, HEIGHT, KICK = 1 / 3, 8.0, 0.1

@@ -6,17 +6,13 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tissue.division import DivisionRule
-    from tissue.events.event import EmtEvent
+    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters, load, preset
-    from tissue.first_order import simulate
-    from tissue.force import Force
-    from tissue.many import simulate_many
-    from tissue.observable import Observable
-    from tissue.registration import register
-    from tissue.run import Run, RunFailed
-    from tissue.slopes import force_error
-    from tissue.state.frame import Frame
+    from tissue.plugins import DivisionRule, EmtEvent, Force, Observable
+    from tissue.runs.force_error import force_error
+    from tissue.runs.registration import register
+    from tissue.runs.run import Run, RunFailed
+    from tissue.runs.simulate import simulate, simulate_many
     from tissue.study.run import run_study
 
 __all__ = [
@@ -38,21 +34,21 @@ __all__ = [
 ]
 
 _HOMES = {
-    "DivisionRule": "division",
-    "EmtEvent": "events.event",
-    "Force": "force",
-    "Frame": "state.frame",
-    "Observable": "observable",
+    "DivisionRule": "plugins",
+    "EmtEvent": "plugins",
+    "Force": "plugins",
+    "Frame": "files.frame",
+    "Observable": "plugins",
     "Parameters": "files.parameters",
-    "Run": "run",
-    "RunFailed": "run",
-    "force_error": "slopes",
+    "Run": "runs.run",
+    "RunFailed": "runs.run",
+    "force_error": "runs.force_error",
     "load": "files.parameters",
     "preset": "files.parameters",
-    "register": "registration",
+    "register": "runs.registration",
     "run_study": "study.run",
-    "simulate": "first_order",
-    "simulate_many": "many",
+    "simulate": "runs.simulate",
+    "simulate_many": "runs.simulate",
 }
 
 

@@ -13,8 +13,8 @@ from tests.borders.harness import complaints
 from tests.borders.tissue_calls import CALLS
 from tests.borders.tissue_things import EMT, QUICK, RUNS, SMALL
 from tests.borders.tissue_uses import shelves
-from tissue.registration import KINDS
-from tissue.registry import shelf
+from tissue.plugins import registry
+from tissue.runs.registration import KINDS
 
 ALLOWED = (dincl.InvalidProblem, dincl.ProjectionFailed, tissue.RunFailed, StudyStopped)
 SEED = 20260105
@@ -30,9 +30,9 @@ def aside(tmp_path, monkeypatch):
 
 @pytest.mark.slow
 def test_generated_calls():
-    before = [dict(shelf(kind)) for kind in KINDS]
+    before = [dict(registry(kind)) for kind in KINDS]
     assert complaints(CALLS, ALLOWED, SEED, 1000) == []
-    assert [dict(shelf(kind)) for kind in KINDS] == before
+    assert [dict(registry(kind)) for kind in KINDS] == before
 
 
 @pytest.mark.xslow

@@ -15,10 +15,10 @@ from tests.borders.tissue_things import (
     SMALL,
     TYPES,
 )
+from tissue.plugins import registry
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.frozen import frozen_problem, made_feasible
-from tissue.registration import KINDS
-from tissue.registry import shelf
+from tissue.runs.registration import KINDS
 from tissue.study.answers import control_shares, scenario_changes, scenario_ratios
 
 PROJECTION = dincl.ProjectedNewton(1e-9)
@@ -28,13 +28,13 @@ THING = tissue.Force("mine", own.push, "mine")
 @contextmanager
 def shelves():
     """What is registered inside is gone behind it."""
-    before = {kind: dict(shelf(kind)) for kind in KINDS}
+    before = {kind: dict(registry(kind)) for kind in KINDS}
     try:
         yield
     finally:
         for kind, things in before.items():
-            shelf(kind).clear()
-            shelf(kind).update(things)
+            registry(kind).clear()
+            registry(kind).update(things)
 
 
 def registered(thing, other=THING):

@@ -17,8 +17,8 @@ COMPILERS = {"numba", "llvmlite"}
 INSIDES = re.compile(r"_numba_type_|\._compile_for_args|\bget_call_template\b|\b_nrt\b|unraisablehook|numba\.config")
 DECORATORS = {"kernel", "inner", "allocating", "c_function"}
 # Imported by modules with kernels for their Python functions, none of which is compiled.
-FOR_PYTHON = {"dincl.callables", "dincl.checks", "dincl.errors", "dincl.status", "tissue.force", "tissue.registry"}
-FOR_PYTHON |= {"tissue.run"}
+FOR_PYTHON = {"dincl.callables", "dincl.checks", "dincl.errors", "dincl.status"}
+FOR_PYTHON |= {"tissue.runs.run"}
 
 
 @cache

@@ -27,11 +27,8 @@ ORDER = {
         "errors weights plotting density model forces transport solvers solvers.grid",
     ),
     "tissue": (
-        "registry observable force state kernels model",
-        "space.network space space.step",
-        "events division files groups start step",
-        "summary registration tables pictures run slopes resumed_types resume lot many first_order",
-        "quasi_steady study study.figures explore cli",
+        "plugins state kernels network model rules step events files pictures runs quasi_steady",
+        "study study.figures explore cli",
     ),
     "verification": (
         "evidence claims decide selection pytest_plugin",
@@ -50,20 +47,7 @@ ORDER = {
 UPWARD = {
     "dincl": {},
     "meanfield": {},
-    "tissue": {
-        ("state", "space"): 2,
-        ("state", "files"): 1,
-        ("kernels", "space"): 1,
-        ("model", "space"): 7,
-        ("model", "events"): 1,
-        ("space.network", "space"): 12,
-        ("space", "space.step"): 6,
-        ("space", "step"): 1,
-        ("space", "groups"): 1,
-        ("space", "start"): 1,
-        ("space.step", "step"): 1,
-        ("study", "study.figures"): 1,
-    },
+    "tissue": {("study", "study.figures"): 1},
     "verification": {
         ("thesis.chapter1", "thesis.chapter2"): 2,
         ("thesis.chapter2", "thesis"): 2,
@@ -80,10 +64,7 @@ UPWARD = {
 CIRCLES = {
     "dincl": (),
     "meanfield": (),
-    "tissue": (
-        "division events files groups kernels model space space.network space.step start state step",
-        "study study.figures",
-    ),
+    "tissue": ("study study.figures",),
     "verification": (
         "thesis thesis.chapter1 thesis.chapter2 thesis.chapter2.stability thesis.chapter3 thesis.chapter3.sections "
         "thesis.chapter4 thesis.chapter5 thesis.chapter5.sections",

@@ -45,9 +45,16 @@ MUTATED = (
         "tissue/kernels",
         "tissue/model",
         "tissue/quasi_steady",
-        "tissue/space",
+        "tissue/network",
     ),
-    *("tissue/state", "tissue/step", "tissue/division.py", "tissue/slopes.py", "tissue/start.py", "tissue/summary.py"),
+    *(
+        "tissue/state",
+        "tissue/step",
+        "tissue/rules",
+        "tissue/runs/force_error.py",
+        "tissue/runs/start.py",
+        "tissue/runs/tables.py",
+    ),
     *(
         "tissue/study/categories.py",
         "tissue/study/comparisons.py",

@@ -8,8 +8,8 @@ import pandas as pd
 from scipy.stats import fisher_exact, norm
 
 from tissue.files.parameters import load
-from tissue.many import simulate_many
 from tissue.model.observables import ab_positions
+from tissue.runs.simulate import simulate_many
 
 FOLDER = Path(__file__).parent
 # Runs at once: their states need memory.

@@ -10,18 +10,18 @@ from tests.tissue import states as tissue_states
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import settled
-from tissue.kernels import kernel, store
+from tissue.kernels import kernel
 from tissue.kernels.board import Boards
-from tissue.kernels.handed import handed_numbers
+from tissue.kernels.numbers import handed_numbers
 from tissue.model import scale
 from tissue.model.basal_layer import order_basal
 from tissue.model.discs import separate
-from tissue.state.cells import Emt, emt_cells
-from tissue.state.forces import Forces
+from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.group import Group
+from tissue.state import store
+from tissue.state.cells import Emt, Forces, emt_cells
 from tissue.step import advance
-from tissue.step.called import handed_rules
 from tissue.step.copies import copy_in, copy_out
-from tissue.step.group import Group
 
 COORDINATES = Forces._fields
 MOBILE = COORDINATES[:5]  # by is 0 on the basal line

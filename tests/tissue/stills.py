@@ -6,11 +6,11 @@ import numpy as np
 from matplotlib.colors import to_rgb
 
 from tests.tissue.states import layers, tissue
+from tissue.events.known import EVENTS
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.pictures.picture import stills
-from tissue.state.frame import Frame
-from tissue.tables import EVENTS
+from tissue.runs.simulate import simulate
 
 THESIS = preset("thesis")
 UM = 5.0

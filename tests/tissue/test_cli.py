@@ -19,7 +19,7 @@ from dincl.study import progress
 from tissue.cli.app import app
 from tissue.pictures.picture import picture
 
-HOME = import_module("tissue.first_order")  # the commands import from it
+HOME = import_module("tissue.runs.simulate")  # the commands import from it
 FILES = ["final.npz", "parameters.toml", "picture.png", "summary.csv", "table.parquet"]
 SMALL = """
 base = "published"

@@ -10,19 +10,18 @@ from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
 from tissue.events.known import bit, row, settled
+from tissue.files.frame import Frame
 from tissue.files.parameters import load, preset
-from tissue.first_order import simulate
-from tissue.kernels.curve import curve_numbers
-from tissue.kernels.handed import handed_numbers
+from tissue.kernels.numbers import handed_numbers
 from tissue.model.observables import ab_positions
 from tissue.quasi_steady.frozen import frozen_problem
-from tissue.start import started
-from tissue.state.basal_curve import ellipse
+from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.simulate import simulate
+from tissue.runs.start import started
+from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import emt_cells
-from tissue.state.frame import Frame
-from tissue.state.streams import streams
+from tissue.state.checkpoint import streams
 from tissue.step.advance import apply_rules
-from tissue.step.called import handed_rules
 
 NEVER = np.inf
 GROUP = {"cells": 4, "place": 0.8, "ac": "1 h to 9 h"}

@@ -10,17 +10,15 @@ from dincl.status import Status
 from tests.tissue import states
 from tests.twins.tissue import steps as twins
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.kernels.curve import curve_numbers
-from tissue.kernels.store import contents, stored
-from tissue.many import simulate_many
 from tissue.model.energy import forces
 from tissue.model.extents import measure_extents
 from tissue.model.observables import ab_positions, areas, height, nucleus_height
 from tissue.model.scale import measure
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.state.basal_curve import ellipse
-from tissue.step.group import Group
+from tissue.runs.group import Group
+from tissue.runs.simulate import simulate, simulate_many
+from tissue.state.basal_curve import curve_numbers, ellipse
+from tissue.state.store import contents, stored
 from tissue.study.outcomes import EXTENTS
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}

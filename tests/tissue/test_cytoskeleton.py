@@ -8,10 +8,9 @@ from tests.tissue.kernel_calls import aged, compared, with_emt
 from tests.tissue.states import numbers
 from tests.tissue.test_resume import same
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.many import simulate_many
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.runs.simulate import simulate, simulate_many
 
 SHORT = {"numerics.t_end": "6 h"}
 CAP = {"cell.max_cytoskeleton": "4 R_soft"}

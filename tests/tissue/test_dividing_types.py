@@ -11,10 +11,9 @@ from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers, numbers
 from tests.tissue.test_resume import same
 from tissue.events.known import bit
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.many import simulate_many
-from tissue.state.frame import Frame
+from tissue.runs.simulate import simulate, simulate_many
 from tissue.study.outcomes import outcomes
 
 GIVEN = numbers(two_daughters=1.0, min_cycle=0.4, max_cycle=0.6, g2=0.1, mitosis=0.1, freed_stiffness=0.5)

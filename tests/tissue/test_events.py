@@ -11,10 +11,10 @@ from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upr
 from tests.tissue.states import layers
 from tests.twins.tissue import steps as twins
 from tissue.events.known import bit, row, settled
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
 from tissue.model.observables import ab_positions
 from tissue.state.cells import emt_cells
-from tissue.state.frame import Frame
 
 NEVER = math.inf
 RELAX = STILL._replace(rate_ax=5.0, rate_bx=2.0, rate_aa=1.0)

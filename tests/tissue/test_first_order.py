@@ -11,15 +11,15 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.kernels.board import LOST
-from tissue.kernels.store import COUNTERS
-from tissue.run import RunFailed
-from tissue.start import started
-from tissue.state.forces import Forces
-from tissue.state.streams import streams
+from tissue.runs.group import Group
+from tissue.runs.run import RunFailed
+from tissue.runs.simulate import simulate
+from tissue.runs.start import started
+from tissue.state.cells import Forces
+from tissue.state.checkpoint import streams
+from tissue.state.store import COUNTERS
 from tissue.step.advance import DONE
-from tissue.step.group import Group
 
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"}) for name in ("thesis", "published")}
 # Every cell divides in these hours, so that a run has many events.

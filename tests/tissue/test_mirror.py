@@ -20,12 +20,11 @@ from tests.twins.tissue.state import Tissue
 from tissue.events.known import row, settled
 from tissue.files.cell_types import first_of
 from tissue.files.parameters import preset
-from tissue.groups import _middles
-from tissue.kernels.curve import curve_numbers
-from tissue.many import simulate_many
-from tissue.state.basal_curve import ellipse
+from tissue.runs.cell_groups import _middles
+from tissue.runs.group import Group
+from tissue.runs.simulate import simulate_many
+from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import CONTROL, NAMED, emt_cells
-from tissue.step.group import Group
 
 # All cells divide at the age of 1 h, and no number is drawn that matters; hard discs are small, neighbours are free.
 GIVEN = states.numbers(

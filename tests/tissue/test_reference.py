@@ -6,8 +6,8 @@ from mpmath import mp
 
 from tests.twins.tissue.reference import Reference, line, taken
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.state.streams import streams
+from tissue.runs.simulate import simulate
+from tissue.state.checkpoint import streams
 
 STEPS, DIGITS = 5, 30
 PARAMETERS = preset("thesis").changed(

@@ -12,15 +12,13 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.division import DivisionRule
-from tissue.events.known import bit, events, house, in_order, row, settled
-from tissue.registry import shelf
-from tissue.start import started
-from tissue.state.streams import streams
+from tissue.events.known import EVENTS, bit, built_in, events, acting, row, settled
+from tissue.plugins import DivisionRule, registry
+from tissue.runs.start import started
+from tissue.runs.tables import summary_columns
+from tissue.state.checkpoint import streams
 from tissue.study import identity
 from tissue.study.categories import by_order, by_selection
-from tissue.summary import summary_columns
-from tissue.tables import EVENTS
 
 # Tests import copies of it.
 SQUEEZE = Path(__file__).with_name("own_squeeze.py")
@@ -45,7 +43,7 @@ emt.squeeze = "never"
 @pytest.fixture
 def own(tmp_path):
     """The parameter file of a user beside the module; nothing of it is left."""
-    shelves = [shelf(kind) for kind in (tissue.EmtEvent, tissue.Observable, DivisionRule)]
+    shelves = [registry(kind) for kind in (tissue.EmtEvent, tissue.Observable, DivisionRule)]
     before = [dict(one) for one in shelves]
     for one in shelves:
         one.clear()
@@ -64,7 +62,7 @@ def test_an_event_of_the_house_is_one_file():
     folder = Path(tissue.__file__).parent
     texts = {path.relative_to(folder).as_posix(): path.read_text("utf-8") for path in folder.rglob("*.py")}
     assert [name for name, text in texts.items() if '"ac"' in text or "constrict" in text] == ["events/constriction.py"]
-    modules = {Path(sys.modules[(event.begin or event.last).__module__].__file__).stem for event in house()}
+    modules = {Path(sys.modules[(event.begin or event.last).__module__].__file__).stem for event in built_in()}
     assert modules == {"apical", "basal", "straightness", "protrusion", "constriction"}
     imports = [f"tissue.events.{stem}" for stem in modules]
     assert [name for name, text in texts.items() if any(words in text for words in imports)] == []
@@ -119,10 +117,10 @@ def test_parameters_are_written_and_pickled_with_their_modules(own):
     assert tissue.load(again) == parameters
     kept = pickle.dumps(parameters)
     del sys.modules[NAME]
-    shelf(tissue.EmtEvent).clear()
+    registry(tissue.EmtEvent).clear()
     assert pickle.loads(kept) == parameters
-    assert set(shelf(tissue.EmtEvent)) == {"squeeze"}
-    shelf(tissue.EmtEvent).clear()
+    assert set(registry(tissue.EmtEvent)) == {"squeeze"}
+    registry(tissue.EmtEvent).clear()
     del sys.modules[NAME]
     file = str(own.parent / f"{NAME}.py")
     changed = tissue.preset("published").changed({"own.modules": [file], "emt.cells": 2, "emt.squeeze": "3 h"})
@@ -197,7 +195,7 @@ def test_the_order_of_registration_does_not_matter():
     assert bit("one") == 2 * bit("two")
     assert EVENTS[bit("a") + bit("one") + bit("two")] == "AOneTwo"
     assert [one.column for one in summary_columns(tube=False)][-2:] == ["one", "two"]
-    assert [events()[k].name for k in in_order()][-2:] == ["one", "two"]
+    assert [events()[k].name for k in acting()][-2:] == ["one", "two"]
 
 
 @pytest.mark.usefixtures("own")

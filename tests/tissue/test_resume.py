@@ -8,10 +8,9 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tissue.events.known import bit, row
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.many import simulate_many
-from tissue.state.frame import Frame
+from tissue.runs.simulate import simulate, simulate_many
 
 # Every cell divides in these hours; one event after the other begins, some before and some after each kept state.
 LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}

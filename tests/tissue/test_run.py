@@ -14,7 +14,7 @@ from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue.stills import two_hours
 from tissue.pictures.picture import draw_frame
-from tissue.run import RunFailed
+from tissue.runs.run import RunFailed
 
 
 @pytest.fixture(scope="module")

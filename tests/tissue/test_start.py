@@ -6,9 +6,9 @@ from scipy import stats
 
 import dincl
 from tissue.files.parameters import preset
-from tissue.kernels.store import COUNTERS, contents
-from tissue.start import first_state
+from tissue.runs.start import first_state
 from tissue.state.numbers import StartNumbers
+from tissue.state.store import COUNTERS, contents
 
 RARE = 1e-3
 TOUCHING = 1e-10

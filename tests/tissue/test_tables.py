@@ -8,12 +8,12 @@ import pandas as pd
 import pytest
 
 from dincl.status import Status
-from tissue.events.known import bit, events
+from tissue.events.known import EVENTS, bit, events
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.observables import PHASES, height, nuclear_layers, phases
-from tissue.run import Run
-from tissue.tables import DEPTH_LENGTHS, EVENTS, cell_table, summary_table
+from tissue.runs.run import Run
+from tissue.runs.simulate import simulate
+from tissue.runs.tables import DEPTH_LENGTHS, cell_table, summary_table
 
 CELL_KINDS = {
     "time_h": "float64",

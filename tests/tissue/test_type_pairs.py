@@ -12,13 +12,11 @@ from tests.tissue.kernels.test_many import same_bits, same_cells
 from tests.tissue.mirrored import compare, mirrored
 from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.kernels.curve import curve_numbers
-from tissue.many import simulate_many
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.state.basal_curve import ellipse
+from tissue.runs.group import Group
+from tissue.runs.simulate import simulate, simulate_many
+from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import NAMED
-from tissue.step.group import Group
 
 SHORT = {"numerics.t_end": "3 h", "numerics.keep": "1 h"}
 BIG = {"types.big.cells": 9, "types.big.place": 0.3}

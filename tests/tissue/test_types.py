@@ -15,13 +15,12 @@ from tests.tissue.test_resume import same
 from tissue.events.known import row
 from tissue.files.cell_types import OWN_KEYS
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.many import simulate_many
 from tissue.model.observables import PHASES, phases
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.start import started
+from tissue.runs.simulate import simulate, simulate_many
+from tissue.runs.start import started
 from tissue.state.cells import EMT, NAMED
-from tissue.state.streams import streams
+from tissue.state.checkpoint import streams
 from tissue.study.outcomes import outcomes
 
 SHORT = preset("published").changed({"numerics.t_end": "6 h", "numerics.keep": "1 h"})

@@ -8,9 +8,9 @@ from tests.tissue.kernels.test_many import same_cells
 from tests.tissue.test_resume import same
 from tests.tissue.test_types import LIVELY, MIXED, SHORT
 from tissue.events.known import bit
-from tissue.first_order import simulate
+from tissue.files.frame import Frame
+from tissue.runs.simulate import simulate
 from tissue.state.cells import NAMED
-from tissue.state.frame import Frame
 
 
 def test_a_run_of_types_goes_on_with_the_same_bits(tmp_path):

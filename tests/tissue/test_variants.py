@@ -15,8 +15,8 @@ from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.files.messages import known_keys
 from tissue.files.parameters import Parameters, preset
-from tissue.kernels.store import contents
-from tissue.start import first_state
+from tissue.runs.start import first_state
+from tissue.state.store import contents
 
 BASE = preset("published")
 MODELS = {"kernels": kernels, "twins": twins}

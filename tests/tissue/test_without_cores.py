@@ -7,9 +7,8 @@ from dincl.errors import InvalidProblem
 from tests.tissue.kernels.test_many import same_bits
 from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.many import simulate_many
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.runs.simulate import simulate, simulate_many
 
 NONE = {"cell.hard_radius": "0 um", "cell.enlarged_radius": "0 um"}
 SOFT = {"types.soft.cells": 20, "types.soft.hard_radius": "0 um", "types.soft.enlarged_radius": "0 um"}

@@ -6,7 +6,7 @@ import pytest
 
 import tissue
 from tests.pages import ROOT, blocks, play
-from tissue.registry import shelf
+from tissue.plugins import registry
 
 PAGE = ROOT / "docs" / "tutorials" / "own_event.md"
 
@@ -17,8 +17,8 @@ def found(tmp_path_factory):
     folder = tmp_path_factory.mktemp("own_event")
     with chdir(folder):
         yield play(PAGE, folder)
-    shelf(tissue.EmtEvent).clear()
-    shelf(tissue.Observable).clear()
+    registry(tissue.EmtEvent).clear()
+    registry(tissue.Observable).clear()
 
 
 def test_the_module_is_short():

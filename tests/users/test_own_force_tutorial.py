@@ -7,8 +7,8 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tests.pages import ROOT, blocks, play
+from tissue.plugins import registry
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.registry import shelf
 
 pytestmark = pytest.mark.slow
 
@@ -20,7 +20,7 @@ TEXT = PAGE.read_text("utf-8")
 def found(tmp_path_factory):
     """What the page leaves; at the end nothing is registered."""
     yield play(PAGE, tmp_path_factory.mktemp("own_force"))
-    shelf(tissue.Force).clear()
+    registry(tissue.Force).clear()
 
 
 def test_the_module_is_short():

@@ -5,7 +5,7 @@ import pytest
 
 import tissue
 from tests.pages import ROOT, play
-from tissue.space.measures import basal_area
+from tissue.model.observables import basal_area
 
 PAGE = ROOT / "docs" / "tutorials" / "space.md"
 

@@ -21,9 +21,9 @@ from tissue.cli.study import study
 from tissue.cli.summary import summarise
 
 if TYPE_CHECKING:
+    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters
-    from tissue.run import Run
-    from tissue.state.frame import Frame
+    from tissue.runs.run import Run
 
 MAKES_NO_NUMBERS = True
 
@@ -50,7 +50,7 @@ def run(
 
     The first run on a machine takes longer: the kernels are compiled.
     """
-    from tissue.state.frame import Frame
+    from tissue.files.frame import Frame
 
     with messages():
         parameters = _parameters(file)
@@ -121,7 +121,7 @@ def _write_parameters(parameters: Parameters, words: str, file: str, folder: Pat
 
 
 def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) -> Run:
-    from tissue.first_order import simulate
+    from tissue.runs.simulate import simulate
 
     began = time.monotonic()
     with progress("growing", parameters.t_end, "h") as watch:

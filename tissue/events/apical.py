@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from tissue.events.event import EmtEvent
-from tissue.events.layer import leave_apical
-from tissue.kernels.store import Store
+from tissue.plugins import EmtEvent
+from tissue.rules.slice import leave_apical
 from tissue.state.numbers import Numbers
+from tissue.state.store import Store
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
@@ -38,4 +38,5 @@ EVENT = EmtEvent(
     source="section 2.2.1 of chapter 4",
     begin=begin,
     last=last,
+    frees="apical",
 )

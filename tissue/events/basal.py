@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 
-from tissue.events.event import EmtEvent
-from tissue.events.layer import find, remove
 from tissue.kernels.rules import call_leave
-from tissue.kernels.store import BASAL, Store
-from tissue.space.state import SPATIAL
+from tissue.plugins import EmtEvent
+from tissue.rules.slice import find, remove
 from tissue.state.numbers import Numbers
+from tissue.state.space import SPATIAL
+from tissue.state.store import BASAL, Store
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
@@ -35,4 +35,5 @@ EVENT = EmtEvent(
     source="section 2.2.2 of chapter 4",
     begin=begin,
     last=last,
+    frees="basal",
 )

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 
-from tissue.events.event import EmtEvent
-from tissue.events.layer import find, leave_apical
-from tissue.kernels.store import APICAL, Store
+from tissue.plugins import EmtEvent
+from tissue.rules.slice import find, leave_apical
 from tissue.state.numbers import Numbers
+from tissue.state.store import APICAL, Store
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:

@@ -2,51 +2,73 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from tissue.events.event import EmtEvent
-from tissue.registry import registered, shelf
+from tissue.plugins import EmtEvent, registered, registry
 from tissue.state.cells import Floats
 
-# Those of the thesis have the first bits, in this order; where times are equal they happen in it.
-FIRST = ("a", "b", "s", "p")
+# The events of chapter 4, which tables of studies always have.
+OF_THESIS = ("a", "b", "s", "p")
+# Three orders that have nothing to do with each other, so that a new or a moved event changes no number of others:
+# the bits of the built-in events (``events``), the order in which events act that begin at once (``acting``), and the
+# columns of the random numbers that are drawn together (``tissue.files.scenario.drawn``). Other built-in events follow
+# by name; the random numbers of all others are a function of the seed and of their name.
+BITS = ACT_FIRST = DRAWN_TOGETHER = OF_THESIS
 
 
 @cache
-def house() -> tuple[EmtEvent, ...]:
-    """The events of this folder."""
+def built_in() -> tuple[EmtEvent, ...]:
+    """Return the events of this folder, in the order of their bits."""
     files = sorted(path.stem for path in Path(__file__).parent.glob("*.py"))
     modules = (import_module(f"tissue.events.{stem}") for stem in files if stem not in ("__init__", "known"))
     found = {module.EVENT.name: module.EVENT for module in modules if hasattr(module, "EVENT")}
-    return tuple(found[name] for name in (*FIRST, *sorted(found.keys() - set(FIRST))))
+    return tuple(found[name] for name in (*BITS, *sorted(found.keys() - set(BITS))))
 
 
 def events() -> tuple[EmtEvent, ...]:
-    """All events; the k-th has the bit 2^k in ``Cells.events``, and row k of ``Emt.at``.
+    """Return all events; the k-th has the bit 2^k in ``Cells.events``, and row k of ``Emt.at``.
 
-    Those of users have theirs by when they were registered, so that a bit means the same as long as a process lives.
+    Events of users have theirs by when they were registered, so that a bit means the same as long as a process lives.
     """
-    return (*house(), *shelf(EmtEvent).values())
+    return (*built_in(), *registry(EmtEvent).values())
 
 
-def in_order() -> list[int]:
-    """The rows in the order in which events happen that begin at once, and are written: the house, others by name."""
-    return [row(event.name) for event in (*house(), *registered(EmtEvent))]
+def acting() -> list[int]:
+    """Return the rows of the events in the order in which they act and are written: built-in ones, others by name."""
+    names = [event.name for event in built_in()]
+    first = (*ACT_FIRST, *sorted({*names} - {*ACT_FIRST}))
+    return [row(name) for name in (*first, *(event.name for event in registered(EmtEvent)))]
 
 
 def row(name: str) -> int:
-    """The row of an event in ``Emt.at``."""
+    """Return the row of an event in ``Emt.at``."""
     return [event.name for event in events()].index(name)
 
 
 def bit(name: str) -> int:
-    """The bit of an event in ``Cells.events``."""
+    """Return the bit of an event in ``Cells.events``."""
     return 1 << row(name)
+
+
+class EventNames(Sequence[str]):
+    """The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP", "Ac", ..."""
+
+    def __len__(self) -> int:
+        return 1 << len(events())
+
+    def __getitem__(self, begun: Any) -> Any:
+        if not 0 <= begun < len(self):
+            raise IndexError(begun)
+        return "".join(events()[k].mark for k in acting() if begun >> k & 1)
+
+
+EVENTS = EventNames()
 
 
 def settled(times: Mapping[str, Floats]) -> Floats:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 
-from tissue.events.event import EmtEvent
-from tissue.kernels.store import Store
-from tissue.model.heights import height_above
+from tissue.model.extents import height_above
 from tissue.model.springs import basal_length
+from tissue.plugins import EmtEvent
 from tissue.state.numbers import Numbers
+from tissue.state.store import Store
 
 # A point that is no farther above a layer is on it [R_soft]: where the layer bends, its height is 0 up to rounding.
 ON_LAYER = 1e-9

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tissue.events.event import EmtEvent
-from tissue.kernels.store import Store
+from tissue.plugins import EmtEvent
 from tissue.state.numbers import Numbers
+from tissue.state.store import Store
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:

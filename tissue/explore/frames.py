@@ -14,14 +14,14 @@ from tissue.explore.ensemble import NotWanted
 from tissue.explore.looks import basal_layer, events_to_come, looks_of, phases_and_types
 from tissue.explore.messages import ending, message
 from tissue.explore.scaled import scaled
+from tissue.files.frame import Frame
 from tissue.files.units import Measure
-from tissue.kernels.store import APICAL, BASAL, CELLS
-from tissue.lot import Lot, kept_steps
 from tissue.model.observables import is_measurable, phases
 from tissue.pictures.emt import chains, free_points
 from tissue.pictures.picture import box_of
+from tissue.runs.batch import Lot, kept_steps
 from tissue.state.cells import CellLayers, Cells
-from tissue.state.frame import Frame
+from tissue.state.store import APICAL, BASAL, CELLS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from tissue.events.known import EVENTS
 from tissue.pictures.emt import colours_of
 from tissue.pictures.sheet import COLOURS, GREY, TYPE_COLOURS
-from tissue.tables import EVENTS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters

@@ -6,8 +6,8 @@ from typing import Any
 
 from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
-from tissue.kernels.store import APICAL, CELLS, Store
 from tissue.model.scale import ab_position
+from tissue.state.store import APICAL, CELLS, Store
 
 
 @kernel

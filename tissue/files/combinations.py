@@ -9,15 +9,15 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from tissue.events.event import EmtEvent
 from tissue.events.known import events
 from tissue.files.layer import Points, curve_of
 from tissue.files.rule import Rule, show
 from tissue.files.space_rules import SPACE_RULES
 from tissue.files.timing import NEVER, Timing
 from tissue.files.units import Measure, reduced
-from tissue.space.state import FLAT
+from tissue.plugins import EmtEvent
 from tissue.state.basal_curve import LINE, BasalCurve
+from tissue.state.space import FLAT
 
 # Two descriptions of one value, such as "1/3 R_soft" and "5/3 um", differ by rounding; so do 0.1 h + 0.2 h and 0.3 h.
 ROUNDING = 1e-12

@@ -7,8 +7,7 @@ from typing import Annotated, Any
 
 from pydantic import ConfigDict, PlainValidator, ValidationInfo, model_validator
 
-from tissue.events.event import EmtEvent
-from tissue.events.known import events, house
+from tissue.events.known import built_in, events
 from tissue.files.fields import (
     MOST_CELLS,
     Begin,
@@ -25,6 +24,7 @@ from tissue.files.fields import (
 from tissue.files.keys import KeyFacts, key
 from tissue.files.sections import ParameterSection
 from tissue.files.timing import NEVER, Timing
+from tissue.plugins import EmtEvent
 
 TYPESCRIPT = "the public TypeScript program"
 
@@ -65,7 +65,7 @@ class EmtSection(ParameterSection):
     @classmethod
     def _with_events(cls, given: Any) -> Any:
         """The events of this package never begin if nothing is said of them."""
-        return {**{event.name: NEVER for event in house()}, **given} if isinstance(given, Mapping) else given
+        return {**{event.name: NEVER for event in built_in()}, **given} if isinstance(given, Mapping) else given
 
     @classmethod
     def further_keys(cls) -> tuple[KeyFacts, ...]:

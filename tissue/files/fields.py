@@ -13,7 +13,7 @@ from typing import Annotated, Any
 import numpy as np
 from pydantic import PlainSerializer, PlainValidator
 
-from tissue.division import division_rules
+from tissue.events.division import division_rules
 from tissue.events.known import events
 from tissue.files.own_modules import ModuleFiles
 from tissue.files.timing import ALLOWED, Timing, timing

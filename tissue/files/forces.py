@@ -7,8 +7,7 @@ from pydantic import ConfigDict
 from tissue.files.fields import NonNegative, Number
 from tissue.files.keys import KeyFacts
 from tissue.files.sections import ParameterSection
-from tissue.force import Force
-from tissue.registry import registered
+from tissue.plugins import Force, registered
 
 
 class ForcesSection(ParameterSection):

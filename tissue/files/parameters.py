@@ -13,7 +13,7 @@ from pydantic import BaseModel, ConfigDict, ValidationError, model_serializer, m
 from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.division import DivisionRule, division_rules
+from tissue.events.division import division_rules
 from tissue.events.known import events
 from tissue.files.cell_types import UNNAMED, TypesSection
 from tissue.files.combinations import broken
@@ -41,10 +41,11 @@ from tissue.files.sections import (
 from tissue.files.space_numbers import to_exchange, to_lattice
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_types, wrong_names
-from tissue.space.lattice import Lattice
-from tissue.space.state import SPATIAL, Exchange
+from tissue.model.lattice import Lattice
+from tissue.plugins import DivisionRule
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.numbers import Daha, Numbers, StartNumbers
+from tissue.state.space import SPATIAL, Exchange
 
 PRESETS = ("thesis", "corrected", "published", "chick", "gastrulation", "cuboidal")
 BASES = ", ".join(f'"{name}"' for name in PRESETS[:-1]) + f' or "{PRESETS[-1]}"'

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.random import Generator, default_rng
 
-from tissue.events.known import FIRST, settled
+from tissue.events.known import DRAWN_TOGETHER, settled
 from tissue.files.timing import Timing
 from tissue.state.cells import Emt, Flags, emt_cells
 
@@ -39,8 +39,8 @@ def drawn(scenario: Scenario, draws: Generator) -> tuple[Emt, Flags]:
     The random numbers of [A], [B], [S] and [P] are drawn whether they are needed or not, and those of any other event
     are a function of the seed and of its name: runs of one seed and other scenarios have the same.
     """
-    inm, *pairs = draws.random((1 + 2 * len(FIRST), scenario.cells))
-    chances = dict(zip(FIRST, zip(pairs[::2], pairs[1::2], strict=True), strict=True))
+    inm, *pairs = draws.random((1 + 2 * len(DRAWN_TOGETHER), scenario.cells))
+    chances = dict(zip(DRAWN_TOGETHER, zip(pairs[::2], pairs[1::2], strict=True), strict=True))
     if others := scenario.times.keys() - chances.keys():
         key = int(draws.integers(1 << 63))
         for name in others:

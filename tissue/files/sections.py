@@ -11,7 +11,7 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, PlainValidator, ValidationInfo, field_validator
 
-from tissue.division import BESIDE
+from tissue.events.division import BESIDE
 from tissue.files.fields import (
     MOST_CELLS,
     Count,

@@ -5,10 +5,10 @@ from __future__ import annotations
 from tissue.files.emt_sections import EventsSection
 from tissue.files.sections import LayerSection, SpaceSection, TissueSection
 from tissue.files.units import Measure, reduced
+from tissue.model.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
 from tissue.model.repulsion import SOFT
-from tissue.space.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
-from tissue.space.network import halfedges, remove
-from tissue.space.state import Exchange
+from tissue.network import halfedges, remove
+from tissue.state.space import Exchange
 
 # At the boundary of an open sheet neighbours are apart by the range of nuclei at most, or by twice the largest distance
 # of basal points. With 2/3 R_soft the edge of a sheet frays into fingers: its junctions grow longer than that.

@@ -12,7 +12,7 @@ from tissue.files.combinations import OF_NEIGHBOURS, RULES, UNIT, broken_of, wai
 from tissue.files.rule import show
 from tissue.files.space_rules import IN_SPACE
 from tissue.files.timing import Timing
-from tissue.space.state import FLAT
+from tissue.state.space import FLAT
 
 _NAME = re.compile("[A-Za-z_][A-Za-z0-9_]*")
 # Of [cell] alone: they hold for the values of each type, as those of basal neighbours do.

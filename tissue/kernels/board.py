@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from dincl.compiled import StructPointer, reader, struct_type
 from dincl.compiled.lanes import WIDTH
-from tissue.kernels.curve import CurveNumbers
-from tissue.kernels.store import STRAIGHT
+from tissue.state.basal_curve import CurveNumbers
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers
+from tissue.state.store import STRAIGHT
 
 # What ``ended`` says of a tissue, if not the number of the step that failed.
 RUNNING, EMPTY = 0, -1

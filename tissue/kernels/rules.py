@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import call, reader, signature, struct_type
-from tissue.kernels.handed import NUMBERS
-from tissue.kernels.store import STORE
+from tissue.kernels.numbers import NUMBERS
 from tissue.state.cells import Integers
+from tissue.state.store import STORE
 
 # begin(store, i, bit, numbers) and last(store, i, rest_ax, rest_bx, numbers) of an event.
 BEGIN: Any = signature(None, STORE, int, int, NUMBERS)
@@ -31,11 +31,16 @@ class Rules(NamedTuple):
     last: Integers  # (events,): and in each dt from then on
     splits: int  # of the rule of divisions
     place: int
+    frees_apical: int  # the bits of the events after which the apical spring holds nothing
+    frees_basal: int
 
 
-_EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0)
+_EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0, 0, 0)
 RULES = struct_type(_EXAMPLE)
 rules_at = reader(_EXAMPLE)
+# substeps(flat, wide, n): all substeps of one dt for n cells on the board.
+SUBSTEPS: Any = signature(int, int, int, int)
 # Calls of these functions by their addresses, with the arguments above.
 call_begin, call_last, call_splits, call_place = call(BEGIN), call(LAST), call(SPLITS), call(PLACE)
+call_substeps = call(SUBSTEPS)
 call_split_in_space, call_leave, call_position = call(SPLIT_IN_SPACE), call(LEAVE), call(POSITION)

@@ -9,7 +9,7 @@ from dincl.compiled import inner
 from dincl.compiled.lanes import either, fma, load, maximum, spread, store, where_positive
 from tissue.kernels.board import Board
 from tissue.kernels.curve import course
-from tissue.kernels.ring import at_ends, move_ends
+from tissue.kernels.layers import at_ends, move_ends
 
 # Where there is no neighbour.
 NOWHERE = 1e300

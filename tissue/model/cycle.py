@@ -1,4 +1,4 @@
-"""The rules of the cell cycle, applied once per dt: division, phases, rest lengths.
+"""The rules of the cell cycle, applied once per dt: phases, rest lengths, the cap on the length of a cell.
 
 Source: sections 2.2.1 to 2.2.5 of chapter 3.
 """
@@ -11,15 +11,33 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels import kernel
-from tissue.kernels.handed import numbers_of
+from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import Rules
-from tissue.kernels.store import CELLS, Store
-from tissue.model.cytoskeleton import capped
 from tissue.model.emt import last_events
 from tissue.model.junctions import shrink_junctions
 from tissue.model.springs import apical_length, basal_length, cell_length
 from tissue.state.cells import Cells
 from tissue.state.numbers import Numbers
+from tissue.state.store import CELLS, Store
+
+
+@inner
+def capped(wanted_ax: float, wanted_bx: float, events: int, rules: Rules, largest: float) -> tuple[float, float]:
+    """Scale the desired rest lengths eta* of both springs so that their sum is ``largest`` at most; inf for no cap.
+
+    Without a cap, rest lengths follow the springs wherever they go, (3.2), (3.3): in the long run a cell resists no
+    length. A constraint |A - X| <= L would be another set S, which competes with (C1) in a crowd and may be empty. A
+    cap of the rest lengths leaves S and the form of the energy as they are: beyond it a cell is an elastic spring. The
+    public programs of the author relax both rest lengths towards shares of L where their sum is above L by more than
+    R_soft: it ends between L and what the springs want, so that is no cap.
+
+    A spring whose end an event has freed, such as [A] or [B], wants 0 in place of its eta*. With equal rates k a sum of
+    rest lengths that is below the cap stays so; one that begins above it relaxes to it.
+    """
+    total = (0.0 if events & rules.frees_apical else wanted_ax) + (0.0 if events & rules.frees_basal else wanted_bx)
+    if total > largest:
+        return wanted_ax * (largest / total), wanted_bx * (largest / total)
+    return wanted_ax, wanted_bx
 
 
 @inner
@@ -56,7 +74,7 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
 
     eta* is the present length d - R_soft of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical
     and |A - B| - 2 R_soft for the basal spring, so that the springs rest with the nucleus at the apical side. Junctions
-    shrink towards 0. The sum of both eta* may have a cap, see ``tissue.model.cytoskeleton``. What has begun of the EMT
+    shrink towards 0. The sum of both eta* may have a cap, see ``tissue.model.cycle``. What has begun of the EMT
     takes the place of these.
     """
     cells, n = store.cells, store.sizes[CELLS]
@@ -76,7 +94,7 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
             wanted_bx = basal_length(cells, i) - own.soft_radius
         if own.floor_rest:
             wanted_ax, wanted_bx = max(0.0, wanted_ax), max(0.0, wanted_bx)
-        wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], own.max_cytoskeleton)
+        wanted_ax, wanted_bx = capped(wanted_ax, wanted_bx, cells.events[i], rules, own.max_cytoskeleton)
         cells.rest_ax[i] = wanted_ax + (rest_ax - wanted_ax) * keep_ax
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         if cells.events[i]:

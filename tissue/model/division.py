@@ -8,14 +8,14 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels import kernel
-from tissue.kernels.handed import numbers_of
+from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import Rules, call_place, call_split_in_space, call_splits
-from tissue.kernels.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.model.cycle import draw_cycle
 from tissue.model.emt import inherit_events
-from tissue.space.state import SPATIAL
 from tissue.state.cells import Cells, Floats, Integers
 from tissue.state.numbers import Numbers
+from tissue.state.space import SPATIAL
+from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 
 
 @inner

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dincl.compiled import inner
-from tissue.kernels.handed import numbers_of
+from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import Rules, call_begin, call_last
-from tissue.kernels.store import CELLS, EMT_CELLS, Store
 from tissue.model.scale import ab_position
 from tissue.state.cells import Emt
 from tissue.state.numbers import Numbers
+from tissue.state.store import CELLS, EMT_CELLS, Store
 
 
 @inner

@@ -17,8 +17,7 @@ from dincl.neighbours.search import neighbour_pairs
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.repulsion import SOFT
 from tissue.state.basal_curve import LINE, BasalCurve
-from tissue.state.cells import CellLayers, Cells, Floats, Integers
-from tissue.state.forces import Forces
+from tissue.state.cells import CellLayers, Cells, Floats, Forces, Integers
 from tissue.state.numbers import Numbers
 
 

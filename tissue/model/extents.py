@@ -1,4 +1,4 @@
-"""How high and how wide a tissue is, and whether its lumen is closed, in one look at its cells."""
+"""Heights above the basal layer; how high and how wide a tissue is, and whether its lumen is closed."""
 
 from __future__ import annotations
 
@@ -6,9 +6,19 @@ import math
 
 from dincl.compiled import inner
 from tissue.kernels import kernel
-from tissue.kernels.store import APICAL, BASAL, CELLS, Store
-from tissue.model.heights import height_above
+from tissue.kernels.curve import height_of
 from tissue.state.cells import Cells, Floats
+from tissue.state.space import SPATIAL
+from tissue.state.store import APICAL, BASAL, CELLS, Store
+from tissue.state.surface import height
+
+
+@inner
+def height_above(store: Store, x: float, y: float, z: float) -> float:
+    """The distance of a point from the basal layer, along its normal; below 0 on the side without tissue."""
+    if store.space.dimension == SPATIAL:
+        return height(store.space.surface, x, y, z)
+    return height_of(store.curve, x, y)
 
 
 @inner

@@ -13,13 +13,12 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.compiled.lanes import either, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.board import Board
-from tissue.kernels.chains import chained_behind
-from tissue.kernels.handed import numbers_of
-from tissue.kernels.ring import at_ends
-from tissue.kernels.store import APICAL, CELLS, Store
-from tissue.space.state import SPATIAL
+from tissue.kernels.layers import at_ends, chained_behind
+from tissue.kernels.numbers import numbers_of
 from tissue.state.cells import CellLayers, Cells, Integers
 from tissue.state.numbers import Numbers
+from tissue.state.space import SPATIAL
+from tissue.state.store import APICAL, CELLS, Store
 
 
 def energy(d: Any, rest: Any, k: Any) -> Any:

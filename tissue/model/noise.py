@@ -8,9 +8,9 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels.normals import WORDS
-from tissue.kernels.store import CELLS, Store
-from tissue.space.state import SPATIAL
 from tissue.state.cells import Integers
+from tissue.state.space import SPATIAL
+from tissue.state.store import CELLS, Store
 
 
 @inner

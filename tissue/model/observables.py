@@ -10,12 +10,49 @@ import numpy as np
 
 from dincl.checks import bounded
 from dincl.errors import InvalidProblem
-from tissue.space.measures import basal_area, basal_length, positions_in_space
-from tissue.state.cells import COORDINATES, DEPTHS, CellLayers, Floats, Integers
+from tissue.kernels import kernel
+from tissue.model.scale import position_in_space
+from tissue.state.cells import COORDINATES, DEPTHS, CellLayers, Cells, Floats, Integers
+from tissue.state.mesh import Sheets, network_of
+from tissue.state.space import SPATIAL, no_space
+from tissue.state.store import CELLS, Store, stored
 
 if TYPE_CHECKING:
-    from tissue.state.frame import Frame
+    from tissue.files.frame import Frame
     from tissue.state.numbers import Numbers
+
+
+def positions_in_space(cells: Cells, sheets: Sheets) -> Floats:
+    """y_AB of all cells, (n,); see ``tissue.model.scale``."""
+    n = len(cells.x)
+    space = no_space()._replace(dimension=SPATIAL, surface=sheets.surface, apical=network_of(sheets.apical, n))
+    found = np.empty(n)
+    _measure_all(stored(cells, capacity=n, space=space), found)
+    return found
+
+
+@kernel
+def _measure_all(store: Store, found: Floats) -> None:
+    for i in range(store.sizes[CELLS]):
+        found[i] = position_in_space(store, i)
+
+
+def basal_area(cells: Cells, sheets: Sheets) -> float:
+    """The area of all triangles of the basal network [R_soft^2]."""
+    points = np.column_stack((cells.bx, cells.by, cells.bz))[sheets.basal.triangles]
+    sides = points[:, 1:] - points[:, :1]
+    for axis, period in ((0, sheets.surface.period_x), (2, sheets.surface.period_z)):
+        if np.isfinite(period):
+            sides[..., axis] -= period * np.round(sides[..., axis] / period)
+    return float(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1).sum() / 2)
+
+
+def basal_length(cells: Cells, sheets: Sheets) -> float:
+    """The length of all edges of the basal network of a strip, which has no periods [R_soft]."""
+    i, j = sheets.basal.edges.T
+    points = np.column_stack((cells.bx, cells.by, cells.bz))
+    return float(np.linalg.norm(points[j] - points[i], axis=1).sum())
+
 
 PHASES = ("G1/S", "G2", "mitosis")
 # Soft discs have the radius R_soft = 1.

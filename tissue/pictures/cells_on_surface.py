@@ -7,9 +7,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from tissue.space.mesh import Mesh
-from tissue.space.surface import Surface
 from tissue.state.cells import Floats, Integers
+from tissue.state.mesh import Mesh
+from tissue.state.surface import Surface
 
 MAKES_NO_NUMBERS = True
 

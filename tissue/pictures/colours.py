@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from tissue.events.known import EVENTS
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
 from tissue.model.observables import PHASES, phases
 from tissue.pictures.emt import EmtLook
 from tissue.pictures.sheet import COLOURS, TYPE_COLOURS
-from tissue.state.frame import Frame
-from tissue.tables import EVENTS
 
 MAKES_NO_NUMBERS = True
 

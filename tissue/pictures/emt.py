@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from tissue.tables import EVENTS
+from tissue.events.known import EVENTS
 
 if TYPE_CHECKING:
+    from tissue.files.frame import Frame
     from tissue.state.cells import Flags, Integers
-    from tissue.state.frame import Frame
 
 MAKES_NO_NUMBERS = True
 

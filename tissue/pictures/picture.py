@@ -15,10 +15,12 @@ from numpy.typing import NDArray
 from dincl.checks import instance, items
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
 from tissue.model.observables import height, is_measurable
 from tissue.pictures.colours import colours_of_cells
 from tissue.pictures.emt import EmtLook, chains, free_points, look_of
+from tissue.pictures.section import cut_of, section
 from tissue.pictures.sheet import (
     APICAL,
     BASAL,
@@ -43,9 +45,7 @@ from tissue.pictures.sheet import (
     type_entries,
     write,
 )
-from tissue.space.section import cut_of, section
 from tissue.state.cells import NAMED
-from tissue.state.frame import Frame
 
 if TYPE_CHECKING:
     from tissue.state.basal_curve import BasalCurve

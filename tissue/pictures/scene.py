@@ -11,16 +11,16 @@ from numpy.typing import NDArray
 
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
 from tissue.pictures.cells_on_surface import in_one_period, polygons
 from tissue.pictures.colours import colours_of_cells
 from tissue.pictures.emt import EmtLook
+from tissue.pictures.section import cut
 from tissue.pictures.sheet import APICAL, BASAL, shades
-from tissue.space.cut import cut
-from tissue.space.mesh import Sheets
-from tissue.space.surface import PLANE
 from tissue.state.cells import Flags, Floats
-from tissue.state.frame import Frame
+from tissue.state.mesh import Sheets
+from tissue.state.surface import PLANE
 
 MAKES_NO_NUMBERS = True
 

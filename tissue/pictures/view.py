@@ -11,6 +11,7 @@ import numpy as np
 from dincl.checks import instance, items
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
 from tissue.model.observables import is_measurable
 from tissue.pictures.emt import look_of
@@ -18,8 +19,7 @@ from tissue.pictures.movie import write_images
 from tissue.pictures.picture import draw_frame
 from tissue.pictures.scene import TissueScene, load_library
 from tissue.pictures.sheet import Figure, FigureCanvasAgg, control_entries, emt_entries, legend, style
-from tissue.space.mesh import Sheets
-from tissue.state.frame import Frame
+from tissue.state.mesh import Sheets
 
 MAKES_NO_NUMBERS = True
 

@@ -13,13 +13,13 @@ from dincl.checks import instance, integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.kernels.handed import handed_numbers
-from tissue.kernels.store import contents, stored
+from tissue.kernels.numbers import handed_numbers
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
 from tissue.quasi_steady.iteration import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, boards_for, iterate, memory_for
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.numbers import Daha, Numbers
+from tissue.state.store import contents, stored
 from tissue.step.advance import DONE
 
 STATUS = {

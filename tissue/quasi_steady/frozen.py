@@ -11,8 +11,7 @@ from dincl.problem import Problem
 from dincl.projection import Projection
 from dincl.projection.project import project
 from tissue.model.energy import forces
-from tissue.state.cells import CellLayers, Cells, Floats, first
-from tissue.state.forces import Forces
+from tissue.state.cells import CellLayers, Cells, Floats, Forces, first
 from tissue.state.numbers import Numbers
 
 

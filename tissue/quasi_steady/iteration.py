@@ -10,13 +10,13 @@ from dincl.compiled import StructPointer, inner, struct_type
 from dincl.compiled.lanes import WIDTH
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, Board, Boards
-from tissue.kernels.store import BASAL, STRAIGHT, store_at
 from tissue.model.junctions import pull_junctions
 from tissue.model.motion import move
 from tissue.model.repulsion import push_in_rows
 from tissue.quasi_steady.multipliers import Multipliers, hold_basal, hold_discs, is_stale, list_pairs, multipliers_for
 from tissue.state.cells import COORDINATES, Floats, Integers
 from tissue.state.numbers import Daha, Numbers
+from tissue.state.store import BASAL, STRAIGHT, store_at
 from tissue.step.advance import DONE
 from tissue.step.copies import copy_in, copy_out
 

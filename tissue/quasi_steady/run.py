@@ -11,19 +11,19 @@ from dincl.checks import flag, function, instance
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.cell_types import PAIR_KEYS
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.kernels.handed import handed_numbers
-from tissue.kernels.store import COUNTERS, Store, contents, grown
-from tissue.lot import WATCH, checkpoint_at, kept_steps
+from tissue.kernels.numbers import handed_numbers
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import TissueMinimiser
-from tissue.run import Run, RunFailed
-from tissue.start import started
+from tissue.runs.batch import WATCH, checkpoint_at, kept_steps
+from tissue.runs.compiled_rules import answered, handed_rules
+from tissue.runs.run import Run, RunFailed
+from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
-from tissue.state.frame import Frame
-from tissue.state.streams import streams
+from tissue.state.checkpoint import streams
+from tissue.state.store import COUNTERS, Store, contents, grown
 from tissue.step.advance import apply_rules, is_full
-from tissue.step.called import answered, handed_rules
 
 
 @dataclass(frozen=True, eq=False, repr=False)

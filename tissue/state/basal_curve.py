@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -124,6 +125,30 @@ class BasalCurve:
 
 
 LINE = BasalCurve(np.zeros((0, 2 * ORDER)))
+
+
+class CurveNumbers(NamedTuple):
+    """A ``BasalCurve``; the line (s, 0) if it is not bent."""
+
+    table: Floats  # flat
+    bent: int  # 1 or 0
+    pieces: float
+    per_length: float  # pieces over length
+    origin: float
+    around: int  # whether the curve is closed: 1 or 0
+    ring: float  # the length, if the tissue is closed, too; else 0
+    hollow: int  # whether the apical layer is inside the ring: 1 or 0
+
+
+def curve_numbers(curve: BasalCurve) -> CurveNumbers:
+    """The curve as kernels take it."""
+    pieces, ring = curve.pieces, curve.length if curve.ring else 0.0
+    table = np.ascontiguousarray(curve.table).ravel() if pieces else np.zeros(2 * ORDER)
+    hollow = int(curve.ring and curve.area > 0.0)
+    per_length = pieces / curve.length if pieces else 0.0
+    return CurveNumbers(
+        table, int(pieces > 0), float(pieces), per_length, curve.origin, int(curve.around), ring, hollow
+    )
 
 
 def ellipse(perimeter: float, aspect: float, *, inside: bool, ring: bool) -> BasalCurve:

@@ -107,3 +107,17 @@ def no_emt() -> Emt:
 def first(cells: Cells, n: int) -> Cells:
     """A copy of the first n cells."""
     return Cells._make(array[:n].copy() for array in cells)
+
+
+class Forces(NamedTuple):
+    """-grad W for each cell, shape (n,): on the nucleus, the apical point and the basal point [1 / R_soft].
+
+    ``by`` is given for all cells; the caller leaves it out for those that the basal line holds  (C3).
+    """
+
+    x: Floats
+    y: Floats
+    ax: Floats
+    ay: Floats
+    bx: Floats
+    by: Floats

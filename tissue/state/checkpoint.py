@@ -1,15 +1,36 @@
-"""What a run is besides its cells: with it, it goes on from a kept state as if it had not stopped."""
+"""Random streams of a run, and what a run is besides its cells: with it, it goes on as if it had not stopped."""
 
 from __future__ import annotations
 
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.random import PCG64, Generator
+from numpy.random import PCG64, Generator, SeedSequence
 from numpy.typing import NDArray
 
+from dincl.checks import seed as checked_seed
 from tissue.state.cells import Emt, Integers
-from tissue.state.streams import Streams, streams
+
+
+class Streams(NamedTuple):
+    """Generators that do not know of each other: what one is asked for never changes what another gives.
+
+    No draw depends on a position, so that runs of one seed with other steps, another scheme or other forces meet the
+    same noise and the same divisions. A new purpose goes to the end.
+    """
+
+    start: Generator  # positions, ages
+    cycle: Generator  # durations of cycles, second daughters
+    noise: Generator  # of the nuclei
+    emt: Generator  # INM and times of the events of EMT cells
+    types: Generator  # the same of cells of named types, and their places
+
+
+def streams(seed: int) -> Streams:
+    """The streams of a run; raises InvalidProblem for a seed that is not an integer >= 0."""
+    children = SeedSequence(checked_seed("seed", seed)).spawn(len(Streams._fields))
+    return Streams(*(np.random.default_rng(child) for child in children))
+
 
 Words = NDArray[np.uint64]
 # The streams that a run draws from after its start.
@@ -35,7 +56,7 @@ class TissueCheckpoint(NamedTuple):
     seed: int
     next_id: int  # of the next daughter
     emt: Emt  # its arrays are copies
-    counts: Integers  # one for each of ``tissue.kernels.store.COUNTERS``, since t = 0
+    counts: Integers  # one for each of ``tissue.state.store.COUNTERS``, since t = 0
     generators: Words  # (2, WORDS): where the streams DRAWN stand
     parted: Parted  # at t = 0
     types: tuple[str, ...] = ()  # the names of the named types, by their numbers

@@ -2,34 +2,27 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 from numpy.random import Generator
 
-from dincl.compiled import call, signature
 from dincl.compiled.generators import generator_at
 from tissue.kernels import kernel
 from tissue.kernels.board import LOST, RUNNING, board_at
-from tissue.kernels.handed import numbers_at
-from tissue.kernels.rules import Rules, rules_at
-from tissue.kernels.store import CELLS, Store, store_at
+from tissue.kernels.numbers import numbers_at
+from tissue.kernels.rules import Rules, call_substeps, rules_at
 from tissue.model.cycle import adapt_rest_lengths, set_phases
 from tissue.model.division import count_due, divide
 from tissue.model.emt import begin_events
 from tissue.model.extents import is_closed
 from tissue.model.noise import add_noise, draw_key
 from tissue.model.scale import watch_sides
-from tissue.space.state import SPATIAL
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers
+from tissue.state.space import SPATIAL
+from tissue.state.store import CELLS, Store, store_at
 from tissue.step.copies import copy_in, copy_out
 
 # How a call ended: all steps made; no room for the daughters that may come.
 DONE, FULL = range(2)
-# substeps(flat, wide, n): all substeps of one dt for n cells on the board. call_substeps(address, flat, wide, n) calls
-# such a function by its address.
-SUBSTEPS: Any = signature(int, int, int, int)
-call_substeps = call(SUBSTEPS)
 
 
 @kernel

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from dincl.compiled import inner
 from tissue.kernels.board import FAR, RUNNING, Board
-from tissue.kernels.chains import chained_before
 from tissue.kernels.curve import course
-from tissue.kernels.handed import numbers_of
-from tissue.kernels.store import APICAL, BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store, store_at
+from tissue.kernels.layers import chained_before
+from tissue.kernels.numbers import numbers_of
 from tissue.model.springs import coefficient
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers
+from tissue.state.store import APICAL, BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store, store_at
 
 
 @inner

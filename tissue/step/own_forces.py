@@ -13,10 +13,9 @@ import numpy as np
 
 from dincl.compiled import call, inner, reader, signature, struct_type
 from tissue.kernels.board import FLAT, Board
-from tissue.kernels.handed import NUMBERS, numbers_at
-from tissue.kernels.store import CELLS, STORE, Store, store_at
-from tissue.state.cells import Floats, Integers
-from tissue.state.forces import Forces
+from tissue.kernels.numbers import NUMBERS, numbers_at
+from tissue.state.cells import Floats, Forces, Integers
+from tissue.state.store import CELLS, STORE, Store, store_at
 from tissue.step.copies import put_back
 
 

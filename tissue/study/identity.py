@@ -11,7 +11,7 @@ from typing import Any
 
 from dincl.provenance import provenance
 from tissue.files.parameter_files import flat
-from tissue.registration import own_code
+from tissue.runs.registration import own_code
 from tissue.study.plan import PART, TissueStudy, in_scenarios
 
 MOST_DIFFERENCES = 12

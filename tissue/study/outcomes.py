@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 
 from dincl.compiled.lanes import WIDTH
 from dincl.status import Status
-from tissue.events.known import FIRST, events, in_order
+from tissue.events.known import OF_THESIS, acting, events
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.kernels.store import CELLS, Store
-from tissue.lot import Lot
 from tissue.model.extents import measure_extents
 from tissue.model.scale import measure
-from tissue.observable import Observable
-from tissue.registry import registered
+from tissue.plugins import Observable, registered
+from tissue.runs.batch import Lot
 from tissue.state.cells import Flags, Floats, Integers
-from tissue.state.frame import Frame
+from tissue.state.store import CELLS, Store
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -147,9 +146,9 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
         for name in ("side", "onset_ab", "since", "since_x")
     )
     at = np.array([held.emt.at[:, :m] for held in stores]).reshape(len(stores), len(events()), m)
-    began = {events()[k].name: at[:, k].ravel() for k in in_order()}
+    began = {events()[k].name: at[:, k].ravel() for k in acting()}
     times = [group.scenario.times for group in lot.parameters.groups()]
-    shown = {*FIRST, *(name for one in times for name, timing in one.items() if timing.ever)}
+    shown = {*OF_THESIS, *(name for one in times for name, timing in one.items() if timing.ever)}
     mine = [_by_number(held)[:m] for held in stores]
     inm, kinds = (
         [getattr(held.cells, name)[of] for held, of in zip(stores, mine, strict=True)] for name in ("moves", "kind")

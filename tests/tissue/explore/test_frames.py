@@ -9,12 +9,12 @@ import tissue
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.tissue.explore.small import SMALL
+from tissue.events.known import EVENTS
 from tissue.explore import frames
 from tissue.explore.frames import finely_kept, stream
 from tissue.explore.messages import SIZES, told
 from tissue.model.observables import ab_positions, height
 from tissue.pictures.emt import EMT_COLOURS
-from tissue.tables import EVENTS
 
 PARAMETERS = tissue.preset("thesis").changed(SMALL)
 LENGTHS = ("x", "y", "ax", "ay", "bx", "by", "radius")

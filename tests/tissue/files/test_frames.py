@@ -7,9 +7,9 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tests.tissue.test_resume import arrays, same
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.state.frame import Frame
+from tissue.runs.simulate import simulate
 
 SMALL = {
     "tissue.cells": 5,

@@ -14,11 +14,11 @@ from tissue.files.parameters import load, preset
 from tissue.files.scenario import Scenario, drawn
 from tissue.files.timing import Timing, timing
 from tissue.files.units import Measure
-from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.start import started
-from tissue.state.streams import streams
+from tissue.runs.simulate import simulate
+from tissue.runs.start import started
+from tissue.state.checkpoint import streams
 
 NEVER = math.inf
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.

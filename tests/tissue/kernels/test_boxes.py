@@ -7,10 +7,9 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
-from tissue.kernels.curve import curve_numbers
-from tissue.kernels.store import STRAIGHT
-from tissue.state.basal_curve import ellipse
-from tissue.step.group import Group
+from tissue.runs.group import Group
+from tissue.state.basal_curve import curve_numbers, ellipse
+from tissue.state.store import STRAIGHT
 
 RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))
 GIVEN = numbers()

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from tissue.kernels import kernel
-from tissue.kernels.curve import course, curve_numbers, foot_of, height_of
-from tissue.state.basal_curve import ellipse, through
+from tissue.kernels.curve import course, foot_of, height_of
+from tissue.state.basal_curve import curve_numbers, ellipse, through
 
 WAVE = np.array([[-10.0, 0.0], [-5.0, 1.0], [0.0, 0.0], [5.0, -1.0], [10.0, 0.0]])
 CURVES = {

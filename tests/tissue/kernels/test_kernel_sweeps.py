@@ -11,10 +11,9 @@ from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.kernels.board import Boards
-from tissue.kernels.curve import curve_numbers
-from tissue.kernels.store import STRAIGHT
 from tissue.model.discs import part
-from tissue.state.basal_curve import ellipse
+from tissue.state.basal_curve import curve_numbers, ellipse
+from tissue.state.store import STRAIGHT
 
 seeds = st.integers(0, 2**32 - 1)
 RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))

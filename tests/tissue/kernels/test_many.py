@@ -10,11 +10,10 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import aged, distance, freed, together
 from tests.tissue.states import layers, numbers
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.many import simulate_many
-from tissue.run import RunFailed
+from tissue.runs.group import Group
+from tissue.runs.run import RunFailed
+from tissue.runs.simulate import simulate, simulate_many
 from tissue.step.advance import FULL
-from tissue.step.group import Group
 
 # Cells divide all the time, so that replicates soon differ in their numbers of cells.
 LIVELY = {"cell.min_cycle": "1 h", "cell.max_cycle": "3 h", "cell.g2": "0.4 h", "cell.mitosis": "0.4 h"}

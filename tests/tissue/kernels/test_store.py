@@ -8,9 +8,9 @@ from tests.tissue.kernel_calls import COORDINATES, aged
 from tests.tissue.states import numbers
 from tissue.files.parameters import preset
 from tissue.kernels.board import LOST
-from tissue.kernels.store import CELLS
+from tissue.runs.group import Group
+from tissue.state.store import CELLS
 from tissue.step import advance
-from tissue.step.group import Group
 
 each_preset = pytest.mark.parametrize("name", ["thesis", "published"])
 

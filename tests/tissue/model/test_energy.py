@@ -9,7 +9,7 @@ import dincl
 from tests.tissue.states import cells, layers, numbers, tissue
 from tissue.model.energy import Parts, energy, forces, parts
 from tissue.state.basal_curve import LINE, ellipse
-from tissue.state.forces import Forces
+from tissue.state.cells import Forces
 
 STEP = 1e-30
 TUBE = ellipse(40.0, 1.0, inside=True, ring=True)

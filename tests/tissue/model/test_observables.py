@@ -7,8 +7,8 @@ import tissue.model.observables
 from dincl.errors import InvalidProblem
 from tests.tissue.states import HEIGHT, cells, layers, numbers
 from tests.tissue.states import tissue as cells_at
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.observables import (
     PHASES,
     Extruded,
@@ -21,8 +21,8 @@ from tissue.model.observables import (
     phases,
     widths,
 )
+from tissue.runs.simulate import simulate
 from tissue.state.basal_curve import ellipse
-from tissue.state.frame import Frame
 
 
 def frame(x, a, apical=None, basal=None, t=0.0, **fields):

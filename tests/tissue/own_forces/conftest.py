@@ -8,27 +8,27 @@ import pytest
 
 import tissue
 from tests.tissue.own_forces.users import NAME
-from tissue.registry import shelf
+from tissue.plugins import registry
 
 
 @pytest.fixture(scope="module", autouse=True)
 def own(tmp_path_factory):
     """The module of a user; nothing of it is left."""
-    before = dict(shelf(tissue.Force))
-    shelf(tissue.Force).clear()
+    before = dict(registry(tissue.Force))
+    registry(tissue.Force).clear()
     file = tmp_path_factory.mktemp("own") / f"{NAME}.py"
     shutil.copy(Path(__file__).with_name("module.py"), file)
     tissue.preset("thesis").changed({"own.modules": [str(file)]})
     yield file
     sys.modules.pop(NAME, None)
-    shelf(tissue.Force).clear()
-    shelf(tissue.Force).update(before)
+    registry(tissue.Force).clear()
+    registry(tissue.Force).update(before)
 
 
 @pytest.fixture
 def kept():
     """What a test registers is gone after it."""
-    before = dict(shelf(tissue.Force))
+    before = dict(registry(tissue.Force))
     yield
-    shelf(tissue.Force).clear()
-    shelf(tissue.Force).update(before)
+    registry(tissue.Force).clear()
+    registry(tissue.Force).update(before)

@@ -23,12 +23,11 @@ from tests.tissue.own_forces.users import (
     published,
     same,
 )
-from tissue.kernels.curve import curve_numbers
-from tissue.kernels.store import contents, stored
-from tissue.registry import shelf
-from tissue.state.basal_curve import ellipse
+from tissue.plugins import registry
+from tissue.runs.group import Group
+from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import COORDINATES
-from tissue.step.group import Group
+from tissue.state.store import contents, stored
 
 each_layer = pytest.mark.parametrize("layer", LAYERS)
 
@@ -156,8 +155,8 @@ def test_a_run_goes_on_from_a_kept_state(own, layer):
 def test_the_order_of_registration_does_not_matter(own, kept):
     given = published(own, **{"forces.wall": 2.0, "forces.straight": 3.0, "forces.point": 0.1})
     before = tissue.simulate(given, 1).final
-    order = list(shelf(tissue.Force).values())
-    shelf(tissue.Force).clear()
+    order = list(registry(tissue.Force).values())
+    registry(tissue.Force).clear()
     tissue.register(*reversed(order))
     assert [force.name for force, _ in given.forces.acting()] == ["point", "straight", "wall"]
     assert same(tissue.simulate(given, 1).final, before)

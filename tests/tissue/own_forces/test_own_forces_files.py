@@ -10,8 +10,8 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tests.tissue.own_forces.users import NAME, nothing, published
+from tissue.plugins import registry
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.registry import shelf
 from tissue.study import identity
 
 # Parameters
@@ -50,7 +50,7 @@ def test_what_is_wrong_is_named(own, changes, message):
 
 
 def test_without_any_force_the_section_is_empty(tmp_path, kept):
-    shelf(tissue.Force).clear()
+    registry(tissue.Force).clear()
     with pytest.raises(
         InvalidProblem, match=r"wall = 1: unknown key; no force is registered, as files in own.modules do"
     ):

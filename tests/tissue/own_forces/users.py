@@ -3,7 +3,7 @@
 import numpy as np
 
 import tissue
-from tissue.registry import registered
+from tissue.plugins import registered
 from tissue.state.cells import COORDINATES
 
 NAME = "own_forces_copy"

@@ -5,12 +5,12 @@ from matplotlib.colors import to_hex
 
 from tests.tissue.states import layers
 from tests.tissue.stills import THESIS, trio
+from tissue.events.known import EVENTS
 from tissue.files.cell_types import MOST_TYPES
 from tissue.model.observables import PHASES
 from tissue.pictures.emt import EMT_COLOURS, OTHER_COLOURS, look_of
 from tissue.pictures.picture import picture
 from tissue.pictures.sheet import APICAL, BASAL, COLOURS, TYPE_COLOURS
-from tissue.tables import EVENTS
 
 
 @pytest.mark.parametrize("events", EMT_COLOURS)

@@ -10,14 +10,14 @@ import dincl
 from dincl.minimise import DampedArrowHurwicz as OnAProblem
 from dincl.minimise import RelativeMove, minimise
 from tests.tissue.states import cells, divided, layers, numbers, tissue
-from tissue.kernels.store import contents, stored
 from tissue.model.energy import energy, forces
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
 from tissue.quasi_steady.frozen import constraints, frozen_problem, particles
 from tissue.quasi_steady.judge import local_minimum
+from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES
 from tissue.state.numbers import Daha
-from tissue.step.group import Group
+from tissue.state.store import contents, stored
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 NEVER = 1e-100  # an eps that no move meets

@@ -9,7 +9,7 @@ from dincl import StepState
 from tests.tissue.states import cells, divided, layers, numbers, start, tissue
 from tissue.model.energy import forces
 from tissue.quasi_steady.frozen import cells_at, frozen_problem, made_feasible, particles
-from tissue.state.forces import Forces
+from tissue.state.cells import Forces
 
 N = 60
 T_END = 0.1

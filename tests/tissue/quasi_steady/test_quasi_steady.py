@@ -9,14 +9,14 @@ import pytest
 import dincl
 from dincl.status import Status
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
-from tissue.run import RunFailed
+from tissue.runs.run import RunFailed
+from tissue.runs.simulate import simulate
 from tissue.state.cells import Cells
+from tissue.state.checkpoint import streams
 from tissue.state.numbers import Daha
-from tissue.state.streams import streams
 
 COORDINATES = Cells._fields[:6]
 AGES = ("birth", "cycle", "id", "mother", "radius", "moves", "divides")

@@ -2,8 +2,8 @@
 
 import numpy as np
 
-from tissue.space.network.state import GHOSTS
-from tissue.space.surface import CYLINDER, PLANE, SPHERE
+from tissue.state.network import GHOSTS
+from tissue.state.surface import CYLINDER, PLANE, SPHERE
 
 
 def check(surface, network, points, *, crossings=True):

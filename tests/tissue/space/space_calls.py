@@ -6,9 +6,9 @@ import numpy as np
 
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.model.springs import coefficient
-from tissue.space.step.board import SPACE_COUNTERS, SpaceBoards, SpaceNumbers
-from tissue.space.step.substeps import space_substeps_address
-from tissue.space.surface import PLANE, SPHERE, Surface
+from tissue.state.surface import PLANE, SPHERE, Surface
+from tissue.step.space_board import SPACE_COUNTERS, SpaceBoards, SpaceNumbers
+from tissue.step.space_substeps import space_substeps_address
 
 FREE = {"period_x": np.inf, "period_z": np.inf}
 SURFACES = {

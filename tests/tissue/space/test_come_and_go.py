@@ -7,11 +7,11 @@ from tests.tissue.space.invariants import chart_of, check
 from tests.tissue.space.tissues import KINDS
 from tests.tissue.space.walk import Walk
 from tests.twins.tissue.space import network as twin
-from tissue.space import surface as s
-from tissue.space.network.follow import follow
-from tissue.space.network.insert import insert
-from tissue.space.network.remove import PRESENT, SUM, remove
-from tissue.space.network.start import triangulated
+from tissue.network.follow import follow
+from tissue.network.insert import insert
+from tissue.network.remove import PRESENT, SUM, remove
+from tissue.network.start import triangulated
+from tissue.state import surface as s
 
 every = pytest.mark.parametrize("name", KINDS)
 

@@ -5,14 +5,13 @@ import pytest
 
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.space.tissues import KINDS, spread_points
-from tissue.first_order import simulate
+from tissue.network.start import triangulated
 from tissue.pictures.cells_on_surface import polygons
-from tissue.space import surface as s
-from tissue.space.cut import cut
-from tissue.space.mesh import kept
-from tissue.space.network.start import triangulated
-from tissue.space.section import cut_of
-from tissue.space.state import no_space
+from tissue.pictures.section import cut, cut_of
+from tissue.runs.simulate import simulate
+from tissue.state import surface as s
+from tissue.state.mesh import kept
+from tissue.state.space import no_space
 
 
 def mesh_of(name, n, rng):

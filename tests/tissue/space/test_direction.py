@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from tissue.space.rules import direction
-from tissue.space.surface import cylinder, plane, sphere
+from tissue.rules.sheet import direction
+from tissue.state.surface import cylinder, plane, sphere
 
 SURFACES = {
     "plane": (plane(), lambda X: np.array([0.0, 1.0, 0.0])),

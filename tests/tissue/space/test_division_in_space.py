@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from tests.tissue.space.in_space import SURFACES, of_surface
-from tissue.kernels.store import CELLS
-from tissue.space.rules import split
-from tissue.space.start import started_in_space
-from tissue.space.surface import normals
-from tissue.state.streams import streams
+from tissue.rules.sheet import split
+from tissue.runs.start_in_space import started_in_space
+from tissue.state.checkpoint import streams
+from tissue.state.store import CELLS
+from tissue.state.surface import normals
 
 OFFSET = 0.05
 

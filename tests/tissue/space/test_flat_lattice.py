@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from tissue.space.lattice import flat_lattice
+from tissue.model.lattice import flat_lattice
 
 
 @pytest.mark.parametrize(("rows", "columns"), [(4, 12), (12, 4), (6, 6)])

@@ -7,10 +7,10 @@ from tests.tissue.space.invariants import check, edges_of
 from tests.tissue.space.tissues import CLOSED, KINDS
 from tests.tissue.space.walk import Walk
 from tests.twins.tissue.space.network import lengths_of, triangles_of
-from tissue.space import surface as s
-from tissue.space.network.follow import STUCK, follow
-from tissue.space.network.halfedges import MEAN, PRESENT
-from tissue.space.network.start import triangulated
+from tissue.network.follow import STUCK, follow
+from tissue.network.halfedges import MEAN, PRESENT
+from tissue.network.start import triangulated
+from tissue.state import surface as s
 
 every = pytest.mark.parametrize("name", KINDS)
 

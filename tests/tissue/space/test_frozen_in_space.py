@@ -10,15 +10,15 @@ import tissue
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.space.space_calls import make_substeps
 from tests.twins.tissue.space.state import SpaceTissue, Steps
-from tissue.space.energy import Elastic, space_energy
-from tissue.space.frozen import (
+from tissue.model.space_energy import Elastic, space_energy
+from tissue.quasi_steady.space_frozen import (
     cells_in_space_at,
     constraints_in_space,
     frozen_problem_in_space,
     made_feasible_in_space,
     particles_in_space,
 )
-from tissue.space.surface import cylinder, plane
+from tissue.state.surface import cylinder, plane
 
 STEP = 1e-30  # of the complex step: its error is STEP^2, below any rounding
 CHANGES = {"tissue__cells": 16, "numerics__t_end": "1 h"}

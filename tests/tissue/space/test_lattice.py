@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import tissue
-from tissue.space import surface as s
+from tissue.state import surface as s
 
 LAYERS = {
     "periodic": {},

@@ -9,11 +9,11 @@ from tests.tissue.space.invariants import check, edges_of
 from tests.tissue.space.tissues import KINDS
 from tests.tissue.space.walk import Walk, is_relaxed
 from tests.twins.tissue.space.network import lengths_of, triangles_of
-from tissue.space import surface as s
-from tissue.space.network.follow import follow
-from tissue.space.network.halfedges import MEAN, PRESENT, flip, is_flippable, set_rest
-from tissue.space.network.relax import relax
-from tissue.space.network.start import triangulated
+from tissue.network.exchange import relax
+from tissue.network.follow import follow
+from tissue.network.halfedges import MEAN, PRESENT, flip, is_flippable, set_rest
+from tissue.network.start import triangulated
+from tissue.state import surface as s
 
 
 def kite(width):

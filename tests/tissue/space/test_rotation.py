@@ -12,9 +12,9 @@ import pytest
 
 from tests.tissue.space.in_space import of_surface
 from tissue.files.parameters import Parameters
-from tissue.first_order import simulate
-from tissue.space.surface import laid
+from tissue.runs.simulate import simulate
 from tissue.state.cells import NAMED
+from tissue.state.surface import laid
 
 QUIET = {
     "tissue__diffusion": "0 um^2/h",

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 from tests.tissue.space.invariants import check, check_vertices, edges_of, triangles_of
-from tissue.space import surface as s
-from tissue.space.network.follow import follow
-from tissue.space.network.halfedges import PRESENT
-from tissue.space.network.insert import insert
-from tissue.space.network.relax import relax
-from tissue.space.network.remove import SUM, remove
-from tissue.space.network.start import triangulated
+from tissue.network.exchange import relax
+from tissue.network.follow import follow
+from tissue.network.halfedges import PRESENT
+from tissue.network.insert import insert
+from tissue.network.remove import SUM, remove
+from tissue.network.start import triangulated
+from tissue.state import surface as s
 
 RING = s.plane(period_x=8.0)
 

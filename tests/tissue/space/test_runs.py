@@ -5,10 +5,9 @@ import pytest
 
 import tissue
 from tests.tissue.space.in_space import SURFACES, of_surface, parameters, same
-from tissue.first_order import simulate
-from tissue.model.observables import ab_positions, height, nuclear_layers
-from tissue.space.measures import basal_area
-from tissue.state.frame import Frame
+from tissue.files.frame import Frame
+from tissue.model.observables import ab_positions, basal_area, height, nuclear_layers
+from tissue.runs.simulate import simulate
 
 FREE = {
     "tissue.dimension": 3,

@@ -10,7 +10,7 @@ from tests.tissue.space.space_calls import SURFACES, random_tissue
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps
 from tissue.model import energy as plane_energy
-from tissue.space.energy import space_energy, space_parts
+from tissue.model.space_energy import space_energy, space_parts
 
 STEP = 1e-30  # of the complex step: its error is STEP^2, below any rounding
 

@@ -7,7 +7,7 @@ from tests.tissue import kernel_calls as plane
 from tests.tissue.space.space_calls import SURFACES, make_substeps, random_tissue
 from tests.twins.tissue.space.state import SpaceTissue, Steps, distance, mapped
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
+from tissue.runs.simulate import simulate
 
 # One dt of 40 substeps: rounding grows by the dynamics.
 ROUNDING = 1e-12

@@ -10,10 +10,10 @@ from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps, distance, still
 from tissue.kernels import kernel
 from tissue.model.repulsion import SOFT
-from tissue.space.energy import nearest_image
-from tissue.space.step.board import ALL, FOUND, LISTS, WHOLE, space_board_at, wide_space_board_at
-from tissue.space.step.lists import MOST_STRAYS, SKIN, make_lists, row_of
-from tissue.space.step.substeps import make_space_substep
+from tissue.model.space_energy import nearest_image
+from tissue.step.lists import MOST_STRAYS, SKIN, make_lists, row_of
+from tissue.step.space_board import ALL, FOUND, LISTS, WHOLE, space_board_at, wide_space_board_at
+from tissue.step.space_substeps import make_space_substep
 
 seeds = st.integers(0, 2**32 - 1)
 surfaces = st.sampled_from(sorted(SURFACES))

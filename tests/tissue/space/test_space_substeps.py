@@ -8,7 +8,7 @@ from tests.tissue.space import space_calls as kernels
 from tests.tissue.space.space_calls import SURFACES, counted, random_tissue
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps, distance, still
-from tissue.space.step.board import SpaceBoards, SpaceNumbers
+from tissue.step.space_board import SpaceBoards, SpaceNumbers
 
 # Coordinates are about 10: one rounding is 1e-15. Roots are accurate to 2e-14, sums have some 50 terms.
 SUBSTEP = 1e-13

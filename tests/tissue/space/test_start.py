@@ -8,11 +8,11 @@ import pytest
 from dincl import InvalidProblem
 from tests.tissue.space.invariants import chart_of, check, edges_of, euler, nearest, triangles_of
 from tests.tissue.space.tissues import EULER, KINDS, spread_points
-from tissue.space import surface as s
-from tissue.space.lattice import flat_lattice, rows_of
-from tissue.space.network.halfedges import begins_edge
-from tissue.space.network.start import triangulated
-from tissue.space.network.state import grown, no_network
+from tissue.model.lattice import flat_lattice, rows_of
+from tissue.network.halfedges import begins_edge
+from tissue.network.start import triangulated
+from tissue.state import surface as s
+from tissue.state.network import grown, no_network
 
 every = pytest.mark.parametrize("name", KINDS)
 

@@ -7,7 +7,7 @@ import pytest
 
 from dincl import InvalidProblem
 from tissue.kernels import kernel
-from tissue.space import surface as s
+from tissue.state import surface as s
 
 SURFACES = {
     "plane": s.plane(),

@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 
-from tissue.space import surface as s
+from tissue.state import surface as s
 
 # Number of points, surface, and how they are laid out: one of each kind of network.
 KINDS = {

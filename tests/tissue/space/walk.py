@@ -4,13 +4,13 @@ import numpy as np
 
 from tests.tissue.space.invariants import check, edges_of
 from tests.tissue.space.tissues import KINDS, spread_points
-from tissue.space import surface as s
-from tissue.space.network import remove as removing
-from tissue.space.network.follow import STUCK, follow
-from tissue.space.network.halfedges import PRESENT
-from tissue.space.network.insert import insert
-from tissue.space.network.relax import relax
-from tissue.space.network.start import triangulated
+from tissue.network import remove as removing
+from tissue.network.exchange import relax
+from tissue.network.follow import STUCK, follow
+from tissue.network.halfedges import PRESENT
+from tissue.network.insert import insert
+from tissue.network.start import triangulated
+from tissue.state import surface as s
 
 MARGIN = 0.1
 
@@ -106,8 +106,8 @@ def reflected(x):
 
 def is_relaxed(walk):
     """Whether no edge inside has a shorter other diagonal that could take its place, by the margin; counted again."""
-    from tissue.space.network.chart import squared_distance
-    from tissue.space.network.halfedges import following, is_flippable, other_diagonal
+    from tissue.network.chart import squared_distance
+    from tissue.network.halfedges import following, is_flippable, other_diagonal
 
     network = walk.network
     for h in range(3 * network.triangles[0]):

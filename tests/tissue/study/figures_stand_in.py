@@ -12,7 +12,7 @@ from matplotlib.colors import to_hex
 from tissue.events.known import row
 from tissue.files.parameters import preset
 from tissue.files.scenario import drawn
-from tissue.first_order import simulate
+from tissue.runs.simulate import simulate
 from tissue.study.outcomes import Outcomes
 from tissue.study.plan import load_study
 from tissue.study.ratios import ratio

@@ -21,8 +21,8 @@ from tests.tissue.study.figures_stand_in import (
     whole,
 )
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.observables import phases
+from tissue.runs.simulate import simulate
 from tissue.study.answers import scenario_ratios
 from tissue.study.curves import over_time
 from tissue.study.figures.catalogue import FIGURES, found

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 from tests.tissue.study.figures_stand_in import caption, dots, expected, outcomes, written
 from tissue.cli.app import app
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
+from tissue.runs.simulate import simulate
 from tissue.study.figures.any_study import drawables
 from tissue.study.figures.examples import frames
 from tissue.study.figures.panels import MOST_COLUMNS

@@ -5,8 +5,8 @@ import pytest
 
 from tissue.events.known import bit
 from tissue.files.parameters import preset
-from tissue.many import simulate_many
 from tissue.model.observables import ab_positions
+from tissue.runs.simulate import simulate_many
 from tissue.study.outcomes import EXTENTS, SIDES, outcomes
 
 SEEDS, REPLICATES = [7, 3, 11, 5, 2, 13, 17, 19, 23, 29], range(40, 50)
@@ -128,7 +128,7 @@ def test_to_be_asked_often_changes_no_row(changes, monkeypatch):
     """Also of runs that fail between two kept times."""
     parameters = preset("thesis").changed(SCENARIO | changes)
     whole = outcomes(parameters, range(8), SEEDS[:8], [3])
-    monkeypatch.setattr("tissue.lot.ASKED", 500)
+    monkeypatch.setattr("tissue.runs.batch.ASKED", 500)
     asked = []
     again = outcomes(parameters, range(8), SEEDS[:8], [3], ask=lambda: asked.append(1))
     assert len(asked) == 100  # each step

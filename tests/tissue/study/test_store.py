@@ -130,8 +130,8 @@ def test_many_differences_are_cut_short():
 def test_the_code_version_knows_the_sources_that_make_numbers():
     code = identity.house_code.__wrapped__()
     assert code["numba"] == version("numba")
-    rows = {"tissue.start", "tissue.step.substeps", "tissue.study.outcomes", "tissue.tables"}
-    rows |= {"dincl.compiled.functions", "tissue.events.apical", "tissue.division", "tissue.summary"}
+    rows = {"tissue.runs.start", "tissue.step.substeps", "tissue.study.outcomes", "tissue.runs.tables"}
+    rows |= {"dincl.compiled.functions", "tissue.events.apical", "tissue.events.division", "tissue.runs.tables"}
     assert rows <= code.keys()
     aside = {"tissue.picture", "tissue.cli_study", "tissue.study.ratios", "tissue.study.store", "dincl.study.execute"}
     assert aside.isdisjoint(code)

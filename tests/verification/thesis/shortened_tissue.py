@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
+from tissue.runs.simulate import simulate
 from verification.thesis.chapter3 import (
     bench,
     beyond,

@@ -9,13 +9,14 @@ import numpy as np
 import pandas as pd
 
 from dincl.errors import InvalidProblem
+from tissue.events.known import EVENTS
+from tissue.files.frame import Frame
 from tissue.pictures.picture import Box, drawing
 from tissue.pictures.sheet import Figure
+from tissue.runs.tables import LENGTHS
 from tissue.state.cells import CellLayers, Cells, empty
-from tissue.state.frame import Frame
 from tissue.study.figures.needs import Sources, needs
 from tissue.study.figures.style import POSITION, caption, verbatim
-from tissue.tables import EVENTS, LENGTHS
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters

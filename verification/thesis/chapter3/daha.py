@@ -12,11 +12,11 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from dincl.study import Key, Row, Study
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
 from tissue.model.observables import height, widths
 from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
 from tissue.state.cells import Cells
-from tissue.state.frame import Frame
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.disturbed import OTHER
 from verification.thesis.chapter3.growing import (

@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dincl.status import Status
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
 from tissue.kernels.board import RUNNING
-from tissue.kernels.store import CELLS, Store, contents
-from tissue.start import started
+from tissue.runs.group import Group
+from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells
-from tissue.state.frame import Frame
+from tissue.state.checkpoint import Streams, streams
 from tissue.state.numbers import Numbers
-from tissue.state.streams import Streams, streams
-from tissue.step.group import Group
+from tissue.state.store import CELLS, Store, contents
 
 Floats = NDArray[np.float64]
 PRESETS = ("thesis", "published")

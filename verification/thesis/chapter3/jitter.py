@@ -7,10 +7,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from tissue.kernels.store import contents, stored
+from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES, CellLayers, Cells
 from tissue.state.numbers import Numbers
-from tissue.step.group import Group
+from tissue.state.store import contents, stored
 
 Floats = NDArray[np.float64]
 

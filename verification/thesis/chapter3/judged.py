@@ -13,9 +13,7 @@ from scipy.optimize import nnls
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
-from tissue.first_order import simulate
-from tissue.kernels.handed import handed_numbers
-from tissue.kernels.store import contents
+from tissue.kernels.numbers import handed_numbers
 from tissue.model.energy import energy, forces
 from tissue.model.observables import height
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
@@ -23,9 +21,11 @@ from tissue.quasi_steady.frozen import constraints, particles
 from tissue.quasi_steady.judge import local_minimum
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.simulate import simulate
 from tissue.state.cells import Cells
+from tissue.state.store import contents
 from tissue.step.advance import apply_rules
-from tissue.step.called import handed_rules
 from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.chapter3.growing import SUCCESS, growing_from, until
 from verification.thesis.chapter3.intervals import over_seeds

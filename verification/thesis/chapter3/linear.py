@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tissue.model.energy import forces
-from tissue.state.cells import CellLayers, Cells
-from tissue.state.forces import Forces
+from tissue.state.cells import CellLayers, Cells, Forces
 from tissue.state.numbers import Numbers
 
 Floats = NDArray[np.float64]

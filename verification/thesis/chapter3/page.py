@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.runs.simulate import simulate
 from tissue.study.outcomes import outcomes
 from verification.page.context import Context
 from verification.page.parts import Section

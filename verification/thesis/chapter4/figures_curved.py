@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.pictures.picture import draw_frame
 from tissue.pictures.sheet import Figure, style, write
+from tissue.runs.simulate import simulate
 
 # A label, colour, mark and what it is filled with, rows.
 Series = tuple[str, tuple[str, ...], pd.DataFrame]

@@ -14,10 +14,10 @@ import pandas as pd
 
 from dincl.compiled.lanes import WIDTH
 from dincl.study import progress
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
-from tissue.lot import Lot
+from tissue.runs.batch import Lot
 from tissue.state.cells import Flags, Integers
-from tissue.state.frame import Frame
 from tissue.study.outcomes import SIDES
 from tissue.study.plan import run_seeds
 from tissue.study.proportions import wilson

@@ -10,8 +10,8 @@ import pandas as pd
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
-from tissue.first_order import simulate
 from tissue.model.observables import height
+from tissue.runs.simulate import simulate
 from tissue.study.outcomes import SIDES
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.space.counted import counted, with_intervals

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tissue.files.parameters import Parameters
-from tissue.groups import crowd_of
+from tissue.runs.cell_groups import crowd_of
 from tissue.state.cells import CONTROL, Flags
-from tissue.state.streams import streams
+from tissue.state.checkpoint import streams
 
 # In distances of neighbours. Cells up to here leave less often, in sheets of 196, 784 and 1,764 cells of the study of
 # choices; those beyond it do alike in the last two.

@@ -10,13 +10,18 @@ import numpy as np
 
 import dincl
 import tissue
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
-from tissue.space.frozen import frozen_problem_in_space, made_feasible_in_space, particles_in_space, rates_of
-from tissue.space.step.board import PAIRS, SpaceBoards, SpaceNumbers
-from tissue.space.step.substeps import space_substeps_address
+from tissue.quasi_steady.space_frozen import (
+    frozen_problem_in_space,
+    made_feasible_in_space,
+    particles_in_space,
+    rates_of,
+)
 from tissue.state.cells import Floats
-from tissue.state.frame import Frame
 from tissue.state.numbers import Numbers
+from tissue.step.space_board import PAIRS, SpaceBoards, SpaceNumbers
+from tissue.step.space_substeps import space_substeps_address
 
 # Explicit Euler is stable for h lambda below it.
 LIMIT = 2.0

@@ -11,13 +11,12 @@ from typing import NamedTuple
 import numpy as np
 
 from dincl.study import Key, Row, Study
+from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
-from tissue.first_order import simulate
-from tissue.model.observables import height
-from tissue.space.measures import basal_area
-from tissue.space.section import section
+from tissue.model.observables import basal_area, height
+from tissue.pictures.section import section
+from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats, Integers
-from tissue.state.frame import Frame
 
 # The probability that both daughters of a division stay: that of the slice, and that of a sheet.
 SOME, ALL = 0.2, 1.0

@@ -10,8 +10,8 @@ import pandas as pd
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
-from tissue.first_order import simulate
 from tissue.model.observables import ab_positions, height, nucleus_height
+from tissue.runs.simulate import simulate
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.space.growth import roughness
 

@@ -13,11 +13,11 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Key, Row, Study
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.observables import height
+from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
-from tissue.state.frame import Frame
 from verification.order import estimate, order_text
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter3.substeps import ENOUGH, SAFETY

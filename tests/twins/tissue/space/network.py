@@ -4,7 +4,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from tissue.space.surface import SPHERE
+from tissue.state.surface import SPHERE
 
 
 def triangles_of(network):

@@ -4,8 +4,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from tissue.space.surface import FLAT_SURFACE, Surface
 from tissue.state.cells import Floats, Integers
+from tissue.state.surface import FLAT_SURFACE, Surface
 
 
 class SpaceTissue(NamedTuple):

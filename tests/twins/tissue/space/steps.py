@@ -12,10 +12,10 @@ import numpy as np
 from tests.twins.tissue.normals import normals
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.model import bending, junctions, repulsion, springs
-from tissue.space.energy import Elastic, nearest_image
-from tissue.space.step.basal import LEAST_GAP
-from tissue.space.surface import CYLINDER, PLANE, Surface
+from tissue.model.space_energy import Elastic, nearest_image
 from tissue.state.cells import Floats, Integers
+from tissue.state.surface import CYLINDER, PLANE, Surface
+from tissue.step.basal import LEAST_GAP
 
 
 def make_substeps(state: SpaceTissue, steps: Steps) -> SpaceTissue:

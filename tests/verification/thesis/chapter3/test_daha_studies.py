@@ -10,10 +10,10 @@ from tests.tissue.states import cells, layers, numbers
 from tests.verification.thesis.shortened_tissue import DAHA
 from tests.verification.undrawn import draw_nothing
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.energy import energy
 from tissue.quasi_steady.judge import local_minimum
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.runs.simulate import simulate
 from verification.page.context import Context
 from verification.page.parts import Grid, Picture, Text
 from verification.thesis.chapter3 import catch_up, daha, daha_fit, daha_limits, judged

@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tissue.lot import Lot
+from tissue.runs.batch import Lot
 from verification.page.prose import fill
 from verification.thesis.chapter4 import curved, figures_curved, page_curved, tubes
 

@@ -11,8 +11,8 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
+from tissue.runs.simulate import simulate
 from tissue.study.ratios import Ratio
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal

@@ -12,15 +12,15 @@ import numpy as np
 from scipy.integrate import solve_ivp
 from scipy.optimize import minimize_scalar
 
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.kernels.handed import handed_numbers
-from tissue.kernels.store import contents, stored
+from tissue.kernels.numbers import handed_numbers
 from tissue.model.cycle import adapt_rest_lengths
 from tissue.model.division import divide
+from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.simulate import simulate
 from tissue.state.cells import Cells
-from tissue.state.frame import Frame
-from tissue.step.called import handed_rules
+from tissue.state.store import contents, stored
 from verification.claims import claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import grown, runs_for

@@ -9,12 +9,12 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.energy import forces
 from tissue.model.observables import height
+from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
-from tissue.state.frame import Frame
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds

@@ -6,17 +6,17 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.kernels.handed import handed_numbers
-from tissue.kernels.store import contents, stored
+from tissue.kernels.numbers import handed_numbers
 from tissue.model.cycle import adapt_rest_lengths
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
+from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.group import Group
+from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
-from tissue.state.frame import Frame
-from tissue.step.called import handed_rules
-from tissue.step.group import Group
+from tissue.state.store import contents, stored
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter3.terms import slope, spring

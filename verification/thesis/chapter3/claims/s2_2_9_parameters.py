@@ -9,9 +9,9 @@ from itertools import pairwise
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.observables import nuclear_layers
 from tissue.quasi_steady.judge import local_minimum
+from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES
 from verification.claims import claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal

@@ -8,8 +8,8 @@ import math
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.observables import ab_positions
+from tissue.runs.simulate import simulate
 from verification.claims import Tables, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for

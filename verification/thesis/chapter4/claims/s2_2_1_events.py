@@ -7,10 +7,10 @@ from itertools import permutations
 
 import numpy as np
 
+from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
-from tissue.run import Run
-from tissue.state.frame import Frame
+from tissue.runs.run import Run
+from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
+from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal

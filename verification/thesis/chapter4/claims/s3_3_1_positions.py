@@ -8,9 +8,9 @@ from itertools import product
 
 import numpy as np
 
+from tissue.files.frame import Frame
 from tissue.model.observables import ab_positions
 from tissue.state.cells import CellLayers, Cells, Floats, empty
-from tissue.state.frame import Frame
 from tissue.study.proportions import POWER
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most

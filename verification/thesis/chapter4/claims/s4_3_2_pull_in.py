@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.first_order import simulate
 from tissue.model.energy import forces
 from tissue.model.observables import ab_positions
+from tissue.runs.simulate import simulate
 from tissue.state.cells import CellLayers, Floats, empty
 from verification.claims import claim
 from verification.evidence import Evidence, Kind, at_least, at_most

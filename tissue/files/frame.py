@@ -1,0 +1,74 @@
+"""The tissue at one time."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import NamedTuple
+
+import numpy as np
+
+from dincl.checks import describe, instance
+from dincl.errors import InvalidProblem
+from tissue.state.basal_curve import LINE, BasalCurve
+from tissue.state.cells import CellLayers, Cells, Floats
+from tissue.state.checkpoint import TissueCheckpoint
+from tissue.state.mesh import Sheets
+from tissue.state.surface import heights
+
+# What a run can be started from, in messages.
+A_START = "a kept state of a run, such as run.final or Frame.load(path)"
+
+
+class Frame(NamedTuple):
+    """The tissue at one time; lengths in R_soft, times in hours.
+
+    A run can be started from a kept state: ``tissue.simulate(parameters, seed, start=run.final)``. ``checkpoint`` is
+    what this takes besides cells and layers; None for a tissue that no run has made.
+    """
+
+    t: float
+    cells: Cells
+    layers: CellLayers
+    curve: BasalCurve = LINE  # the basal layer
+    checkpoint: TissueCheckpoint | None = None
+    sheets: Sheets | None = None  # in three dimensions the basal surface and both networks
+
+    @property
+    def past(self) -> TissueCheckpoint:
+        """The ``checkpoint``; raises InvalidProblem if there is none."""
+        if self.checkpoint is None:
+            at = f"{self.t:g}" if isinstance(self.t, float) else describe(self.t)
+            raise InvalidProblem(f"a frame at t = {at} h that no run has made: must be {A_START}")
+        instance("checkpoint", self.checkpoint, TissueCheckpoint, f"that of {A_START}")
+        return self.checkpoint
+
+    def heights(self, x: Floats, y: Floats, z: Floats) -> Floats:
+        """The distance of points (m,) from the basal layer, along its normal; below 0 on the side without tissue."""
+        if self.sheets is None:
+            return self.curve.heights(x, y)
+        return heights(self.sheets.surface, np.column_stack((x, y, z)))
+
+    def save(self, path: str | PathLike[str]) -> None:
+        """Write the whole state, by convention to a file .npz, from which ``load`` reads the same bits.
+
+        Raises
+        ------
+        InvalidProblem
+            If no run has made this frame, or the file cannot be written.
+        """
+        from tissue.files.frame_files import save
+
+        save((self.t, self.cells, self.layers, self.curve, self.past, self.sheets), path)
+
+    @staticmethod
+    def load(path: str | PathLike[str]) -> Frame:
+        """The state that ``save`` wrote.
+
+        Raises
+        ------
+        InvalidProblem
+            If there is no such file, it is damaged, or no state of a tissue.
+        """
+        from tissue.files.frame_files import load
+
+        return Frame(*load(path))

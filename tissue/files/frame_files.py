@@ -1,0 +1,236 @@
+"""States of a run on disk: one file, a zip archive of NumPy arrays (npz)."""
+
+from __future__ import annotations
+
+import re
+import struct
+import zlib
+from collections.abc import Iterator, Mapping
+from os import PathLike
+from typing import Any
+from zipfile import BadZipFile
+
+import numpy as np
+
+from dincl.checks import instance, number
+from dincl.checks import path as checked_path
+from dincl.errors import InvalidProblem
+from dincl.files import replacing
+from tissue.events.known import events as known
+from tissue.state.basal_curve import ORDER, BasalCurve
+from tissue.state.cells import COORDINATES, DEPTHS, KINDS, NAMED, CellLayers, Cells, Emt
+from tissue.state.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
+from tissue.state.mesh import Mesh, Sheets, as_arrays, of_arrays, wrong_mesh
+from tissue.state.network import GHOSTS
+from tissue.state.store import COUNTERS
+from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface
+
+# In each file; another number with other contents.
+FORMAT = "tissue frame 3"
+# A seed may have more decimals than Python writes.
+_HEXADECIMAL = re.compile("[0-9a-f]+")
+TEXTS = ("format", "seed", "events", "types")
+# What archives and arrays raise that are damaged.
+UNREADABLE = (
+    *(OSError, EOFError, ValueError, LookupError, TypeError, SyntaxError, RuntimeError, MemoryError),
+    *(BadZipFile, zlib.error, struct.error),
+)
+Arrays = dict[str, Any]
+# The fields of a frame.
+Parts = tuple[float, Cells, CellLayers, BasalCurve, TissueCheckpoint, Sheets | None]
+
+
+def save(parts: Parts, path: str | PathLike[str]) -> None:
+    """As ``Frame.save``, of the fields of the frame."""
+    arrays, file_path = checked("frame", parts), checked_path("path", path)
+    try:
+        with replacing(file_path) as partial, partial.open("wb") as file:
+            np.savez(file, **arrays)
+    except OSError as error:
+        raise InvalidProblem(f"{path}: cannot be written: {error}") from error
+
+
+def checked(name: str, parts: Parts) -> Arrays:
+    """The fields of a frame as the arrays of a file; raises InvalidProblem where no run can have made them."""
+    _, cells, layers, curve, past, sheets = parts
+    number(f"{name}.t", parts[0], non_negative=True)
+    kinds = (cells, Cells), (layers, CellLayers), (curve, BasalCurve), (past, TissueCheckpoint)
+    for value, kind in kinds:
+        instance(name, value, kind, f"a kept state of a run, with its {kind.__name__}")
+    for group, fields in (("cells", cells), ("layers", layers)):
+        for field, array in fields._asdict().items():
+            instance(f"{name}.{group}.{field}", array, np.ndarray, "an array of numpy")
+    if sheets is not None:
+        _check_sheets(f"{name}.sheets", sheets)
+    arrays = {key: np.asarray(array) for key, array in _arrays(parts).items()}
+    for wrong in _wrong(arrays):
+        raise InvalidProblem(f"{name}: must be a kept state of a run: {wrong}")
+    return arrays
+
+
+def _check_sheets(name: str, sheets: Any) -> None:
+    """Refuse what are no networks of arrays."""
+    instance(name, sheets, Sheets, "those of a kept state of a run in three dimensions")
+    instance(f"{name}.surface", sheets.surface, Surface, "a basal surface")
+    for sheet in ("apical", "basal"):
+        mesh = instance(f"{name}.{sheet}", getattr(sheets, sheet), Mesh, "a network of cells")
+        for field, array in mesh._asdict().items():
+            instance(f"{name}.{sheet}.{field}", array, np.ndarray, "an array of numpy")
+
+
+def _arrays(parts: Parts) -> Arrays:
+    """What is in the file."""
+    t, cells, layers, curve, past, sheets = parts
+    arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": f"{past.seed:x}", "next_id": past.next_id}
+    arrays |= {"events": _events(), "types": " ".join(past.types)}
+    arrays |= {"counts": past.counts, "generators": past.generators}
+    arrays |= {"parted_sweeps": past.parted.sweeps, "parted_moved": past.parted.moved}
+    arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
+    arrays |= {f"sheets.{name}": array for name, array in as_arrays(sheets).items()}
+    for group, fields in (("cells", cells), ("layers", layers), ("emt", past.emt)):
+        arrays |= {f"{group}.{name}": array for name, array in fields._asdict().items()}
+    return arrays
+
+
+def load(path: str | PathLike[str]) -> Parts:
+    """As ``Frame.load``; the fields of the frame."""
+    file_path = checked_path("path", path)
+    try:
+        with file_path.open("rb") as file, np.load(file, allow_pickle=False) as held:
+            arrays = {name: held[name] for name in held.files}
+    except UNREADABLE as error:
+        raise InvalidProblem(f"{path}: must be a readable file that Frame.save wrote: {error}") from error
+    for wrong in _wrong(arrays):
+        raise InvalidProblem(f"{path}: must be a file that Frame.save wrote: {wrong}")
+    return _parts(arrays)
+
+
+def _events() -> str:
+    """The events of this process, in the order of their bits."""
+    return ", ".join(event.name for event in known())
+
+
+def _parts(arrays: Arrays) -> Parts:
+    """The state that the arrays are."""
+    cells = Cells(**{name: arrays[f"cells.{name}"] for name in Cells._fields})
+    layers = CellLayers(arrays["layers.apical"], arrays["layers.basal"])
+    emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})
+    parted = Parted(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
+    seed, next_id = int(str(arrays["seed"]), 16), int(arrays["next_id"])
+    types = tuple(str(arrays["types"]).split())
+    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], parted, types)
+    table, (length, origin), (around, ring) = (
+        arrays["curve.table"],
+        (float(arrays[f"curve.{name}"]) for name in ("length", "origin")),
+        (bool(arrays[f"curve.{name}"]) for name in ("around", "ring")),
+    )
+    return (
+        float(arrays["t"]),
+        cells,
+        layers,
+        BasalCurve(table, length, origin, around, ring),
+        checkpoint,
+        _sheets(arrays),
+    )
+
+
+def _sheets(arrays: Mapping[str, Any]) -> Sheets | None:
+    """The networks of a tissue in space."""
+    return of_arrays({name.partition(".")[2]: array for name, array in arrays.items() if name.startswith("sheets.")})
+
+
+def _shapes(arrays: Mapping[str, Any]) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    """Kind and shape of each array but the texts; how long those of cells, layers and EMT cells are, is free."""
+    n, m = (arrays[name].size if name in arrays else 0 for name in ("cells.x", "emt.side"))
+    expected: dict[str, tuple[Any, tuple[int, ...]]] = {
+        "t": (np.float64, ()),
+        "next_id": (np.int64, ()),
+        "parted_sweeps": (np.int64, ()),
+        "parted_moved": (np.float64, ()),
+        "counts": (np.int64, (len(COUNTERS),)),
+        "generators": (np.uint64, (len(DRAWN), WORDS)),
+        "curve.table": (np.float64, (len(np.atleast_1d(arrays.get("curve.table", 0))), 2 * ORDER)),
+        **dict.fromkeys(("curve.length", "curve.origin"), (np.float64, ())),
+        **dict.fromkeys(("curve.around", "curve.ring"), (np.bool_, ())),
+    }
+    expected |= {f"cells.{name}": (KINDS.get(name, np.float64), (n,)) for name in Cells._fields}
+    for name in CellLayers._fields:
+        expected[f"layers.{name}"] = np.int64, (arrays[f"layers.{name}"].size if f"layers.{name}" in arrays else 0,)
+    expected |= {f"emt.{name}": (np.int64 if name in ("side", "new") else np.float64, (m,)) for name in Emt._fields}
+    if "sheets.surface" in arrays:
+        expected |= _shapes_in_space(arrays, n)
+    return expected | {"emt.at": (np.float64, (len(known()), m))}
+
+
+def _shapes_in_space(arrays: Mapping[str, Any], n: int) -> dict[str, tuple[Any, tuple[int, ...]]]:
+    """Of the networks; how many triangles there are, is free."""
+    expected: dict[str, tuple[Any, tuple[int, ...]]] = {"sheets.surface": (np.float64, (len(Surface._fields),))}
+    for sheet in ("apical", "basal"):
+        half_edges = arrays[f"sheets.{sheet}.corner"].size if f"sheets.{sheet}.corner" in arrays else 0
+        for name in Mesh._fields:
+            kind = np.int64 if name in ("corner", "twin", "out") else np.float64
+            size = half_edges if name in ("corner", "twin", "rest") else n + GHOSTS
+            expected[f"sheets.{sheet}.{name}"] = kind, (size,)
+    return expected
+
+
+def _wrong(arrays: Arrays) -> Iterator[str]:
+    """What is wrong with the contents of a file; in words, the first of which is enough."""
+    found = str(arrays.get("format", "missing"))
+    if found != FORMAT:
+        yield f'its format is "{found}" in place of "{FORMAT}"'
+    expected = _shapes(arrays)
+    wanted = {*expected, *TEXTS}
+    if {*arrays} != wanted:
+        yield f"its arrays differ in {', '.join(sorted({*arrays} ^ wanted))}"
+    if str(arrays["events"]) != _events():
+        yield f"its events are {arrays['events']}, in place of those that are registered, {_events()}"
+    for name, (kind, shape) in expected.items():
+        if arrays[name].dtype != kind or arrays[name].shape != shape:
+            yield f"{name} is of kind {arrays[name].dtype} and shape {arrays[name].shape}"
+    if not _HEXADECIMAL.fullmatch(str(arrays["seed"])):
+        yield f'seed = "{arrays["seed"]}"'
+    yield from _impossible(arrays)
+
+
+def _impossible(arrays: Arrays) -> Iterator[str]:
+    """What no run can have made: kernels would read and write elsewhere. Coordinates may be those of a lost tissue."""
+    n, m = arrays["cells.x"].size, arrays["emt.side"].size
+    for name in (
+        "t",
+        "parted_moved",
+        "curve.table",
+        "curve.length",
+        "curve.origin",
+        *(f"cells.{name}" for name in Cells._fields if name not in (*COORDINATES, *DEPTHS)),
+    ):
+        if not np.isfinite(arrays[name]).all():
+            yield f"{name} is not finite"
+    for name in ("emt.at", "emt.since", "emt.since_x", "emt.onset_ab"):
+        if np.isnan(arrays[name]).any():
+            yield f"{name} is not a number"
+    ids, among, events = arrays["cells.id"], arrays["cells.emt"], arrays["cells.events"]
+    kinds = len(str(arrays["types"]).split())
+    checks = {
+        "t": arrays["t"] >= 0,
+        "cells.x": n > 0,
+        "curve.length": arrays["curve.length"] > 0 or len(arrays["curve.table"]) == 0,
+        "cells.id": len({*ids.tolist()}) == n and ids.min(initial=0) >= 0,
+        "next_id": arrays["next_id"] > ids.max(initial=-1),
+        "cells.radius": (arrays["cells.radius"] >= 0).all(),
+        "cells.cycle": (arrays["cells.cycle"] > 0).all(),
+        "cells.emt": among.min(initial=-1) >= -1 and np.array_equal(np.sort(among[among >= 0]), np.arange(m)),
+        "cells.events": ((events >= 0) & (events < 1 << len(known())) & ((events == 0) | (among >= 0))).all(),
+        "cells.kind": ((arrays["cells.kind"] >= 0) & (arrays["cells.kind"] < NAMED + kinds)).all(),
+        "counts": (arrays["counts"] >= 0).all(),
+    }
+    for name in (f"layers.{layer}" for layer in CellLayers._fields):
+        layer = arrays[name]
+        checks[name] = bool((np.diff(layer) > 0).all() and layer.min(initial=0) >= 0 and layer.max(initial=-1) < n)
+    if sheets := _sheets(arrays):
+        checks |= {
+            "sheets.surface": sheets.surface.bends in (PLANE, CYLINDER, SPHERE)
+            and not np.isnan(arrays["sheets.surface"]).any()
+        }
+        checks |= {f"sheets.{name}.corner": not wrong_mesh(getattr(sheets, name), n) for name in ("apical", "basal")}
+    yield from (f"{name} = {arrays[name]} is not possible" for name, fine in checks.items() if not fine)

@@ -1,0 +1,88 @@
+"""A section through a tissue in space, as a tissue in the plane: what one sees of a slice under a microscope."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from tissue.files.frame import Frame
+from tissue.state.basal_curve import LINE, ellipse
+from tissue.state.cells import CellLayers, Cells, Floats
+from tissue.state.mesh import Mesh
+from tissue.state.surface import PLANE, Surface
+
+
+def cut(surface: Surface, mesh: Mesh, points: Floats, z: float = 0.0) -> Floats:
+    """The pieces of the cut, (m, 2, 2): x and y of both ends of each, in the triangles that the plane goes through.
+
+    Parameters
+    ----------
+    mesh
+        The network.
+    points
+        Of all cells, (n, 3).
+    z
+        Of the plane; along a period, of all its images.
+    """
+    corners = points[mesh.triangles]
+    for axis, period in ((0, surface.period_x), (2, surface.period_z)):
+        if math.isfinite(period):
+            apart = corners[:, :, axis] - corners[:, :1, axis]
+            corners[:, :, axis] = corners[:, :1, axis] + apart - period * np.round(apart / period)
+            middle = corners[:, :, axis].mean(axis=1, keepdims=True) - (z if axis == 2 else 0.0)
+            corners[:, :, axis] -= period * np.round(middle / period)
+    above = corners[:, :, 2] > z
+    count = above.sum(axis=1)
+    crossed = (count == 1) | (count == 2)
+    corners, above, count = corners[crossed], above[crossed], count[crossed]
+    alone = np.argmax(above == (count == 1)[:, None], axis=1)  # the corner that is alone on its side
+    rows = np.arange(len(corners))
+    ends = []
+    for k in (1, 2):
+        a, b = corners[rows, alone], corners[rows, (alone + k) % 3]
+        part = (z - a[:, 2]) / (b[:, 2] - a[:, 2])
+        ends.append(a[:, :2] + part[:, None] * (b - a)[:, :2])
+    pieces: Floats = np.stack(ends, axis=1)
+    return pieces
+
+
+def section(frame: Frame, z: float = 0.0) -> Frame:
+    """The cells whose nuclei, the hard balls, are cut by the plane z = const., from left to right, or around.
+
+    A frame of a tissue in the plane is its own section. The layers of a section are these cells in their order, not the
+    neighbours of the networks; ``cut_of`` is the apical layer. Nothing can be started from it.
+    """
+    if frame.sheets is None:
+        return frame
+    surface, cells = frame.sheets.surface, frame.cells
+    deep = cells.z - z
+    if math.isfinite(surface.period_z):
+        deep = deep - surface.period_z * np.round(deep / surface.period_z)
+    chosen = np.flatnonzero(np.abs(deep) <= cells.radius)
+    across = cells.bx if surface.bends == PLANE else np.arctan2(surface.side * cells.bx, surface.side * cells.by)
+    ordered = chosen[np.argsort(surface.side * across[chosen], kind="stable")]
+    kept = Cells._make(array[ordered] for array in cells)
+    layers = CellLayers(*(np.flatnonzero(np.isin(ordered, layer)) for layer in frame.layers))
+    if surface.bends == PLANE:
+        return Frame(frame.t, kept, layers, LINE)
+    down = _down(surface)
+    kept = kept._replace(y=kept.y - down, ay=kept.ay - down, by=kept.by - down)
+    around = 2.0 * math.pi * surface.radius
+    return Frame(frame.t, kept, layers, ellipse(around, 1.0, inside=surface.side < 0.0, ring=True))
+
+
+def cut_of(frame: Frame, z: float = 0.0) -> Floats | None:
+    """The pieces of the apical layer that the plane cuts, (m, 2, 2), beside ``section``; None in a slice."""
+    if frame.sheets is None:
+        return None
+    cells, surface = frame.cells, frame.sheets.surface
+    pieces = cut(surface, frame.sheets.apical, np.column_stack((cells.ax, cells.ay, cells.az)), z)
+    if surface.bends != PLANE:
+        pieces[..., 1] -= _down(surface)
+    return pieces
+
+
+def _down(surface: Surface) -> float:
+    """The circle of a section has its point of arclength 0 at the origin."""
+    return surface.side * surface.radius

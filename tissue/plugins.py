@@ -1,0 +1,229 @@
+"""What users may add to a tissue: events, forces, observables; and the registry of what was added."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+from numbers import Real
+from types import FunctionType
+from typing import TYPE_CHECKING, Any, TypeVar
+
+from dincl.callables import UserFunction
+from dincl.checks import function, instance, string
+from dincl.errors import InvalidProblem
+from dincl.status import Status
+
+if TYPE_CHECKING:
+    from tissue.files.frame import Frame
+    from tissue.files.parameters import Parameters
+
+# Names of events, of forces and observables, of rules of divisions; units of observables.
+_LETTERS, _NAME = re.compile("[a-z][a-z0-9]*"), re.compile("[a-z][a-z0-9_]*")
+_WORD, _UNIT = re.compile(r"[^\W\d]\w*"), re.compile("[a-z0-9_]*")
+
+# The points of a cell that an event may free.
+POINTS = ("apical", "basal")
+Thing = TypeVar("Thing")
+_REGISTERED: dict[type, dict[str, Any]] = {}
+
+
+def registry(kind: type) -> dict[str, Any]:
+    """What was registered of a kind, by name, the first one first."""
+    return _REGISTERED.setdefault(kind, {})
+
+
+def registered(kind: type[Thing]) -> tuple[Thing, ...]:
+    """The same in the order of the names: that in which modules are imported may be another one in another process."""
+    return tuple(thing for _, thing in sorted(registry(kind).items()))
+
+
+@dataclass(frozen=True)
+class EmtEvent:
+    """An event that begins once in a cell, at a time that the parameters give.
+
+    It fires in the step dt that ends at its time, or in which its time lies, and acts from the beginning of that step.
+    Its functions are plain Python at top level of a file; numba compiles them, alone, when a run first needs them, and
+    any function that they call must be one of ``dincl.compiled.inner``. They change the store in place.
+
+    Attributes
+    ----------
+    name
+        Its key in the section [emt] of parameter files: lower-case letters and digits. Tables have ``mark``, and the
+        column ``t_NAME_h``.
+    meaning, source
+        One line each: what happens, and who says so.
+    begin
+        ``begin(store, i, bit, numbers)``, called once, for cell i; ``numbers`` are those of its type. ``bit``: that of
+        this event, as in ``store.cells.events``, which does not have it yet; ``store.emt.new`` has the bits of all
+        events that begin in the same step. None: nothing happens at once.
+    last
+        ``last(store, i, rest_ax, rest_bx, numbers)``, called for each dt from then on, after the rest lengths of the
+        springs have relaxed as in other cells; given are those before. Built-in events are called first,
+        then others by name.
+    after
+        The name of an event that this one waits for, so that it begins at the later time of both.
+    frees
+        "apical" or "basal": the spring to this point holds nothing from then on, and so does not count where the rest
+        lengths of a cell have a cap. None: neither.
+
+    Raises
+    ------
+    InvalidProblem
+        If the name is none, there is nothing to do, or ``begin`` or ``last`` is no function.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    begin: Callable[..., None] | None = None
+    last: Callable[..., None] | None = None
+    after: str | None = None
+    frees: str | None = None
+
+    def __post_init__(self) -> None:
+        string("name", self.name, _LETTERS, "lower-case letters and digits")
+        string("meaning", self.meaning)
+        string("source", self.source)
+        if self.after is not None:
+            string(f"EmtEvent {self.name}: after", self.after)
+        if self.frees not in (None, *POINTS):
+            raise InvalidProblem(f'EmtEvent {self.name}: frees = {self.frees!r}: must be "apical", "basal" or None')
+        for key, value in (("begin", self.begin), ("last", self.last)):
+            if value is not None:
+                instance(f"EmtEvent {self.name}: {key}", value, FunctionType, "a function, or None")
+        if self.begin is None and self.last is None:
+            raise InvalidProblem(f"EmtEvent {self.name}: must have a function begin, last, or both")
+
+    @property
+    def mark(self) -> str:
+        """How tables write it: "A" for "a", "Squeeze" for "squeeze"; marks that are put together can be told apart."""
+        return self.name.capitalize()
+
+
+@dataclass(frozen=True)
+class Force:
+    """A force on points of cells, -grad W, beside those of the thesis: mu dZ/dt = -grad (W_thesis + W) + ....
+
+    It acts in each substep, at the same positions as the other forces. Its functions are plain Python at top level of a
+    file; numba compiles them, alone, when a run first needs them, and any function that they call must be one of
+    ``dincl.compiled.inner``. They make no arrays. Lengths are in R_soft, W has no unit.
+
+    Attributes
+    ----------
+    name
+        Its key in the section [forces] of parameter files, where its strength is, a number >= 0 without unit; 0, the
+        default: it is not called. Lower-case letters, digits and "_".
+    push
+        ``push(store, on, strength, numbers)`` adds to ``on``: ``on.x[i]``, ``on.y[i]`` on the nucleus of cell i,
+        ``on.ax[i]``, ``on.ay[i]`` on its apical and ``on.bx[i]``, ``on.by[i]`` on its basal point. These points are
+        now at ``store.cells.x[i]``, ..., ``store.cells.by[i]``, i < ``store.sizes[0]``; all else in the store is as the
+        rules have left it, and stays so. A basal point that the basal layer holds follows the part along the layer.
+    meaning, source
+        One line each.
+    energy
+        ``energy(store, strength, numbers)``, W of the whole tissue; with it ``tissue.force_error`` tests ``push``.
+
+    Raises
+    ------
+    InvalidProblem
+        If the name is none, ``push`` or ``energy`` is no function, or another argument no text.
+    """
+
+    name: str
+    push: Callable[..., None]
+    meaning: str
+    source: str = ""
+    energy: Callable[..., float] | None = None
+
+    def __post_init__(self) -> None:
+        string("name", self.name, _NAME, 'lower-case letters, digits and "_"')
+        string("meaning", self.meaning)
+        string("source", self.source)
+        instance(f"Force {self.name}: push", self.push, FunctionType, "a function")
+        if self.energy is not None:
+            instance(f"Force {self.name}: energy", self.energy, FunctionType, "a function, or None")
+
+
+@dataclass(frozen=True)
+class Observable:
+    """A column of ``Run.summary``; one that was registered is also kept of each run of a study, at the kept times.
+
+    Attributes
+    ----------
+    name, unit
+        The column is NAME_UNIT, as "height_um", or NAME where there is no unit: lower-case letters, digits and "_".
+    meaning
+        One line.
+    measure
+        ``measure(frame, parameters)``, a finite number; lengths of a frame are in R_soft, times in h.
+
+    Raises
+    ------
+    InvalidProblem
+        If name or unit is none, or ``measure`` no function.
+    """
+
+    name: str
+    meaning: str
+    measure: Callable[[Frame, Parameters], float]
+    unit: str = ""
+
+    def __post_init__(self) -> None:
+        for key, value, form in (("name", self.name, _NAME), ("unit", self.unit, _UNIT)):
+            string(key, value, form, 'lower-case letters, digits and "_"')
+        string("meaning", self.meaning)
+        function(f"Observable {self.name}: measure", self.measure, "a function of frame and parameters")
+
+    @property
+    def column(self) -> str:
+        """Its name in tables."""
+        return f"{self.name}_{self.unit}" if self.unit else self.name
+
+    def of(self, frame: Frame, parameters: Parameters) -> float:
+        """The number; raises FunctionFailed, an InvalidProblem, if it is none, or not finite."""
+        name = f"observable {self.name} at t = {frame.t:g} h: measure"
+        known = UserFunction(name, ("frame", "parameters"), Status.FUNCTION_FAILED)
+        value: Any = known.call(self.measure, frame, parameters)
+        checked = known.numbers(value, ())
+        return value if isinstance(value, Real) else float(checked)  # type: ignore[return-value]
+
+
+@dataclass(frozen=True)
+class DivisionRule:
+    """Whether a cell splits when its cycle ends, and where its daughters are; ``rule`` in the section [division].
+
+    Cells of [emt], and of types that do not divide, never split; all others are asked. ``numbers`` are those of the
+    type of the cell. Functions are plain Python at top level of a file; numba compiles them, alone, when a run first
+    needs them.
+
+    Attributes
+    ----------
+    name
+        That of the rule in parameter files.
+    meaning, source
+        One line each.
+    splits
+        ``splits(store, i, number, numbers)``: whether cell i gets a second daughter in the plane; ``number`` is random,
+        uniform in [0, 1).
+    place
+        ``place(store, i, numbers)``: parts the daughters i and i + 1, which are copies of the mother in one place.
+
+    Raises
+    ------
+    InvalidProblem
+        If the name is none, or ``splits`` or ``place`` is no function.
+    """
+
+    name: str
+    meaning: str
+    source: str
+    splits: Callable[..., bool]
+    place: Callable[..., None]
+
+    def __post_init__(self) -> None:
+        string("name", self.name, _WORD, "letters, digits and _")
+        string("meaning", self.meaning)
+        string("source", self.source)
+        for key, value in (("splits", self.splits), ("place", self.place)):
+            instance(f"DivisionRule {self.name}: {key}", value, FunctionType, "a function")

@@ -1,0 +1,1 @@
+"""What differs between a slice, a sheet and a closed surface."""

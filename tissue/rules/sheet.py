@@ -1,0 +1,168 @@
+"""The rules that differ in space: where a daughter comes, and who is whose neighbour when a cell leaves a layer.
+
+A tissue in space has their addresses, see ``SpaceRules``; one in the plane has none and pays nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from threading import Lock
+from typing import Any
+
+from dincl.compiled import c_function, inner
+from tissue.kernels.rules import LEAVE, POSITION, SPLIT_IN_SPACE
+from tissue.model.emt import inherit_events
+from tissue.model.scale import position_in_space
+from tissue.network.halfedges import is_row
+from tissue.network.insert import insert
+from tissue.network.remove import remove
+from tissue.state.cells import Floats, Integers
+from tissue.state.network import Network
+from tissue.state.numbers import Numbers
+from tissue.state.space import SpaceRules
+from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
+from tissue.state.surface import PLANE, Surface, normal, onto
+
+Vector = tuple[float, float, float]
+Points = tuple[Floats, Floats, Floats]
+
+
+def split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
+    """Part cell i from a daughter, the last cell of the arrays, each by the offset (3.7) along the basal surface.
+
+    ``turn`` is the direction, as a part of a whole turn; in a row of cells the daughter is along it. ``torn`` of the
+    tissue is set if a network has no room.
+    """
+    cells, space, j = store.cells, store.space, store.sizes[CELLS]
+    _copy(store, i, j)
+    t = direction(space.surface, 0.0 if is_row(space.apical) else turn, cells.bx[i], cells.by[i], cells.bz[i])
+    distance = 2.0 * numbers.division_offset
+    x, y, z = along(space.surface, t, cells.x[i], cells.y[i], cells.z[i])
+    _step(store, i, -numbers.division_offset, x, y, z)
+    _step(store, j, numbers.division_offset, x, y, z)
+    a, b = (cells.ax, cells.ay, cells.az), (cells.bx, cells.by, cells.bz)
+    at_a = along(space.surface, t, cells.ax[i], cells.ay[i], cells.az[i])
+    apical = _part(space.surface, space.apical, a, i, j, at_a, distance, numbers.new_junction)
+    basal = _part(space.surface, space.basal, b, i, j, t, distance, 0.0)
+    if space.basal.out[i] >= 0:
+        for k in (i, j):
+            cells.bx[k], cells.by[k], cells.bz[k] = onto(space.surface, cells.bx[k], cells.by[k], cells.bz[k])
+    if apical == 0.0 or basal == 0.0:
+        space.torn[0] = 1
+
+
+@inner
+def _part(
+    surface: Surface, network: Network, points: Points, i: int, j: int, t: Vector, distance: float, rest: float
+) -> float:
+    """Part the points of cell i and of her daughter j along a direction, in their network if it has cell i.
+
+    How far they are apart then; 0 if the network has no room.
+    """
+    (px, py, pz), (x, y, z) = points, t
+    if network.out[i] >= 0:
+        return insert(surface, network, px, py, pz, i, j, x, y, z, distance, rest)
+    for k, way in ((i, -0.5 * distance), (j, 0.5 * distance)):
+        px[k], py[k], pz[k] = px[k] + way * x, py[k] + way * y, pz[k] + way * z
+    return distance
+
+
+@inner
+def _copy(store: Store, i: int, j: int) -> None:
+    """Make cell j, behind all others, a copy of cell i, with a name of its own and in the same layers."""
+    cells, sizes = store.cells, store.sizes
+    _copy_lines(store.blocks.floats, i, j)
+    _copy_lines(store.blocks.flags, i, j)
+    _copy_lines(store.blocks.integers, i, j)
+    cells.id[j], cells.mother[j] = sizes[NEXT_ID], cells.id[i]
+    store.motion.bx_moves[j], store.motion.by_moves[j], store.motion.runs[j] = 1.0, 1.0, 0.0
+    sizes[NEXT_ID] += 1
+    sizes[CELLS] = j + 1
+    # A cell is in a layer if it is in its network.
+    sizes[APICAL] = _append(store.layers.apical, sizes[APICAL], store.space.apical.out[i] >= 0, j)
+    sizes[BASAL] = _append(store.layers.basal, sizes[BASAL], store.space.basal.out[i] >= 0, j)
+    inherit_events(store, j)
+    store.counts[DIVISIONS] += 1
+
+
+@inner
+def _copy_lines(block: Any, i: int, j: int) -> None:
+    for line in range(block.shape[0]):
+        block[line, j] = block[line, i]
+
+
+@inner
+def _append(layer: Integers, size: int, inside: bool, j: int) -> int:
+    """Put cell j behind all others of a layer if its mother is inside; the new size."""
+    if inside:
+        layer[size] = j
+        size += 1
+    return size
+
+
+@inner
+def _step(store: Store, i: int, way: float, x: float, y: float, z: float) -> None:
+    """Move nucleus i along a direction."""
+    cells = store.cells
+    cells.x[i], cells.y[i], cells.z[i] = cells.x[i] + way * x, cells.y[i] + way * y, cells.z[i] + way * z
+
+
+@inner
+def direction(surface: Surface, turn: float, x: float, y: float, z: float) -> Vector:
+    """The direction along the surface at X that is a part of a whole turn from one across the z axis."""
+    cosine, sine = math.cos(2.0 * math.pi * turn), math.sin(2.0 * math.pi * turn)
+    if surface.bends == PLANE:
+        return cosine, 0.0, sine
+    n = normal(surface, x, y, z)
+    # Across: the x axis where the normal is along the z axis.
+    first = (n[1], -n[0], 0.0) if abs(n[2]) < 0.9 else (0.0, n[2], -n[1])
+    length = math.sqrt(first[0] * first[0] + first[1] * first[1] + first[2] * first[2])
+    a, b, c = first[0] / length, first[1] / length, first[2] / length
+    d, e, f = b * n[2] - c * n[1], c * n[0] - a * n[2], a * n[1] - b * n[0]
+    return cosine * a + sine * d, cosine * b + sine * e, cosine * c + sine * f
+
+
+@inner
+def along(surface: Surface, t: Vector, x: float, y: float, z: float) -> Vector:
+    """The direction t as it is along the surface that is parallel to the basal one through X."""
+    if surface.bends == PLANE:
+        return t
+    n = normal(surface, x, y, z)
+    part = t[0] * n[0] + t[1] * n[1] + t[2] * n[2]
+    a, b, c = t[0] - part * n[0], t[1] - part * n[1], t[2] - part * n[2]
+    length = math.sqrt(a * a + b * b + c * c)
+    return a / length, b / length, c / length
+
+
+def leave_apical(store: Store, i: int) -> None:
+    """The apical point of cell i leaves the network of junctions."""
+    cells, space = store.cells, store.space
+    if remove(space.surface, space.apical, cells.ax, cells.ay, cells.az, i, space.exchange.bridge) < 0:
+        space.torn[0] = 1
+
+
+def leave_basal(store: Store, i: int) -> None:
+    """The basal point of cell i leaves the network of its neighbours."""
+    cells, space = store.cells, store.space
+    if remove(space.surface, space.basal, cells.bx, cells.by, cells.bz, i, space.exchange.bridge) < 0:
+        space.torn[0] = 1
+
+
+def position(store: Store, i: int) -> float:
+    """y_AB of a cell."""
+    found: float = position_in_space(store, i)
+    return found
+
+
+# For the life of the process; threads come one at a time.
+_COMPILED: list[Any] = []
+_COMPILING = Lock()
+
+
+def space_rules() -> SpaceRules:
+    """The machine code of the rules, compiled on first use."""
+    with _COMPILING:
+        if not _COMPILED:
+            pairs = ((SPLIT_IN_SPACE, split), (LEAVE, leave_apical), (LEAVE, leave_basal), (POSITION, position))
+            _COMPILED.extend(c_function(signature, rule) for signature, rule in pairs)
+        return SpaceRules(*(rule.address for rule in _COMPILED))

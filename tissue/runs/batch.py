@@ -1,0 +1,198 @@
+"""Up to eight runs of the first-order model side by side, from their starts to the kept times."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from itertools import count, repeat, takewhile
+
+import numpy as np
+
+from dincl.callables import UserFunction
+from dincl.checks import function, instance
+from dincl.errors import FunctionFailed
+from dincl.status import Status
+from tissue.files.frame import Frame
+from tissue.files.parameters import Parameters
+from tissue.kernels.board import LOST, RUNNING
+from tissue.plugins import DivisionRule, EmtEvent, Force, registered
+from tissue.runs.group import Group, SpaceGroup
+from tissue.runs.resume import checkpoint_of, resumed, steps_made
+from tissue.runs.run import Run
+from tissue.runs.start import started
+from tissue.runs.start_in_space import started_in_space
+from tissue.state.cells import COORDINATES, DEPTHS, KINDS, Cells
+from tissue.state.checkpoint import Parted, Streams, TissueCheckpoint, generator_states, streams
+from tissue.state.mesh import kept
+from tissue.state.store import CELLS, COUNTERS, NEXT_ID, Store, contents, copied
+from tissue.step.advance import find_lost
+
+WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)
+RULES = UserFunction("a function of an event, a force or a rule", ("store", "..."), Status.FUNCTION_FAILED)
+# Steps of one cell between two questions whether to go on: a tenth of a second.
+ASKED = 10_000
+# What the points of a cell do not tell of.
+LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *KINDS))
+
+
+class Lot:
+    """Runs of the same parameters and of up to WIDTH seeds, from t = 0 or from kept states of one time."""
+
+    def __init__(self, parameters: Parameters, seeds: Sequence[int], starts: Sequence[Frame] = ()) -> None:
+        instance("parameters", parameters, Parameters, "tissue.Parameters, made by load, preset or changed")
+        self.parameters, self.seeds = parameters, seeds
+        self.fault: FunctionFailed | None = None
+        self._begin = steps_made(parameters, starts[0]) if starts else 0
+        if starts:
+            held, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
+            self._parted: Sequence[Parted] = [checkpoint_of(start).parted for start in starts]
+        else:
+            random = tuple(streams(seed) for seed in seeds)
+            begin = started_in_space if parameters.in_space else started
+            held, self._parted = zip(*map(begin, repeat(parameters), random), strict=True)
+        self._random = random
+        rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
+        # Of groups in space each has one tissue.
+        kind, size = (SpaceGroup, 1) if parameters.in_space else (Group, len(held))
+        parts = [slice(k, k + size) for k in range(0, len(held), size)]
+        self._groups = [kind(held[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
+
+    def times(self, ask: Callable[[], None] | None = None) -> Iterator[float]:
+        """The kept times [h], the first that of the start; when one is given, the runs are there.
+
+        ``ask`` is called before and every now and then, however far kept times are apart; what it raises ends the work.
+        """
+        made, dt = self._begin, self.parameters.numerics.dt.value
+        yield made * dt
+        for step in kept_steps(self.parameters):
+            while made < step:
+                end = step
+                if ask is not None:
+                    ask()
+                    end = min(step, made + max(1, ASKED // sum(self._cells())))
+                self._advance(made, end)
+                made = end
+                if made == step:
+                    yield step * dt
+
+    def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
+        """The runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept.
+
+        Where a function of a user fails, all that go on end with what they have: which of them it was, is not known.
+        """
+        if watch is not None:
+            function("watch", watch, "a function of the time")
+        frames: list[list[Frame]] = [[] for _ in self.seeds]
+        try:
+            for number, t in enumerate(self.times()):
+                for k, mine in enumerate(frames):
+                    frame = self.frame(k, t)
+                    if not mine or mine[-1].t < frame.t:  # a run that has failed stays where it is
+                        mine.append(frame)
+                if watch is not None and number:
+                    WATCH.call(watch, frames[0][-1].t)
+                if not any(map(self.goes_on, range(len(self.seeds)))):
+                    break
+        except FunctionFailed as error:
+            self.fault = error
+        return [self.run(k, mine) for k, mine in enumerate(frames)]
+
+    def _cells(self) -> Iterator[int]:
+        """The number of cells of each run."""
+        return (int(self.store(k).sizes[CELLS]) for k in range(len(self.seeds)))
+
+    def store(self, k: int) -> Store:
+        """Run k at the present time."""
+        group, lane = self._at(k)
+        return group.stores[lane]
+
+    def goes_on(self, k: int) -> bool:
+        """Whether run k did not fail."""
+        group, lane = self._at(k)
+        return bool(group.ended[lane] == RUNNING)
+
+    def frame(self, k: int, t: float) -> Frame:
+        """A copy of run k at the present time t, or of the state that failed, at its time."""
+        held, random = self.store(k), self._random[k]
+        checkpoint = checkpoint_at(held, self.seeds[k], random, self._parted[k], self.parameters)
+        time = t if self.goes_on(k) else self._stopped(k)
+        sheets = kept(held.space, int(held.sizes[CELLS])) if self.parameters.in_space else None
+        return Frame(time, *contents(held), self.parameters.curve(), checkpoint, sheets)
+
+    def status(self, k: int) -> Status:
+        """How run k ended, or goes on."""
+        if self.goes_on(k):
+            return Status.SUCCESS if self.fault is None else self.fault.status
+        if find_lost(self.store(k)) >= 0:
+            return Status.NON_FINITE
+        return Status.NETWORK_TORN if self.store(k).space.torn[0] else Status.LUMEN_CLOSED
+
+    def failure(self, k: int) -> str:
+        """When and where run k failed, "" if it did not."""
+        if self.goes_on(k):
+            return "" if self.fault is None else self.fault.detail
+        held = self.store(k)
+        if self.status(k) is Status.LUMEN_CLOSED:
+            return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
+        if self.status(k) is Status.NETWORK_TORN:
+            return f"t = {self._stopped(k):g} h: points of a layer coincide, or have no way past each other."
+        lost = f"cell {held.cells.id[find_lost(held)]} has a coordinate that is not finite, or beyond {LOST:g} R_soft"
+        return f"t = {self._stopped(k):g} h: {lost}."
+
+    def run(self, k: int, frames: Sequence[Frame]) -> Run:
+        """Run k with these frames."""
+        stats = dict(zip(COUNTERS, self.store(k).counts.tolist(), strict=True))
+        return Run(
+            self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._parted[k]
+        )
+
+    def _advance(self, made: int, step: int) -> None:
+        """Make steps; where a function of a user fails in them, they did not end a run."""
+        before = [group.ended.copy() for group in self._groups]
+        try:
+            for group in self._groups:
+                group.advance(made, step)
+            self._refuse_lost(step * self.parameters.numerics.dt.value)
+        except FunctionFailed:
+            for group, ended in zip(self._groups, before, strict=True):
+                group.ended[:] = ended
+            raise
+
+    def _refuse_lost(self, t: float) -> None:
+        """Raise FunctionFailed for a number of a cell that is not finite while its points are.
+
+        Our own rules make none, so runs without rules of users are not asked.
+        """
+        if not any(map(registered, (EmtEvent, DivisionRule, Force))):
+            return
+        for k in range(len(self.seeds)):
+            held = self.store(k)
+            n = held.sizes[CELLS]
+            for name in LASTING if self.goes_on(k) else ():
+                if not np.isfinite(getattr(held.cells, name)[:n]).all():
+                    what = f"made a number of cells.{name} that is not finite, until t = {t:g} h"
+                    RULES.refuse(what)
+
+    def _stopped(self, k: int) -> float:
+        """When run k failed [h]."""
+        group, lane = self._at(k)
+        return float(group.ended[lane] * self.parameters.numerics.dt.value)
+
+    def _at(self, k: int) -> tuple[Group, int]:
+        """The group of run k, and its place there."""
+        group = self._groups[k // len(self._groups[0].stores)]
+        return group, k % len(group.stores)
+
+
+def checkpoint_at(held: Store, seed: int, random: Streams, parted: Parted, parameters: Parameters) -> TissueCheckpoint:
+    """A copy of what a run is besides its cells, at the present time."""
+    states, types = generator_states(random), tuple(parameters.types.named())
+    return TissueCheckpoint(seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, parted, types)
+
+
+def kept_steps(parameters: Parameters) -> Iterator[int]:
+    """The numbers of steps after which a state is kept: every so often or at the times listed, and at the end."""
+    dt, keep = parameters.numerics.dt.value, parameters.numerics.keep
+    last = round(parameters.t_end / dt)
+    times = (time.value for time in keep) if isinstance(keep, tuple) else (keep.value * k for k in count(1))
+    yield from takewhile(lambda step: step < last, (round(time / dt) for time in times))
+    yield last

@@ -1,0 +1,119 @@
+"""The machine code of the rules that a run may exchange: compiled alone, when a run first needs them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from threading import Lock
+from types import TracebackType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dincl.callables import UserFunction
+from dincl.compiled import StructPointer, c_function, collect_errors
+from dincl.status import Status
+from tissue.events.division import BESIDE
+from tissue.events.known import acting, bit, events
+from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
+from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
+from tissue.state.cells import Integers
+from tissue.state.store import Store
+from tissue.step.own_forces import ENERGY, OWN, PART, PUSH, OwnForces, evaluate, follow
+
+# By function, for the life of the process; threads come one at a time.
+_COMPILED: dict[Callable[..., Any], Any] = {}
+_COMPILING = Lock()
+# Of each function of a user, by its file and name: what messages say of it.
+_KNOWN: dict[tuple[str, str], UserFunction] = {}
+
+
+class _Part(NamedTuple):
+    """A function that events, rules or forces may have: its name there, how it is called."""
+
+    name: str
+    signature: Any
+    arguments: tuple[str, ...]
+
+
+_BEGIN = _Part("begin", BEGIN, ("store", "i", "bit", "numbers"))
+_LAST = _Part("last", LAST, ("store", "i", "rest_ax", "rest_bx", "numbers"))
+_SPLITS = _Part("splits", SPLITS, ("store", "i", "number", "numbers"))
+_PLACE = _Part("place", PLACE, ("store", "i", "numbers"))
+_PUSH = _Part("push", PUSH, ("store", "on", "strength", "numbers"))
+_ENERGY = _Part("energy", ENERGY, ("store", "strength", "numbers"))
+
+
+def handed_rules(stores: Iterable[Store], division: DivisionRule = BESIDE) -> Any:
+    """The rules of tissues that are stepped together, as a struct; of the events those that begin in one of them."""
+    emt = [held.emt for held in stores]
+    wanted = [any(np.isfinite(one.at[k : k + 1]).any() for one in emt) for k in range(len(events()))]
+    used = [event if want else None for event, want in zip(events(), wanted, strict=True)]
+    (splits,), (place,) = _addresses(_SPLITS, [division]), _addresses(_PLACE, [division])
+    order = np.array(acting(), np.int64)
+    frees = (sum(bit(event.name) for event in events() if event.frees == point) for point in POINTS)
+    return StructPointer(
+        Rules(order, _addresses(_BEGIN, used), _addresses(_LAST, used), int(splits), int(place), *frees), RULES
+    )
+
+
+def handed_forces(forces: Sequence[tuple[Force, float]], stores: Integers, numbers: int, scale: float) -> Any:
+    """The forces of users with their strengths, for tissues and numbers at these addresses; ``scale`` = h / mu."""
+    push = _addresses(_PUSH, [force for force, _ in forces])
+    strengths = np.array([strength for _, strength in forces])
+    parts = (_compiled(PART, evaluate).address, _compiled(PART, follow).address)
+    return StructPointer(OwnForces(push, strengths, stores, numbers, scale, *parts), OWN)
+
+
+def push_and_energy(force: Force) -> tuple[int, int]:
+    """The machine code of a force, and of its energy; 0 if it has none."""
+    (push,), (energy,) = _addresses(_PUSH, [force]), _addresses(_ENERGY, [force])
+    return int(push), int(energy)
+
+
+@contextmanager
+def answered() -> Iterator[None]:
+    """Raise FunctionFailed behind a call of kernels if a function of a user raised in it; its error is the cause."""
+    with collect_errors() as errors:
+        yield
+    if errors:
+        raise _origin(errors[0].__traceback__).failed(errors[0], "raised") from errors[0]
+
+
+def _origin(trace: TracebackType | None) -> UserFunction:
+    """The function of a user that an error came out of, by its traceback."""
+    while trace is not None:
+        code = trace.tb_frame.f_code
+        if (code.co_filename, code.co_name) in _KNOWN:
+            return _KNOWN[code.co_filename, code.co_name]
+        trace = trace.tb_next
+    return UserFunction("a function of an event, a force or a rule", ("...",), Status.FUNCTION_FAILED)
+
+
+def _addresses(part: _Part, things: Sequence[EmtEvent | DivisionRule | Force | None]) -> Integers:
+    """The machine code of this function of each; 0 for none."""
+    found = [0 if thing is None else _address(part, thing) for thing in things]
+    return np.array(found, np.int64)
+
+
+def _address(part: _Part, thing: EmtEvent | DivisionRule | Force) -> int:
+    function = getattr(thing, part.name)
+    if function is None:
+        return 0
+    name = f"{type(thing).__name__} {thing.name}: {part.name}"
+    known = UserFunction(name, part.arguments, Status.FUNCTION_FAILED)
+    _KNOWN[function.__code__.co_filename, function.__code__.co_name] = known
+    try:
+        return int(_compiled(part.signature, function).address)
+    except MemoryError:
+        raise
+    except Exception as error:
+        raise known.failed(error, "cannot be compiled:") from error
+
+
+def _compiled(signature: Any, function: Callable[..., Any]) -> Any:
+    """Compiled on first use."""
+    with _COMPILING:
+        if function not in _COMPILED:
+            _COMPILED[function] = c_function(signature, function)
+        return _COMPILED[function]

@@ -1,0 +1,88 @@
+"""Whether a force of a user is minus the slope of its energy."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from dincl.checks import instance, number
+from dincl.errors import InvalidProblem
+from tissue.kernels import kernel
+from tissue.kernels.numbers import handed_numbers
+from tissue.model.observables import measurable
+from tissue.plugins import Force
+from tissue.runs.compiled_rules import answered, push_and_energy
+from tissue.runs.run import Run
+from tissue.state.basal_curve import curve_numbers
+from tissue.state.cells import Floats
+from tissue.state.numbers import Numbers
+from tissue.state.store import CELLS, Store, stored
+from tissue.step.own_forces import call_energy, call_push, clear
+
+# [R_soft]: what central differences miss, and what they lose by rounding, are both near 1e-10.
+STEP = 1e-5
+
+
+def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
+    """How far a force is from minus the slope of its energy, over all points of the last state of a run.
+
+    max |F + D| / max(|F|, |D|),  D = (W(Z + h e) - W(Z - h e)) / (2 h),  h = 1e-5 R_soft
+
+    Below 1e-6 for a force that is right, unless W is large, or bends within h of a point.
+
+    Parameters
+    ----------
+    force
+        One with an energy.
+    run
+        Of any parameters: its last state with finite coordinates is looked at.
+    strength
+        > 0
+
+    Raises
+    ------
+    InvalidProblem
+        If the force has no energy, one of both raises, cannot be compiled or is not finite, or neither does anything in
+        this state.
+    """
+    instance("force", force, Force, "a tissue.Force")
+    instance("run", run, Run, "a tissue.Run")
+    if force.energy is None:
+        raise InvalidProblem(f"Force {force.name}: energy = None: must be a function to compare push with")
+    strength = number("strength", strength, positive=True)
+    frame = measurable(run.frames)[-1]
+    past = frame.past
+    held = stored(
+        frame.cells, frame.layers, past.next_id, past.emt, capacity=len(frame.cells.x), curve=curve_numbers(frame.curve)
+    )
+    slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
+    code, numbers = push_and_energy(force), handed_numbers(run.parameters.numbers())
+    with answered():
+        _compare(code, held, strength, numbers, slopes, forces)
+    if not np.isfinite([slopes, forces]).all():
+        raise InvalidProblem(f"Force {force.name} at t = {frame.t:g} h: must give finite forces and energies")
+    largest = np.abs([slopes, forces]).max()
+    if largest == 0:
+        raise InvalidProblem(f"Force {force.name} at t = {frame.t:g} h: must act on a point, to be compared")
+    return float(np.abs(slopes + forces).max() / largest)
+
+
+@kernel
+def _compare(
+    addresses: tuple[int, int], store: Store, strength: float, numbers: Numbers, slopes: Floats, forces: Floats
+) -> None:
+    """The forces on the points of n cells, and the slopes of the energy there, each (6, n)."""
+    push, energy = addresses
+    cells, on = store.cells, store.on
+    clear(store)
+    call_push(push, store, on, strength, numbers)
+    pairs = (cells.x, on.x), (cells.y, on.y), (cells.ax, on.ax), (cells.ay, on.ay), (cells.bx, on.bx), (cells.by, on.by)
+    for row, (z, force) in enumerate(pairs):
+        for i in range(store.sizes[CELLS]):
+            here = z[i]
+            z[i] = high = here + STEP
+            above = call_energy(energy, store, strength, numbers)
+            z[i] = low = here - STEP
+            below = call_energy(energy, store, strength, numbers)
+            z[i] = here
+            slopes[row, i] = (above - below) / (high - low)
+            forces[row, i] = force[i]

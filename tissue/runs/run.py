@@ -1,0 +1,166 @@
+"""What a simulation returns: the kept states, how it ended, and the counted work."""
+
+from __future__ import annotations
+
+from base64 import b64encode
+from dataclasses import dataclass
+from html import escape
+from os import PathLike
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl.checks import describe, instance, number
+from dincl.errors import InvalidProblem
+from dincl.status import Status
+from tissue.files.frame import Frame
+from tissue.model.observables import measurable
+from tissue.state.checkpoint import Parted
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from tissue.files.parameters import Parameters
+    from tissue.pictures.sheet import Axes
+
+# Of the summary in a notebook.
+MOST_ROWS = 10
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Run:
+    """The tissue at the kept times.
+
+    Attributes
+    ----------
+    parameters, seed
+        What the run is a function of; and of the state that it was started from, the first one of ``frames``.
+    frames
+        The kept states in the order of time, the first at t = 0, or the state that the run was started from; after a
+        failure those before it and last the state that failed.
+    status, detail
+        How the run ended, and the particulars in words ("" on success).
+    stats
+        Counted work by name, since t = 0: of a run that was started from a state all that has led to it counts, too.
+    parted
+        What made the drawn state at t = 0 feasible.
+    """
+
+    parameters: Parameters
+    seed: int
+    frames: tuple[Frame, ...]
+    status: Status
+    detail: str
+    stats: dict[str, int]
+    parted: Parted
+
+    @property
+    def final(self) -> Frame:
+        """The last state."""
+        return self.frames[-1]
+
+    def table(self) -> pd.DataFrame:
+        """One row for each kept time and cell: phase, age, positions in um; the columns of ``tissue.runs.tables``."""
+        from tissue.runs.tables import cell_table
+
+        return cell_table(self.frames, self.parameters)
+
+    def summary(self) -> pd.DataFrame:
+        """One row for each kept time: cells, height, widths, extrusions; the columns of ``tissue.runs.tables``."""
+        from tissue.runs.tables import summary_table
+
+        return summary_table(self.frames, self.parameters)
+
+    def to_frame(self) -> pd.DataFrame:
+        """The same as ``table``."""
+        return self.table()
+
+    def plot(self, ax: Axes | None = None, *, t: float | None = None) -> Axes:
+        """Draw one kept state to scale, in um.
+
+        Parameters
+        ----------
+        ax
+            Where to draw; None: in a figure of its own with a legend, as ``run.plot().figure.savefig("tissue.png")``.
+        t
+            A kept time [h]; None: the last one with finite coordinates.
+
+        Raises
+        ------
+        InvalidProblem
+            If no state is kept at this time, or its coordinates are not finite.
+        """
+        from tissue.pictures.picture import draw_frame, drawing
+        from tissue.pictures.sheet import Axes
+
+        frame = self._kept(t)
+        if ax is None:
+            return drawing([frame], self.parameters).axes[0]
+        instance("ax", ax, Axes, "axes of matplotlib, or None")
+        draw_frame(ax, frame, self.parameters)
+        return ax
+
+    def animate(self, file: str | PathLike[str]) -> None:
+        """Write a movie of the kept states; ``file`` ends in .gif or .webp, InvalidProblem is raised for another."""
+        from tissue.pictures.movie import movie
+
+        movie(measurable(self.frames), self.parameters, file)
+
+    def view(self, file: str | PathLike[str], *, t: float | None = None) -> None:
+        """Draw a tissue in three dimensions: nuclei below the apical surface, cells on it, and a section beside them.
+
+        Parameters
+        ----------
+        file
+            Where to write: .png for one kept state, .gif or .webp for a movie of those until then.
+        t
+            A kept time [h]; None: the last one with finite coordinates.
+
+        Raises
+        ------
+        InvalidProblem
+            For another ending, a slice, or if no state is kept at this time. MissingLibrary where PyVista is missing,
+            which the extra ``views`` brings.
+        """
+        from tissue.pictures.view import view
+
+        last = self._kept(t)
+        view([frame for frame in self.frames if frame.t <= last.t], self.parameters, file)
+
+    def _kept(self, t: float | None) -> Frame:
+        """The state kept at time t."""
+        if t is None:
+            return measurable(self.frames)[-1]
+        t = number("t", t)
+        for frame in self.frames:
+            if np.isclose(frame.t, t, rtol=1e-9, atol=1e-9):
+                return frame
+        times = ", ".join(f"{frame.t:g}" for frame in self.frames)
+        raise InvalidProblem(f"t = {t:g} h: must be a kept time: {times}")
+
+    def _repr_html_(self) -> str:
+        """How the run ended, its last state and its summary."""
+        from tissue.pictures.picture import drawing
+        from tissue.pictures.sheet import png
+
+        image = b64encode(png(drawing([self._kept(None)], self.parameters))).decode()
+        return (
+            f"<p>{escape(repr(self))} {escape(self.detail)}</p>"
+            f'<img src="data:image/png;base64,{image}" style="max-width: 100%">'
+            f"{self.summary().to_html(index=False, max_rows=MOST_ROWS, float_format='%.4g')}"
+        )
+
+    def __repr__(self) -> str:
+        cells, seed = len(self.final.cells.x), describe(self.seed)
+        return f"Run({self.status.name}, t = {self.final.t:g} h, {cells} cells, seed {seed})"
+
+
+class RunFailed(RuntimeError):
+    """A simulation that stopped early; ``run`` holds everything up to then."""
+
+    def __init__(self, run: Run) -> None:
+        super().__init__(f"{run.status.value} {run.detail}")
+        self.run = run
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return RunFailed, (self.run,)

@@ -1,0 +1,122 @@
+"""Runs of the first-order model, stepped by position based dynamics (Method 3.7): one, or many side by side."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+import numpy as np
+
+from dincl.checks import flag, items
+from dincl.checks import seed as checked_seed
+from dincl.compiled.lanes import WIDTH
+from dincl.errors import InvalidProblem
+from tissue.files.frame import A_START, Frame
+from tissue.files.parameters import Parameters
+from tissue.runs.batch import Lot
+from tissue.runs.resume import checkpoint_of
+from tissue.runs.run import Run, RunFailed
+
+
+def simulate(
+    parameters: Parameters,
+    seed: int = 0,
+    start: Frame | None = None,
+    *,
+    throw: bool = True,
+    watch: Callable[[float], None] | None = None,
+) -> Run:
+    """Grow a tissue from t = 0, or from a kept state, to ``parameters.t_end``.
+
+    mu dZ/dt in -grad W(Z) - N(S, Z) + noise, with the rules of the cell cycle applied every dt (Method 3.7).
+
+    Parameters
+    ----------
+    parameters
+        From ``load`` or ``preset``.
+    seed
+        An integer >= 0. The run is a function of (parameters, seed, start): on one kind of processor the same bits.
+    start
+        A kept state of a run, ``run.final``, one of ``run.frames`` or ``Frame.load(path)``; None: drawn at t = 0. With
+        the parameters and the seed of that run it goes on with the bits that it has without a stop; with another seed
+        it goes on with the random numbers of this one. Parameters may differ: they hold from here on, and those of the
+        state at t = 0 have no effect. What has begun of the EMT stays; what has not, and INM of its cells, is drawn by
+        the seed from the parameters. Types are known by their names. Where there were control cells alone, EMT cells
+        and named types get their places now.
+    throw
+        Whether a run that fails raises; otherwise its Status says so.
+    watch
+        Called with the time [h] of each state that is kept after the first.
+
+    Raises
+    ------
+    InvalidProblem
+        For an argument of another kind, a bad seed, a function of the user that cannot be compiled, or for more cells
+        than fit at the start; for a ``start`` that is no state of a run or was lost, is later than the end or no whole
+        number of steps, has another number of EMT cells or types that the parameters do not have, or is later than the
+        time of an event that has not begun.
+    RunFailed
+        If coordinates leave the finite numbers, or a function of the user fails, which is the cause of the error then;
+        the error carries the Run up to then.
+    """
+    flag("throw", throw)
+    lot = Lot(parameters, [seed], [] if start is None else [start])
+    run = lot.runs(watch)[0]
+    if throw and not run.status:
+        raise RunFailed(run) from lot.fault
+    return run
+
+
+def simulate_many(
+    parameters: Parameters, seeds: Sequence[int], start: Frame | Sequence[Frame] | None = None, *, throw: bool = True
+) -> tuple[Run, ...]:
+    """Grow a tissue for each seed, as ``simulate`` does, in less than half of its time for each.
+
+    A run is a function of (parameters, seed, start): on one kind of processor the same bits as those of ``simulate``,
+    whatever the other seeds are.
+
+    Parameters
+    ----------
+    parameters
+        From ``load`` or ``preset``.
+    seeds
+        A list of integers >= 0. A last lot of two to seven takes as long as eight.
+    start
+        As of ``simulate``: one kept state for all seeds, or one for each, all of the same time.
+    throw
+        Whether a run that fails raises, and the others are lost; otherwise its Status says so.
+
+    Raises
+    ------
+    InvalidProblem
+        As ``simulate``, and for starts of different times or another number than seeds.
+    RunFailed
+        As ``simulate``: of the eight runs side by side in which a function of the user fails, all do.
+    """
+    flag("throw", throw)
+    listed = items("seeds", seeds, (int, np.integer), "a list of integers >= 0")
+    wanted, runs = [checked_seed("seeds", seed) for seed in listed], []
+    starts = _for_each(start, len(wanted))
+    for begin in range(0, len(wanted), WIDTH):
+        part = slice(begin, begin + WIDTH)
+        lot = Lot(parameters, wanted[part], starts[part])
+        found = lot.runs()
+        for run in found:
+            if throw and not run.status:
+                raise RunFailed(run) from lot.fault
+        runs += found
+    return tuple(runs)
+
+
+def _for_each(start: Frame | Sequence[Frame] | None, count: int) -> list[Frame]:
+    """The start of each run; none where they begin at t = 0."""
+    if start is None or isinstance(start, Frame):
+        return [] if start is None else [start] * count
+    starts = list(items("start", start, Frame, f"{A_START}, or a list of them"))
+    for frame in starts:
+        checkpoint_of(frame)
+    if len(starts) != count or len({frame.t for frame in starts}) > 1:
+        times = ", ".join(f"{frame.t:g}" for frame in starts)
+        raise InvalidProblem(
+            f"start = {len(starts)} frames at t = {times} h: must be {count}, one for each seed, of one time"
+        )
+    return starts

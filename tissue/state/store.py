@@ -1,0 +1,166 @@
+"""All that a running tissue is, in one place of memory: cells and layers with room to grow, and what its rules know."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from dincl.compiled import StructPointer, reader, struct_type
+from tissue.state.basal_curve import LINE, CurveNumbers, curve_numbers
+from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Forces, Integers, emt_cells, first, no_emt
+from tissue.state.space import Space, no_space, with_room
+
+# Places in Store.sizes
+CELLS, APICAL, BASAL, NEXT_ID, EMT_CELLS = range(5)
+# What is counted, and where in Store.counts
+COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
+SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
+STRAIGHT, IN_PLANE = curve_numbers(LINE), no_space()
+
+
+class BasalMotion(NamedTuple):
+    """How the basal points move in a substep, (capacity,)."""
+
+    bx_moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
+    by_moves: Floats  # likewise; 0 for one on the basal line, too
+    runs: Floats  # how far a basal point that moves by itself goes in a substep
+
+
+class Blocks(NamedTuple):
+    """The arrays of the cells again, one a row, by kind: where a cell is copied."""
+
+    floats: Floats
+    flags: Flags
+    integers: Integers
+
+
+class StoreArrays(NamedTuple):
+    """What kernels see of a store; of each array of ``cells``, ``layers``, ``emt`` the first ``sizes`` are in use."""
+
+    cells: Cells
+    layers: CellLayers
+    emt: Emt  # with room for as many as there may be cells, if there are EMT cells
+    sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells
+    motion: BasalMotion
+    blocks: Blocks
+    second: Floats  # (capacity,): of a cell that splits in this dt the cycle of its second daughter, else 0
+    noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
+    counts: Integers  # one for each of COUNTERS
+    curve: CurveNumbers  # the basal layer
+    on: Forces  # what forces of users do in a substep, (capacity,)
+    space: Space  # what there is in three dimensions besides
+
+
+class Store(StructPointer):
+    """A running tissue, with the attributes of ``StoreArrays``. Kernels take it, or find it at its address.
+
+    For Python ``emt`` has those EMT cells alone that there are.
+    """
+
+    def __init__(self, parts: StoreArrays) -> None:
+        super().__init__(parts, STORE)
+        (
+            self.cells,
+            self.layers,
+            self._emt,
+            self.sizes,
+            self.motion,
+            self.blocks,
+            self.second,
+            self.noise_key,
+            self.counts,
+            self.curve,
+            self.on,
+            self.space,
+        ) = parts
+
+    @property
+    def emt(self) -> Emt:
+        """The EMT cells, which can be written to."""
+        return Emt._make(array[..., : self.sizes[EMT_CELLS]] for array in self._emt)
+
+
+def stored(
+    cells: Cells,
+    layers: CellLayers | None = None,
+    next_id: int | None = None,
+    emt: Emt | None = None,
+    *,
+    capacity: int,
+    curve: CurveNumbers = STRAIGHT,
+    space: Space = IN_PLANE,
+) -> Store:
+    """A store with room for ``capacity`` cells at least, all cells in both layers if none are given.
+
+    Its counters are zero.
+    """
+    n, capacity = len(cells.x), max(2, capacity)
+    layers = layers or CellLayers(np.arange(n), np.arange(n))
+    parts = _room(capacity, _emt_with_room(emt or no_emt(), capacity), curve, with_room(space, capacity))
+    for name, array in zip(Cells._fields, cells, strict=True):
+        getattr(parts.cells, name)[:n] = array
+    parts.layers.apical[: len(layers.apical)] = layers.apical
+    parts.layers.basal[: len(layers.basal)] = layers.basal
+    parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0, 0 if emt is None else len(emt.side)
+    parts.sizes[NEXT_ID] = int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id
+    parts.motion.bx_moves[:n] = 1.0
+    parts.motion.by_moves[:n] = 1.0
+    parts.motion.by_moves[layers.basal] = 0.0
+    return Store(parts)
+
+
+def _emt_with_room(emt: Emt, capacity: int) -> Emt:
+    """The EMT cells with room for daughters, whose events never begin; without any there is none."""
+    m = len(emt.side)
+    if m == 0:
+        return emt
+    larger = emt_cells(np.full((len(emt.at), capacity), np.inf))
+    for mine, theirs in zip(larger, emt, strict=True):
+        mine[..., :m] = theirs
+    return larger
+
+
+def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreArrays:
+    """Empty arrays."""
+    kinds: list[Any] = [KINDS.get(name, np.float64) for name in Cells._fields]
+    made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
+    lines = {kind: iter(block) for kind, block in made.items()}
+    cells = Cells(*(next(lines[kind]) for kind in kinds))
+    blocks: Any = Blocks._make(made.values())
+    layers = CellLayers(*np.zeros((2, capacity), np.int64))
+    motion = BasalMotion(*np.zeros((3, capacity)))
+    sizes, key, counts = np.zeros(5, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
+    on = Forces(*np.zeros((len(Forces._fields), capacity)))
+    return StoreArrays(cells, layers, emt, sizes, motion, blocks, np.zeros(capacity), key, counts, curve, on, space)
+
+
+_EXAMPLE = _room(2, no_emt(), STRAIGHT, IN_PLANE)
+STORE = struct_type(_EXAMPLE)
+# The store at an address, inside of kernels.
+store_at = reader(_EXAMPLE)
+
+
+def copied(emt: Emt) -> Emt:
+    """The EMT cells as they are now; without any the same empty arrays."""
+    return Emt._make(array.copy() for array in emt) if len(emt.side) else emt
+
+
+def grown(held: Store) -> Store:
+    """The same cells and counters with twice the room."""
+    larger = stored(
+        *contents(held),
+        int(held.sizes[NEXT_ID]),
+        held.emt,
+        capacity=2 * len(held.cells.x),
+        curve=held.curve,
+        space=held.space,
+    )
+    larger.counts[:] = held.counts
+    return larger
+
+
+def contents(held: Store) -> tuple[Cells, CellLayers]:
+    """Copies of the cells and layers in use."""
+    n, apical, basal = held.sizes[CELLS], held.sizes[APICAL], held.sizes[BASAL]
+    return first(held.cells, n), CellLayers(held.layers.apical[:apical].copy(), held.layers.basal[:basal].copy())

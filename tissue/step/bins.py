@@ -1,0 +1,121 @@
+"""Nuclei sorted into bins: each near another one is in the same bin or in one beside it.
+
+The bins of an axis come again and again, the m-th is the first: with a period they divide it, without one a bin holds
+what is far apart, which costs time but misses nothing. So there are never many more bins than cells, however far a
+nucleus has gone.
+"""
+
+from __future__ import annotations
+
+from dincl.compiled import inner
+from dincl.compiled.lanes import floored
+from tissue.state.cells import Floats, Integers
+from tissue.step.space_board import MANY, SpaceBoard
+
+# How much wider than the reach a bin is, of rounding: coordinates are below 1e6.
+ROUNDING = 1e-9
+MOST_BINS = 1 << 20
+
+Three = tuple[int, int, int]
+
+
+@inner
+def sort_in_bins(board: SpaceBoard, n: int, reach: float) -> Three:
+    """Sort n nuclei by counting: whoever is nearer than ``reach`` is in bins beside each other. How many on each axis.
+
+    Bins go on along y first, then along z; in a bin the cells keep their order.
+    """
+    reach *= 1.0 + ROUNDING
+    along_x, along_z = board.along_x.length, board.along_z.length
+    many_x, many_y = how_many(board.x, n, along_x, reach), how_many(board.y, n, 0.0, reach)
+    many_z = how_many(board.z, n, along_z, reach)
+    while many_x * many_y * many_z > max(2 * n, 1):
+        largest = max(many_x, many_y, many_z)
+        if many_x == largest:
+            many_x = (many_x + 1) // 2
+        elif many_y == largest:
+            many_y = (many_y + 1) // 2
+        else:
+            many_z = (many_z + 1) // 2
+    for i in range(n):
+        board.bin[i] = 0
+    _add_axis(board.bin, board.x, n, many_x, along_x / many_x if along_x > 0.0 else reach)
+    _add_axis(board.bin, board.z, n, many_z, along_z / many_z if along_z > 0.0 else reach)
+    _add_axis(board.bin, board.y, n, many_y, reach)
+    _count(board, n, many_x * many_y * many_z)
+    return many_x, many_y, many_z
+
+
+@inner
+def how_many(at: Floats, n: int, length: float, reach: float) -> int:
+    """How many bins of this width an axis takes: those that fit into the period, or as far as there are nuclei."""
+    if length > 0.0:
+        return max(1, int(min(length / reach, MOST_BINS)))
+    low, high = 1e300, -1e300
+    for i in range(n):
+        low, high = min(low, at[i]), max(high, at[i])
+    return int(min((high - low) / reach, MOST_BINS)) + 2 if high >= low else 1
+
+
+@inner
+def _add_axis(bins: Integers, at: Floats, n: int, many: int, width: float) -> None:
+    """The next digit of the number of a bin; what is no number is in the first."""
+    inverse, whole, share = 1.0 / width, float(many), 1.0 / many
+    for i in range(n):
+        digit = floored(at[i] * inverse)
+        digit -= whole * floored((digit + 0.5) * share)
+        bins[i] = many * bins[i] + (int(digit) if 0.0 <= digit < whole else 0)
+
+
+@inner
+def _count(board: SpaceBoard, n: int, bins: int) -> None:
+    """Sort by counting: ``order``, ``start`` and what lies at each place."""
+    start = board.start
+    for b in range(bins + 1):
+        start[b] = 0
+    for i in range(n):
+        start[board.bin[i]] += 1
+    total = 0
+    for b in range(bins):
+        start[b], total = total, total + start[b]
+    for i in range(n):
+        place = start[board.bin[i]]
+        start[board.bin[i]] += 1
+        board.order[place] = i
+        board.place_x[place], board.place_y[place], board.place_z[place] = board.x[i], board.y[i], board.z[i]
+        board.place_radius[place] = board.radius[i]
+    for b in range(bins, 0, -1):
+        start[b] = start[b - 1]
+    start[0] = 0
+
+
+@inner
+def find_beside(board: SpaceBoard, b: int) -> int:
+    """List the places of bin b and of those beside it, as far as they come before it: how many ranges.
+
+    They are begin[k] to end[k].
+    """
+    many_x, many_y, many_z = board.state[MANY], board.state[MANY + 1], board.state[MANY + 2]
+    in_x, in_z, in_y = b // (many_y * many_z), b // many_y % many_z, b % many_y
+    k = 0
+    for step_x in range(min(many_x, 3)):
+        at_x = _beside(in_x, step_x, many_x)
+        for step_z in range(min(many_z, 3)):
+            column = many_z * at_x + _beside(in_z, step_z, many_z)
+            for step_y in range(min(many_y, 3)):
+                other = many_y * column + _beside(in_y, step_y, many_y)
+                if other <= b and board.start[other] < board.start[other + 1]:
+                    if k == 0 or board.end[k - 1] != board.start[other]:
+                        board.begin[k] = board.start[other]
+                        k += 1
+                    board.end[k - 1] = board.start[other + 1]
+    return k
+
+
+@inner
+def _beside(b: int, step: int, many: int) -> int:
+    """The bin before this one on its axis, itself, the one behind; of less than three bins each once."""
+    other = b + step - (1 if many > 2 else 0)
+    if other < 0:
+        return other + many
+    return other - many if other >= many else other
