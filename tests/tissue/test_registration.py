@@ -12,7 +12,7 @@ import pytest
 
 import tissue
 from dincl.errors import InvalidProblem
-from tissue.events.known import EVENTS, bit, built_in, events, acting, row, settled
+from tissue.events.known import EVENTS, acting, bit, built_in, events, row, settled
 from tissue.plugins import DivisionRule, registry
 from tissue.runs.start import started
 from tissue.runs.tables import summary_columns
