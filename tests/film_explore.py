@@ -13,7 +13,7 @@ from PIL import Image
 from playwright.sync_api import Page
 
 from tests.browser import launched
-from tests.tissue.explore.site import change, served
+from tests.verification.explore.site import change, served
 
 SIZE = {"width": 1400, "height": 860}
 WIDTH, QUALITY = 900, 55  # of the film [pixels], of WebP

@@ -15,11 +15,11 @@ from playwright.sync_api import Page
 
 import tissue
 from tests.browser import launched
-from tests.tissue.explore.site import change, served
-from tissue.cli.explore import BEGIN
-from tissue.explore.export import study_text
-from tissue.explore.setting import Setting
+from tests.verification.explore.site import change, served
 from tissue.study.run import run_study
+from verification.explore.command import BEGIN
+from verification.explore.tissues.dialogs import study_text
+from verification.explore.tissues.setting import Setting
 
 TIMES = 20
 RUNS = 400

@@ -37,7 +37,7 @@ FOLDERS = (
     "dincl.system.arrays",
     "meanfield.solvers.grid.finite_volume",
     "tissue.events",
-    "tissue.explore.scaled",
+    "tissue.pictures.scaled",
     "tissue.kernels",
     "tissue.model",
     "tissue.network",

@@ -71,7 +71,7 @@ def remove_partial(folder: Path) -> None:
 
 
 @dataclass(frozen=True)
-class Part:
+class StoredPart:
     """Files that are computed and stored together.
 
     Attributes

@@ -28,11 +28,12 @@ ORDER = {
     ),
     "tissue": (
         "plugins state kernels network model rules step events files pictures runs quasi_steady",
-        "study study.figures explore cli",
+        "study study.figures cli",
     ),
     "verification": (
         "evidence claims decide selection pytest_plugin",
         "outcome order lines result budget machine_code references error_norms cheapest method measure",
+        "explore.common explore.inclusions explore.tissues explore",
         "page chart problem_sets meanfield_methods orders rates stability speed_accuracy compare",
         "thesis.introduction thesis.conclusions thesis.appendix",
         "thesis.chapter1 thesis.chapter2.yardsticks thesis.chapter2 thesis.chapter2.stability",

@@ -42,7 +42,7 @@ HEAVY = (
 # What an extra is for, and what of it other extras serve: a minimiser of the tissue, the statements of one source.
 SERVED = {
     "meanfield": ("meanfield", ()),
-    "report": ("verification", ("verification/thesis/",)),
+    "report": ("verification", ("verification/thesis/", "verification/explore/")),
     "tissue": ("tissue", ("tissue/quasi_steady/judge.py", "tissue/pictures/scene.py")),
 }
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")

@@ -6,6 +6,7 @@ import platform
 import time
 from importlib.metadata import version
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -13,7 +14,6 @@ import typer
 from dincl.errors import InvalidProblem
 from dincl.files import check_writable, replacing, write_text
 from dincl.study import progress
-from tissue.cli.explore import explore
 from tissue.cli.figures import figures
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
@@ -27,8 +27,10 @@ if TYPE_CHECKING:
 
 MAKES_NO_NUMBERS = True
 
+# The page shows tissues and inclusions, so it stands above this package, which knows nothing of it but this name.
+PAGE = "verification.explore.command:explore"
 app = typer.Typer(help="Grow a tissue, and look at it.", no_args_is_help=True)
-app.command()(explore)
+app.command()(resolve_name(PAGE))
 app.command()(study)
 app.command()(figures)
 app.command("parameters")(list_parameters)

@@ -14,7 +14,7 @@ import pyarrow.dataset as ds
 from dincl.checks import describe, integer, items, text
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from dincl.study.parts import Part
+from dincl.study.parts import StoredPart
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import Parameters, preset
 from tissue.study.plan import Piece
@@ -224,7 +224,7 @@ class Results:
         )
         raise InvalidProblem("\n  ".join([head, *lines]))
 
-    def _part(self, piece: Piece) -> Part:
+    def _part(self, piece: Piece) -> StoredPart:
         return stored_part(self.folder, self._noted["fingerprint"], piece, self.study.trajectories)
 
     def _pieces(self, scenario: str) -> list[Piece]:

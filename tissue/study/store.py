@@ -16,7 +16,16 @@ import pyarrow as pa
 from dincl.errors import InvalidProblem
 from dincl.files import PARTIAL, write_text
 from dincl.study import StudyStopped
-from dincl.study.parts import CHECKSUM, Part, fingerprint, locked, read_note, remove_partial, set_aside, write_note
+from dincl.study.parts import (
+    CHECKSUM,
+    StoredPart,
+    fingerprint,
+    locked,
+    read_note,
+    remove_partial,
+    set_aside,
+    write_note,
+)
 from tissue.study.identity import IDENTITY, differences, identity, processor
 from tissue.study.plan import PART, Piece, TissueStudy
 
@@ -50,7 +59,7 @@ def trajectory(folder: Path, scenario: str, replicate: int) -> Path:
     return scenario_folder(folder, "trajectories", scenario) / f"replicate-{replicate:05d}.parquet"
 
 
-def stored_part(folder: Path, mark: str, piece: Piece, trajectories: tuple[int, ...]) -> Part:
+def stored_part(folder: Path, mark: str, piece: Piece, trajectories: tuple[int, ...]) -> StoredPart:
     """Return the files of a piece, and what its note says.
 
     Parameters
@@ -66,7 +75,7 @@ def stored_part(folder: Path, mark: str, piece: Piece, trajectories: tuple[int, 
     """
     whole = (trajectory(folder, piece.scenario, number) for number in trajectories if number in piece.replicates)
     files = (*(part(folder, kind, piece) for kind in KINDS), *whole)
-    return Part(folder, note(folder, piece), {"study": mark, "piece": list(piece)}, files)
+    return StoredPart(folder, note(folder, piece), {"study": mark, "piece": list(piece)}, files)
 
 
 @dataclass(frozen=True)
@@ -98,7 +107,7 @@ class StudyStore:
         except OSError as error:
             raise StudyStopped(f"{self.folder} cannot be written to: {error}") from error
 
-    def _part(self, piece: Piece) -> Part:
+    def _part(self, piece: Piece) -> StoredPart:
         return stored_part(self.folder, self.fingerprint, piece, self.study.trajectories)
 
 

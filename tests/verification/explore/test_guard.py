@@ -1,0 +1,160 @@
+"""Away from the loopback nobody sees anything without the token; streams are fetched once, by who knows the address."""
+
+import asyncio
+import threading
+
+import httpx
+import pytest
+from fastapi import FastAPI
+
+from verification.explore.common.streams import MOST, PictureStreams
+from verification.explore.guard import COOKIE, OneSite, Token, is_loopback
+
+APP = FastAPI()
+
+
+@APP.get("/")
+def page():
+    """What is guarded."""
+    return "seen"
+
+
+async def visit(app, *asked, **options):
+    """The answers to some addresses, in one visit."""
+    async with httpx.AsyncClient(transport=httpx.ASGITransport(app), base_url="http://here", **options) as one:
+        return [await one.get(address) for address in asked]
+
+
+def ask(*asked, **options):
+    """The same, from outside of a loop."""
+    return asyncio.run(visit(*asked, **options))
+
+
+def connect(app, query, cookie):
+    """What the guard lets a socket through to, or says to it."""
+    sent = []
+
+    async def send(message):
+        sent.append(message)
+
+    headers = [(b"cookie", f"{COOKIE}={cookie}".encode())] if cookie else []
+    scope = {"type": "websocket", "headers": headers, "query_string": query.encode()}
+    asyncio.run(app(scope, None, send))
+    return sent
+
+
+@pytest.mark.parametrize("query", ["", "?token=", "?token=wrong", "?token=rightly", "?token=wrong&token=right"])
+def test_without_the_token_nothing_is_seen(query):
+    (answer,) = ask(Token(APP, "right"), f"/{query}")
+    assert answer.status_code == 403
+    assert "seen" not in answer.text
+
+
+def test_a_wrong_cookie_is_none():
+    (answer,) = ask(Token(APP, "right"), "/", cookies={COOKIE: "wrong"})
+    assert answer.status_code == 403
+
+
+def test_the_token_is_kept_as_a_cookie_for_what_follows():
+    first, second = ask(Token(APP, "right"), "/?token=right", "/")
+    assert "HttpOnly" in first.headers["set-cookie"]
+    assert (first.text, second.text) == ('"seen"', '"seen"')
+
+
+@pytest.mark.parametrize(
+    ("query", "cookie", "heard"), [("", "right", True), ("token=right", "", True), ("", "wrong", False)]
+)
+def test_sockets_need_the_token_too(query, cookie, heard):
+    async def socket(scope, receive, send):
+        await send({"type": "websocket.accept"})
+
+    (sent,) = connect(Token(socket, "right"), query, cookie)
+    assert sent["type"] == ("websocket.accept" if heard else "websocket.close")
+
+
+@pytest.mark.parametrize(
+    ("origin", "host", "status"),
+    [
+        (None, "here", 200),
+        ("http://here", "here", 200),
+        ("https://here:8", "here:8", 200),  # behind a proxy
+        ("http://here", "here:8", 403),
+        ("http://there", "here", 403),
+        ("http://here.there", "here", 403),
+        ("null", "here", 403),
+        ("", "here", 403),
+    ],
+)
+def test_only_this_site_may_ask_and_no_other_shows_it(origin, host, status):
+    (answer,) = ask(OneSite(APP), "/", headers={"host": host} | ({} if origin is None else {"origin": origin}))
+    assert answer.status_code == status
+    assert answer.headers["x-frame-options"] == "DENY"
+    assert "frame-ancestors 'none'" in answer.headers["content-security-policy"]
+
+
+def test_what_is_refused_has_the_headers_too():
+    (answer,) = ask(OneSite(Token(APP, "right")), "/")
+    assert (answer.status_code, answer.headers["x-frame-options"]) == (403, "DENY")
+
+
+@pytest.mark.parametrize(
+    ("host", "known"),
+    [("127.0.0.1", True), ("127.1.2.3", True), ("localhost", True), ("::1", True), ("0.0.0.0", False), ("host", False)],
+)
+def test_the_loopback_is_known(host, known):
+    assert is_loopback(host) == known
+
+
+def test_a_stream_is_given_once_and_the_oldest_are_dropped():
+    app = FastAPI()
+    streams = PictureStreams(app)
+
+    async def add_and_fetch():
+        first = streams.add(lambda _: iter([b"old"]))
+        address = streams.add(lambda gone: iter([b"one", b"two", str(gone()).encode()]))
+        for _ in range(MOST - 1):
+            streams.add(lambda _: iter([b"other"]))
+        return await visit(app, address, address, first)
+
+    given, again, dropped = asyncio.run(add_and_fetch())
+    assert given.content == b"onetwoFalse"
+    assert (again.status_code, dropped.status_code) == (404, 404)
+
+
+def test_the_first_piece_is_made_before_it_is_fetched():
+    made, later = threading.Event(), threading.Event()
+
+    def pieces(_):
+        made.set()
+        yield b"one"
+        later.set()
+        yield b"two"
+
+    async def add():
+        PictureStreams(FastAPI()).add(pieces)
+        return await asyncio.to_thread(made.wait, 10)
+
+    assert asyncio.run(add())
+    assert not later.is_set()
+
+
+def test_who_leaves_ends_the_work_at_once():
+    """Also in the middle of a piece that would take for ever."""
+    begun, ended = threading.Event(), threading.Event()
+
+    def pieces(gone):
+        yield b"one"
+        begun.set()
+        while not gone():
+            pass
+        ended.set()
+
+    async def read_and_leave():
+        app = FastAPI()
+        address = PictureStreams(app).add(pieces)
+        asked = asyncio.create_task(visit(app, address))
+        await asyncio.to_thread(begun.wait, 60)
+        asked.cancel()
+        return await asyncio.to_thread(ended.wait, 60)
+
+    assert asyncio.run(read_and_leave())

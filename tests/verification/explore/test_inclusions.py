@@ -1,0 +1,206 @@
+"""The tab of inclusions without its page: what may be chosen, what goes wrong at large dt, and the pictures of it."""
+
+import json
+import struct
+from collections.abc import Iterable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import dincl
+from verification.explore.inclusions.frames import pictures
+from verification.explore.inclusions.problems import (
+    METHODS,
+    PICTURES,
+    SCENES,
+    Inclusion,
+    from_file,
+    kept_times,
+    reference,
+    scene,
+)
+from verification.explore.inclusions.runs import InclusionRun, integrate, measured
+
+CORNER = "ten_disks_corner"
+OWN = """
+import dincl
+{name} = dincl.Problem([[0.0, 1.0]], lambda t, x: 0 * x - 1, [dincl.HalfSpace((0, 1))])
+"""
+
+
+def run(name: str, method: str, steps: int) -> InclusionRun:
+    return InclusionRun(scene(name), method, steps, scene(name).end)
+
+
+def messages(pieces: Iterable[bytes]) -> list[tuple[dict, np.ndarray]]:
+    """Headers and payloads of a stream, no piece of which is empty: that would be its end."""
+    pieces = list(pieces)
+    assert all(pieces)
+    stream, found = b"".join(pieces), []
+    while stream:
+        header, payload = struct.unpack_from("<II", stream)
+        assert header % 4 == payload % 4 == 0
+        text, stream = stream[8 : 8 + header], stream[8 + header :]
+        found.append((json.loads(text), np.frombuffer(stream[:payload], "<f4")))
+        stream = stream[payload:]
+    return found
+
+
+@pytest.mark.parametrize("name", SCENES)
+def test_scenes(name: str) -> None:
+    offered = scene(name)
+    assert offered is scene(name)
+    assert offered.problem.x0.shape[1] <= 2
+    assert "\n" not in offered.about
+    known = reference(offered.problem, offered.end)
+    assert known.x is not None
+    assert known.x.shape == (PICTURES + 1, *offered.problem.x0.shape)
+
+
+@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("steps", [8, 512])
+def test_a_run_is_that_of_solve(method: str, steps: int) -> None:
+    kept = list(integrate(one := run(CORNER, method, steps)))
+    path = dincl.solve(one.inclusion.problem, METHODS[method](one.dt), t=[state.t for state in kept])
+    assert len(kept) == min(steps, PICTURES) + 1
+    np.testing.assert_array_equal(path.x, [state.x for state in kept])
+    np.testing.assert_array_equal(path.violation(), [state.overlap for state in kept])
+
+
+@pytest.mark.parametrize(("method", "order"), [("PBD", 1), ("catch-up", 1), ("midpoint catch-up", 2)])
+def test_error_goes_with_dt(method: str, order: float) -> None:
+    errors = [measured(run("sliding_disc", method, steps)).error.max() for steps in (256, 4096)]
+    assert np.log2(errors[0] / errors[1]) / 4 == pytest.approx(order, abs=0.15)
+
+
+def test_what_overlaps_at_large_dt() -> None:
+    overlaps = {method: measured(run(CORNER, method, 32)).overlap.max() for method in METHODS}
+    assert overlaps["PBD"] > overlaps["PBD, 16 sweeps"] > 1e-4
+    assert overlaps["linearised catch-up"] < 1e-12
+    assert overlaps["penalty 100"] > 0.1
+
+
+def test_a_run_that_fails_says_why_and_what_to_try() -> None:
+    found = measured(run("four_disks", "PBD", 2))
+    assert set(found.t) == {0.0}
+    assert "coincide" in found.fault
+    assert "use a smaller dt" in found.fault
+
+
+def test_particles_that_overlap_are_told() -> None:
+    worst = max(integrate(run(CORNER, "PBD", 32)), key=lambda state: state.overlap)
+    gaps = np.linalg.norm(worst.x[:, None] - worst.x, axis=-1) - 1.0 + 2 * np.eye(10)
+    walls = np.stack((worst.x @ (1, 1), worst.x @ (-1, 1))) / np.sqrt(2) - 0.5
+    deep = np.maximum(0.0, -np.minimum(gaps.min(axis=0), walls.min(axis=0)))
+    np.testing.assert_allclose(worst.deep, deep, atol=1e-12)
+
+
+@pytest.mark.parametrize("steps", [8, 1024])
+def test_pictures(steps: int) -> None:
+    head, *frames, end = messages(pictures(one := run(CORNER, "PBD", steps), lambda: False))
+    assert head[0]["painter"] == "discs"
+    assert head[0]["radius"] == [0.5] * 10
+    np.testing.assert_allclose([frame[0]["t"] for frame in frames], kept_times(one.end), atol=1e-12)
+    assert end[0] == {"kind": "end", "status": "SUCCESS", "detail": ""}
+    assert [len(frame[0].get("shapes", ())) for frame in frames] == [2, *[0] * PICTURES]
+    last, columns = frames[-1][0], frames[-1][1].reshape(5, 10)
+    kept = list(integrate(one))[-1]
+    np.testing.assert_allclose(columns[:2].T, kept.x, rtol=1e-6)
+    assert (last["overlap"], last["error"]) == (kept.overlap, kept.error)
+    away = np.hypot(*(columns[:2] - columns[3:])).max()
+    assert away == pytest.approx(kept.error, rel=1e-4)
+    left, right, low, high = head[0]["box"]
+    shown = np.array([frame[1].reshape(5, 10)[3:] for frame in frames])
+    assert left < shown[:, 0].min() - 0.5
+    assert shown[:, 0].max() + 0.5 < right
+    assert low < shown[:, 1].min() - 0.5
+    assert shown[:, 1].max() + 0.5 < high
+
+
+def test_pictures_of_a_line_lie_in_the_plane_and_its_walls_move() -> None:
+    head, *frames, _ = messages(pictures(run("sweeping_interval", "catch-up", 16), lambda: False))
+    assert head[0]["box"][2] < 0 < head[0]["box"][3]
+    assert not frames[5][1].reshape(5, 1)[1]
+    assert [shape["normal"] for shape in frames[5][0]["shapes"]] == [[1, 0], [-1, 0]]
+    assert frames[5][0]["shapes"] != frames[6][0]["shapes"]
+
+
+def test_pictures_of_what_blows_up_and_of_what_fails() -> None:
+    (head, _), *frames, _ = messages(pictures(run("sweeping_interval", "penalty 100", 32), lambda: False))
+    size = head["box"][1] - head["box"][0]
+    assert max(header["overlap"] for header, _ in frames) > 1e10
+    assert 2 * size < max(abs(payload[0]) for _, payload in frames) < 4 * size
+    *_, end = messages(pictures(run("four_disks", "PBD", 2), lambda: False))
+    assert end[0]["status"] == "COINCIDENT_CENTRES"
+    assert "use a smaller dt" in end[0]["detail"]
+
+
+@pytest.mark.parametrize("allowed", [0, 3])
+def test_stop_ends_the_work(allowed: int) -> None:
+    asked = []
+
+    def gone() -> bool:
+        asked.append(None)
+        return len(asked) > allowed
+
+    assert len(list(integrate(run(CORNER, "PBD", 64), gone))) == allowed
+    asked.clear()
+    assert measured(run(CORNER, "PBD", 64), gone) is None
+    asked.clear()
+    assert [header["kind"] for header, _ in messages(pictures(run(CORNER, "PBD", 64), gone))][-1] != "end"
+
+
+@pytest.mark.parametrize("name", ["problem", "mine"])
+def test_a_file_of_ones_own(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "falls.py"
+    file.write_text(OWN.format(name=name) + "t = [0.5, 1.5]\n", "utf-8")
+    own = from_file(file)
+    assert (own.title, own.end) == ("falls.py", 1.5)
+    found = measured(InclusionRun(own, "PBD", 32, own.end))
+    assert found.error is not None
+    assert found.error.max() < 1e-12
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", r"own\.py: names no dincl\.Problem"),
+        ("problem = 3", r"own\.py: problem = 3: must be a dincl\.Problem"),
+        (OWN.format(name="a") + "b = a", "own.py: names several problems, a, b"),
+        ("1 / 0", "own.py: cannot be run: ZeroDivisionError: division by zero"),
+        ("raise SystemExit(2)", "own.py: cannot be run: SystemExit: 2"),
+        ("problem =", "own.py: cannot be run: SyntaxError"),
+        (OWN.format(name="problem") + "t = [0.0]", "own.py: the last of t = .*: must be a finite number > 0"),
+        (OWN.format(name="problem") + "t = 'late'", "own.py: t = 'late': must be finite real numbers"),
+        ("import dincl\nproblem = dincl.scenes.ball_pile(3)", "own.py: d = 3: drawn are problems in 1 or 2"),
+    ],
+)
+def test_wrong_files(text: str, message: str, tmp_path: Path) -> None:
+    (tmp_path / "own.py").write_text(text, "utf-8")
+    with pytest.raises(dincl.InvalidProblem, match=message):
+        from_file(tmp_path / "own.py")
+
+
+def test_without_a_reference_there_is_no_error_but_a_picture() -> None:
+    places = np.stack(np.meshgrid(np.arange(20.0), np.arange(16.0))).reshape(2, -1).T
+    crowd = dincl.Problem(places, lambda t, x: -x, [dincl.NonOverlap(0.4)])
+    known = reference(crowd, 1.0)
+    assert known.x is None
+    assert "320 particles" in known.words
+    one = InclusionRun(Inclusion("crowd", "", crowd, 1.0), "PBD", 4, 1.0)
+    assert measured(one).error is None
+    head, *frames, _ = messages(pictures(one, lambda: False))
+    assert head[0]["reference"] is False
+    assert frames[-1][0]["error"] is None
+    assert len(frames[-1][1]) == 3 * 320
+
+
+def test_a_set_of_ones_own_is_drawn_by_its_level() -> None:
+    disc = dincl.Smooth(lambda x: np.array([1 - x[0] @ x[0]]), lambda x: -2 * x[None])
+    inside = dincl.Problem([[0.0, 0.0]], lambda t, x: 0 * x + 1, [disc])
+    one = InclusionRun(Inclusion("disc", "", inside, 2.0), "catch-up", 8, 2.0)
+    _, first, *_ = messages(pictures(one, lambda: False))
+    (curve,) = first[0]["shapes"]
+    radius = np.hypot(*np.array(curve["points"]).T)
+    np.testing.assert_allclose(radius, 1.0, atol=0.01)

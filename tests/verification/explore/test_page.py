@@ -1,0 +1,255 @@
+"""The page in a real browser: every kind of control, wrong values, the picture, comparing, and the exported study."""
+
+import time
+
+import pytest
+
+import tissue
+from tests.browser import HEIGHT, WIDTHS, fits, launched, visit
+from tests.verification.explore.site import (
+    change,
+    cpu_ticks,
+    enter,
+    field,
+    interval,
+    numbers,
+    run_of,
+    served,
+    wait_for_run,
+    wait_for_runs,
+    write_base,
+)
+from tests.verification.explore.small import SMALL
+from tissue.study.answers import scenario_ratios
+from tissue.study.figures.style import OUTCOMES
+from tissue.study.run import run_study
+from verification.explore.tissues.setting import Setting
+
+pytestmark = pytest.mark.slow
+
+RUNS = 400
+QUIET = 0.3  # seconds in which a process without work uses no tick
+BEGIN = Setting("thesis", tissue.preset("thesis")).with_values(SMALL)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("page")
+    write_base(folder, BEGIN)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def site(folder):
+    with served(folder, "small.toml") as (address, process):
+        yield address, process
+
+
+@pytest.fixture(scope="module")
+def page(browser_of_all, site):
+    """One visitor for most tests: loading a page takes longest."""
+    with visit(browser_of_all, site[0]) as found:
+        wait_for_runs(found, RUNS)  # the server has answered: what is done before it hears is lost
+        for group in ("Basal layer", "Numerics"):
+            found.get_by_text(group, exact=True).click()
+        yield found
+
+
+@pytest.fixture(scope="module")
+def browser_of_all():
+    with launched() as opened:
+        yield opened
+
+
+def knob(page, key):
+    return page.locator(f'[data-key="{key}"]')
+
+
+def undo(page, key):
+    """Set a knob as it was, and wait for the picture."""
+    before = run_of(page)
+    knob(page, key).get_by_label(f"{key} as it was").click()
+    wait_for_run(page, before)
+
+
+def test_it_shows_a_tissue_and_an_answer_with_intervals(page):
+    wait_for_runs(page, RUNS, "A")
+    found = numbers(page)
+    value, low, high = interval(found[OUTCOMES["apical"][2]][0])
+    assert 0 <= low < value < high <= 100
+    assert interval(found["height [µm]"][0])[0] > 0
+    player = page.locator(".player")
+    assert player.get_attribute("data-status") == "SUCCESS"
+    assert int(player.get_attribute("data-cells")) >= 12
+
+
+@pytest.mark.parametrize(
+    ("key", "text"), [("numerics.mu", "0.2 h"), ("emt.a", "2 h, 50 %"), ("tissue.two_daughters", "0.9")]
+)
+def test_a_field_changes_the_picture_and_is_marked(page, key, text):
+    change(page, key, text)
+    assert "changed" in knob(page, key).get_attribute("class")
+    undo(page, key)
+    assert "changed" not in knob(page, key).get_attribute("class")
+
+
+def test_a_slider_changes_its_field(page):
+    before = run_of(page)
+    slider = knob(page, "tissue.cells").locator(".q-slider")
+    slider.click(position={"x": 90, "y": 10})
+    wait_for_run(page, before)
+    assert int(field(page, "tissue.cells").input_value()) > 12
+    undo(page, "tissue.cells")
+
+
+def test_a_choice_and_a_switch_change_the_layer(page):
+    before = run_of(page)
+    page.get_by_role("combobox", name="choose layer.shape").click()
+    page.get_by_role("option", name="circle").click()
+    wait_for_run(page, before)
+    assert "changed" in knob(page, "layer.shape").get_attribute("class")
+    undo(page, "layer.shape")
+
+
+def test_an_event_is_switched_on_and_moved(page):
+    before = run_of(page)
+    knob(page, "emt.s").locator(".q-toggle").click()
+    wait_for_run(page, before)
+    assert field(page, "emt.s").input_value() == "0.5 h to 2 h"
+    undo(page, "emt.s")
+    assert field(page, "emt.s").input_value() == "never"
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "said"),
+    [
+        ("tissue.cells", "-3", "must be a whole number from 1 to 1000000"),
+        ("numerics.mu", "0.2", "the unit is missing"),
+        ("numerics.t_end", "3.05 h", "must be a whole number of steps numerics.dt"),
+    ],
+)
+def test_what_is_impossible_is_said_beside_the_field_and_changes_nothing(page, key, text, said):
+    before = run_of(page)
+    enter(page, key, text)
+    knob(page, key).get_by_text(said).wait_for()
+    assert field(page, key).input_value() == text
+    assert run_of(page) == before
+    knob(page, key).get_by_label(f"{key} as it was").click()
+    knob(page, key).get_by_text(said).wait_for(state="detached")
+
+
+def test_the_picture_plays_pauses_steps_and_is_scrubbed(page):
+    player = page.locator(".player")
+    page.wait_for_function("document.querySelector('.player').dataset.state == 'ready'")
+    page.wait_for_function("document.querySelector('.player').dataset.playing == 'false'")
+    assert float(player.get_attribute("data-time")) == 4.0
+    page.get_by_label("time", exact=True).fill("2")
+    assert float(player.get_attribute("data-time")) == 2.0
+    player.get_by_label("step forward").click()
+    assert 2.0 < float(player.get_attribute("data-time")) < 2.2
+    player.get_by_label("step back").click()
+    assert float(player.get_attribute("data-time")) == 2.0
+    player.get_by_label("speed").select_option("4")
+    player.get_by_label("play", exact=True).click()
+    page.wait_for_function("Number(document.querySelector('.player').dataset.time) > 3")
+
+
+def test_a_cell_is_followed_by_a_click_and_colours_have_a_legend(page):
+    for colouring in ("type", "yab", "phase"):
+        page.get_by_label("colour by").select_option(colouring)
+        page.wait_for_function(
+            "name => document.querySelector('.legend').innerText.includes(name)",
+            arg={"type": "control", "yab": "y_AB", "phase": "mitosis"}[colouring],
+        )
+    box = page.locator(".player canvas").bounding_box()
+    for k in range(40):
+        page.mouse.click(box["x"] + box["width"] / 2, box["y"] + box["height"] * (k + 1) / 41)
+        page.wait_for_timeout(0)
+        if page.locator(".player .said").inner_text().startswith("cell"):
+            break
+    assert page.locator(".player").get_attribute("data-followed") is not None
+
+
+def test_two_settings_are_compared_and_the_exported_study_has_the_numbers_of_the_page(page, folder):
+    wait_for_runs(page, RUNS)
+    page.get_by_role("button", name="Compare: hold this").click()
+    change(page, "emt.s", "1 h")
+    wait_for_runs(page, RUNS, "B")
+    shown = numbers(page)
+    page.get_by_role("button", name="Make this a study").click()
+    page.get_by_label("name of the file").fill("mine.toml")
+    page.get_by_role("button", name="Write the file").click()
+    page.get_by_text("tissue study mine.toml --out results/mine").wait_for()
+    page.get_by_role("button", name="Close").click()
+    rows = scenario_ratios(run_study(folder / "mine.toml", folder / "results" / "mine")).set_index(
+        ["scenario", "outcome"]
+    )
+    for what, (_, _, name) in OUTCOMES.items():
+        for scenario, text in zip("BA", shown[name][:2], strict=True):
+            row = rows.loc[(scenario, what)]
+            assert interval(text) == pytest.approx([100 * row[k] for k in ("value", "low", "high")], abs=0.0501)
+            assert row["runs"] <= RUNS
+        assert "points" in shown[name][2]
+        assert shown[name][3]
+
+
+def test_the_finished_study_opens_in_the_page(page, folder):
+    shown = numbers(page)
+    page.get_by_role("button", name="Open a study").click()
+    page.get_by_role("combobox", name="study", exact=True).click()
+    page.get_by_role("option", name="results/mine").click()
+    page.get_by_role("button", name="Open", exact=True).click()
+    page.get_by_text("It is held beside").wait_for()
+    page.get_by_role("button", name="Close").click()
+    wait_for_runs(page, RUNS, "C")
+    name = OUTCOMES["apical"][2]
+    assert numbers(page)[name][1] == shown[name][1]
+
+
+def test_parameters_are_saved_and_opened_and_copied(page, folder):
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_label("name of the file").fill("kept")
+    page.locator(".dialog").get_by_role("button", name="Save").click()
+    page.get_by_text("kept.toml is saved").wait_for()
+    page.locator(".dialog").get_by_role("button", name="Save").click()
+    page.get_by_text("must be a new name").wait_for()
+    page.get_by_role("button", name="Close").click()
+    before = run_of(page)
+    page.get_by_role("combobox", name="begin with").click()
+    page.get_by_role("option", name="kept.toml").click()
+    wait_for_run(page, before)
+    assert tissue.load(folder / "kept.toml").emt.cells == 3
+
+
+@pytest.mark.parametrize("width", WIDTHS)
+def test_it_fits_a_desk_and_a_telephone(page, width):
+    page.set_viewport_size({"width": width, "height": HEIGHT})
+    fits(page)
+
+
+def test_visitors_do_not_disturb_each_other_and_a_setting_outlives_a_reload(browser_of_all, site, page):
+    with visit(browser_of_all, site[0]) as one:
+        wait_for_runs(one, RUNS)
+        wait_for_runs(page, RUNS)
+        before = numbers(page)
+        change(one, "emt.cells", "1")
+        wait_for_runs(one, RUNS)
+        known = numbers(one)
+        assert known != before
+        assert numbers(page) == before
+        one.reload()
+        wait_for_runs(one, RUNS)
+        assert (numbers(one), field(one, "emt.cells").input_value()) == (known, "1")
+
+
+def test_a_hundred_quick_moves_leave_no_work_behind(page, site):
+    knob(page, "emt.inm").locator(".q-slider [tabindex]").focus()
+    for _ in range(100):
+        page.keyboard.press("ArrowLeft")
+    page.wait_for_function("told => told.value === '0.0'", arg=field(page, "emt.inm").element_handle())
+    wait_for_runs(page, RUNS)
+    ended = [0, cpu_ticks(site[1].pid)]
+    while ended[-1] > ended[-2]:
+        time.sleep(QUIET)
+        ended.append(cpu_ticks(site[1].pid))
+    assert field(page, "emt.inm").input_value() == "0.0"

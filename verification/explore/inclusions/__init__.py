@@ -1,0 +1,1 @@
+"""The tab of inclusions: problems, methods, runs, their pictures and charts."""

@@ -1,0 +1,139 @@
+"""Runs of an inclusion: states at output times, their overlap and error, how the run ended; and which are made next."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from dincl.errors import InvalidProblem, StepFailure
+from dincl.norms import longest
+from dincl.problem import Problem
+from dincl.schemes import FixedStep
+from dincl.status import Status
+from dincl.steps.grid import Reached, TimeGrid
+from verification.explore.inclusions.problems import METHODS, PICTURES, Floats, Inclusion, reference
+
+MAKES_NO_NUMBERS = True
+
+Gone = Callable[[], bool]
+
+
+class InclusionRun(NamedTuple):
+    """What is to be run: ``method`` is of METHODS, and the run makes ``steps`` steps, a power of 2, to ``end``."""
+
+    inclusion: Inclusion
+    method: str
+    steps: int
+    end: float
+
+    @property
+    def dt(self) -> float:
+        """The step [time]."""
+        return self.end / self.steps
+
+
+class SavedState(NamedTuple):
+    """A state.
+
+    Attributes
+    ----------
+    t, x
+        Time, and positions (N, d).
+    deep
+        Largest violation of a constraint that ties the particle, (N,).
+    error
+        Distance max_i |X_i - reference|; None where that is not known.
+    status, detail
+        Why the run ends here; SUCCESS and "" if it goes on, or is at its end.
+    """
+
+    t: float
+    x: Floats
+    deep: Floats
+    error: float | None
+    status: Status
+    detail: str
+
+    @property
+    def overlap(self) -> float:
+        """The largest violation of a constraint."""
+        return float(self.deep.max())
+
+    @property
+    def fault(self) -> str:
+        """What went wrong, and what to try; "" if nothing did."""
+        return "" if self.status else f"{self.status.value} {self.detail}".rstrip()
+
+
+class Measured(NamedTuple):
+    """Overlap and error of a run at its kept steps, shape (K,); the error is None where no reference is known."""
+
+    t: Floats
+    overlap: Floats
+    error: Floats | None
+    fault: str
+
+
+def integrate(run: InclusionRun, gone: Gone = lambda: False) -> Iterator[SavedState]:
+    """The states at all steps, or at each of 128 equal times, as they come; as ``solve`` makes them.
+
+    ``gone`` is asked before each: once it says True no more come. A run that fails ends with the last state that it
+    reached.
+
+    Raises
+    ------
+    InvalidProblem
+        If the method cannot serve the problem.
+    """
+    problem, grid, scheme = run.inclusion.problem, TimeGrid(run.end, run.steps), METHODS[run.method](run.dt)
+    if not isinstance(scheme, FixedStep):
+        raise InvalidProblem(f"{run.method}: must be a scheme with a step")
+    stepper, known, every = scheme.stepper(problem), reference(problem, run.end).x, max(1, run.steps // PICTURES)
+    reached = Reached(0, stepper.start())
+    for k in range(0, run.steps + 1, every):
+        if gone():
+            return
+        with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
+            reached = stepper.advance(grid, reached.k, k, reached.state)
+        failure, t, x = reached.failure, grid.time(reached.k), reached.state.x
+        place = reached.k * PICTURES / run.steps
+        error = None if known is None or place % 1 else longest(x - known[int(place)])
+        status, detail = (failure.status, failure.detail) if failure else (Status.SUCCESS, "")
+        yield SavedState(t, x, depths(problem, t, x), error, status, detail)
+        if failure:
+            return
+
+
+def depths(problem: Problem, t: float, x: Floats) -> Floats:
+    """For each particle the largest violation of a constraint that ties it, (N,); infinite where one is undefined."""
+    deep = np.zeros(len(x))
+    try:
+        for block in problem.rows_within(t, x, 0.0).by_kind():
+            depth = -block.values(x)
+            violated = depth > 0
+            if violated.any():
+                # The derivative of squared distances is defined also where two centres coincide.
+                matrix = block.take(violated).squared_jacobian(x)
+                deepest = np.repeat(depth[violated], np.diff(matrix.indptr))
+                np.maximum.at(deep, matrix.indices // x.shape[1], deepest)
+    except StepFailure:
+        deep[:] = np.inf
+    return deep
+
+
+def measured(run: InclusionRun, gone: Gone = lambda: False) -> Measured | None:
+    """Overlap and error in time; None if it was stopped, and without times if the method cannot serve the problem."""
+    try:
+        kept = list(integrate(run, gone))
+    except InvalidProblem as error:
+        return Measured(np.zeros(0), np.zeros(0), None, str(error))
+    if not kept or (kept[-1].status and kept[-1].t < run.end):
+        return None
+    # A step that failed may lie between the times at which the reference is known.
+    known = [one for one in kept if one.error is not None]
+    shown = known or kept
+    t, overlap = np.array([one.t for one in shown]), np.array([one.overlap for one in shown])
+    errors = np.array([one.error for one in known]) if known else None
+    return Measured(t, overlap, errors, kept[-1].fault)

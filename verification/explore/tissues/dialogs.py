@@ -1,0 +1,159 @@
+"""What the page asks for by name: parameters to save, a study to make or to open; and the texts of these files."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from collections.abc import Awaitable, Callable, Iterator, Mapping
+from contextlib import contextmanager
+from shlex import quote
+from typing import TYPE_CHECKING
+
+from nicegui import ui
+
+from dincl.errors import InvalidProblem
+from tissue.files.keys import all_keys
+from tissue.files.messages import refuse
+from tissue.files.parameter_files import flat, nested, written
+from tissue.files.parameters import Parameters
+from tissue.study.shape import checked
+from verification.explore.common.folder import RESULTS, TOML
+
+if TYPE_CHECKING:
+    from verification.explore.tissues.session import Session
+    from verification.explore.tissues.setting import Setting
+
+MAKES_NO_NUMBERS = True
+
+
+def parameters_text(setting: Setting) -> str:
+    """A parameter file of a setting, with its base: it is to lie beside it, or that is a preset."""
+    comments = {name: facts.comment for name, facts in all_keys(Parameters).items()}
+    return f"base = {json.dumps(setting.base)}\n\n{written(nested(setting.changes), comments)}"
+
+
+def study_text(title: str, settings: Mapping[str, Setting], replicates: int, seed: int) -> str:
+    """A study file with a scenario for each setting.
+
+    Its runs are those of the page: replicate k of a scenario has the seed that the page gives it by the same names.
+
+    Raises
+    ------
+    InvalidProblem
+        If a setting lacks what the base of the first one has, such as a type of cells; or title or replicates are bad.
+    """
+    first = next(iter(settings.values()))
+    head = {"title": title, "base": first.base, "replicates": replicates, "seed": seed}
+    lines = "".join(f"{key} = {json.dumps(value, ensure_ascii=False)}\n" for key, value in head.items())
+    scenarios = {name: _changes(setting.parameters, first.first) for name, setting in settings.items()}
+    text = "\n".join([lines, *(_scenario(name, changes) for name, changes in scenarios.items())])
+    if faults := checked(tomllib.loads(text))[1]:
+        raise refuse("study", faults)
+    return text
+
+
+def command(file: str) -> str:
+    """The command line that carries out a study file; it goes on after any interruption."""
+    folder = f"{RESULTS}/{file.removesuffix(TOML)}"
+    return f"tissue study {quote(file)} --out {quote(folder)}"
+
+
+def _changes(parameters: Parameters, base: Parameters) -> dict[str, object]:
+    """The values in which parameters differ from their base, by key."""
+    before, now = flat(base.as_dict()), flat(parameters.as_dict())
+    if gone := sorted(set(before) - set(now)):
+        raise InvalidProblem(f"{', '.join(gone)}: must be in both settings; open them from one file to compare them")
+    return {key: value for key, value in now.items() if value != before.get(key)}
+
+
+def _scenario(name: str, changes: Mapping[str, object]) -> str:
+    table = f"scenarios.{name}"
+    if not changes:
+        return f"[{table}]\n"
+    return written({f"{table}.{section}": values for section, values in nested(changes).items()}, {})
+
+
+Done = Callable[[], object]
+
+
+def copy_parameters(session: Session) -> None:
+    """Put a parameter file into the clipboard."""
+    ui.clipboard.write(parameters_text(session.now.setting))
+    ui.notify("The parameters are in the clipboard.")
+
+
+def save_parameters(session: Session, saved: Done) -> None:
+    """Ask for a name, and save a parameter file."""
+
+    def save() -> str:
+        path = session.folder.save(name.value or "", parameters_text(session.now.setting))
+        saved()
+        return f"{path.name} is saved in the folder {path.parent.name}."
+
+    with _dialog("Save the parameters", "Save", save):
+        name = ui.input("name of the file", value="my_tissue.toml").props("dense outlined")
+
+
+def make_study(session: Session) -> None:
+    """Ask for a name, write the study of what is on the page, and show the command that carries it out."""
+    sides = [side for side in (session.held, session.now) if side is not None and side.ensemble is not None]
+    there = max((side.answer.runs for side in sides if side.answer is not None), default=session.most)
+
+    def make() -> str:
+        settings = {side.name: side.setting for side in sides}
+        text = study_text(title.value or "", settings, int(runs.value or 0), session.seed)
+        return command(session.folder.save(name.value or "", text).name)
+
+    with _dialog("Make this a study", "Write the file", make):
+        title = ui.input("title", value="From the page").props("dense outlined")
+        name = ui.input("name of the file", value="my_study.toml").props("dense outlined")
+        runs = ui.number("runs of each setting", value=there, min=1, step=1, format="%d").props("dense outlined")
+
+
+def open_study(session: Session, opened: Callable[[str, str], Awaitable[None]]) -> None:
+    """Ask for a finished study and one of its scenarios."""
+    names = session.folder.studies()
+
+    async def open_it() -> str:
+        await opened(study.value, scenario.value)
+        return "It is held beside the present setting."
+
+    def chosen(name: str) -> None:
+        with _said_below(said):
+            found = list(session.folder.results(name).study.scenarios)
+            scenario.set_options(found, value=found[0])
+
+    with _dialog("Open a study", "Open", open_it) as said:
+        if not names:
+            said.text = "There is none in this folder; tissue study FILE --out results/NAME makes one."
+        study = ui.select(names, label="study", on_change=lambda e: chosen(e.value)).props("dense outlined")
+        scenario = ui.select([], label="scenario").props("dense outlined")
+
+
+@contextmanager
+def _dialog(title: str, action: str, act: Callable[[], str | Awaitable[str]]) -> Iterator[ui.label]:
+    """A dialog around fields; what ``act`` returns, or has against them, is said below."""
+
+    async def tried() -> None:
+        with _said_below(said):
+            found = act()
+            said.text = found if isinstance(found, str) else await found
+
+    with ui.dialog(value=True) as dialog, ui.card().classes("dialog"):
+        ui.label(title).classes("title")
+        fields = ui.element("div").classes("fields")
+        said = ui.label().classes("command").props('role="status"')
+        with ui.element("div").classes("row"):
+            ui.button(action, on_click=tried).props("dense no-caps")
+            ui.button("Close", on_click=dialog.close).props("dense no-caps flat")
+    dialog.on("hide", dialog.delete)
+    with fields:
+        yield said
+
+
+@contextmanager
+def _said_below(said: ui.label) -> Iterator[None]:
+    try:
+        yield
+    except InvalidProblem as error:
+        said.text = str(error)

@@ -1,0 +1,144 @@
+"""Runs of one setting that are made while someone looks, until there are enough or it is stopped."""
+
+from __future__ import annotations
+
+import os
+import sys
+import threading
+from concurrent.futures import Executor, Future, ThreadPoolExecutor
+from typing import TYPE_CHECKING, NamedTuple
+
+from dincl.compiled.lanes import WIDTH
+from dincl.errors import InvalidProblem
+from tissue.study.plan import run_seeds
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from tissue.files.parameters import Parameters
+    from tissue.study.outcomes import Outcomes
+
+MAKES_NO_NUMBERS = True
+
+NICE = 10
+FIRST = 2  # runs that are made one by one: they are there in a third of the time of eight, and two have an interval
+
+
+class PartialResults(NamedTuple):
+    """The tables of the first so many replicates, as ``Results`` has them."""
+
+    cells: pd.DataFrame
+    runs: pd.DataFrame
+
+
+class Cancelled(Exception):
+    """Nobody wants the result any more."""
+
+
+class Ensemble:
+    """The runs of a scenario of a study, in the order of its replicates.
+
+    Parameters
+    ----------
+    parameters, seed, scenario
+        What replicate k is: that of a study with this seed and a scenario of this name.
+    most
+        Runs after which it ends; the last lot of eight is made whole.
+    pool
+        Computes the lots, at most as many at a time as it has threads, so that visitors share them.
+    """
+
+    def __init__(self, parameters: Parameters, seed: int, scenario: str, most: int, pool: Executor) -> None:
+        self.parameters, self.scenario, self.most = parameters, scenario, most
+        self._seed, self._pool = seed, pool
+        self._lock, self._stop = threading.Lock(), threading.Event()
+        self._next, self._busy, self.fault = 0, 0, ""
+        self._lots: dict[int, Outcomes] = {}  # by their first replicate, in whatever order they come
+
+    @property
+    def runs(self) -> int:
+        """How many replicates there are, without a gap from the first one on."""
+        with self._lock:
+            return sum(lot.runs.num_rows for lot in self._without_gap())
+
+    @property
+    def busy(self) -> int:
+        """Lots under way."""
+        return self._busy
+
+    @property
+    def over(self) -> bool:
+        """Whether no more runs will come."""
+        return self._busy == 0 and (self._stop.is_set() or self._next >= self.most or bool(self.fault))
+
+    def start(self, most: int | None = None) -> None:
+        """Begin, or go on up to another number of runs; there is no more than one lot for each core under way."""
+        self.most = most or self.most
+        for _ in range(cores()):
+            self._submit()
+
+    def stop(self) -> None:
+        """Begin no more lots, and end those under way."""
+        self._stop.set()
+
+    def partial_results(self) -> PartialResults | None:
+        """The replicates without a gap; None as long as there are none."""
+        import pyarrow as pa
+
+        with self._lock:
+            lots = self._without_gap()
+        if not lots:
+            return None
+        cells, runs = (pa.concat_tables(tables) for tables in zip(*(lot[:2] for lot in lots), strict=True))
+        return PartialResults(cells.to_pandas(), runs.to_pandas())
+
+    def _without_gap(self) -> list[Outcomes]:
+        found, first = [], 0
+        while first in self._lots:
+            found.append(self._lots[first])
+            first += self._lots[first].runs.num_rows
+        return found
+
+    def _submit(self) -> None:
+        with self._lock:
+            if self._stop.is_set() or self._next >= self.most or self.fault or self._busy >= cores():
+                return
+            lot = range(self._next, self._next + (1 if self._next < FIRST else WIDTH - self._next % WIDTH))
+            self._next, self._busy = lot.stop, self._busy + 1
+        self._pool.submit(self._lot, lot).add_done_callback(lambda made: self._keep(lot.start, made))
+
+    def _lot(self, replicates: range) -> Outcomes:
+        from tissue.study.outcomes import outcomes
+
+        self._ask()
+        seeds = run_seeds(self._seed, self.scenario, replicates)
+        return outcomes(self.parameters, replicates, seeds, ask=self._ask)
+
+    def _ask(self) -> None:
+        if self._stop.is_set():
+            raise Cancelled
+
+    def _keep(self, first: int, lot: Future[Outcomes]) -> None:
+        error = lot.exception()
+        with self._lock:
+            self._busy -= 1
+            if error is None:
+                self._lots[first] = lot.result()
+            elif not isinstance(error, Cancelled):
+                self.fault = str(error) if isinstance(error, InvalidProblem) else f"{type(error).__name__}: {error}"
+        self._submit()
+
+
+def cores() -> int:
+    """Of this machine, that this process may use."""
+    return len(os.sched_getaffinity(0))
+
+
+def workers() -> ThreadPoolExecutor:
+    """Threads for ensembles, one for each core, which give way to the picture that someone waits for."""
+    return ThreadPoolExecutor(cores(), "ensemble", _give_way)
+
+
+def _give_way() -> None:
+    if sys.platform == "linux":  # where the priority is that of a thread
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), NICE)

@@ -1,0 +1,258 @@
+"""A run of the tissue as a stream of pictures that comes while the run goes on; and how its cells will look."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from time import perf_counter
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from dincl.errors import InvalidProblem
+from dincl.status import Status
+from tissue.events.known import EVENTS
+from tissue.files.frame import Frame
+from tissue.files.units import Measure
+from tissue.model.observables import ab_positions, is_measurable, phases
+from tissue.model.observables import height as mean_height
+from tissue.pictures.emt import chains, colours_of, free_points
+from tissue.pictures.picture import box_of
+from tissue.pictures.scaled import scaled
+from tissue.pictures.sheet import COLOURS, GREY, TYPE_COLOURS
+from tissue.runs.batch import Lot, kept_steps
+from tissue.state.cells import CellLayers, Cells
+from tissue.state.mesh import Sheets
+from tissue.state.store import APICAL, BASAL, CELLS
+from tissue.state.surface import PLANE
+from verification.explore.common.streams import ending, message
+from verification.explore.tissues.ensemble import Cancelled
+
+if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
+    from tissue.state.cells import Emt, Floats, Integers
+
+MAKES_NO_NUMBERS = True
+
+# Of cells of no named type, where colours tell types apart.
+UNNAMED_COLOURS = (GREY, "#e8590c")
+# Of the basal layer, where it bends.
+POINTS = 361
+
+
+def events_to_come(emt: Emt, kept: Floats) -> set[int]:
+    """The sets of events that EMT cells will have at the kept times [h], which begin with the start.
+
+    An event begins in the first step whose end is not before its time; all times are drawn at the start.
+    """
+    if not len(emt.side):
+        return set()
+    first = np.searchsorted(kept, emt.at)  # (events, m): from which kept time on
+    bits = 1 << np.arange(len(first))
+    sets = [(bits[:, None] * (first <= k)).sum(axis=0) for k in np.unique(np.append(first[first < len(kept)], 0))]
+    return set(np.concatenate(sets).tolist())
+
+
+def looks_of(begun: set[int]) -> tuple[list[dict[str, str]], Integers]:
+    """The looks of EMT cells with these sets of events, and by each set its place among them; empty without any."""
+    colours = colours_of(begun)
+    places = {name: place for place, name in enumerate(colours)}
+    looks = [{"name": name, "colour": colour} for name, colour in colours.items()]
+    of_events = np.full(max(begun, default=-1) + 1, -1)
+    for events in begun:
+        of_events[events] = places[EVENTS[events]]
+    return looks, of_events
+
+
+def phases_and_types(parameters: Parameters) -> dict[str, Any]:
+    """The phases of control cells, and the types by their numbers."""
+    kinds = zip(parameters.type_names, (*UNNAMED_COLOURS, *TYPE_COLOURS), strict=False)
+    return {
+        "phases": [{"name": name, "colour": colour} for name, colour in COLOURS.items()],
+        "types": [{"name": name, "colour": colour} for name, colour in kinds],
+    }
+
+
+def basal_layer(parameters: Parameters) -> dict[str, Any]:
+    """The polygon of the basal layer [um], none for a line, and on which side the tissue is."""
+    curve, um = parameters.curve(), parameters.cell.soft_radius.value
+    if curve.pieces == 0:
+        return {"layer": [], "closed": False, "inside": False, "ring": False}
+    points = um * curve.course(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0].T
+    inside = curve.around and curve.area > 0
+    return {"layer": points.round(3).tolist(), "closed": curve.around, "inside": inside, "ring": curve.ring}
+
+
+MOST = 160  # kept times after the start: the player draws what is between them
+CHUNK = 0.015  # seconds of work that are sent together
+# The columns of a frame: the id, lengths [um], and these others, counted from the last one.
+PHASE, KIND, LOOK, FREE, OTHERS = -5, -4, -3, -2, 6
+FREE_APICAL, FREE_BASAL = 1, 2
+
+
+def stream(parameters: Parameters, seed: int, stopped: Callable[[], bool] = lambda: False) -> Iterator[bytes]:
+    """Run a tissue and give its pictures as they come, several messages of ``explore.common.streams`` joined.
+
+    The cells are those of ``tissue.simulate`` with these parameters and seed, at up to 161 times: when states are kept
+    changes no run. The first picture comes with the head, before the first step.
+
+    Parameters
+    ----------
+    parameters
+        From ``load`` or ``preset``; the times that they keep are not looked at.
+    seed
+        An integer >= 0.
+    stopped
+        Asked every now and then: once it says True the stream ends there, without a last message.
+
+    Raises
+    ------
+    InvalidProblem
+        As ``tissue.simulate``, before anything is given.
+    """
+
+    def ask() -> None:
+        if stopped():
+            raise Cancelled
+
+    kind = _SheetPictures if parameters.in_space else _Pictures
+    run = kind(finely_kept(parameters), seed)
+    joined, begun = [run.head()], perf_counter()
+    with suppress(Cancelled):
+        for t in run.lot.times(ask):
+            ask()
+            joined.append(run.picture(t))
+            if t == 0 or perf_counter() - begun > CHUNK:
+                yield b"".join(joined)
+                joined, begun = [], perf_counter()
+            if not run.lot.goes_on(0):
+                break
+        yield b"".join((*joined, ending(run.lot.status(0), run.lot.failure(0))))
+
+
+def finely_kept(parameters: Parameters) -> Parameters:
+    """The same parameters with kept times fine enough for a smooth picture: a whole number of dt, at most 160."""
+    dt = parameters.numerics.dt.value
+    every = -(-round(parameters.t_end / dt) // MOST)
+    numerics = parameters.numerics.model_copy(update={"keep": Measure(every * dt, "h")})
+    return parameters.model_copy(update={"numerics": numerics})
+
+
+class _Pictures:
+    """A run whose states are written as messages."""
+
+    painter = "tissue"
+    lengths: tuple[str, ...] = ("x", "y", "ax", "ay", "bx", "by", "radius")
+
+    def __init__(self, parameters: Parameters, seed: int) -> None:
+        self.lot, self._parameters, self._um = Lot(parameters, [seed]), parameters, parameters.cell.soft_radius.value
+        self._curve, self._numbers, self._named = parameters.curve(), parameters.numbers(), parameters.named_numbers()
+        kept = np.array([0, *kept_steps(parameters)]) * parameters.numerics.dt.value
+        self._looks, self._places = looks_of(events_to_come(self.lot.store(0).emt, kept))
+
+    def head(self) -> bytes:
+        """What holds for the whole run."""
+        box = box_of([self._seen(0.0)], self._parameters)
+        common = {"kind": "head", "painter": self.painter, "unit": "µm", "timeUnit": "h", "end": self._parameters.t_end}
+        own = {"box": [float(side) for side in box], "soft": self._um, "looks": self._looks}
+        return message({**common, **own, **phases_and_types(self._parameters), **self._layer()})
+
+    def picture(self, t: float) -> bytes:
+        """The present state, at time t; none of a state that is not finite."""
+        frame = self._seen(t)
+        if not self.lot.goes_on(0):
+            frame = self.lot.frame(0, t)
+            if self.lot.status(0) is Status.NON_FINITE or not is_measurable(frame):
+                return b""
+        columns = np.empty((len(self.lengths) + OTHERS, len(frame.cells.x)), "<f4")
+        height = self._scaled(frame, columns[-1])
+        self._write(frame, columns)
+        linked = self._write_emt(frame, columns.view("<i4"))
+        further, members = self._further(frame, linked)
+        header = {"kind": "frame", "t": frame.t, "cells": len(frame.cells.x), "height": height, **further}
+        return message(header, columns.tobytes() + np.concatenate(members).astype("<i4").tobytes())
+
+    def _layer(self) -> dict[str, Any]:
+        """The basal layer, for the head."""
+        return basal_layer(self._parameters)
+
+    def _further(self, frame: Frame, linked: list[Any]) -> tuple[dict[str, Any], list[Any]]:
+        """What stands behind the columns: for the header, and the members of layers and chains."""
+        sizes = {"layer": len(frame.layers.apical), "chains": [len(members) for members in linked]}
+        return sizes, [frame.layers.apical, *linked]
+
+    def _seen(self, t: float) -> Frame:
+        """The present state where it is, without a copy: as long as the run does not go on."""
+        store = self.lot.store(0)
+        n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
+        layers = CellLayers(store.layers.apical[:apical], store.layers.basal[:basal])
+        return Frame(t, Cells._make(array[:n] for array in store.cells), layers, self._curve)
+
+    def _scaled(self, frame: Frame, positions: Any) -> Any:
+        """Write y_AB; the height [um], or None and zeros where there is no apical layer to measure by."""
+        height = self._um * scaled(self.lot.store(0), positions) if len(frame.layers.apical) else None
+        if height is None or not np.isfinite(positions).all():
+            positions[:] = 0.0
+            return None
+        return height
+
+    def _write(self, frame: Frame, columns: Any) -> None:
+        """The columns of all cells."""
+        cells, whole = frame.cells, columns.view("<i4")
+        for place, name in enumerate(self.lengths, 1):
+            np.multiply(getattr(cells, name), self._um, out=columns[place], casting="same_kind")
+        whole[0], whole[KIND] = cells.id, cells.kind
+        whole[PHASE] = phases(frame, self._numbers, self._named)
+
+    def _write_emt(self, frame: Frame, whole: Any) -> list[Any]:
+        """The columns of EMT cells, and the members of each chain of them."""
+        whole[LOOK], whole[FREE] = -1, 0
+        if not len(self._places):
+            return []
+        np.copyto(whole[LOOK], self._places[frame.cells.events], where=frame.cells.emt >= 0, casting="same_kind")
+        apical, basal = free_points(frame)
+        whole[FREE] = FREE_APICAL * apical + FREE_BASAL * basal
+        return list(chains(frame)) if frame.cells.chain.any() else []
+
+
+class _SheetPictures(_Pictures):
+    """The same in three dimensions: with z, and the triangles of the apical network in place of layers."""
+
+    painter = "sheet"
+    lengths = ("x", "y", "z", "ax", "ay", "az", "bx", "by", "bz", "radius")
+
+    def _layer(self) -> dict[str, Any]:
+        """The basal surface, its periods, and how far sections may be moved [um]."""
+        frame = self._seen(0.0)
+        sheets, um = _sheets_of(frame), self._um
+        surface = sheets.surface
+        periods = [um * period if math.isfinite(period) else None for period in (surface.period_x, surface.period_z)]
+        depths = np.concatenate((frame.cells.z, frame.cells.bz))
+        half = surface.period_z / 2 if periods[1] else 0.0
+        deep = (-half, half) if half else (depths.min() - 1.0, depths.max() + 1.0)
+        round_one = surface.bends != PLANE
+        told = {"bends": surface.bends, "radius": um * surface.radius if round_one else None, "side": surface.side}
+        return {"surface": told, "periods": periods, "deep": [um * float(end) for end in deep]}
+
+    def _further(self, frame: Frame, _: list[Any]) -> tuple[dict[str, Any], list[Any]]:
+        triangles = _sheets_of(frame).apical.triangles
+        return {"triangles": len(triangles)}, [triangles.ravel()]
+
+    def _seen(self, t: float) -> Frame:
+        """A copy of the present state: the networks are read where nothing changes them."""
+        return self.lot.frame(0, t)
+
+    def _scaled(self, frame: Frame, positions: Any) -> Any:
+        try:
+            positions[:] = ab_positions(frame)
+            return self._um * mean_height(frame)
+        except InvalidProblem:
+            positions[:] = 0.0
+            return None
+
+
+def _sheets_of(frame: Frame) -> Sheets:
+    if frame.sheets is None:
+        raise InvalidProblem(f"frame of t = {frame.t:g} h: must be of a tissue in three dimensions")
+    return frame.sheets

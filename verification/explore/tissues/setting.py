@@ -1,0 +1,87 @@
+"""What a visitor has set: parameters to begin with and changes, as texts of fields; and what is wrong with them."""
+
+from __future__ import annotations
+
+import json
+import re
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from dincl.errors import InvalidProblem
+from tissue.files.parameter_files import flat
+from tissue.files.parameters import preset
+from verification.explore.tissues.knobs import CLOSED
+
+if TYPE_CHECKING:
+    from tissue.files.parameters import Parameters
+
+MAKES_NO_NUMBERS = True
+
+
+@dataclass(frozen=True)
+class Setting:
+    """Parameters that are valid: those of a preset or a file, ``base`` by its name, with some values changed."""
+
+    base: str
+    first: Parameters
+    changes: Mapping[str, Any] = field(default_factory=dict)  # values as in a file, by key
+    parameters: Parameters = field(init=False)
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "parameters", self.first.changed(self.changes))
+        before, now = flat(self.first.as_dict()), flat(self.parameters.as_dict())
+        kept = {key: now[key] for key in self.changes if now[key] != before.get(key)}
+        object.__setattr__(self, "changes", kept)
+
+    @classmethod
+    def of(cls, parameters: Parameters) -> Setting:
+        """Any parameters, as changes of the thesis's."""
+        return cls("thesis", preset("thesis"), flat(parameters.as_dict()))
+
+    def with_values(self, values: Mapping[str, Any]) -> Setting:
+        """Some values set; those that are as in the base are no changes.
+
+        Raises
+        ------
+        InvalidProblem
+            As ``Parameters.changed``, and for ``CLOSED``.
+        """
+        if CLOSED in values:
+            raise InvalidProblem(f"{CLOSED} cannot be changed here: files of Python are named in a parameter file")
+        return Setting(self.base, self.first, {**self.changes, **values})
+
+    def values(self) -> dict[str, Any]:
+        """All values as in a file, by key."""
+        return flat(self.parameters.as_dict())
+
+
+def value_of(text: str) -> Any:
+    """The value that the text of a field stands for: as TOML has it, quotes may be left out."""
+    try:
+        table = tomllib.loads(f"value = {text}")
+        return table["value"] if len(table) == 1 else text
+    except tomllib.TOMLDecodeError:
+        return text.strip()
+
+
+def text_of(value: Any) -> str:
+    """The text of a field that stands for a value."""
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def faults_of(error: InvalidProblem, changed: list[str]) -> tuple[dict[str, str], list[str]]:
+    """What is wrong with which of the keys that were changed, and what names none of them.
+
+    A line that begins with no such key but names one, as of two values that do not go together, stands at that key.
+    """
+    first, *lines = str(error).split("\n  ")
+    at: dict[str, str] = {}
+    others = []
+    for line in lines or [first.partition(": ")[2]]:
+        key, _, said = line.partition(" = ")
+        keys = [key] if key in changed else [key for key in changed if re.search(rf"\b{re.escape(key)}\b", line)]
+        at |= {key: said.partition(": ")[2] if line.startswith(f"{key} = ") else line for key in keys}
+        others += [] if keys else [line]
+    return at, others
