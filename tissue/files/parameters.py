@@ -39,6 +39,7 @@ from tissue.files.sections import (
     TissueSection,
 )
 from tissue.files.space_numbers import to_exchange, to_lattice
+from tissue.files.space_rules import becomes_space, fewest_cells
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_types, wrong_names
 from tissue.model.lattice import Lattice
@@ -97,6 +98,9 @@ class Parameters(BaseModel):
     def changed(self, changes: Mapping[str, Any]) -> Parameters:
         """These parameters with other values for some keys, checked anew as a whole.
 
+        A slice of which {"tissue.dimension": 3} makes a tissue in space gets as many cells as it needs there, unless
+        "tissue.cells" is changed, too.
+
         Parameters
         ----------
         changes
@@ -114,7 +118,8 @@ class Parameters(BaseModel):
         keys = known_keys(Parameters)
         known = {key: value for key, value in changes.items() if isinstance(key, str) and general(key) in keys}
         lines = [unknown(_said(key), value, keys) for key, value in changes.items() if key not in known]
-        return _checked(merged(self.as_dict(), nested(known)), "changed parameters", lines)
+        base, new = self.as_dict(), nested(known)
+        return _checked(merged(base, new), "changed parameters", lines, widen=becomes_space(base, new))
 
     def __setstate__(self, state: dict[Any, Any]) -> None:
         """Another process imports the modules again."""
@@ -237,7 +242,8 @@ def _loaded(path: Path, above: tuple[Path, ...]) -> Parameters:
     except NoBase as error:
         return _checked(tables, str(path), [str(error)], missing=False)
     own = placed(tables, path.parent, changed.own.modules)
-    return _checked(merged(changed.as_dict(), own), str(path))
+    before = changed.as_dict()
+    return _checked(merged(before, own), str(path), widen=becomes_space(before, own))
 
 
 class NoBase(ValueError):
@@ -291,8 +297,13 @@ def _preset(name: str) -> Parameters:
     return load(FOLDER / f"{name}.toml")
 
 
-def _checked(tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), *, missing: bool = True) -> Parameters:
-    """The parameters in these tables, or one error with ``lines`` and all that is wrong with the tables."""
+def _checked(
+    tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), *, missing: bool = True, widen: bool = False
+) -> Parameters:
+    """The parameters in these tables, or one error with ``lines`` and all that is wrong with the tables.
+
+    ``widen``: a slice becomes a tissue in space, and gets the cells that it needs there.
+    """
     own = tables.get("own")
     bring(own.get("modules") if isinstance(own, Mapping) else None)
     noted: dict[tuple[type[BaseModel], str], Any] = {}
@@ -303,6 +314,8 @@ def _checked(tables: Mapping[str, Any], source: str, lines: Iterable[str] = (), 
     except ValidationError as error:
         names = {field.annotation: section for section, field in Parameters.model_fields.items()}
         good = {f"{names[section]}.{name}": value for (section, name), value in noted.items() if section in names}
+        if widen and not found and (cells := fewest_cells(good)):
+            return _checked(merged(tables, {"tissue": {"cells": cells}}), source)
         found += problems(error, Parameters, missing=missing) + broken(good) + broken_types(good)
     if found:
         raise refuse(source, found)

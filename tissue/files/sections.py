@@ -100,7 +100,7 @@ class TissueSection(ParameterSection):
     )
     diffusion: DiffusionOrZero = key("diffusion coefficient of the noise of nuclei", "D", f"{TABLE_1}, (3.17)")
     dimension: Annotated[int, PlainValidator(OneOf((2, 3)))] = key(
-        "dimension: a slice of the tissue, or the tissue in space", "", SPATIAL, 2
+        "dimension: a slice of the tissue, or the tissue in space, as [space] tells", "", SPATIAL, 2
     )
 
 
@@ -193,7 +193,18 @@ class LayerSection(ParameterSection):
 
 
 class SpaceSection(ParameterSection):
-    """[space]: what there is in three dimensions alone."""
+    """[space]: what there is in three dimensions alone.
+
+    tissue.dimension = 3 makes a sheet of any slice. Of a base it needs no other key: a slice has too few cells for a
+    sheet, so without a tissue.cells of its own the sheet gets the fewest that fill an even number of rows, wider than
+    twice the range of nuclei: 196 with the preset "thesis". What else matters:
+
+    tissue.two_daughters  1: all daughters stay, as there is no slice to leave; 0.2 is for a slice
+    tissue.cells          columns times rows, such as 196, 400, 784
+    space.boundary        "open": a patch with a free edge, which may spread
+    layer.shape           "line": a plane; "circle": a cylinder; "sphere"
+    emt.ac                "never": apical constriction is of a slice alone
+    """
 
     rows: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
         "rows of cells across the sheet or along the cylinder, an even number; 0: a sheet that is about square",

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 from dincl.errors import InvalidProblem
 from tissue.events.division import BESIDE
@@ -16,6 +18,8 @@ from tissue.step.space_board import SHORTEST_PERIOD
 IN_SPACE = "in three dimensions"
 # Two descriptions of one length differ by rounding.
 ROUNDING = 1e-12
+# Cells up to which a sheet is looked for that has enough of them.
+MOST_TRIED = 20_000
 
 
 def _shape(shape: str, dimension: int) -> str | None:
@@ -145,3 +149,25 @@ SPACE_RULES = (
     Rule(("division.rule", "tissue.dimension"), _beside),
     Rule(("emt.ac", "tissue.dimension"), _no_chains),
 )
+
+
+def becomes_space(base: Mapping[str, Any], changes: Mapping[str, Any]) -> bool:
+    """Return whether changes make a tissue in space of a slice, and leave the number of cells open."""
+    before, now = base.get("tissue", {}), changes.get("tissue", {})
+    is_new = isinstance(now, Mapping) and now.get("dimension") != FLAT and "dimension" in now
+    return is_new and before.get("dimension", FLAT) == FLAT and "cells" not in now
+
+
+def fewest_cells(values: Mapping[str, Any]) -> int | None:
+    """Return the fewest cells, not below those of the slice, that fill a tissue in space; None if no number does.
+
+    ``values``: checked values by key, such as "tissue.cells".
+    """
+    rules = [rule for rule in SPACE_RULES if "tissue.cells" in rule.keys]
+    if not {key for rule in rules for key in rule.keys} <= values.keys():
+        return None
+    for cells in range(values["tissue.cells"], MOST_TRIED):
+        known = {**values, "tissue.cells": cells}
+        if not any(rule.allowed(*(known[key] for key in rule.keys)) for rule in rules):
+            return cells
+    return None

@@ -122,7 +122,7 @@ def rows_of(cells: int, wanted: int, *, strip: bool = False) -> int:
         return 1
     if not fitting or (wanted and wanted not in fitting):
         known = [1, *fitting] if strip else fitting
-        allowed = f"{' or '.join(map(str, known))}, or 0" if known else "with a number of cells that fills rows"
+        allowed = f"{' or '.join(map(str, known))}, or 0" if known else "with a number tissue.cells that fills rows"
         raise InvalidProblem(f"space.rows = {wanted}, with tissue.cells = {cells}: must be {allowed}")
     ideal = math.sqrt(cells / ROW)
     return wanted or min(fitting, key=lambda k: abs(math.log(k / ideal)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from hashlib import sha256
 from os import PathLike
@@ -175,9 +176,21 @@ def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:
 
 
 def _changed(base: Parameters, tables: Mapping[str, Any]) -> Parameters | list[str]:
-    """The parameters of a scenario, or what is wrong with them, line by line."""
+    """The parameters of a scenario, or what is wrong with them, line by line.
+
+    A dimension counts last where it must: then the cells that a study gives are those of a slice.
+    """
+    changes = flat(tables)
     try:
-        return base.changed(flat(tables))
+        try:
+            return base.changed(changes)
+        except InvalidProblem:
+            dimension = changes.pop("tissue.dimension", None)
+            if dimension is None or base.in_space:
+                raise
+            with suppress(InvalidProblem):
+                return base.changed(changes).changed({"tissue.dimension": dimension})
+            raise
     except InvalidProblem as error:
         first, *lines = str(error).split("\n  ")
         return lines or [first.partition(": ")[2]]

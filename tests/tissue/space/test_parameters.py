@@ -4,7 +4,8 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tests.tissue.space.in_space import OF_CYLINDER, OF_SPHERE, parameters
-from tissue.files.parameters import preset
+from tissue.files.parameters import load, preset
+from tissue.study.plan import load_study, shipped
 
 
 @pytest.mark.parametrize(
@@ -16,7 +17,7 @@ from tissue.files.parameters import preset
             {"tissue.dimension": 2, "layer.shape": "sphere"},
             'must be "line" or "circle" or "ellipse" or "points" in a slice',
         ),
-        ({"tissue.cells": 45}, "space.rows = 0: must be with a number of cells that fills rows"),
+        ({"tissue.cells": 45}, "space.rows = 0: must be with a number tissue.cells that fills rows"),
         ({"space.rows": 7}, "space.rows = 7: must be 4 or 8 or 16, or 0"),
         ({"tissue.apical_spacing": "0.6 R_soft"}, 'tissue.apical_spacing = "0.6 R_soft": must be tissue.basal_spacing'),
         (
@@ -46,3 +47,39 @@ def test_rows_of_a_square_sheet(cells, rows):
     surface = parameters(tissue__cells=cells).lattice().surface
     assert surface.period_z == pytest.approx(rows * 3**0.5 / 3)
     assert surface.period_x == pytest.approx(cells / rows * 2 / 3)
+
+
+@pytest.mark.parametrize(
+    ("name", "changes", "cells"),
+    [
+        ("thesis", {}, 182),
+        ("published", {"space.boundary": "open"}, 48),
+        ("cuboidal", {}, 48),
+        ("published", {"layer.shape": "circle", "space.boundary": "open"}, 724),
+    ],
+)
+def test_a_slice_becomes_a_tissue_in_space_by_one_key(name, changes, cells):
+    """It has the fewest cells that fill it; one cell less, or fewer rows, would be refused."""
+    made = preset(name).changed({"tissue.dimension": 3, **changes})
+    assert made.in_space
+    assert made.tissue.cells == cells >= preset(name).tissue.cells
+    for fewer in range(preset(name).tissue.cells, cells):
+        with pytest.raises(InvalidProblem):
+            preset(name).changed({"tissue.dimension": 3, "tissue.cells": fewer, **changes})
+
+
+def test_a_file_makes_a_sheet_of_its_base_by_one_key(tmp_path):
+    (tmp_path / "sheet.toml").write_text('base = "thesis"\n[tissue]\ndimension = 3\n')
+    assert load(tmp_path / "sheet.toml") == preset("thesis").changed({"tissue.dimension": 3})
+
+
+@pytest.mark.parametrize("name", [name for name in shipped() if name != "space_published"])
+def test_a_study_of_slices_becomes_one_of_sheets_by_one_key(name, tmp_path):
+    slices = load_study(name)
+    head, *scenarios = slices.text.split("\n[", 1)
+    key = "[overrides.tissue]\ndimension = 3\n"
+    text = slices.text.replace("[overrides.tissue]\n", key) if "[overrides.tissue]" in slices.text else None
+    (tmp_path / "sheets.toml").write_text(text or f"{head}\n{key}\n[{scenarios[0]}")
+    sheets = load_study(tmp_path / "sheets.toml")
+    assert sheets.scenarios.keys() == slices.scenarios.keys()
+    assert all(one.in_space for one in sheets.scenarios.values())
