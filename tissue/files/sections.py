@@ -197,10 +197,10 @@ class SpaceSection(ParameterSection):
 
     tissue.dimension = 3 makes a sheet of any slice. Of a base it needs no other key: a slice has too few cells for a
     sheet, so without a tissue.cells of its own the sheet gets the fewest that fill an even number of rows, wider than
-    twice the range of nuclei: 196 with the preset "thesis". What else matters:
+    twice the range of nuclei: 182 with the preset "thesis". What else matters:
 
     tissue.two_daughters  1: all daughters stay, as there is no slice to leave; 0.2 is for a slice
-    tissue.cells          columns times rows, such as 196, 400, 784
+    tissue.cells          columns times rows, such as 182, 196, 400, 784
     space.boundary        "open": a patch with a free edge, which may spread
     layer.shape           "line": a plane; "circle": a cylinder; "sphere"
     emt.ac                "never": apical constriction is of a slice alone
