@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from dincl.extras import MissingLibrary
 from verification.evidence import Evidence, Kind
 
 if TYPE_CHECKING:
@@ -94,8 +95,8 @@ class Claim:
     chosen
         What the source leaves open and the check had to choose.
     tried_on
-        Of a statement about more cases than its check tries, the cases tried: it is then at best "not refuted". Empty
-        where the check decides all that is stated.
+        Of a statement about more cases than its check decides, the cases decided: it is then at best "not refuted", or
+        "proved for an instance" if they are proved. Empty where the check decides all that is stated.
     cost
         See ``Cost``.
 
@@ -103,7 +104,7 @@ class Claim:
     ------
     InvalidProblem
         If a field is not of its kind, if ``check`` takes other arguments, if a verdict after a correction is
-        recorded without one, or "holds" with one, or if "not refuted" does not go with ``tried_on``.
+        recorded without one, or "holds" with one, or if a verdict on examples does not go with ``tried_on``.
     """
 
     id: str
@@ -139,8 +140,8 @@ class Claim:
 
     def _check_recorded(self) -> None:
         """The recorded verdict is one that the claim can have."""
-        true = Kind.NOT_REFUTED if self.tried_on else Kind.HOLDS
-        fitting = (Kind.CORRECTED, Kind.FAILS) if self.correction else (true, Kind.FAILS, Kind.OPEN)
+        true = tuple(map(self._restricted, (Kind.PROVED, Kind.HOLDS)))
+        fitting = (Kind.CORRECTED, Kind.FAILS) if self.correction else (*true, Kind.FAILS, Kind.OPEN)
         given = (f"{'with' if self.correction else 'without'} a correction", "of examples" if self.tried_on else "")
         allowed = f"one of {', '.join(map(str, fitting))} {' '.join(filter(None, given))}"
         self._refuse_unless("recorded", self.recorded in fitting, allowed)
@@ -158,15 +159,23 @@ class Claim:
         return [name for name in self.needs if name not in tables]
 
     def decide(self, tables: Tables) -> Evidence:
-        """What the check finds; inconclusive where a table is missing."""
+        """What the check finds; inconclusive where a table or a library that the check needs is missing."""
         missing = self.missing(tables)
         if missing:
             return Evidence(f"the table {', '.join(missing)} is not there", ())
-        return self.check(tables) if self.needs else self.check()
+        try:
+            return self.check(tables) if self.needs else self.check()
+        except MissingLibrary as library:
+            return Evidence(str(library), ())
 
     def verdict(self, evidence: Evidence) -> Kind:
         """What the evidence says of the statement: examples that agree do not show that a general one holds."""
-        return Kind.NOT_REFUTED if self.tried_on and evidence.kind is Kind.HOLDS else evidence.kind
+        return self._restricted(evidence.kind)
+
+    def _restricted(self, kind: Kind) -> Kind:
+        """The verdict on the statement for a verdict on the cases of its check."""
+        of_examples = {Kind.HOLDS: Kind.NOT_REFUTED, Kind.PROVED: Kind.PROVED_INSTANCE}
+        return of_examples.get(kind, kind) if self.tried_on else kind
 
 
 def claim(

@@ -23,8 +23,8 @@ Full = Annotated[
     bool, typer.Option("--full", help="Make the complete studies anew, and say what differs from those that ship.")
 ]
 Out = Annotated[Path, typer.Option(help="Folder of the page, its tables and figures.")]
-COLOURS = {Kind.HOLDS: "green", Kind.NOT_REFUTED: "green", Kind.CORRECTED: "yellow"}
-COLOURS |= {Kind.FAILS: "red", Kind.OPEN: "dim"}
+COLOURS = dict.fromkeys((Kind.PROVED, Kind.PROVED_INSTANCE, Kind.HOLDS, Kind.NOT_REFUTED), "green")
+COLOURS |= {Kind.CORRECTED: "yellow", Kind.FAILS: "red", Kind.OPEN: "dim"}
 
 
 @app.command()

@@ -13,6 +13,8 @@ Interval = tuple[float, float]
 class Kind(Enum):
     """How a statement came out."""
 
+    PROVED = "proved"
+    PROVED_INSTANCE = "proved for an instance"
     HOLDS = "holds"
     NOT_REFUTED = "not refuted"
     CORRECTED = "holds after the correction"
@@ -91,6 +93,52 @@ def at_least(
     return Comparison(what, float(value), bound - tolerance, math.inf, interval)
 
 
+class Technique(Enum):
+    """How a statement is proved."""
+
+    IDENTITY = "computer algebra"
+    SQUARES = "a sum of squares"
+    REALS = "a decision procedure for real numbers"
+    ENCLOSURE = "interval arithmetic"
+    CASES = "all cases"
+
+
+@dataclass(frozen=True)
+class FormalProof:
+    """Proof of a statement by a program, with a wrong variant that the same program rejects.
+
+    Attributes
+    ----------
+    statement
+        What is proved.
+    technique
+        See ``Technique``.
+    tool
+        The programs that accept it, with their versions.
+    true
+        Whether it is proved: False if it is refuted, None if the program comes to no decision.
+    rejected
+        The wrong variant of the statement that the same technique refutes.
+    certificate
+        What a reader can check without the program; empty where there is nothing.
+    """
+
+    statement: str
+    technique: Technique
+    tool: str
+    true: bool | None
+    rejected: str
+    certificate: str = ""
+
+    def __str__(self) -> str:
+        """Statement, technique and tool, certificate and rejected variant, in one line."""
+        found = {True: "proved", False: "refuted", None: "not decided"}[self.true]
+        certificate = f", certificate: {self.certificate}" if self.certificate else ""
+        return (
+            f"{self.statement}: {found} by {self.technique.value} ({self.tool}{certificate}); {self.rejected}: refuted"
+        )
+
+
 @dataclass(frozen=True)
 class Evidence:
     """What a check found.
@@ -111,8 +159,8 @@ class Evidence:
     """
 
     measured: str
-    printed: tuple[Comparison, ...]
-    corrected: tuple[Comparison, ...] = ()
+    printed: tuple[Comparison | FormalProof, ...]
+    corrected: tuple[Comparison | FormalProof, ...] = ()
     seed: int | None = None
     runs_needed: int | None = None
 
@@ -123,7 +171,7 @@ class Evidence:
         if printed is None:
             return Kind.OPEN
         if printed:
-            return Kind.HOLDS
+            return Kind.PROVED if all(isinstance(each, FormalProof) for each in self.printed) else Kind.HOLDS
         if not self.corrected:
             return Kind.FAILS
         if corrected is None:
@@ -131,7 +179,13 @@ class Evidence:
         return Kind.CORRECTED if corrected else Kind.FAILS
 
 
-def every(comparisons: Sequence[Comparison]) -> bool | None:
+def proved(*proofs: FormalProof) -> Evidence:
+    """Return proofs of a statement as its evidence; the sentence names what they prove."""
+    found = "Proved" if every(proofs) else "Not proved"
+    return Evidence(f"{found}: {'; '.join(proof.statement for proof in proofs)}.", proofs)
+
+
+def every(comparisons: Sequence[Comparison | FormalProof]) -> bool | None:
     """Whether all are true; False if one is false, else None if one is open or there are none."""
     truths = [comparison.true for comparison in comparisons]
     if False in truths:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     import os
 
     from verification.claims import Claim
-    from verification.evidence import Comparison, Evidence
+    from verification.evidence import Comparison, Evidence, FormalProof
 
 NAMES = re.compile(r"claims.*\.py|.*_claims\.py")
 IMPORTS = re.compile(rb"^\s*(from|import)\s+verification\b", re.MULTILINE)
@@ -114,7 +114,7 @@ def described(claim: Claim, evidence: Evidence) -> Iterator[str]:
     yield from _listed("as corrected", evidence.corrected)
 
 
-def _listed(heading: str, comparisons: tuple[Comparison, ...]) -> Iterator[str]:
+def _listed(heading: str, comparisons: tuple[Comparison | FormalProof, ...]) -> Iterator[str]:
     signs = {True: "yes", False: "NO", None: "open"}
     for comparison in comparisons:
         yield f"  {heading}: {comparison}: {signs[comparison.true]}"

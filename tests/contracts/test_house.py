@@ -31,7 +31,7 @@ ORDER = {
         "study study.figures cli",
     ),
     "verification": (
-        "evidence claims decide selection pytest_plugin",
+        "evidence formal claims decide selection pytest_plugin",
         "outcome order lines result budget machine_code references error_norms cheapest method measure",
         "explore.common explore.inclusions explore.tissues explore",
         "page chart problem_sets meanfield_methods orders rates stability speed_accuracy compare",

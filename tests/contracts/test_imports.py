@@ -39,10 +39,10 @@ HEAVY = (
     "sklearn",
     "statsmodels",
 )
-# What an extra is for, and what of it other extras serve: a minimiser of the tissue, the statements of one source.
+# What an extra is for, and what of it other extras serve: a minimiser, proofs, the statements of one source.
 SERVED = {
     "meanfield": ("meanfield", ()),
-    "report": ("verification", ("verification/thesis/", "verification/explore/")),
+    "report": ("verification", ("verification/explore/", "verification/formal/", "verification/thesis/")),
     "tissue": ("tissue", ("tissue/quasi_steady/judge.py", "tissue/pictures/scene.py")),
 }
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")

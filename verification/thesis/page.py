@@ -119,6 +119,8 @@ def findings(context: Context) -> Sequence[Finding]:
     said = fill(
         PROSE / "learned.html",
         count=len(table),
+        proved=total.get(Kind.PROVED.value, 0),
+        instances=total.get(Kind.PROVED_INSTANCE.value, 0),
         holds=total.get(Kind.HOLDS.value, 0),
         not_refuted=total.get(Kind.NOT_REFUTED.value, 0),
         wrong=len(wrong),

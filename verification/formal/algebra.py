@@ -1,0 +1,130 @@
+"""Proofs by computer algebra: residuals that vanish for all values of their symbols, and sums of squares."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from itertools import product
+from typing import Any
+
+from dincl.extras import needs
+from verification.evidence import FormalProof, Technique
+from verification.formal import names, refuse_unless_refuted
+
+# Far above what is lost in DIGITS digits, and below the residual of a wrong variant at the point of ``_point``.
+SEEN, DIGITS = 1e-20, 40
+
+
+def library() -> Any:
+    """Return sympy; MissingLibrary says that a proof needs it."""
+    with needs("a proof by computer algebra", "proofs"):
+        import sympy
+    return sympy
+
+
+def matrices(names: str) -> Any:
+    """Return symbols for matrices and vectors of any size: their products do not commute."""
+    return library().symbols(names, commutative=False)
+
+
+def identity(
+    statement: str, residual: Callable[..., Any], wrong: str, factor: Any = -1, *, words: bool = False
+) -> FormalProof:
+    """Prove that residuals vanish for all values of their symbols and for all functions in them.
+
+    Parameters
+    ----------
+    statement
+        What follows if they vanish.
+    residual
+        (factor, symbols) -> an expression, a matrix or a sequence of them; for factor 1 all must simplify to zero.
+    wrong
+        What a reader calls the variant with the other factor.
+    factor
+        Of the wrong variant: one of its residuals must differ from zero at a point.
+    words
+        The symbols are matrices and vectors of any size, see ``matrices``; otherwise they are numbers.
+
+    Raises
+    ------
+    UnsoundProof
+        If the residuals of the wrong variant vanish, too.
+    """
+    symbols = [library().Symbol(name, commutative=not words) for name in names(residual)]
+    true = all(map(_vanishes, _entries(residual(1, *symbols))))
+    refuse_unless_refuted(any(map(_differs, _entries(residual(factor, *symbols)))), statement, wrong)
+    return FormalProof(statement, Technique.IDENTITY, f"sympy {library().__version__}", true, wrong)
+
+
+def sum_of_squares(
+    statement: str,
+    polynomial: Callable[[Any], Any],
+    squares: Sequence[tuple[Any, Any]],
+    wrong: str,
+    factor: Any = -1,
+) -> FormalProof:
+    """Prove that a polynomial is at least 0: it is the sum of c q^2 over the pairs (c, q), all c >= 0.
+
+    The wrong variant is refuted by a point where it is negative. Parameters and errors: see ``identity``.
+    """
+    sympy = library()
+    total = sum(c * q**2 for c, q in squares)
+    true = bool(all(sympy.sympify(c).is_nonnegative for c, _ in squares) and _vanishes(polynomial(1) - total))
+    refuse_unless_refuted(_negative_somewhere(polynomial(factor)), statement, wrong)
+    certificate = " + ".join(f"{c}*({q})**2" for c, q in squares)
+    return FormalProof(statement, Technique.SQUARES, f"sympy {sympy.__version__}", true, wrong, certificate)
+
+
+def _entries(residual: Any) -> Iterator[Any]:
+    """Scalar residuals of expressions, matrices and sequences of them."""
+    sympy = library()
+    if isinstance(residual, list | tuple):
+        for part in residual:
+            yield from _entries(part)
+    elif isinstance(residual, sympy.MatrixBase):
+        yield from residual
+    else:
+        yield sympy.sympify(residual)
+
+
+def _vanishes(residual: Any) -> bool:
+    """Whether an expression simplifies to zero, by increasing cost."""
+    sympy = library()
+    expanded = sympy.expand(residual.doit())
+    if expanded == 0 or not expanded.is_commutative:
+        return bool(expanded == 0)
+    return bool(sympy.cancel(sympy.together(expanded)) == 0 or sympy.simplify(expanded) == 0)
+
+
+def _differs(residual: Any) -> bool:
+    """Whether an expression is not zero at a point; words of matrices are zero only if they cancel."""
+    sympy = library()
+    expanded = sympy.expand(residual.doit())
+    if not expanded.is_commutative:
+        return bool(expanded != 0)
+    return bool(abs(sympy.N(_at_a_point(expanded), DIGITS)) > SEEN)
+
+
+def _at_a_point(expression: Any) -> Any:
+    """The value for one choice of its functions and symbols."""
+    sympy = library()
+    undefined = sympy.core.function.AppliedUndef
+    outermost = sorted(expression.atoms(undefined), key=lambda each: (-len(each.atoms(undefined)), str(each)))
+    for k, function in enumerate(dict.fromkeys(each.func for each in outermost)):
+        expression = expression.replace(function, partial(_some_function, k)).doit()
+    symbols = sorted(expression.free_symbols, key=str)
+    return expression.subs({symbol: sympy.Rational(sympy.prime(k + 3), 13) for k, symbol in enumerate(symbols)})
+
+
+def _some_function(k: int, *arguments: Any) -> Any:
+    """A smooth function without symmetries, another one for each k."""
+    sympy = library()
+    wave = sum(sympy.Rational(2 + k + i, 3) * each for i, each in enumerate(arguments))
+    return sympy.sin(wave + k + 1) + arguments[0] ** 3
+
+
+def _negative_somewhere(polynomial: Any) -> bool:
+    """Whether a polynomial is negative at a point with small coordinates."""
+    symbols = sorted(polynomial.free_symbols, key=str)
+    values = [[value for value in (-1, 0, 1, 2) if value > 0 or not symbol.is_positive] for symbol in symbols]
+    return any(polynomial.subs(dict(zip(symbols, point, strict=True))) < 0 for point in product(*values))

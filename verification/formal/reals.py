@@ -1,0 +1,89 @@
+"""Proofs by decision procedures for real numbers: z3 decides, cvc5 decides again where it can."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from dincl.extras import needs
+from verification.evidence import FormalProof, Technique
+from verification.formal import UnsoundProof, names, refuse_unless_refuted
+
+# For each decision [ms]; the statements of the thesis take less than 100.
+LIMIT, SECOND_LIMIT = 10_000, 1_000
+Formula = Callable[..., tuple[Sequence[Any], Any]]
+
+
+def solver_library() -> Any:
+    """Return z3; MissingLibrary says that a proof needs it."""
+    with needs("a proof by a decision procedure", "proofs"):
+        import z3
+    return z3
+
+
+def implication(statement: str, formula: Formula, wrong: str, factor: Any = -1) -> FormalProof:
+    """Prove that a conclusion follows from assumptions about real numbers.
+
+    Parameters
+    ----------
+    statement
+        What follows from what.
+    formula
+        (factor, real variables) -> assumptions, conclusion; several conclusions are a list. For factor 1 the
+        assumptions and the negated conclusion must have no solution.
+    wrong
+        What a reader calls the variant with the other factor.
+    factor
+        Of the wrong variant: a solution of its assumptions and its negated conclusion must exist.
+
+    Raises
+    ------
+    UnsoundProof
+            If the assumptions contradict each other, or if no counterexample of the wrong variant is found.
+    """
+    z3 = solver_library()
+    solver = _solver(formula, 1)
+    true = {"unsat": True, "sat": False}.get(str(solver.check()))
+    counterexample = _solver(formula, factor).check()
+    refuse_unless_refuted(counterexample == z3.sat, statement, wrong)
+    tool = f"z3 {z3.get_version_string()}"
+    if true and _also_unsatisfiable(solver.to_smt2()):
+        tool += f", cvc5 {_second().__version__}"
+    return FormalProof(statement, Technique.REALS, tool, true, wrong)
+
+
+def _solver(formula: Formula, factor: Any) -> Any:
+    """A solver that looks for a counterexample; UnsoundProof if the assumptions contradict each other."""
+    z3 = solver_library()
+    assumptions, conclusion = formula(factor, *map(z3.Real, names(formula)))
+    if _limited(assumptions).check() == z3.unsat:
+        raise UnsoundProof(f"{assumptions}: the assumptions contradict each other, so anything would follow")
+    return _limited([*assumptions, z3.Not(z3.And(conclusion))])
+
+
+def _limited(conditions: Sequence[Any]) -> Any:
+    """A solver with a limited time."""
+    solver = solver_library().Solver()
+    solver.set("timeout", LIMIT)
+    solver.add(*conditions)
+    return solver
+
+
+def _second() -> Any:
+    """cvc5."""
+    with needs("a second decision procedure", "proofs"):
+        import cvc5
+    return cvc5
+
+
+def _also_unsatisfiable(text: str) -> bool:
+    """Whether cvc5 finds no solution of a problem in SMT-LIB; False if it does not decide within its time."""
+    cvc5 = _second()
+    solver = cvc5.Solver()
+    solver.setOption("tlimit-per", str(SECOND_LIMIT))
+    parser = cvc5.InputParser(solver)
+    parser.setStringInput(cvc5.InputLanguage.SMT_LIB_2_6, f"(set-logic ALL)\n{text}", "problem")
+    symbols, answer = parser.getSymbolManager(), ""
+    while not (command := parser.nextCommand()).isNull():
+        answer += command.invoke(solver, symbols)
+    return answer.strip() == "unsat"
