@@ -1,4 +1,4 @@
-"""Techniques of proof: they prove what is true, refute what is false, and refuse wrong variants that are not refuted."""
+"""Techniques of proof: they prove what is true, refute what is false, refuse wrong variants that stand."""
 # ruff: noqa: RUF001 - formulas are written with the minus sign of mathematics
 
 import sys

@@ -23,6 +23,11 @@ class Wrong(NamedTuple):
     tables: Mapping[str, Any] = {}
 
 
+def measured(claims: Mapping[str, Claim]) -> set[str]:
+    """List the claims whose checks compare numbers; a proof itself refutes a wrong variant of what it proves."""
+    return {name for name, claim in claims.items() if claim.recorded not in (Kind.PROVED, Kind.PROVED_INSTANCE)}
+
+
 def times(factor: float) -> Change:
     """A function whose values are off by a factor."""
     return lambda f: lambda *given, **named: factor * f(*given, **named)

@@ -12,7 +12,7 @@ from itertools import chain
 from pathlib import Path
 
 from tests.verification.thesis.emt_tables import KEPT
-from verification.evidence import Comparison, Evidence
+from verification.evidence import Comparison, Evidence, FormalProof
 
 FILE = Path(__file__).with_name("evidence.csv")
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")
@@ -30,8 +30,10 @@ def numbers(evidence: Evidence) -> list[str]:
     return [*NUMBER.findall(evidence.measured), *(f"{number:.8e}" for number in found)]
 
 
-def of_comparison(comparison: Comparison) -> list[float]:
-    """The value, the ends of its range and of its interval."""
+def of_comparison(comparison: Comparison | FormalProof) -> list[float]:
+    """The value, the ends of its range and of its interval; a proof has none."""
+    if isinstance(comparison, FormalProof):
+        return []
     return [comparison.value, comparison.low, comparison.high, *(comparison.interval or ())]
 
 

@@ -5,16 +5,19 @@ g = X + sin(X)/2 - y, W0 = -cos y, W1 = sqrt(1 + X^2), V(r) = sqrt(1 + r^2); Phi
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from collections.abc import Callable
+from functools import cache
+from typing import Any, NamedTuple
 
 import numpy as np
 
+from verification.formal.enclosures import least_upper_bound
 from verification.thesis.chapter5.instant import Floats
 from verification.thesis.chapter5.wavy import soft
 
 M = 0.7
-# Where Phi and Omega, of period 2 pi, are looked at.
-PERIOD = np.linspace(-np.pi, np.pi, 4001)
+# A little more than a period of Phi and Omega.
+PERIOD = (-3.1416, 3.1416)
 
 
 def omega(x: Floats) -> Floats:
@@ -48,11 +51,6 @@ def force(at: FlowState) -> float:
     return float(-np.sin(at.y) + at.w @ (soft(at.X) * each))
 
 
-def steepest(values: Floats) -> float:
-    """The largest slope of a function given on PERIOD."""
-    return float(np.abs(np.diff(values)).max() / (PERIOD[1] - PERIOD[0]))
-
-
 class Constants(NamedTuple):
     """Bounds M and Lipschitz constants L, by the rule for products, where |v| <= speed."""
 
@@ -63,10 +61,22 @@ class Constants(NamedTuple):
     l_mass: float
 
 
+@cache
+def bounds() -> tuple[float, float, float, float]:
+    """Return proved bounds of Phi, Phi', Omega and Omega' over one period, by interval arithmetic."""
+    functions: tuple[Callable[[Any], Any], ...] = (
+        lambda x: 2 / (2 + x.cos()),
+        lambda x: abs(2 * x.sin() / (2 + x.cos()) ** 2),
+        lambda x: abs(4 * x.sin() / (2 + x.cos()) ** 3),
+        lambda x: abs(4 * (x.cos() * (2 + x.cos()) + 3 * x.sin() * x.sin()) / (2 + x.cos()) ** 4),
+    )
+    m_phi, l_phi, m_omega, l_omega = (least_upper_bound(each, [PERIOD]) for each in functions)
+    return m_phi, l_phi, m_omega, l_omega
+
+
 def constants(speed: float) -> Constants:
-    """Of Phi, F_eff and m_eff; the bounds and slopes of F0, F1 and K are 1."""
-    m_phi, l_phi = float(soft(PERIOD).max()), steepest(soft(PERIOD))
-    m_omega, l_omega = float(np.abs(omega(PERIOD)).max()), steepest(omega(PERIOD))
+    """Return those of Phi, F_eff and m_eff; the bounds and slopes of F0, F1 and K are 1."""
+    m_phi, l_phi, m_omega, l_omega = bounds()
     m_force = 1 + m_phi * 2 + M * m_phi * m_omega * speed**2
     in_x = l_phi * 2 + m_phi * (1 + 2) + M * (l_phi * m_omega + m_phi * l_omega) * speed**2
     in_v = 2 * M * m_phi * m_omega * speed

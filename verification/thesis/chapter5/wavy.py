@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 
+from verification.formal.algebra import library
 from verification.thesis.chapter5.instant import Floats
 
 M, T, STEPS = 0.01, 3.0, 200
@@ -14,6 +16,11 @@ M, T, STEPS = 0.01, 3.0, 200
 def soft(x: Floats) -> Floats:
     """Phi of g = X + sin(X)/2 - y: bounded by 2, with bounded derivatives, as (A4) and (A5) ask."""
     return 1 / (1 + np.cos(x) / 2)
+
+
+def symbolic_soft(x: Any) -> Any:
+    """Phi of ``soft`` for a symbol."""
+    return 1 / (1 + library().cos(x) / 2)
 
 
 def runge_kutta(rate: Callable[[Floats], Floats], z: Floats, t: float = T, steps: int = STEPS) -> Floats:

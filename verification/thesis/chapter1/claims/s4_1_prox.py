@@ -8,23 +8,16 @@ import math
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter1.claims.s3_cones import SAMPLES, SEED, box_points, in_convex_cone
-from verification.thesis.chapter1.sets import Floats, apart, contact_gradients, outside
+from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, equal, proved
+from verification.formal.algebra import identity
+from verification.formal.reals import implication
+from verification.thesis.chapter1.claims.s3_cones import SEED
+from verification.thesis.chapter1.sets import Floats, contact_gradients, outside
 
 ROUNDING = 1e-12
-# A point moves by this when it is tried whether a vector is normal; less than any feature of the sets.
-NUDGE = 1e-3
-# How much a square of a distance may be above the least one.
-SLACK = 0.02
 # Half the opening of the mouth.
 MOUTH = 0.6
 RADIUS = 0.5
-
-
-def in_proximal_cone(v: Floats, x: Floats) -> np.ndarray:
-    """Definition 1.23 for the unit cube: x is the nearest point to x + NUDGE v."""
-    return np.asarray(np.abs(np.clip(x + NUDGE * v, 0.0, 1.0) - x).max(axis=1) <= ROUNDING)
 
 
 def half_way(first: Floats, second: Floats) -> Floats:
@@ -49,36 +42,26 @@ def _not_convex() -> Evidence:
     )
 
 
-def filled_triangle() -> Floats:
-    """Points of a convex set, (K, 2); (0, 0) lies nearest to points (0, h) above it."""
-    weights = np.random.default_rng(SEED).dirichlet(np.ones(3), 20_000)
-    return np.vstack([weights @ np.array([[-1.0, 0.0], [1.0, 0.0], [0.2, -1.0]]), [[0.0, 0.0]]])
-
-
 @claim(
     "c1.convex-projection",
     "Convex sets have one nearest point.",
     source="after Definition 1.20",
     quote="the projection onto convex, closed, non-empty sets C is unique, i.e. P_C is single valued.",
-    chosen="a triangle",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="a triangle and one point beside it",
+    recorded=Kind.PROVED,
 )
 def _convex_projection() -> Evidence:
-    """By the parallelogram law points whose squared distance is within s of the least are within 2 sqrt(s)."""
-    points = filled_triangle()
-    squares = ((points - [0.0, 0.5]) ** 2).sum(axis=1)
-    near = points[squares <= squares.min() + SLACK]
-    spread = float(np.linalg.norm(near[:, None] - near, axis=2).max())
-    return Evidence(
-        f"A triangle, {len(points)} points of it and one beside it: the {len(near)} points whose squared distance is "
-        f"within {SLACK} of the least are at most {spread:.4f} apart, so no two can be nearest; convexity allows "
-        f"{2 * math.sqrt(SLACK):.4f}.",
-        printed=(
-            at_most("spread over its bound for convex sets", spread / (2 * math.sqrt(SLACK)), 1.0),
-            at_least("points that are nearly nearest", len(near), 10),
+    """The parallelogram law in each coordinate; p, q nearest at the distance r, e = |p - q|^2, m their middle."""
+    return proved(
+        identity(
+            "|z − m|² = |z − p|²/2 + |z − q|²/2 − |p − q|²/4 for the middle m of p, q",
+            lambda s, z, p, q: (z - (p + q) / 2) ** 2 - (z - p) ** 2 / 2 - (z - q) ** 2 / 2 + s * (p - q) ** 2 / 4,
+            "+|p − q|²/4",
         ),
-        seed=SEED,
+        implication(
+            "m ∈ C is no nearer than p and q, so p = q",
+            lambda s, r2, e, m2: ([e >= 0, r2 >= 0, m2 == r2 - s * e / 4, m2 >= r2], e == 0),
+            "+|p − q|²/4",
+        ),
     )
 
 
@@ -181,23 +164,24 @@ def _prox_constant() -> Evidence:
     source="after Definition 1.23",
     quote="N_C(x) = N(C, x) for all x ∈ ℝ^d",
     chosen="x ∈ C, or N_C(x) = ∅ outside of C, as is said after Definition 1.16",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="the unit cube",
+    recorded=Kind.PROVED,
 )
 def _same_cones() -> Evidence:
-    rng = np.random.default_rng(SEED)
-    x = box_points(rng)
-    signs = rng.choice([-1.0, 0.0, 1.0], x.shape) * rng.uniform(0.0, 1.0, x.shape)
-    convex, proximal = in_convex_cone(signs, x), in_proximal_cone(signs, x)
-    unlike, away = int((convex != proximal).sum()), int(in_proximal_cone(signs, x + 2.0).sum())
-    return Evidence(
-        f"Unit cube, {SAMPLES} points and vectors: {unlike} are normal by one definition only, {int(convex.sum())} by "
-        f"both; outside of the cube {away} are proximal normals.",
-        printed=(
-            equal("normal by one definition only", unlike, 0),
-            equal("proximal normals outside", away, 0),
+    """p = n.(y - x), D = |y - x|^2 for y in C; n is proximal if p <= k D for a k >= 0; x + t(y - x) is in C."""
+    return proved(
+        implication(
+            "t n·(y − x) ≤ k t²|y − x|² for t = p/(p + kD) ∈ (0, 1] gives n·(y − x) ≤ 0: proximal normals are normals",
+            lambda s, p, k, D, t: (
+                [k > 0, D > 0, t * (s * p + k * D) == p, t * p <= k * t * t * D, t * t <= 1],
+                p <= 0,
+            ),
+            "t of the wrong sign",
         ),
-        seed=SEED,
+        implication(
+            "n·(y − x) ≤ 0 gives |x + n − y|² ≥ |n|²: x is the nearest point of C to x + n",
+            lambda s, p, D: ([D >= 0, p <= 0], D - s * 2 * p >= 0),
+            "to x − n",
+        ),
     )
 
 
@@ -219,24 +203,22 @@ def _not_a_convex_normal() -> Evidence:
     )
 
 
+def nearest() -> FormalProof:
+    """Prove that x stays nearest along v = y - x: p = v.(z - x), D = |z - x|^2 for a point z of S."""
+    return implication(
+        "if |y − z| ≥ |y − x| for all z ∈ S, x is nearest to x + α(y − x), 0 ≤ α ≤ 1: y − x ∈ N(S, x)",
+        lambda s, p, D, a: ([D >= 0, D - 2 * p >= 0, a >= 0, a <= 1], D - s * 2 * a * p >= 0),
+        "for −1 ≤ α ≤ 0",
+    )
+
+
 @claim(
     "c1.projection-normal",
     "What a projection takes away is a proximal normal.",
     source="(1.23)",
     quote="x = P_S(y) ⟺ P_S(x + (y - x)) = x ⟹ y - x ∈ N(S, x)",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="two discs, 2000 random points",
+    recorded=Kind.PROVED,
 )
 def _projection_normal() -> Evidence:
-    rng = np.random.default_rng(SEED)
-    y = rng.normal(size=(SAMPLES, 2, 2)) * 0.4
-    x = apart(y)
-    part = rng.uniform(0.0, 1.0, (SAMPLES, 1, 1))
-    missed = float(np.abs(apart(x + part * (y - x)) - x).max())
-    pushed = int((np.abs(x - y).max(axis=(1, 2)) > 0).sum())
-    return Evidence(
-        f"Two discs, {SAMPLES} points y of which {pushed} overlap, x = P_S(y): P_S(x + α(y - x)) misses x by "
-        f"{missed:.0e} for random α ∈ [0, 1].",
-        printed=(at_most("|P_S(x + α(y - x)) - x|", missed, ROUNDING), at_least("points that overlap", pushed, 100)),
-        seed=SEED,
-    )
+    """|y - z|^2 = |y - x|^2 - 2 (y - x).(z - x) + |z - x|^2."""
+    return proved(nearest())

