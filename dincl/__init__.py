@@ -11,6 +11,7 @@ from dincl.constraints import (
     NonOverlap,
     Ordered,
     OutsideBall,
+    RigidMotion,
     Smooth,
 )
 from dincl.errors import FunctionFailed, InvalidProblem, ProjectionFailed, StepFailure
@@ -100,6 +101,7 @@ __all__ = [
     "Projection",
     "ProjectionFailed",
     "RelativeMove",
+    "RigidMotion",
     "RunOutcome",
     "Scheme",
     "SecondOrderPBD",

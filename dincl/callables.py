@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import inspect
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NoReturn
 
@@ -80,6 +81,16 @@ class UserFunction:
         given = ", ".join(_given(name, value) for name, value in zip(self.arguments, values, strict=False))
         said = f"{type(error).__name__}{_said(error)}"
         return FunctionFailed(self.status, f"{self.name}({given}) raised {said}.")
+
+
+def arguments_of(function: Callable[..., Any]) -> int:
+    """Return how many arguments a function of the user must be given; 1 if that cannot be found out."""
+    try:
+        listed = inspect.signature(function).parameters.values()
+    except (TypeError, ValueError):
+        return 1
+    positional = (inspect.Parameter.POSITIONAL_ONLY, inspect.Parameter.POSITIONAL_OR_KEYWORD)
+    return sum(one.kind in positional and one.default is one.empty for one in listed)
 
 
 def fits(found: tuple[int, ...], shape: Shape) -> bool:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from dincl.problem import Problem
 
-__all__ = ["MAKES_NO_NUMBERS", "Axes", "Film", "animate", "plot", "to_html"]
+__all__ = ["MAKES_NO_NUMBERS", "Axes", "Film", "animate", "plot", "plot_problem", "problem_to_html", "to_html"]
 
 # No table depends on how things are drawn.
 MAKES_NO_NUMBERS = True
@@ -45,6 +45,8 @@ DPI = 110
 FILL, EDGE, OBSTACLE, GREY = "#9ec3e6", "#2b5b8a", "#cfcfcf", "#8a8a8a"
 # Room around what is shown, and the least extent along any axis, as parts of its size.
 MARGIN, NARROWEST = 0.06, 0.5
+# A wall is shown if it is at most so far from the rest, as a part of its size.
+FARTHEST = 1.0
 # Paths are drawn of this many particles, balls as surfaces of so many; beyond that they hide each other.
 MOST_TRACES = 300
 MOST_SURFACES = 120
@@ -53,10 +55,9 @@ LEVEL_POINTS = 80
 
 
 class View(NamedTuple):
-    """What all pictures of one run share: its problem, radii (N,), and the corners of what is shown (d,), (d,)."""
+    """Contents shared by all pictures of one run: the problem, and the corners of what is shown (d,), (d,)."""
 
     problem: Problem
-    radius: Floats
     low: Floats
     high: Floats
 
@@ -75,12 +76,32 @@ def plot(film: Film, ax: Axes | None = None) -> Axes:
     """See ``Trajectory.plot``."""
     view = _view(film)
     with _style():
-        if ax is None:
-            from matplotlib import pyplot as plt
-
-            ax = plt.figure(figsize=SIZE, layout="constrained").add_subplot(**_projection(view))
+        ax = ax or _new_axes(view)
         _draw(ax, view, film)
     return ax
+
+
+def plot_problem(problem: Problem, times: Floats, ax: Axes | None) -> Axes:
+    """See ``Problem.plot``."""
+    film = _film_of_start(problem, times)
+    view = _view(film._replace(t=times))
+    with _style():
+        ax = ax or _new_axes(view)
+        _draw(ax, view, film)
+        for t in times[1:] if len(view.low) == 2 else ():
+            for shape in shapes_at(problem, float(t)):
+                _draw_outline(ax, view, shape)
+    return ax
+
+
+def _film_of_start(problem: Problem, times: Floats) -> Film:
+    title = str(getattr(problem, "title", "start"))
+    return Film(problem, times[:1], problem.x0[None], title, f"{problem!r}.")
+
+
+def problem_to_html(problem: Problem) -> str:
+    """See ``Problem._repr_html_``."""
+    return to_html(_film_of_start(problem, np.zeros(1)))
 
 
 def animate(film: Film, file: str | Path, fps: float) -> Path:
@@ -130,6 +151,13 @@ def _figure() -> Figure:
     return figure
 
 
+def _new_axes(view: View) -> Axes:
+    from matplotlib import pyplot as plt
+
+    axes: Axes = plt.figure(figsize=SIZE, layout="constrained").add_subplot(**_projection(view))
+    return axes
+
+
 def _projection(view: View) -> dict[str, str]:
     return {"projection": "3d"} if len(view.low) == 3 else {}
 
@@ -150,20 +178,48 @@ def _writer(file: Path, fps: float) -> Any:
 
 
 def _view(film: Film) -> View:
-    """Shown are all states, containers and obstacles, not the whole of walls."""
+    """Show all states, containers and obstacles, and the nearest part of each wall or curve that is not far away."""
     d = film.x.shape[2]
     if d > 3:
         raise InvalidProblem(f"d = {d}: drawn are trajectories in 1, 2 or 3 dimensions; to_frame() has the numbers")
-    radius = radii(film.problem)
+    ends = (0.0, float(film.t[-1]))
+    radius = np.max([radii(film.problem, t) for t in ends], axis=0)
     places = np.concatenate((film.problem.x0[None], film.x))
     low, high = (places - radius[:, None]).min(axis=(0, 1)), (places + radius[:, None]).max(axis=(0, 1))
-    for t in (0.0, float(film.t[-1])):
-        for ball in shapes_at(film.problem, t):
-            if isinstance(ball, Ball):
-                low, high = np.minimum(low, ball.centre - ball.radius), np.maximum(high, ball.centre + ball.radius)
+    shapes = [shape for t in ends for shape in shapes_at(film.problem, t)]
+    for ball in shapes:
+        if isinstance(ball, Ball):
+            low, high = np.minimum(low, ball.centre - ball.radius), np.maximum(high, ball.centre + ball.radius)
     size = float((high - low).max()) or 1.0
+    for wall in shapes:
+        if isinstance(wall, Wall):
+            # From the corner that is nearest to the wall to its foot.
+            corner = np.where(wall.normal > 0, low, high)
+            foot = corner - (wall.normal @ corner - wall.offset) * wall.normal
+            if np.abs(foot - corner).max() <= FARTHEST * size:
+                low, high = np.minimum(low, foot), np.maximum(high, foot)
+        elif isinstance(wall, Curve):
+            low, high = _extended(wall, low, high, FARTHEST * size)
     room = MARGIN * size + np.maximum(0.0, NARROWEST * size - (high - low)) / 2
-    return View(film.problem, radius, low - room, high + room)
+    return View(film.problem, low - room, high + room)
+
+
+def _extended(curve: Curve, low: Floats, high: Floats, by: float) -> tuple[Floats, Floats]:
+    """Extend the corners of what is shown to the whole of a curve that ends within so much more."""
+    axes = [np.linspace(a - by, b + by, LEVEL_POINTS // 2) for a, b in zip(low, high, strict=True)]
+    free = _values_on_grid(curve, *axes) >= 0
+    for side in (free, ~free):
+        if side.any() and not (side[[0, -1]].any() or side[:, [0, -1]].any()):
+            places = np.argwhere(side)
+            ends = [places.min(axis=0) - 1, places.max(axis=0) + 1]
+            corners = np.array([[axes[0][j], axes[1][i]] for i, j in ends])
+            return np.minimum(low, corners[0]), np.maximum(high, corners[1])
+    return low, high
+
+
+def _values_on_grid(curve: Curve, x: Floats, y: Floats) -> Floats:
+    with np.errstate(all="ignore"):
+        return np.array([[curve.g(np.array([a, b])) for a in x] for b in y])
 
 
 def _draw(ax: Axes, view: View, film: Film) -> None:
@@ -184,10 +240,12 @@ def _draw_until(ax: Axes, view: View, times: Floats, states: Floats) -> None:
 
 
 def _draw_line(ax: Axes, view: View, times: Floats, states: Floats) -> None:
-    for k, r in enumerate(view.radius):
-        (line,) = ax.plot(times, states[:, k, 0], color=f"C{k % 10}")
-        if r:
-            ax.fill_between(times, states[:, k, 0] - r, states[:, k, 0] + r, color=line.get_color(), alpha=0.2, lw=0)
+    radius = np.array([radii(view.problem, float(t)) for t in times])
+    for k in range(states.shape[1]):
+        x, r = states[:, k, 0], radius[:, k]
+        (line,) = ax.plot(times, x, color=f"C{k % 10}")
+        if r.any():
+            ax.fill_between(times, x - r, x + r, color=line.get_color(), alpha=0.2, lw=0)
     now = [shapes_at(view.problem, float(t)) for t in times]
     for history in zip(*now, strict=True):
         _draw_obstacle_on_line(ax, view, times, history)
@@ -212,10 +270,11 @@ def _draw_obstacle_on_line(ax: Axes, view: View, times: Floats, history: tuple[A
 def _draw_plane(ax: Axes, view: View, times: Floats, states: Floats) -> None:
     for shape in shapes_at(view.problem, float(times[-1])):
         _draw_shape_in_plane(ax, view, shape, states[-1])
-    for k in range(min(len(view.radius), MOST_TRACES)):
+    for k in range(min(states.shape[1], MOST_TRACES)):
         ax.plot(*states[:, k].T, color=EDGE, alpha=0.35, lw=0.8, zorder=3)
-    _draw_discs(ax, states[0], view.radius, facecolor="none", edgecolor=EDGE, alpha=0.3, lw=0.6, zorder=1)
-    _draw_discs(ax, states[-1], view.radius, facecolor=FILL, edgecolor=EDGE, lw=0.8, zorder=2)
+    first, last = (radii(view.problem, float(t)) for t in (times[0], times[-1]))
+    _draw_discs(ax, states[0], first, facecolor="none", edgecolor=EDGE, alpha=0.3, lw=0.6, zorder=1)
+    _draw_discs(ax, states[-1], last, facecolor=FILL, edgecolor=EDGE, lw=0.8, zorder=2)
     ax.set(xlim=(view.low[0], view.high[0]), ylim=(view.low[1], view.high[1]), aspect="equal", xlabel="x", ylabel="y")
 
 
@@ -248,13 +307,27 @@ def _draw_shape_in_plane(ax: Axes, view: View, shape: Any, x: Floats) -> None:
         _draw_level(ax, view, shape)
 
 
-def _draw_level(ax: Axes, view: View, curve: Curve) -> None:
+def _draw_level(ax: Axes, view: View, curve: Curve, *, filled: bool = True) -> None:
     axes = [np.linspace(low, high, LEVEL_POINTS) for low, high in zip(view.low, view.high, strict=True)]
-    with np.errstate(all="ignore"):
-        values = np.array([[curve.g(np.array([a, b])) for a in axes[0]] for b in axes[1]])
+    values = _values_on_grid(curve, *axes)
     if values.min() < 0 < values.max():
-        ax.contourf(*axes, values, levels=[-np.inf, 0.0], colors=[OBSTACLE], zorder=0)
-        ax.contour(*axes, values, levels=[0.0], colors=[GREY], zorder=0)
+        if filled:
+            ax.contourf(*axes, values, levels=[-np.inf, 0.0], colors=[OBSTACLE], zorder=0)
+        lines: Any = {"linestyles": "solid" if filled else "dotted", "linewidths": 1.0 if filled else 0.8}
+        ax.contour(*axes, values, levels=[0.0], colors=[GREY], zorder=0, **lines)
+
+
+def _draw_outline(ax: Axes, view: View, shape: Any) -> None:
+    """Draw the boundary of a set in the plane, at a later time."""
+    from matplotlib.patches import Circle
+
+    if isinstance(shape, Wall):
+        along, foot = np.array([-shape.normal[1], shape.normal[0]]), shape.offset * shape.normal
+        ax.axline(tuple(foot), tuple(foot + along), color=GREY, lw=0.8, ls=":", zorder=1)
+    elif isinstance(shape, Ball):
+        ax.add_patch(Circle(tuple(shape.centre), shape.radius, fill=False, ec=GREY, lw=0.8, ls=":", zorder=1))
+    elif isinstance(shape, Curve):
+        _draw_level(ax, view, shape, filled=False)
 
 
 # Three dimensions.
@@ -264,13 +337,14 @@ def _draw_space(ax: Any, view: View, times: Floats, states: Floats) -> None:
     ax.computed_zorder = True
     for shape in shapes_at(view.problem, float(times[-1])):
         _draw_shape_in_space(ax, view, shape, states[-1])
-    for k in range(min(len(view.radius), MOST_TRACES)):
+    radius = radii(view.problem, float(times[-1]))
+    for k in range(min(len(radius), MOST_TRACES)):
         ax.plot(*states[:, k].T, color=EDGE, alpha=0.35, lw=0.8)
-    many = len(view.radius) > MOST_SURFACES
-    for centre, r in zip(states[-1], view.radius, strict=True):
+    many = len(radius) > MOST_SURFACES
+    for centre, r in zip(states[-1], radius, strict=True):
         if r and not many:
             _draw_ball(ax, centre, r, color=FILL, edgecolor="none", shade=True)
-    dots = states[-1] if many else states[-1][view.radius == 0]
+    dots = states[-1] if many else states[-1][radius == 0]
     ax.scatter(*dots.T, s=14, color=FILL, edgecolor=EDGE)
     limits = dict(zip(("xlim", "ylim", "zlim"), zip(view.low, view.high, strict=True), strict=True))
     ax.set(**limits, xlabel="x", ylabel="y", zlabel="z")

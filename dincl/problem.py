@@ -6,7 +6,7 @@ import math
 import pickle
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -22,6 +22,9 @@ from dincl.errors import InvalidProblem, StepFailure
 from dincl.rows.base import RowsOfOneKind, StackedRows
 from dincl.rows.functions import SmoothRows
 from dincl.status import Status
+
+if TYPE_CHECKING:
+    from dincl.plotting import Axes
 
 # A start may miss a constraint by this much, times the largest coordinate: contacts in decimal numbers are not exact.
 START_TOLERANCE = 1e-9
@@ -106,6 +109,32 @@ class Problem:
             return max(0.0, float(np.max(-self.rows_within(t, x, 0.0).values(x), initial=0.0)))
         except StepFailure:
             return math.inf
+
+    def plot(self, t: ArrayLike = 0.0, ax: Axes | None = None) -> Axes:
+        """Draw the start and all sets: walls, obstacles, containers, bonds, and contours of sets of your own.
+
+        Parameters
+        ----------
+        t
+            The time of the sets, or several, ascending, shape (K,): in the plane the sets of later times are dotted
+            lines, which show how they move.
+        ax
+            Where to draw (for d = 3 with projection="3d"); None: a new figure.
+
+        Needs matplotlib. Raises InvalidProblem for d > 3.
+        """
+        from dincl.plotting import plot_problem
+
+        times = np.atleast_1d(array("t", t))
+        if times.ndim != 1 or not times.size or (np.diff(times, prepend=0.0) < 0).any():
+            raise InvalidProblem(f"t = {describe(t)}: must be a time >= 0, or several, ascending")
+        return plot_problem(self, times, ax)
+
+    def _repr_html_(self) -> str:
+        """Show the picture in notebooks; words alone without matplotlib or for d > 3."""
+        from dincl.plotting import problem_to_html
+
+        return problem_to_html(self)
 
     def _check(self) -> None:
         """Raise InvalidProblem unless drift and constraints can be evaluated at the start, which is feasible."""

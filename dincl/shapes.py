@@ -1,15 +1,16 @@
-"""What there is to see of a problem: the radii of its particles, and walls, balls, bonds and curves at a time."""
+"""Shapes to draw of a problem: the radii of its particles, and walls, balls, bonds and curves at a time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import singledispatch
+from itertools import pairwise
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.checks import instance, number, spread
+from dincl.checks import describe, number, spread
 from dincl.constraints import (
     Constraint,
     HalfSpace,
@@ -20,8 +21,11 @@ from dincl.constraints import (
     Ordered,
     OutsideBall,
 )
+from dincl.errors import InvalidProblem
 
 if TYPE_CHECKING:
+    from scipy.sparse import csr_array
+
     from dincl.problem import Problem
 
 
@@ -31,9 +35,10 @@ class Wall(NamedTuple):
     normal: NDArray[np.float64]
     offset: float
 
-    def moved(self, by: NDArray[np.float64]) -> Wall:
-        """Carried by a displacement (d,)."""
-        return Wall(self.normal, self.offset + float(self.normal @ by))
+    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Wall:
+        """Return the wall carried by X -> turn X + shift, (d, d) and (d,)."""
+        normal = turn @ self.normal
+        return Wall(normal, self.offset + float(normal @ shift))
 
     def cut(self, low: NDArray[np.float64], high: NDArray[np.float64]) -> NDArray[np.float64]:
         """Where the plane cuts the edges of a box in space, in their order around it, (m, 3) with m = 0 or 3 ... 6."""
@@ -58,9 +63,9 @@ class Ball(NamedTuple):
     radius: float
     inside: bool
 
-    def moved(self, by: NDArray[np.float64]) -> Ball:
-        """Carried by a displacement (d,)."""
-        return self._replace(centre=self.centre + by)
+    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Ball:
+        """Return the ball carried by X -> turn X + shift, (d, d) and (d,)."""
+        return self._replace(centre=turn @ self.centre + shift)
 
 
 class Bonds(NamedTuple):
@@ -68,8 +73,8 @@ class Bonds(NamedTuple):
 
     pairs: NDArray[np.int64]
 
-    def moved(self, by: NDArray[np.float64]) -> Bonds:
-        """The same: bonds go with their particles."""
+    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Bonds:
+        """Return the same: bonds go with their particles."""
         return self
 
 
@@ -78,70 +83,79 @@ class Curve(NamedTuple):
 
     g: Callable[[NDArray[np.float64]], float]
 
-    def moved(self, by: NDArray[np.float64]) -> Curve:
-        """Carried by a displacement (2,)."""
-        return Curve(lambda place: self.g(place - by))
+    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> Curve:
+        """Return the curve carried by X -> turn X + shift, (2, 2) and (2,)."""
+        return Curve(lambda place: self.g((place - shift) @ turn))
 
 
 Shape = Wall | Ball | Bonds | Curve
 
 
-def radii(problem: Problem) -> NDArray[np.float64]:
-    """The radius of each particle, shape (N,) [length].
+def radii(problem: Problem, t: float = 0.0) -> NDArray[np.float64]:
+    """Return the radius of each particle at time t, shape (N,) [length].
 
-    A Scene says it; else ``NonOverlap`` and ``HalfSpace`` tell it, at rest or ``Moving``; else it is 0.
+    A Scene whose discs do not grow states it; else it is the largest one of a ``NonOverlap`` or ``HalfSpace``, also a
+    ``Moving`` one; else 0.
     """
-    count = len(_checked(problem).x0)
-    known = getattr(problem, "radius", None)
-    if known is not None:
+    if not hasattr(problem, "constraints"):
+        raise InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
+    count = len(problem.x0)
+    known, grow = (
+        getattr(problem, "radius", None),
+        any(isinstance(one, NonOverlap) and one.timed for one in problem.constraints),
+    )
+    if known is not None and not grow:
         return np.asarray(known, dtype=np.float64)
-    told = [np.zeros(count), *(_told(family, count) for family in problem.constraints)]
-    return np.asarray(np.max(told, axis=0), dtype=np.float64)
+    found = [np.zeros(count), *(_radii_of(one, number("t", t), count) for one in problem.constraints)]
+    return np.asarray(np.max(found, axis=0), dtype=np.float64)
 
 
 def shapes_at(problem: Problem, t: float) -> list[Shape]:
-    """Everything but the particles, where it is at time t."""
-    known, time = radii(problem), number("t", t)
-    found: list[Shape] = []
-    for family in problem.constraints:
-        shift = family.displacement(time, problem.x0.shape[1])
-        shapes = shapes_of(family, problem.x0, known)
-        found += shapes if shift is None else [shape.moved(shift) for shape in shapes]
-    return found
+    """Return everything but the particles, in its place at time t."""
+    known, time = radii(problem, t), number("t", t)
+    return [shape for one in problem.constraints for shape in _shapes_at(one, time, problem.x0, known)]
 
 
-def _checked(problem: Problem) -> Problem:
-    from dincl.problem import Problem
+def _shapes_at(constraint: Constraint, t: float, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
+    if not isinstance(constraint, Moving):
+        return shapes_of(constraint.at(t), x, radius)
+    place = constraint.placement(t, x.shape[1])
+    return [shape.placed(*place) for shape in _shapes_at(constraint.constraint, t, constraint.seen(t, x), radius)]
 
-    checked: Problem = instance("problem", problem, Problem, "a dincl.Problem")
-    return checked
 
-
-def _told(constraint: Constraint, count: int) -> NDArray[np.float64]:
+def _radii_of(constraint: Constraint, t: float, count: int) -> NDArray[np.float64]:
     if isinstance(constraint, Moving):
-        return _told(constraint.constraint, count)
-    if isinstance(constraint, NonOverlap):
-        return constraint.radii(count)
-    if isinstance(constraint, HalfSpace):
-        return spread("radius", np.asarray(constraint.radius), count, "particles")
+        return _radii_of(constraint.constraint, t, count)
+    now = constraint.at(t)
+    if isinstance(now, NonOverlap):
+        return now.radii(count)
+    if isinstance(now, HalfSpace):
+        return spread("radius", np.asarray(now.radius), count, "particles")
     return np.zeros(count)
 
 
 @singledispatch
 def shapes_of(constraint: Constraint, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
-    """What to draw of a constraint at rest, for particles like x (N, d) with ``radius`` (N,).
+    """Return what to draw of a constraint that does not depend on time, for particles x (N, d) with ``radius`` (N,).
 
-    A constraint of one's own is told by ``@dincl.shapes.shapes_of.register``; unless it is, the zero level of its least
-    g is drawn for a single particle in the plane, and nothing for more.
+    Register your own constraints by ``@dincl.shapes.shapes_of.register``. Of a set without an entry in the plane, each
+    row of which depends on one particle, the zero level of the least g is drawn, for all particles at one place.
     """
-    if x.shape != (1, 2):
+    if x.shape[1] != 2 or not _one_for_each(constraint.select(x, np.inf).jacobian(x), len(x)):
         return []
 
     def least(place: NDArray[np.float64]) -> float:
-        at = place.reshape(1, 2)
-        return float(constraint.select(at, 0.0).values(at).min(initial=np.inf))
+        at = np.tile(place, (len(x), 1))
+        return float(constraint.select(at, np.inf).values(at).min(initial=np.inf))
 
     return [Curve(least)]
+
+
+def _one_for_each(jacobian: csr_array, count: int) -> bool:
+    """Return whether each row has entries of one particle in the plane, and each particle has a row."""
+    particle = jacobian.indices // 2
+    rows = [particle[a:b] for a, b in pairwise(jacobian.indptr) if a < b]
+    return all((row == row[0]).all() for row in rows) and len(np.unique(particle)) == count
 
 
 @shapes_of.register
@@ -175,8 +189,3 @@ def _(constraint: Ordered, x: NDArray[np.float64], radius: NDArray[np.float64]) 
     """Neighbours in the chain are joined."""
     chain = np.asarray(constraint.chain)
     return [Bonds(np.column_stack((chain[:-1], chain[1:])))]
-
-
-@shapes_of.register
-def _(constraint: Moving, x: NDArray[np.float64], radius: NDArray[np.float64]) -> list[Shape]:
-    return shapes_of(constraint.constraint, x, radius)

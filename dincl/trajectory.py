@@ -189,9 +189,9 @@ class Trajectory:
         columns = {"t": np.repeat(self.t, count), "particle": np.tile(np.arange(count), times)}
         names = "xyz"[:d] if d <= 3 else [f"x{k}" for k in range(d)]
         columns |= {name: self.x[:, :, k].ravel() for k, name in enumerate(names)}
-        radius = radii(self.problem)
+        radius = np.array([radii(self.problem, t) for t in self.t])
         if radius.any():
-            columns["radius"] = np.tile(radius, times)
+            columns["radius"] = radius.ravel()
         return pd.DataFrame(columns)
 
     def _repr_html_(self) -> str:

@@ -3,7 +3,7 @@
 from dincl.constraints.affine import HalfSpace, Ordered
 from dincl.constraints.base import Constraint
 from dincl.constraints.distances import InsideBall, MaxDistance, NonOverlap, OutsideBall
-from dincl.constraints.moving import Moving
+from dincl.constraints.moving import Moving, RigidMotion
 from dincl.constraints.smooth import DifferentiableConstraint, Smooth
 
 __all__ = [
@@ -16,5 +16,6 @@ __all__ = [
     "NonOverlap",
     "Ordered",
     "OutsideBall",
+    "RigidMotion",
     "Smooth",
 ]

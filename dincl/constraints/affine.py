@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.checks import array, indices, integer, lengths, number, spread, vector, within
 from dincl.constants import LARGEST
 from dincl.constraints.base import Constraint
+from dincl.constraints.timed import Timed
 from dincl.errors import InvalidProblem
 from dincl.matrices import from_equal_rows
 from dincl.rows.affine import AffineRows, HeightRows
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class HalfSpace(Constraint):
+class HalfSpace(Timed):
     """g_i(x) = n . X_i - offset - r_i >= 0 for every particle i, with |n| = 1: a wall.
 
     Parameters
@@ -30,13 +31,18 @@ class HalfSpace(Constraint):
         Distance of the wall from the origin along the unit normal [length].
     radius
         Least distance of each particle from the wall, >= 0, one for all or shape (N,) [length].
+
+    Each may be a function of time: t -> value.
     """
 
-    normal: ArrayLike
-    offset: float = 0.0
-    radius: ArrayLike = 0.0
+    normal: Any
+    offset: Any = 0.0
+    radius: Any = 0.0
+    functions_of_time = ("normal", "offset", "radius")
 
     def __post_init__(self) -> None:
+        if self.timed:
+            return
         normal = array("normal", self.normal)
         largest = np.abs(normal).max(initial=0.0)
         if normal.ndim != 1 or not largest > 1 / LARGEST:
@@ -49,18 +55,28 @@ class HalfSpace(Constraint):
         object.__setattr__(self, "radius", lengths("radius", self.radius, positive=False))
 
     def check(self, count: int, d: int) -> None:
-        vector("normal", np.asarray(self.normal), d)
-        self.bounds(count)
+        now = self.at(0.0)
+        vector("normal", np.asarray(now.normal), d)
+        now.bounds(count)
 
     def bounds(self, count: int) -> NDArray[np.float64]:
         """Return the least allowed n . X_i, shape (count,)."""
-        return self.offset + spread("radius", np.asarray(self.radius), count, "particles")
+        bounds: NDArray[np.float64] = self.offset + spread("radius", np.asarray(self.radius), count, "particles")
+        return bounds
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> HeightRows:
         """Return the particles closer to the wall than ``search_radius``, or beyond it."""
         normal, bound = np.asarray(self.normal), self.bounds(len(x))
         close = np.flatnonzero(x @ normal - bound <= search_radius)
         return HeightRows(normal, close, bound[close], len(x))
+
+    def updated(self, rows: HeightRows, count: int) -> HeightRows:
+        return HeightRows(np.asarray(self.normal), rows.particle, self.bounds(count)[rows.particle], count)
+
+    def change_from(self, other: HalfSpace, x: NDArray[np.float64], search_radius: float) -> float:
+        turned = np.asarray(self.normal) - np.asarray(other.normal)
+        heights = x @ turned - self.bounds(len(x)) + other.bounds(len(x))
+        return float(np.abs(heights).max() + np.sqrt(turned @ turned) * search_radius)
 
 
 @dataclass(frozen=True, eq=False)

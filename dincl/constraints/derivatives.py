@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
 
     from dincl.rows.base import RowsOfOneKind
 
+Function = Callable[["NDArray[np.float64]"], Any]
 EPS = float(np.finfo(np.float64).eps)
 # Step of central differences, relative to the size of the coordinates: rounding and truncation both leave 1e-10.
 CENTRAL_STEP = EPS ** (1 / 3)
@@ -28,14 +30,14 @@ G = UserFunction("g", ("x",), Status.CONSTRAINT_FAILED)
 
 
 class NumericalJacobian:
-    """dg/dx of a function g: (N, d) -> (m,), by complex steps if g accepts complex x, else by central differences.
+    """dg/dx of a function g, x or (t, x) -> (m,), by complex steps if g accepts complex x, else by central differences.
 
     Complex steps are exact up to rounding: dg/dx_k = Im g(x + i h e_k) / h (Squire and Trapp, SIAM Rev. 40, 1998).
     Central differences have a relative error of about 1e-10; their step is relative to the first x, the start of a
     problem. Both call g for each coordinate, the latter twice.
     """
 
-    def __init__(self, g: Callable[[NDArray[np.float64]], Any]) -> None:
+    def __init__(self, g: Callable[..., Any]) -> None:
         self._g = g
         self._complex: bool | None = None
         self._size = 1.0
@@ -45,49 +47,54 @@ class NumericalJacobian:
         """How derivatives are computed, known after the first one."""
         return {None: "differences", True: "complex steps", False: "central differences"}[self._complex]
 
-    def __call__(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compute dg/dx at x (N, d), shape (m, N*d)."""
+    def __call__(self, *arguments: Any) -> NDArray[np.float64]:
+        """Compute dg/dx at x (N, d), the last argument, shape (m, N*d)."""
+        x = arguments[-1]
+        g = partial(self._g, *arguments[:-1])
         if self._complex is None:
             self._size = float(np.abs(x).max()) or 1.0
-            self._complex = self._accepts_complex(x)
-        return self._by_complex_steps(x) if self._complex else self._by_differences(x)
+            self._complex = _accepts_complex(g, x)
+        return _by_complex_steps(g, x) if self._complex else _by_differences(g, x, CENTRAL_STEP * self._size)
 
-    def _accepts_complex(self, x: NDArray[np.float64]) -> bool:
-        """Compare both along one direction: functions such as abs drop the imaginary part without a word."""
-        direction = generic_direction(x)
-        expected = _slopes(self._values, x, direction)[2]
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("error")
-                found = np.asarray(self._g(x + 1j * COMPLEX_STEP * direction))
-        except Exception:  # noqa: BLE001  # g is of the user, and need not know complex numbers
-            return False
-        if found.dtype != np.complex128 or found.shape != expected.shape or not np.isfinite(found).all():
-            return False
-        slopes = found.imag / COMPLEX_STEP
-        return bool((np.abs(slopes - expected) <= MISTAKE * np.abs(expected).max(initial=1e-10)).all())
 
-    def _by_complex_steps(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        columns = []
-        for index in np.ndindex(x.shape):
-            moved = x.astype(np.complex128)
-            moved[index] += 1j * COMPLEX_STEP
-            columns.append(G.numbers(np.imag(G.call(self._g, moved)) / COMPLEX_STEP))
-        return np.stack(columns, axis=1)
+def _accepts_complex(g: Function, x: NDArray[np.float64]) -> bool:
+    """Compare both along one direction: functions such as abs drop the imaginary part without a word."""
+    direction = generic_direction(x)
+    expected = _slopes(partial(_values, g), x, direction)[2]
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            found = np.asarray(g(x + 1j * COMPLEX_STEP * direction))
+    except Exception:  # noqa: BLE001  # g is of the user, and need not know complex numbers
+        return False
+    if found.dtype != np.complex128 or found.shape != expected.shape or not np.isfinite(found).all():
+        return False
+    slopes = found.imag / COMPLEX_STEP
+    return bool((np.abs(slopes - expected) <= MISTAKE * np.abs(expected).max(initial=1e-10)).all())
 
-    def _by_differences(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        columns = []
-        for index in np.ndindex(x.shape):
-            ends = [x.copy(), x.copy()]
-            h = CENTRAL_STEP * self._size
-            ends[0][index] -= h
-            ends[1][index] += h
-            width = float(ends[1][index] - ends[0][index])
-            columns.append((self._values(ends[1]) - self._values(ends[0])) / width)
-        return np.stack(columns, axis=1)
 
-    def _values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
-        return G.evaluated(self._g, x, shape=(None,))
+def _by_complex_steps(g: Function, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    columns = []
+    for index in np.ndindex(x.shape):
+        moved = x.astype(np.complex128)
+        moved[index] += 1j * COMPLEX_STEP
+        columns.append(G.numbers(np.imag(G.call(g, moved)) / COMPLEX_STEP))
+    return np.stack(columns, axis=1)
+
+
+def _by_differences(g: Function, x: NDArray[np.float64], h: float) -> NDArray[np.float64]:
+    columns = []
+    for index in np.ndindex(x.shape):
+        ends = [x.copy(), x.copy()]
+        ends[0][index] -= h
+        ends[1][index] += h
+        width = float(ends[1][index] - ends[0][index])
+        columns.append((_values(g, ends[1]) - _values(g, ends[0])) / width)
+    return np.stack(columns, axis=1)
+
+
+def _values(g: Function, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    return G.evaluated(g, x, shape=(None,))
 
 
 def generic_direction(x: NDArray[np.float64]) -> NDArray[np.float64]:

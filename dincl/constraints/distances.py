@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from dincl.checks import array, indices, lengths, spread, vector, within
 from dincl.constraints.base import Constraint
+from dincl.constraints.timed import Timed
 from dincl.errors import InvalidProblem
 from dincl.rows.base import DiscPairs
 from dincl.rows.distance import DistanceRows
@@ -18,13 +19,13 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, eq=False)
-class NonOverlap(Constraint):
+class NonOverlap(Timed):
     """g_ij(x) = |X_i - X_j| - (r_i + r_j) >= 0 for all pairs j < i  (1.2).
 
     Parameters
     ----------
     radius
-        One radius > 0 for all discs, or one each, shape (n,) [length].
+        One radius > 0 for all discs, or one each, shape (n,) [length]; or a function of time: t -> radius.
     among
         The particles that are discs, shape (n,), each at most once; all others are points that touch nothing. None:
         all particles are discs.
@@ -34,17 +35,19 @@ class NonOverlap(Constraint):
     number > 0.
     """
 
-    radius: ArrayLike
+    radius: Any
     among: ArrayLike | None = None
+    functions_of_time = ("radius",)
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "radius", lengths("radius", self.radius, positive=True))
+        if not self.timed:
+            object.__setattr__(self, "radius", lengths("radius", self.radius, positive=True))
         if self.among is not None:
             object.__setattr__(self, "among", indices("among", self.among, distinct=True))
 
     def check(self, count: int, d: int) -> None:
         within("among", self.discs(count), count)
-        self.radii(count)
+        self.at(0.0).radii(count)
 
     def discs(self, count: int) -> NDArray[np.int64]:
         """Return which of ``count`` particles are discs, shape (n,)."""
@@ -67,6 +70,15 @@ class NonOverlap(Constraint):
         start, partner = neighbour_pairs(x[discs], radii[discs] + search_radius)
         i, j = np.repeat(discs, np.diff(start)), discs[partner]
         return DistanceRows(i, j, radii[i] + radii[j], 1.0)
+
+    def updated(self, rows: DistanceRows | DiscPairs, count: int) -> DistanceRows | DiscPairs:
+        radii = self.radii(count)
+        if isinstance(rows, DiscPairs):
+            return rows._replace(radius=radii[self.discs(count)])
+        return replace(rows, length=radii[rows.i] + radii[rows.j])
+
+    def change_from(self, other: NonOverlap, x: NDArray[np.float64], search_radius: float) -> float:
+        return float(np.abs(self.radii(len(x)) - other.radii(len(x))).max())
 
     def sweep_rows(self, x: NDArray[np.float64]) -> DiscPairs:
         discs = self.discs(len(x))
@@ -117,20 +129,24 @@ class MaxDistance(Constraint):
 
 
 @dataclass(frozen=True, eq=False)
-class _FixedBall(Constraint):
-    centre: ArrayLike
-    distance: ArrayLike
+class _Ball(Timed):
+    centre: Any
+    distance: Any
+    functions_of_time = ("centre", "distance")
     sign: ClassVar[float]
 
     def __post_init__(self) -> None:
+        if self.timed:
+            return
         centre = array("centre", self.centre)
         vector("centre", centre, centre.size)
         object.__setattr__(self, "centre", centre)
         object.__setattr__(self, "distance", lengths("distance", self.distance, positive=True))
 
     def check(self, count: int, d: int) -> None:
-        vector("centre", np.asarray(self.centre), d)
-        spread("distance", np.asarray(self.distance), count, "particles")
+        now = self.at(0.0)
+        vector("centre", np.asarray(now.centre), d)
+        spread("distance", np.asarray(now.distance), count, "particles")
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> DistanceRows:
         """Return the particles closer to the sphere than ``search_radius``, or beyond it."""
@@ -139,22 +155,32 @@ class _FixedBall(Constraint):
         rows = DistanceRows(np.arange(count), None, length, self.sign, np.tile(np.asarray(self.centre), (count, 1)))
         return rows.take(rows.values(x) <= search_radius)
 
+    def updated(self, rows: DistanceRows, count: int) -> DistanceRows:
+        length = spread("distance", np.asarray(self.distance), count, "particles")[rows.i]
+        return replace(rows, length=length, anchor=np.tile(np.asarray(self.centre), (len(rows), 1)))
 
-class OutsideBall(_FixedBall):
+    def change_from(self, other: _Ball, x: NDArray[np.float64], search_radius: float) -> float:
+        way, grown = (
+            np.asarray(getattr(self, name)) - np.asarray(getattr(other, name)) for name in ("centre", "distance")
+        )
+        return float(np.sqrt(way @ way) + np.abs(grown).max())
+
+
+class OutsideBall(_Ball):
     """g_i(x) = |X_i - centre| - distance_i >= 0 for every particle i: an obstacle.
 
     ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (N,): the radius of the obstacle plus that
-    of the particle [length].
+    of the particle [length]. Each may be a function of time: t -> value.
     """
 
     sign = 1.0
 
 
-class InsideBall(_FixedBall):
+class InsideBall(_Ball):
     """g_i(x) = distance_i - |X_i - centre| >= 0 for every particle i: a container.
 
     ``centre`` has shape (d,); ``distance`` > 0 is one for all or has shape (N,): the radius of the container less that
-    of the particle [length].
+    of the particle [length]. Each may be a function of time: t -> value.
     """
 
     sign = -1.0

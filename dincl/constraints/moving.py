@@ -1,4 +1,4 @@
-"""A set that is translated along a path, and the velocity of a path: Moreau's sweeping process."""
+"""Sets that move as a whole: Moreau's sweeping process along a path, or by a rigid motion."""
 
 from __future__ import annotations
 
@@ -9,71 +9,212 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.callables import UserFunction
-from dincl.checks import describe, function
+from dincl.checks import array, describe, function, vector
 from dincl.constraints.base import Constraint
+from dincl.constraints.timed import RECENT
 from dincl.errors import InvalidProblem
+from dincl.norms import longest
+from dincl.rows.base import CustomSweep, DiscPairs
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from numpy.typing import NDArray
+    from numpy.typing import ArrayLike, NDArray
 
-    from dincl.rows.base import CustomSweep, DiscPairs, RowsOfOneKind
+    from dincl.constraints.base import Swept
+    from dincl.rows.base import RowsOfOneKind
+    from dincl.work import Work
 
 PATH = UserFunction("path", ("t",), Status.CONSTRAINT_FAILED)
-# t -> displacement (d,) [length].
+ROTATION = UserFunction("rotation", ("t",), Status.CONSTRAINT_FAILED)
+DISPLACEMENT = UserFunction("displacement", ("t",), Status.CONSTRAINT_FAILED)
+# t -> numbers of a set, flat: its displacement (d,) [length], or others by which it depends on time.
 Path = Callable[[float], "NDArray[np.float64]"]
 # Central and one-sided differences of order 6 for the first derivative.
 CENTRAL = np.array([-1, 9, -45, 0, 45, -9, 1]) / 60
 FORWARD = np.array([-147, 360, -450, 400, -225, 72, -10]) / 60
+# A matrix is a rotation if R R^T is the unit matrix up to this.
+ORTHOGONAL = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class RigidMotion:
+    """X -> R(t) (X - centre) + centre + displacement(t): a rotation about a centre, then a translation.
+
+    With ``Moving`` it carries a set: S(t) = {R(t) (X - centre) + centre + displacement(t) : X in S}.
+
+    Parameters
+    ----------
+    rotation
+        t -> the angle in the plane, anticlockwise [rad]; in space the rotation vector, shape (3,) [rad]; or in any
+        dimension the matrix R, shape (d, d), orthogonal with determinant 1.
+    displacement
+        t -> displacement of shape (d,) [length]; None: there is none.
+    centre
+        The point about which the rotation turns, shape (d,) [length]; None: the origin.
+    """
+
+    rotation: Callable[[float], Any]
+    displacement: Callable[[float], Any] | None = None
+    centre: ArrayLike | None = None
+
+    def __post_init__(self) -> None:
+        function("rotation", self.rotation, "a callable of t")
+        if self.displacement is not None:
+            function("displacement", self.displacement, "a callable of t that returns shape (d,)")
+
+    def at(self, t: float, d: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return R, shape (d, d), and b, shape (d,), of the map X -> R X + b at time t."""
+        recent: dict[float, tuple[NDArray[np.float64], NDArray[np.float64]]] = self.__dict__.setdefault("_recent", {})
+        found = recent.get(t)
+        if found is None:
+            if len(recent) >= RECENT:
+                recent.clear()
+            found = recent[t] = self._evaluated(t, d)
+        return found
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {name: value for name, value in self.__dict__.items() if name != "_recent"}
+
+    def _evaluated(self, t: float, d: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        raw = ROTATION.evaluated(self.rotation, t)
+        turn = _rotation(raw, d)
+        if np.abs(turn @ turn.T - np.eye(d)).max() > ORTHOGONAL or not np.linalg.det(turn) > 0:
+            ROTATION.refuse(f"returned {describe(raw)}: must be orthogonal with determinant 1.")
+        centre = np.zeros(d) if self.centre is None else array("centre", self.centre)
+        vector("centre", centre, d)
+        shift = centre - turn @ centre
+        if self.displacement is not None:
+            shift = shift + DISPLACEMENT.evaluated(self.displacement, t, shape=(d,))
+        return turn, shift
+
+
+def _rotation(raw: NDArray[np.float64], d: int) -> NDArray[np.float64]:
+    """Return the matrix of an angle, of a rotation vector, or the matrix itself."""
+    if raw.shape == () and d == 2:
+        c, s = np.cos(raw), np.sin(raw)
+        return np.array([[c, -s], [s, c]])
+    if raw.shape == (3,) and d == 3:
+        from scipy.spatial.transform import Rotation
+
+        raw = Rotation.from_rotvec(raw).as_matrix()
+    if raw.shape != (d, d):
+        allowed = {2: "an angle, or a matrix", 3: "a rotation vector of shape (3,), or a matrix"}.get(d, "a matrix")
+        ROTATION.refuse(f"returned an array of shape {raw.shape}: must be {allowed} of shape ({d}, {d}).")
+    return raw
 
 
 @dataclass(frozen=True, eq=False)
 class Moving(Constraint):
-    """S(t) = S + path(t): x is feasible at time t when x - path(t) is feasible for ``constraint``  (1.16).
+    """The set S carried along a path, S(t) = S + path(t)  (1.16), or by a rigid motion: S(t) = {m_t(x) : x in S}.
 
     Parameters
     ----------
     constraint
-        The set S, any Constraint but another Moving.
+        The set S, any Constraint; it may itself depend on time.
     path
-        t -> displacement of shape (d,) [length], the same for all particles.
+        t -> displacement of shape (d,) [length], the same for all particles; or a RigidMotion.
 
-    The rows of ``select``, ``sweep_rows`` and ``pattern`` are those of S, for x relative to the displacement.
+    The rows of ``select``, ``sweep_rows`` and ``pattern`` are those of S, for x as seen from the moving set.
     """
 
     constraint: Constraint
-    path: Callable[[float], Any]
+    path: Callable[[float], Any] | RigidMotion
 
     def __post_init__(self) -> None:
-        if not isinstance(self.constraint, Constraint) or isinstance(self.constraint, Moving):
-            raise InvalidProblem(
-                f"constraint = {describe(self.constraint)}: must be a Constraint that is not itself Moving"
-            )
-        function("path", self.path, "a callable of t that returns shape (d,)")
+        if not isinstance(self.constraint, Constraint):
+            raise InvalidProblem(f"constraint = {describe(self.constraint)}: must be a Constraint")
+        if not isinstance(self.path, RigidMotion):
+            function("path", self.path, "a dincl.RigidMotion, or a callable of t that returns shape (d,)")
 
     def check(self, count: int, d: int) -> None:
         self.constraint.check(count, d)
+        if isinstance(self.path, RigidMotion):
+            self.path.at(0.0, d)
+            return
         shape = PATH.evaluated(self.path, 0.0).shape
         if shape != (d,):
-            raise InvalidProblem(f"path(0.0) of shape {shape}: must have shape ({d},)")
+            raise InvalidProblem(
+                f"path(0.0) of shape {shape}: must have shape ({d},); to turn a set: dincl.RigidMotion"
+            )
 
-    def displacement(self, t: float, d: int) -> NDArray[np.float64]:
+    def placement(self, t: float, d: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return R (d, d) and b (d,) of the map X -> R X + b that carries the set from its place to that at time t."""
+        if isinstance(self.path, RigidMotion):
+            return self.path.at(t, d)
+        return np.eye(d), PATH.evaluated(self.path, t, shape=(d,))
+
+    @property
+    def timed(self) -> bool:
+        return True
+
+    def displacement(self, t: float, d: int) -> NDArray[np.float64] | None:
+        if isinstance(self.path, RigidMotion) or self.constraint.timed:
+            return None
         return PATH.evaluated(self.path, t, shape=(d,))
 
+    def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        of_set = self.constraint.parameters(t, x)
+        turn, shift = self.placement(t, x.shape[1])
+        return np.concatenate([turn.ravel(), shift, [] if of_set is None else of_set])
+
+    def seen(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the points x (N, d) as seen from the moving set, R^T (X - b)."""
+        if not isinstance(self.path, RigidMotion):
+            return x - PATH.evaluated(self.path, t, shape=x.shape[1:])
+        turn, shift = self.path.at(t, x.shape[1])
+        return (x - shift) @ turn
+
     def select(self, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
-        return self.constraint.select(x, search_radius)
+        return self.constraint.at(0.0).select(x, search_radius)
 
     def pattern(self, x: NDArray[np.float64]) -> RowsOfOneKind:
-        return self.constraint.pattern(x)
+        return self.constraint.at(0.0).pattern(x)
 
-    def sweep_rows(self, x: NDArray[np.float64]) -> RowsOfOneKind | DiscPairs | CustomSweep:
-        return self.constraint.sweep_rows(x)
+    def sweep_rows(self, x: NDArray[np.float64]) -> Swept:
+        rows = self.constraint.at(0.0).sweep_rows(x)
+        if isinstance(rows, CustomSweep) and isinstance(self.path, RigidMotion):
+            return _TurnedSweep(self, rows)
+        return rows
+
+    def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> RowsOfOneKind:
+        return self.constraint.select_at(t, self.seen(t, x), search_radius)
+
+    def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
+        of_set = self.constraint.rows_at(t, rows, shape)
+        if isinstance(of_set, DiscPairs):
+            return of_set
+        if isinstance(self.path, RigidMotion):
+            return of_set.placed(*self.path.at(t, shape[1]))
+        return of_set.shifted(PATH.evaluated(self.path, t, shape=shape[1:]))
+
+    def change(self, t: float, later: float, x: NDArray[np.float64], search_radius: float) -> float:
+        if not isinstance(self.path, RigidMotion):
+            start, end = (PATH.evaluated(self.path, time, shape=x.shape[1:]) for time in (t, later))
+            return longest((end - start)[None]) + self.constraint.change(t, later, x - end, search_radius)
+        before, after = self.seen(t, x), self.seen(later, x)
+        turned = self.placement(later, x.shape[1])[0] - self.placement(t, x.shape[1])[0]
+        moved = longest(after - before) + float(np.linalg.norm(turned, 2)) * search_radius
+        return moved + self.constraint.change(t, later, after, search_radius)
+
+
+@dataclass(frozen=True)
+class _TurnedSweep(CustomSweep):
+    """Projections of the user onto a set that turns: for x as seen from the set."""
+
+    moving: Moving
+    of_set: CustomSweep
+
+    def sweep(self, t: float, x: NDArray[np.float64], work: Work) -> None:
+        turn, shift = self.moving.placement(t, x.shape[1])
+        seen = (x - shift) @ turn
+        self.of_set.sweep(t, seen, work)
+        x[:] = seen @ turn.T + shift
 
 
 def derivative(
     path: Path, t: float, spacing: float, smooth: tuple[float, float] = (0.0, np.inf)
 ) -> NDArray[np.float64]:
-    """Compute the velocity of a path, shape (d,), by differences of order 6 within ``smooth`` [length / time]."""
+    """Compute the velocity of a path, by differences of order 6 within ``smooth`` [length / time]."""
     spacing = min(spacing, (smooth[1] - smooth[0]) / (len(FORWARD) - 1))
     if t - 3 * spacing < smooth[0]:
         places, weights = range(7), FORWARD

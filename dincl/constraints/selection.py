@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from dincl.constraints.moving import derivative
+from dincl.matrices import row_squares
 from dincl.neighbours import ROW_MARGIN
 from dincl.norms import longest
 from dincl.rows.affine import AffineRows, linearised
 from dincl.rows.base import StackedRows
+from dincl.rows.distance import DistanceRows
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -42,20 +45,31 @@ class Selection:
 
     def at(self, t: float) -> StackedRows:
         """Return the rows at time t."""
-        count, d = self.shape
-        shifts = [constraint.displacement(t, d) for constraint in self.constraints]
-        pairs = zip(self.blocks, shifts, strict=True)
-        return StackedRows(tuple([b if shift is None else b.shifted(shift) for b, shift in pairs]), count * d)
+        pairs = zip(self.constraints, self.blocks, strict=True)
+        return StackedRows(tuple([one.rows_at(t, block, self.shape) for one, block in pairs]), math.prod(self.shape))
 
     def linearised(self, t: float, x: NDArray[np.float64], carried_to: float | None = None) -> AffineRows:
-        """Return the rows of time t linearised at x (N, d), and then translated, with their sets, to another time."""
+        """Return the rows of time t linearised at x (N, d), and then carried, with their sets, to another time."""
         rows = self.at(t)
-        moves = None if carried_to is None else self._moves(t, carried_to)
-        if moves is None:
+        if carried_to is None or not any(one.timed for one in self.constraints):
             return linearised(rows, x)
-        pairs = zip(rows.blocks, moves, strict=True)
-        carried = tuple(linearised(block, x).shifted(move) for block, move in pairs)
+        pairs = zip(self.constraints, rows.blocks, self.at(carried_to).blocks, strict=True)
+        carried = tuple([self._carried(one, now, later, x, t, carried_to) for one, now, later in pairs])
         return linearised(StackedRows(carried, rows.size), x)
+
+    def _carried(
+        self, constraint: Constraint, rows: RowsOfOneKind, later: RowsOfOneKind, x: NDArray[np.float64], *times: float
+    ) -> AffineRows:
+        """Return rows linearised at x, carried between two times by the displacement of the set, or by their gaps."""
+        flat = linearised(rows, x)
+        if not constraint.timed or not len(rows):
+            return flat
+        before, after = (constraint.displacement(time, self.shape[1]) for time in times)
+        if before is not None and after is not None:
+            return flat.shifted(after - before)
+        length = row_lengths(rows, x)
+        change = later.values(x) * length / row_lengths(later, x) - rows.values(x)
+        return replace(flat, bound=flat.bound - change)
 
     def take(self, keep: NDArray[np.bool_]) -> Selection:
         """Return the rows where ``keep`` (m,) is true."""
@@ -78,39 +92,59 @@ class Selection:
         found: StepFailure = block.coincidence(row - first)
         return found
 
-    def least_speeds(self, t: float, unit: csr_array, spacing: float) -> NDArray[np.float64]:
-        """Compute n_k . c' for unit gradients n_k and the velocity c' of the set of row k, shape (m,).
+    def least_speeds(self, t: float, x: NDArray[np.float64], unit: csr_array, spacing: float) -> NDArray[np.float64]:
+        """Compute the least n_k . x' at x (N, d) of a row k that touches, with unit gradient n_k, shape (m,).
 
-        ``spacing`` is that of the differences that give c' [time].
+        That is n_k . c' for a set with velocity c', and -(dg_k/dt) / |grad g_k| in general. ``spacing`` is the step of
+        the differences in time.
         """
         least, start = np.zeros(unit.shape[0]), 0
         for constraint, block in zip(self.constraints, self.blocks, strict=True):
             rows = slice(start, start + len(block))
             start += len(block)
-            if len(block) and constraint.displacement(t, self.shape[1]) is not None:
+            if not len(block) or not constraint.timed:
+                continue
+            if constraint.displacement(t, self.shape[1]) is not None:
                 path: Any = partial(constraint.displacement, d=self.shape[1])
                 least[rows] = (unit @ np.tile(derivative(path, t, spacing), self.shape[0]))[rows]
+            else:
+                lengths = np.sqrt(row_squares(constraint.rows_at(t, block, self.shape).jacobian(x)))
+                least[rows] = -rates(constraint, block, t, x, spacing) / lengths
         return least
 
-    def largest_displacement(self, start: float, end: float) -> float:
-        """Compute the largest displacement of a set between two times [length]."""
-        moves = self._moves(start, end)
-        return 0.0 if moves is None else longest(moves)
+    def largest_change(self, start: float, end: float, x: NDArray[np.float64], search_radius: float) -> float:
+        """Bound the change of all sets between two times, see ``Constraint.change`` [length]."""
+        return max((one.change(start, end, x, search_radius) for one in self.constraints if one.timed), default=0.0)
 
-    def _moves(self, start: float, end: float) -> NDArray[np.float64] | None:
-        """The displacement of each set between two times, shape (constraints, d); None if no set moves."""
-        d = self.shape[1]
-        paths = [(one.displacement(start, d), one.displacement(end, d)) for one in self.constraints]
-        if all(before is None or after is None for before, after in paths):
-            return None
-        return np.array([np.zeros(d) if before is None or after is None else after - before for before, after in paths])
+
+def row_lengths(rows: RowsOfOneKind, x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Compute |grad g_k|, by which gaps are scaled; 1 for distances, whose gaps are lengths, and where it vanishes."""
+    if isinstance(rows, DistanceRows):
+        return np.ones(len(rows))
+    lengths = np.sqrt(row_squares(rows.jacobian(x)))
+    return np.where(lengths > 0, lengths, 1.0)
+
+
+def rates(
+    constraint: Constraint,
+    block: RowsOfOneKind,
+    t: float,
+    x: NDArray[np.float64],
+    spacing: float,
+    smooth: tuple[float, float] = (0.0, np.inf),
+) -> NDArray[np.float64]:
+    """Compute dg_k/dt at x of rows selected at any time, by differences within ``smooth``, shape (m,)."""
+
+    def values(time: float) -> NDArray[np.float64]:
+        found: NDArray[np.float64] = constraint.rows_at(time, block, x.shape).values(x)
+        return found
+
+    return derivative(values, t, spacing, smooth)
 
 
 def select(constraints: Sequence[Constraint], t: float, x: NDArray[np.float64], search_radius: float) -> Selection:
     """Select all rows that can be violated at time t after each particle moved at most ``search_radius`` from x."""
-    shifts = [constraint.displacement(t, x.shape[1]) for constraint in constraints]
-    pairs = zip(constraints, shifts, strict=True)
-    blocks = [one.select(x if shift is None else x - shift, search_radius) for one, shift in pairs]
+    blocks = [one.select_at(t, x, search_radius) for one in constraints]
     return Selection(constraints, tuple(blocks), x.shape)
 
 
@@ -128,7 +162,8 @@ class Candidates:
         """
         if self._selected is not None:
             time, reference, selected_within, selection = self._selected
-            if longest(x - reference) + selection.largest_displacement(time, t) + search_radius <= selected_within:
+            moved = longest(x - reference) + selection.largest_change(time, t, x, selected_within)
+            if moved + search_radius <= selected_within:
                 return selection
         selection = select(self._constraints, t, x, ROW_MARGIN * search_radius)
         self._selected = t, x.copy(), ROW_MARGIN * search_radius, selection

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from abc import abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
-from dincl.checks import function
+from dincl.callables import arguments_of
+from dincl.checks import describe, function
 from dincl.constraints.base import Constraint
 from dincl.constraints.derivatives import NumericalJacobian
+from dincl.errors import InvalidProblem
 from dincl.rows.functions import all_rows
 
 if TYPE_CHECKING:
@@ -65,27 +68,49 @@ class Smooth(Constraint):
     Parameters
     ----------
     g
-        (N, d) -> (m,).
+        x (N, d) -> (m,); or (t, x) -> (m,), a set that depends on time.
     jacobian
-        (N, d) -> dg/dx of shape (m, N*d) or (m, N, d), dense, or scipy.sparse of shape (m, N*d). A Problem compares it
-        with differences at its start and refuses a wrong one. None: it is computed, by complex steps if g accepts
-        complex x, else by central differences; see ``NumericalJacobian``. The repr says which.
+        dg/dx, of the same arguments, of shape (m, N*d) or (m, N, d), dense, or scipy.sparse of shape (m, N*d). A
+        Problem compares it with differences at its start and refuses a wrong one. None: it is computed, by complex
+        steps if g accepts complex x, else by central differences; see ``NumericalJacobian``. The repr says which.
 
     All rows are candidates at all times, since no Lipschitz constant of g is known.
     """
 
-    g: Callable[[NDArray[np.float64]], Any]
-    jacobian: Callable[[NDArray[np.float64]], Any] | None = None
+    g: Callable[..., Any]
+    jacobian: Callable[..., Any] | None = None
 
     def __post_init__(self) -> None:
-        function("g", self.g, "a callable of x (N, d)")
+        function("g", self.g, "a callable of x (N, d), or of t and x")
         if self.jacobian is None:
             object.__setattr__(self, "jacobian", NumericalJacobian(self.g))
-        function("jacobian", self.jacobian, "a callable of x (N, d)")
+        given = function("jacobian", self.jacobian, "a callable of x (N, d), or of t and x")
+        if not isinstance(given, NumericalJacobian) and self.timed != (arguments_of(given) == 2):
+            allowed = "(t, x)" if self.timed else "(x)"
+            raise InvalidProblem(f"jacobian = {describe(self.jacobian)}: must be a callable of {allowed}, as g is")
+
+    @property
+    def timed(self) -> bool:
+        return arguments_of(self.g) == 2
+
+    def at(self, t: float) -> Smooth:
+        """Return the set {g(t, x) >= 0} of this t."""
+        derivative: Any = self.jacobian
+        return Smooth(partial(self.g, t), partial(derivative, t)) if self.timed else self
+
+    def parameters(self, t: float, x: NDArray[np.float64]) -> NDArray[np.float64] | None:
+        return self.at(t).select(x, 0.0).values(x) if self.timed else None
 
     def select(self, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
         derivative: Any = self.jacobian
         return all_rows(self.g, derivative, x)
+
+    def select_at(self, t: float, x: NDArray[np.float64], search_radius: float) -> SmoothRows:
+        return self.at(t).select(x, search_radius)
+
+    def rows_at(self, t: float, rows: Any, shape: tuple[int, ...]) -> Any:
+        now: Any = self.at(t)
+        return replace(rows, g=now.g, derivative=now.jacobian) if self.timed else rows
 
     def __repr__(self) -> str:
         how = self.jacobian.method if isinstance(self.jacobian, NumericalJacobian) else "given"

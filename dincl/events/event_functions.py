@@ -11,7 +11,7 @@ from dincl.compiled.arrays import Floats
 from dincl.events.motion import dense_state, dense_velocity, set_speed
 from dincl.events.runge_kutta import EPS, dense_value
 from dincl.events.workspace import SPARE, EventWorkspace
-from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_python, linearise
+from dincl.rows.table import CALLBACK, DISTANCE, FORMULA, VELOCITIES, call_python, is_timed, linearise
 from dincl.solvers.envelope_factor import row_dot
 from dincl.system.arrays import OK, system_at
 
@@ -42,10 +42,14 @@ def event_function(run: EventWorkspace, which: int, theta: float) -> tuple[float
         return margin(run, which, theta), 0.0
     state, system, dense, x, terms = run.state[0], system_at(run.system), run.dense, run.x, run.pair.terms
     row, rows, sets, d, h = system.rows.row[which], system.rows, system.sets, system.sets.shift.shape[1], state.step
-    if row.j < 0 and (sets.address != 0 or row.kind == FORMULA):
+    if is_timed(sets, row) or row.kind == FORMULA:
         dense_state(run, theta)
         call_python(sets, state.t + theta * h, run.point, VELOCITIES)
     value, slope = 0.0, 0.0
+    if row.kind in (CALLBACK, FORMULA) or sets.general[row.family] != 0:
+        value = linearise(rows, sets, which, run.point, system.program.gradient) - state.level
+        slope = row_dot(rows, which, system.program.gradient, run.rate[SPARE]) - h * set_speed(system, which)
+        return value, slope
     if row.kind == DISTANCE:
         # sign (|X_i - X_j|^2 - L^2) has the sign of the gap, and no root.
         for k in range(d):
@@ -59,10 +63,6 @@ def event_function(run: EventWorkspace, which: int, theta: float) -> tuple[float
             slope += 2.0 * (one - other) * (speed - rate)
         length = row.length + row.sign * state.level
         return row.sign * (value - length * length), row.sign * slope
-    if row.kind in (CALLBACK, FORMULA):
-        value = linearise(rows, sets, which, run.point, system.program.gradient) - state.level
-        slope = row_dot(rows, which, system.program.gradient, run.rate[SPARE]) - h * set_speed(system, which)
-        return value, slope
     for p in range(rows.start[which], rows.stop[which]):
         column = rows.column[p]
         place, speed = dense_value(dense, terms, x[column], column, theta)

@@ -7,7 +7,7 @@ from dincl.events.contacts import TOUCHING
 from dincl.events.event_functions import MULTIPLIERS, NEVER, PARTS, SUSPICIOUS, first_negative
 from dincl.events.workspace import ACTIVE, CLOSED, EventWorkspace
 from dincl.neighbours import EVENT_MARGIN, SHORT_STEP_MARGIN, TOO_WIDE
-from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, linearise
+from dincl.rows.table import DISTANCE, VELOCITIES, call_python, gap, is_timed, linearise
 from dincl.solvers.envelope_factor import row_dot
 from dincl.steps.programs import carry, list_sorted
 from dincl.system.arrays import OK, system_at
@@ -39,7 +39,7 @@ def first_event(run: EventWorkspace) -> tuple[float, int]:
                 found, closing = moves, -1
         if run.contact[r] == ACTIVE or stays_open(run, r):
             continue
-        if sets.address != 0 and rows.row[r].j < 0:
+        if is_timed(sets, rows.row[r]):
             call_python(sets, state.t, x, VELOCITIES)
         value = gap(rows, sets, r, x)
         if value <= rows.row[r].lipschitz * radius + touching:
@@ -74,7 +74,7 @@ def bound_displacement(run: EventWorkspace) -> float:
     """
     state, d, carried, farthest = run.state[0], system_at(run.system).sets.shift.shape[1], 0.0, 0.0
     for j in range(1, PARTS + 1):
-        carried = max(carried, carry(run.system, state.t, state.t + j / PARTS * state.step))
+        carried = max(carried, carry(run.system, state.t, run.x, state.t + j / PARTS * state.step))
     for i in range(run.bend.size):
         bend, way = 0.0, 0.0
         for j in range(run.pair.terms):
@@ -95,7 +95,7 @@ def stays_open(run: EventWorkspace, r: int) -> bool:
     """Return whether a row of a set that does not move is met neither on the lines of the step nor within ``bend``."""
     rows, sets = system_at(run.system).rows, system_at(run.system).sets
     row, d = rows.row[r], sets.shift.shape[1]
-    if row.kind != DISTANCE or (row.j < 0 and sets.address != 0):
+    if row.kind != DISTANCE or is_timed(sets, row):
         return False
     start, along, way, end = 0.0, 0.0, 0.0, 0.0
     for k in range(d):

@@ -98,6 +98,8 @@ def set_speed(system: SystemArrays, r: int) -> float:
     rows, speed, total = system.rows, system.sets.speed, 0.0
     if system.sets.address == 0:
         return 0.0
+    if system.sets.general[rows.row[r].family] != 0:
+        return -float(system.sets.rate[r])
     for p in range(rows.start[r], rows.stop[r]):
         total += system.program.gradient[p] * speed[rows.row[r].family, rows.column[p] % speed.shape[1]]
     return total

@@ -225,7 +225,7 @@ def tangent_velocity(
         rows, gradients = active_rows(problem, time, state, allowed)
         lengths = _lengths(gradients)
         unit = divided(gradients, lengths)
-        least = rows.least_speeds(time, unit, step)
+        least = rows.least_speeds(time, state, unit, step)
         size = max(longest(target), float(np.abs(least).max(initial=0.0)))
         found = nearest(AffineRows(unit, least), target.ravel(), size)
     return TangentVelocity(

@@ -35,6 +35,7 @@ class PairList(NamedTuple):
     reference: Floats  # (m d,): positions for which the list was made
     backup: Floats  # (m d,): positions before a sweep
     skin: Floats  # (2,): of this list, and the widest [length]
+    grown: Floats  # (1,): by how much a disc has grown since the list was made, at most [length]
     number: Offsets  # (NUMBERS,)
     search: int  # address of the function that lists the pairs of many discs
 
@@ -42,14 +43,14 @@ class PairList(NamedTuple):
 # For its types.
 _NONE, _FLOATS = np.zeros(0, dtype=np.int64), np.zeros(0)
 _FEW = np.zeros(0, dtype=np.int32)
-EXAMPLE = PairList(_NONE, _FLOATS, _NONE, _FEW, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _NONE, 0)
+EXAMPLE = PairList(_NONE, _FLOATS, _NONE, _FEW, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _FLOATS, _NONE, 0)
 pair_list_at = reader(EXAMPLE)
 
 
 @inner
 def has_moved(x: Floats, pairs: PairList, axes: Any) -> bool:
     """Copy x into ``backup``; return whether a disc is farther than the skin from its reference."""
-    reference, backup, allowed, far = pairs.reference, pairs.backup, pairs.skin[0] * pairs.skin[0], 0
+    reference, backup, allowed, far = pairs.reference, pairs.backup, allowed_square(pairs), 0
     d = len(axes)
     for i in range(pairs.radius.size):
         square = square_distance(x, i * d, reference, i * d, axes)
@@ -57,6 +58,13 @@ def has_moved(x: Floats, pairs: PairList, axes: Any) -> bool:
             backup[i * d + k] = x[i * d + k]
         far += square > allowed
     return far > 0
+
+
+@inner
+def allowed_square(pairs: PairList) -> float:
+    """Compute the square of how far a disc may be from its reference; negative if discs have grown too much."""
+    left = pairs.skin[0] - pairs.grown[0]
+    return float(left * left if left >= 0.0 else -1.0)
 
 
 @inner
@@ -76,6 +84,7 @@ def rebuild(x: Floats, pairs: PairList, axes: Any) -> bool:
     reference = pairs.reference
     for k in range(m * d):
         reference[k] = x[k]
+    pairs.grown[0] = 0.0
     pairs.number[SWEEPS] = 0
     pairs.number[BUILDS] += 1
     return True
@@ -88,7 +97,7 @@ def sweep_once(x: Floats, pairs: PairList, axes: Any) -> tuple[int, int]:
     Source: Example 2.5; Algorithm 1 of chapter 2 misprints the sign.
     """
     start, partner, radius, reference = pairs.start, pairs.partner, pairs.radius, pairs.reference
-    allowed, corrections, d = pairs.skin[0] * pairs.skin[0], 0, len(axes)
+    allowed, corrections, d = allowed_square(pairs), 0, len(axes)
     for i in range(radius.size):
         for p in range(start[i], start[i + 1]):
             j = int(partner[p])

@@ -103,6 +103,9 @@ class HeightRows(AffineRows):
     def shifted(self, displacement: NDArray[np.float64]) -> HeightRows:
         return HeightRows(self.normal, self.particle, self.bound + float(self.normal @ displacement), self.count)
 
+    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> HeightRows:
+        return HeightRows(turn @ self.normal, self.particle, self.bound, self.count).shifted(shift)
+
     def label(self, k: int, d: int) -> str:
         return f"particle {self.particle[k]}"
 

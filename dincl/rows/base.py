@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
     from scipy.sparse import csr_array
 
+    from dincl.errors import StepFailure
     from dincl.work import Work
 
 
@@ -88,6 +89,10 @@ class RowsOfOneKind(Rows):
     @abstractmethod
     def shifted(self, displacement: NDArray[np.float64]) -> RowsOfOneKind:
         """Return the rows g(x - displacement) of the set translated by a displacement of shape (d,)."""
+
+    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> RowsOfOneKind:
+        """Return the rows g(R^T (x - b)) of the set carried by X -> R X + b, R (d, d) a rotation, b (d,)."""
+        return PlacedRows(self, turn, shift)
 
     @abstractmethod
     def keys(self) -> NDArray[np.int64]:
@@ -164,6 +169,50 @@ class StackedRows(Rows):
     @property
     def structure(self) -> tuple[Any, ...]:
         return tuple(block.structure for block in self.blocks)
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedRows(RowsOfOneKind):
+    """g(R^T (x - b)) >= 0 for rows g(x) >= 0, with a rotation ``turn`` R (d, d) and ``shift`` b (d,)."""
+
+    rows: RowsOfOneKind
+    turn: NDArray[np.float64]
+    shift: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def values(self, x: NDArray[np.float64]) -> NDArray[np.float64]:
+        return self.rows.values((x - self.shift) @ self.turn)
+
+    def jacobian(self, x: NDArray[np.float64]) -> csr_array:
+        from scipy.sparse import csr_array, eye_array, kron
+
+        of_set = self.rows.jacobian((x - self.shift) @ self.turn)
+        turned: csr_array = csr_array(of_set @ kron(eye_array(len(x)), self.turn.T, format="csr"))
+        turned.sort_indices()
+        return turned
+
+    def take(self, keep: NDArray[np.bool_]) -> PlacedRows:
+        return replace(self, rows=self.rows.take(keep))
+
+    def shifted(self, displacement: NDArray[np.float64]) -> PlacedRows:
+        return replace(self, shift=self.shift + displacement)
+
+    def keys(self) -> NDArray[np.int64]:
+        return self.rows.keys()
+
+    def label(self, k: int, d: int) -> str:
+        return self.rows.label(k, d)
+
+    def coincidence(self, k: int) -> StepFailure:
+        """Return the failure of row k, which has no gradient."""
+        rows: Any = self.rows
+        failure: StepFailure = rows.coincidence(k)
+        return failure
+
+    def longest_length(self) -> float:
+        return self.rows.longest_length()
 
 
 class DiscPairs(NamedTuple):

@@ -17,6 +17,7 @@ class CandidateRows(NamedTuple):
     number: Offsets
     reference: Floats  # (n,): the point of the search
     shift: Floats  # (families, d): the displacements of the sets in the search
+    time: Floats  # (1,): the time of the search
     radius: Floats  # (1,): the search radius
     search: int  # the address of the function that puts the candidates into the table; 0 if it holds all rows
 
@@ -24,11 +25,12 @@ class CandidateRows(NamedTuple):
 def no_candidates(m: int, n: int, families: int, d: int, search: int = 0) -> CandidateRows:
     """Make an empty list for at most m rows."""
     row, number = np.zeros(m, dtype=np.int64), np.zeros(3, dtype=np.int64)
-    return CandidateRows(row, np.zeros(m), number, np.zeros(n), np.zeros((families, d)), np.full(1, -1.0), search)
+    shift, time, radius = np.zeros((families, d)), np.zeros(1), np.full(1, -1.0)
+    return CandidateRows(row, np.zeros(m), number, np.zeros(n), shift, time, radius, search)
 
 
 @inner
-def find_candidates(rows: RowTable, sets: Sets, x: Floats, radius: float, near: CandidateRows) -> None:
+def find_candidates(rows: RowTable, sets: Sets, t: float, x: Floats, radius: float, near: CandidateRows) -> None:
     """List the rows that can be violated after each particle moved at most ``radius``, in their order."""
     count, pairs, d = 0, 0, sets.shift.shape[1]
     for r in range(rows.row.size):
@@ -48,20 +50,22 @@ def find_candidates(rows: RowTable, sets: Sets, x: Floats, radius: float, near: 
             pairs += row.kind == DISTANCE and row.sign > 0.0 and row.j >= 0
     near.number[0] = count
     near.number[2] = pairs
-    note_search(sets, x, radius, near)
+    note_search(sets, t, x, radius, near)
 
 
 @inner
-def note_search(sets: Sets, x: Floats, radius: float, near: CandidateRows) -> None:
-    """Note the point, the displacements and the radius of a search."""
+def note_search(sets: Sets, t: float, x: Floats, radius: float, near: CandidateRows) -> None:
+    """Note the time, the point, the displacements and the radius of a search."""
     d = sets.shift.shape[1]
     near.number[1] += 1
+    near.time[0] = sets.since[0] = t
     near.radius[0] = radius
     for k in range(x.size):
         near.reference[k] = x[k]
     for f in range(sets.shift.shape[0]):
         for k in range(d):
             near.shift[f, k] = sets.shift[f, k]
+        sets.change[f] = 0.0
 
 
 @inner
@@ -95,8 +99,8 @@ def sort_candidates(rows: RowTable, x: Floats, d: int, near: CandidateRows) -> N
 
 @inner
 def distance_from_search(sets: Sets, x: Floats, near: CandidateRows) -> float:
-    """Compute the largest move of a particle plus the largest move of a set since the search."""
-    d, moved, carried = sets.shift.shape[1], 0.0, 0.0
+    """Compute the largest move of a particle plus the largest change of a set since the search."""
+    d, moved, carried, changed = sets.shift.shape[1], 0.0, 0.0, 0.0
     for i in range(x.size // d):
         square = 0.0
         for k in range(d):
@@ -106,5 +110,5 @@ def distance_from_search(sets: Sets, x: Floats, near: CandidateRows) -> float:
         square = 0.0
         for k in range(d):
             square += (sets.shift[f, k] - near.shift[f, k]) ** 2
-        carried = max(carried, square)
-    return float(np.sqrt(moved) + np.sqrt(carried))
+        carried, changed = max(carried, square), max(changed, sets.change[f])
+    return float(np.sqrt(moved) + max(np.sqrt(carried), changed))

@@ -68,6 +68,9 @@ class DistanceRows(RowsOfOneKind):
     def shifted(self, displacement: NDArray[np.float64]) -> DistanceRows:
         return self if self.anchor is None else replace(self, anchor=self.anchor + displacement)
 
+    def placed(self, turn: NDArray[np.float64], shift: NDArray[np.float64]) -> DistanceRows:
+        return self if self.anchor is None else replace(self, anchor=self.anchor @ turn.T + shift)
+
     def keys(self) -> NDArray[np.int64]:
         return np.column_stack((self.i, self.i if self.j is None else self.j))
 

@@ -1,6 +1,6 @@
 """Rows in one table for compiled code: values and gradients at a point."""
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,13 +81,18 @@ class Sets(NamedTuple):
     """Displacements of the sets, and the rows that Python evaluates: its function at ``address`` writes them.
 
     ``request[0]`` says what to write, for SWEEP ``request[2]`` which set to project onto. ``request[1]`` is not 0 once
-    a call has failed; then there are no more calls.
+    a call has failed; then there are no more calls. A set that is not only translated is ``general``: at each request
+    Python writes the numbers of its rows into the table.
     """
 
     address: int
     request: Floats
     shift: Floats  # (families, d): the displacement of each set
     speed: Floats  # (families, d): its velocity
+    general: Offsets  # (families,): 1 for general sets
+    since: Floats  # (1,): the time with which they are compared
+    change: Floats  # (families,): how much they have changed since, see ``Constraint.change``
+    rate: Floats  # (m,), or (0,) without general sets: (dg/dt) / |grad g| of their rows
     value: Floats  # (rows of Python,): g
     first: Offsets  # (rows of Python + 1,): the Jacobian dg/dx, row by row
     column: Offsets
@@ -107,6 +112,12 @@ def call_python(sets: Sets, t: float, x: Floats, request: float) -> int:
         failed = call_drift(sets.address, t, x, sets.shift, x.size, sets.shift.shape[1], sets.request)
         sets.request[1] = max(sets.request[1], float(failed))
     return int(sets.request[1])
+
+
+@inner
+def is_timed(sets: Sets, row: Any) -> bool:
+    """Return whether a row may depend on time."""
+    return bool(sets.address != 0 and (row.j < 0 or sets.general[row.family] != 0))
 
 
 @inner

@@ -44,7 +44,7 @@ def project(place: int, t: float, around: Floats, radius: float, later: float, e
     """
     system = system_at(place)
     d = system.sets.shift.shape[1]
-    carried = carry(place, t, later)
+    carried = carry(place, t, around, later)
     if call_python(system.sets, t, around, DISPLACEMENTS) != 0:
         return SETS
     for _ in range(MOST_SEARCHES):
@@ -64,7 +64,7 @@ def project(place: int, t: float, around: Floats, radius: float, later: float, e
 def solve(place: int, t: float, around: Floats, later: float, exact: bool, tol: float) -> int:
     """Project with the listed rows; onto a curved set by linearising again at the point reached, for the same y."""
     system = system_at(place)
-    rows, near, program, solving = system.rows, system.near, system.program, system.solving
+    program, solving = system.program, system.solving
     solving.called[0] = 0.0
     if solving.whole != 0:
         question = solving.question
@@ -78,11 +78,7 @@ def solve(place: int, t: float, around: Floats, later: float, exact: bool, tol: 
         return OK
     code = linearise_near(place, t, around)
     if later != t and system.sets.address != 0:
-        for q in range(near.number[0]):
-            r = near.row[q]
-            for p in range(rows.start[r], rows.stop[r]):
-                axis = rows.column[p] % system.move.shape[1]
-                program.bound[r] += program.gradient[p] * system.move[rows.row[r].family, axis]
+        carry_bounds(place, t, around, later)
     residual = 0.0
     for _ in range(MOST_RELINEARISATIONS if exact else 1):
         if code == OK:
@@ -98,6 +94,28 @@ def solve(place: int, t: float, around: Floats, later: float, exact: bool, tol: 
 
 
 @inner
+def carry_bounds(place: int, t: float, around: Floats, later: float) -> None:
+    """Carry the linearised rows, with their sets, to a later time: general sets by the change of the gap."""
+    system, general = system_at(place), False
+    rows, sets, near, program = system.rows, system.sets, system.near, system.program
+    for q in range(near.number[0]):
+        r = near.row[q]
+        family = rows.row[r].family
+        general = general or sets.general[family] != 0
+        for p in range(rows.start[r], rows.stop[r]):
+            program.bound[r] += program.gradient[p] * system.move[family, rows.column[p] % system.move.shape[1]]
+    if not general:
+        return
+    call_python(sets, later, around, GRADIENTS)
+    for q in range(near.number[0]):
+        r = near.row[q]
+        if sets.general[rows.row[r].family] != 0:
+            before = row_dot(rows, r, program.gradient, around) - program.bound[r]
+            program.bound[r] -= gap(rows, sets, r, around) - before
+    call_python(sets, t, around, GRADIENTS)
+
+
+@inner
 def list_sorted(place: int, t: float, x: Floats, radius: float, margin: float) -> bool:
     """List every row that matters within ``radius`` of x, in the order of the cloud; false on failure.
 
@@ -108,12 +126,12 @@ def list_sorted(place: int, t: float, x: Floats, radius: float, margin: float) -
     if distance_from_search(sets, x, near) + radius <= near.radius[0]:
         return True
     if near.search == 0:
-        find_candidates(system.rows, sets, x, margin * radius, near)
+        find_candidates(system.rows, sets, t, x, margin * radius, near)
     else:
         near.radius[0] = margin * radius
         if call_drift(near.search, t, x, near.reference, x.size, sets.shift.shape[1], near.radius) != 0:
             return False
-        note_search(sets, x, margin * radius, near)
+        note_search(sets, t, x, margin * radius, near)
     sort_candidates(system.rows, x, sets.shift.shape[1], near)
     return True
 
@@ -168,17 +186,20 @@ def is_inside(place: int, t: float, allowed: float) -> bool:
 
 
 @inner
-def carry(place: int, t: float, later: float) -> float:
-    """Write how far each set is carried from t to a later time into ``move``; return the longest way."""
+def carry(place: int, t: float, x: Floats, later: float) -> float:
+    """Write how far each set is carried from t to a later time into ``move``; return the largest change near x."""
     system = system_at(place)
     if system.sets.address == 0 or later == t:
         return 0.0
-    move, shift, longest = system.move, system.sets.shift, 0.0
-    call_python(system.sets, later, system.program.y, DISPLACEMENTS)
+    move, shift, longest, since = system.move, system.sets.shift, 0.0, system.sets.since
+    since[0] = t
+    call_python(system.sets, later, x, DISPLACEMENTS)
     for f in range(move.shape[0]):
+        longest = max(longest, system.sets.change[f])
         for k in range(move.shape[1]):
             move[f, k] = shift[f, k]
-    call_python(system.sets, t, system.program.y, DISPLACEMENTS)
+    since[0] = system.near.time[0]
+    call_python(system.sets, t, x, DISPLACEMENTS)
     for f in range(move.shape[0]):
         square = 0.0
         for k in range(move.shape[1]):

@@ -90,6 +90,7 @@ class CompiledStepper(Stepper):
         swept = SweptSets(problem, projected=projected)
         system = CompiledProblem(problem, swept.selection, custom_sweeps=swept.custom_sweeps, programs=False)
         system.functions += swept.searches
+        system.sets.updates += swept.updates
         return cls(problem, step, setting, system=system, swept=swept, v0=v0)
 
     @classmethod

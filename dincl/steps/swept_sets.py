@@ -20,6 +20,7 @@ from dincl.system import arrays as codes
 from dincl.system.callbacks import PythonFunction, numbers_at
 
 if TYPE_CHECKING:
+    from dincl.constraints.base import Constraint
     from dincl.problem import Problem
     from dincl.work import Work
 
@@ -37,29 +38,39 @@ class SweptSets:
         The arrays for kernels.
     searches
         The searches for near pairs, one for each large family of discs.
+    updates
+        Functions of time that write the radii of growing discs.
     """
 
     def __init__(self, problem: Problem, *, projected: bool) -> None:
         """Without ``projected``, only values and gradients matter: sets with projections of the user are rows."""
         (count, d), families = problem.x0.shape, len(problem.constraints)
-        swept: list[Any] = [one.sweep_rows(problem.x0) for one in problem.constraints]
-        for f, one in enumerate(problem.constraints):
+        sets = problem.constraints
+        swept: list[Any] = [one.at(0.0).sweep_rows(problem.x0) for one in sets]
+        for f, one in enumerate(sets):
             if isinstance(swept[f], CustomSweep) and not projected:
-                swept[f] = one.select(problem.x0, np.inf)
-        forms = np.array([_form(one) for one in swept], dtype=np.int64)
+                swept[f] = one.select_at(0.0, problem.x0, np.inf)
+        moving = np.array([one.displacement(0.0, d) is not None for one in sets], dtype=np.int64)
+        general = [one.timed and not moves for one, moves in zip(sets, moving, strict=True)]
+        forms = np.array([_form(*one) for one in zip(swept, general, strict=True)], dtype=np.int64)
         nothing = HeightRows(np.zeros(d), np.zeros(0, dtype=np.int64), np.zeros(0), count)
         blocks = tuple(one if form == ROWS else nothing for form, one in zip(forms, swept, strict=True))
         self.selection = Selection(problem.constraints, blocks, problem.x0.shape)
         self.custom_sweeps = {f: one for f, one in enumerate(swept) if forms[f] == USER}
         self.searches: list[PythonFunction] = []
         self._lists = lists = {f: self._pair_list(one, d) for f, one in enumerate(swept) if forms[f] == DISCS}
+        self.updates = [
+            _Growth(sets[f], swept[f], one, problem.x0.shape)
+            for f, one in lists.items()
+            if sets[f].timed and general[f]
+        ]
         self._counted = np.zeros(NUMBERS, dtype=np.int64)
         walls = {f: one for f, one in enumerate(swept) if forms[f] == WALL}
         heights = {f: count * k for k, f in enumerate(walls)}
         starts = np.cumsum([0, *map(len, blocks)])
         self.arrays = Families(
             form=forms,
-            moving=np.array([one.displacement(0.0, d) is not None for one in problem.constraints], dtype=np.int64),
+            moving=moving,
             first=np.array([heights.get(f, starts[f]) for f in range(families)], dtype=np.int64),
             last=starts[1:],
             pairs=np.array([lists[f].address if f in lists else 0 for f in range(families)], dtype=np.int64),
@@ -101,7 +112,7 @@ class SweptSets:
         few = m <= ALL_PAIRS
 
         def make_list(t: float, x: int, *_: int) -> None:
-            start, partner = neighbour_pairs(numbers_at(x, (m, d)), discs.radius + pointer.value.skin[0])
+            start, partner = neighbour_pairs(numbers_at(x, (m, d)), pointer.value.radius + pointer.value.skin[0])
             pointer.replace({"start": start, "partner": partner})
 
         search = None if few else PythonFunction(make_list)
@@ -115,6 +126,7 @@ class SweptSets:
                 reference=np.zeros(m * d),
                 backup=np.zeros(m * d),
                 skin=smallest * np.array([FIRST_SKIN, WIDEST_SKIN]) if m else np.zeros(2),
+                grown=np.zeros(1),
                 number=np.zeros(NUMBERS, dtype=np.int64),
                 search=search.address if search else 0,
             )
@@ -124,10 +136,27 @@ class SweptSets:
         return pointer
 
 
-def _form(swept: Any) -> int:
+class _Growth:
+    """Writes the radii of growing discs into their list of pairs, and how much they have grown since it was made."""
+
+    def __init__(
+        self, constraint: Constraint, discs: DiscPairs, pointer: StructPointer, shape: tuple[int, ...]
+    ) -> None:
+        self._constraint, self._discs, self._pointer, self._shape = constraint, discs, pointer, shape
+        self._builds, self._listed = 0, discs.radius
+
+    def __call__(self, t: float) -> None:
+        pairs: PairList = self._pointer.value
+        if pairs.number[BUILDS] != self._builds:
+            self._builds, self._listed = int(pairs.number[BUILDS]), pairs.radius.copy()
+        pairs.radius[:] = self._constraint.rows_at(t, self._discs, self._shape).radius
+        pairs.grown[0] = max(float((pairs.radius - self._listed).max(initial=0.0)), 0.0)
+
+
+def _form(swept: Any, general: bool) -> int:
     if isinstance(swept, DiscPairs):
         return DISCS
     # All particles, as of a wall for which every one is near.
-    if isinstance(swept, HeightRows) and len(swept) == swept.count:
+    if isinstance(swept, HeightRows) and len(swept) == swept.count and not general:
         return WALL
     return USER if isinstance(swept, CustomSweep) else ROWS

@@ -106,8 +106,8 @@ class CompiledProblem:
         self.selection = selection
         self._programs, self._dense = programs, programs and (solver is None or solver.dense)
         n, families, d = problem.x0.size, len(problem.constraints), problem.x0.shape[1]
-        rows, called = self._tabulated()
-        self.drift, self.sets = DriftPointer(problem), SetsPointer(selection, called, units, custom_sweeps)
+        rows, called = self._tabulated(0.0)
+        self.drift, self.sets = DriftPointer(problem), SetsPointer(problem.x0, selection, called, units, custom_sweeps)
         search = None if all_rows else PythonFunction(self._list_rows)
         self.solving = None if solver is None else solver.bind(self)
         functions = (self.drift, self.sets, search, self.solving)
@@ -168,10 +168,17 @@ class CompiledProblem:
         keep[near.row[: int(near.number[0])]] = True
         return self.selection.take(keep)
 
-    def _tabulated(self) -> tuple[RowTable, tuple[int, ...]]:
-        """Return the rows as kernels read them, and the indices of constraints whose rows Python evaluates."""
-        n, d = self.problem.x0.size, self.problem.x0.shape[1]
-        return tabulate(self.selection.blocks, n, d, self.units.length, dense=self._programs and self.solver is None)
+    def _tabulated(self, t: float) -> tuple[RowTable, tuple[int, ...]]:
+        """Return the rows as kernels read them, and the indices of constraints whose rows Python evaluates.
+
+        Rows of sets that are only translated are in the places of the sets without displacement.
+        """
+        shape, n = self.problem.x0.shape, self.problem.x0.size
+        blocks = list(self.selection.blocks)
+        for f, one in enumerate(self.problem.constraints):
+            if one.timed and len(blocks[f]) and one.displacement(t, shape[1]) is None:
+                blocks[f] = one.rows_at(t, blocks[f], shape)
+        return tabulate(blocks, n, shape[1], self.units.length, dense=self._programs and self.solver is None)
 
     def _factor(self, m: int) -> EnvelopeFactor:
         """Make room for the factors of a dense solver."""
@@ -183,7 +190,7 @@ class CompiledProblem:
         problem, before = self.problem, self.selection
         near = numbers_at(x, problem.x0.shape).copy()
         self.selection = select(problem.constraints, t, near, float(self.arrays.near.radius[0]))
-        rows, called = self._tabulated()
+        rows, called = self._tabulated(t)
         multiplier = transfer_multipliers(before, self.arrays.program.multiplier, self.selection)
         m = len(rows.row)
         arrays = {f"rows.{name}": part for name, part in rows._asdict().items()}

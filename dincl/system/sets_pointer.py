@@ -8,17 +8,23 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dincl.constraints.moving import derivative
+from dincl.constraints.selection import rates as gap_rates
+from dincl.constraints.selection import row_lengths
 from dincl.errors import StepFailure
-from dincl.rows.table import GRADIENTS, SWEEP, VELOCITIES, Sets
+from dincl.norms import longest
+from dincl.rows.table import DISTANCE, GRADIENTS, SWEEP, VELOCITIES, RowTable, Sets
 from dincl.system.callbacks import PythonFunction, numbers_at
 from dincl.system.kinks import NO_KINKS, kinks_of, smooth_around
 
 if TYPE_CHECKING:
-    from collections.abc import Mapping
+    from collections.abc import Callable, Mapping
+
+    from numpy.typing import NDArray
 
     from dincl.compiled.structs import StructPointer
+    from dincl.constraints.base import Constraint
     from dincl.constraints.selection import Selection
-    from dincl.rows.base import CustomSweep, RowsOfOneKind
+    from dincl.rows.base import CustomSweep, RowsOfOneKind, TableRows
     from dincl.system.compiled_problem import Units
     from dincl.work import Work
 
@@ -41,6 +47,8 @@ class SetsPointer(PythonFunction):
         Projections of the user by index of their constraint, and the work of the run that they count.
     spacing
         Step of the differences for velocities of moving sets [time].
+    updates
+        Functions of time that are called at each request: they write what is not in the table.
     kinks
         Intervals (K, 2) with a jump of a velocity in each: no difference reaches across one [time].
     path_failure
@@ -51,23 +59,36 @@ class SetsPointer(PythonFunction):
     work: Work
 
     def __init__(
-        self, selection: Selection, called: tuple[int, ...], units: Units, custom_sweeps: Mapping[int, CustomSweep]
+        self,
+        start: NDArray[np.float64],
+        selection: Selection,
+        called: tuple[int, ...],
+        units: Units,
+        custom_sweeps: Mapping[int, CustomSweep],
     ) -> None:
-        self._shape = count, d = selection.shape
+        self._start, self._shape = start, selection.shape
+        count, d = selection.shape
         families, self.spacing = len(selection.constraints), SPACING
         self.kinks, self._units, self.custom_sweeps = NO_KINKS, units, custom_sweeps
         self.path_failure: StepFailure | None = None
-        moving = {f: one for f, one in enumerate(selection.constraints) if one.displacement(0.0, d) is not None}
+        self.updates: list[Callable[[float], None]] = []
+        timed = {f: one for f, one in enumerate(selection.constraints) if one.timed}
+        moving = {f: one for f, one in timed.items() if one.displacement(0.0, d) is not None}
         self._paths: dict[int, Any] = {f: partial(one.displacement, d=d) for f, one in moving.items()}
+        self._general = {f: one for f, one in timed.items() if f not in moving}
         m = self._select(selection, called)
         entries = entries_for(m * count * d)
-        if self._paths or m or custom_sweeps:
+        if timed or m or custom_sweeps:
             super().__init__(self._answer)
         self.arrays = Sets(
             address=self.address,
             request=np.zeros(3),
             shift=np.zeros((families, d)),
             speed=np.zeros((families, d)),
+            general=np.isin(np.arange(families), list(self._general)).astype(np.int64),
+            since=np.zeros(1),
+            change=np.zeros(families),
+            rate=np.zeros(len(selection) if self._general else 0),
             value=np.zeros(m),
             first=np.zeros(m + 1, dtype=np.int64),
             column=np.zeros(entries, dtype=np.int64),
@@ -76,6 +97,7 @@ class SetsPointer(PythonFunction):
 
     def _select(self, selection: Selection, called: tuple[int, ...]) -> int:
         """Take the rows that Python evaluates, and return their number."""
+        self._blocks, self._starts = selection.blocks, np.cumsum([0, *map(len, selection.blocks)])
         self._called: list[tuple[int, RowsOfOneKind]] = [(f, selection.blocks[f]) for f in called]
         return sum(len(block) for _, block in self._called)
 
@@ -85,6 +107,9 @@ class SetsPointer(PythonFunction):
         if m != len(self.arrays.value):
             self.arrays = self.arrays._replace(value=np.zeros(m), first=np.zeros(m + 1, dtype=np.int64))
             self.system.replace({"sets.value": self.arrays.value, "sets.first": self.arrays.first})
+        if self._general:
+            self.arrays = self.arrays._replace(rate=np.zeros(len(selection)))
+            self.system.replace({"sets.rate": self.arrays.rate})
         self._grow(len(self.arrays.entry))
 
     def keep(self, error: BaseException) -> None:
@@ -108,14 +133,38 @@ class SetsPointer(PythonFunction):
             if question == VELOCITIES:
                 smooth = smooth_around(t, self.kinks)
                 self.arrays.speed[f] = derivative(path, t, self.spacing, smooth) / unit.speed
+        for update in self.updates:
+            update(t)
+        place = numbers_at(x, self._shape) * unit.length if self._general or self._called else None
+        for f, one in self._general.items():
+            self._write(t, f, one, place, rates=question == VELOCITIES)
         if question >= GRADIENTS and self._called:
-            self._evaluate(numbers_at(x, self._shape) * unit.length)
+            self._evaluate(t, place)
 
-    def _evaluate(self, x: Any) -> None:
+    def _write(self, t: float, f: int, one: Constraint, x: Any, *, rates: bool) -> None:
+        """Write the change of a general set, the numbers of its rows in the table, and their rates of change."""
+        arrays, unit, table, mine = self.arrays, self._units, self.system.value.rows, slice(*self._starts[f : f + 2])
+        # Of the next search, too, whose radius is not known yet.
+        radius = max(float(self.system.value.near.radius[0]) * unit.length, longest(x))
+        arrays.change[f] = one.change(float(arrays.since[0]) * unit.time, t, x, radius) / unit.length
+        if not len(self._blocks[f]):
+            return
+        rows = one.rows_at(t, self._blocks[f], self._shape)
+        part = rows.tabulated(self._shape[1])
+        if part is not None:
+            write_numbers(table, mine, part, unit.length)
+        if rates:
+            smooth = smooth_around(t, self.kinks)
+            found = gap_rates(one, self._blocks[f], t, x, self.spacing, smooth) / row_lengths(rows, x)
+            arrays.rate[mine] = found / unit.speed
+
+    def _evaluate(self, t: float, x: Any) -> None:
         """Write values and Jacobian of the rows that Python evaluates."""
         sets, unit, row, entry = self.arrays, self._units, 0, 0
         for family, block in self._called:
             moved = block.shifted(sets.shift[family] * unit.length) if family in self._paths else block
+            if family in self._general:
+                moved = self._general[family].rows_at(t, block, self._shape)
             values, matrix = moved.values(x), moved.jacobian(x)
             rows, entries = slice(row, row + len(values)), slice(entry, entry + len(matrix.data))
             if entries.stop > len(self.arrays.entry):
@@ -140,9 +189,19 @@ class SetsPointer(PythonFunction):
     def find_kinks(self, end: float) -> None:
         """Find where velocities of sets jump until ``end``, unless a path fails, perhaps later than the run ends."""
         try:
-            self.kinks = kinks_of(list(self._paths.values()), end)
+            general: list[Any] = [partial(one.parameters, x=self._start) for one in self._general.values()]
+            self.kinks = kinks_of([*self._paths.values(), *general], end)
         except StepFailure as failure:
             self.path_failure = failure
+
+
+def write_numbers(table: RowTable, rows: slice, part: TableRows, unit: float) -> None:
+    """Write the numbers of rows that are in the table; lengths are divided by ``unit``."""
+    apart = part.numbers["kind"] == DISTANCE
+    table.row["length"][rows] = part.numbers.get("length", 0.0) / unit
+    table.row["square"][rows] = part.numbers.get("square", 0.0)
+    entries = slice(table.start[rows.start], table.stop[rows.stop - 1])
+    table.coefficient[entries] = part.coefficient / unit if apart else part.coefficient
 
 
 def entries_for(dense: int) -> int:

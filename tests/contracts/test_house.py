@@ -19,8 +19,8 @@ TOP = "(public names)"  # the __init__ file at the root of a package
 ORDER = {
     "dincl": (
         "constants errors status work norms files checks extras callables",
-        "provenance study compiled matrices drifts rows neighbours constraints problem solvers",
-        "system steps projection minimise geometry scenes shapes plotting trajectory",
+        "provenance study compiled matrices drifts rows neighbours constraints shapes plotting problem",
+        "solvers system steps projection minimise geometry scenes trajectory",
         "events schemes solve",
     ),
     "meanfield": (

@@ -11,7 +11,10 @@ from verification.evidence import Kind
 
 PAGES = ROOT / "docs" / "tutorials"
 # Those that have a file of tests.
-APART = {f"{name}.md" for name in ("own_problem", "own_scheme", "cell_types", "own_event", "own_force", "space")}
+APART = {
+    f"{name}.md"
+    for name in ("own_problem", "own_scheme", "moving_sets", "cell_types", "own_event", "own_force", "space")
+}
 HERE = {f"{name}.md" for name in ("first_steps", "solve", "claims", "meanfield", "tissue", "emt_study")}
 
 

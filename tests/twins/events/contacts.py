@@ -51,11 +51,11 @@ class ContactRows:
         length = np.sqrt(row_squares(matrix))
         length[length == 0] = 1.0
         unit = divided(matrix, length)
-        return unit, length, self.rows.least_speeds(t, unit, self.spacing)
+        return unit, length, self.rows.least_speeds(t, x, unit, self.spacing)
 
-    def largest_displacement(self, start: float, end: float) -> float:
-        """The largest displacement of a set between two times [length]."""
-        return self.rows.largest_displacement(start, end)
+    def largest_change(self, start: float, end: float, x: NDArray[np.float64]) -> float:
+        """The largest change of a set between two times [length]."""
+        return self.rows.largest_change(start, end, x, 0.0)
 
 
 def near(problem: Problem, t: float, x: NDArray[np.float64], distance: float, spacing: float) -> ContactRows:

@@ -81,7 +81,7 @@ class Watch:
     def _others(self, nodes: list[float]) -> ContactRows:
         """The rows that the particles can have met, without those that are held."""
         start, contacts = self._state(nodes[0]), self._held.contacts
-        moved = [longest(self._state(t) - start) + contacts.largest_displacement(nodes[0], t) for t in nodes]
+        moved = [longest(self._state(t) - start) + contacts.largest_change(nodes[0], t, start) for t in nodes]
         rows = near(contacts.problem, nodes[0], start, 2 * max(moved) + self._touching, contacts.spacing)
         return rows.take(np.array([name not in self._pushing for name in rows.names], dtype=bool))
 
