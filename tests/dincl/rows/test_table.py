@@ -24,7 +24,7 @@ def linearise_all(rows, sets, t, x, gradient, value):
 @kernel
 def list_near(rows, sets, t, x, reach, near):
     call_python(sets, t, x, GRADIENTS)
-    find_candidates(rows, sets, x, reach, near)
+    find_candidates(rows, sets, t, x, reach, near)
     sort_candidates(rows, x, sets.shift.shape[1], near)
 
 
