@@ -95,10 +95,7 @@ BAD_PROBLEMS = {
     "axis": (lambda: problem(constraints=[dincl.Ordered([0, 1], axis=2)]), "axis = 2.*d = 2"),
     "axis negative": (lambda: dincl.Ordered([0, 1], axis=-1), "axis = -1"),
     "centre": (lambda: problem(constraints=[dincl.OutsideBall((9.0,), 1.0)]), r"centre of shape \(1,\)"),
-    "moving twice": (
-        lambda: dincl.Moving(dincl.Moving(dincl.NonOverlap(1.0), lambda t: 0), lambda t: 0),
-        "constraint = Moving",
-    ),
+    "moving what is no set": (lambda: dincl.Moving(1.0, lambda t: 0), "constraint = 1.0: must be a Constraint"),
     "path of a wrong shape": (
         lambda: problem(constraints=[dincl.Moving(dincl.HalfSpace((0, 1)), lambda t: 0.0)]),
         r"path\(0.0\) of shape \(\)",

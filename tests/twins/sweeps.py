@@ -22,7 +22,9 @@ def sweep(problem, t, x):
     count = 0
     for constraint in problem.constraints:
         shift = constraint.displacement(t, x.shape[1])
-        swept = constraint.sweep_rows(x)
+        swept = constraint.at(0.0).sweep_rows(x)
+        if constraint.timed and shift is None and not isinstance(swept, CustomSweep):
+            swept = constraint.rows_at(t, swept, x.shape)
         if isinstance(swept, DiscPairs):
             count += sum(onto_pair(x, i, j, length) for i, j, length in pairs(swept))
             continue
