@@ -5,8 +5,12 @@ from __future__ import annotations
 import runpy
 import sys
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import pandas as pd
 
 from dincl import InvalidProblem, Problem
 from dincl.checks import describe
@@ -17,6 +21,11 @@ from verification.page.results import save
 from verification.references import reference
 from verification.result import Result
 from verification.speed_accuracy import work_precision
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from verification.page.sheet import Axes
 
 NEEDED = ("problem", "methods", "settings", "t")
 BUDGET = CpuSeconds(2.0)
@@ -48,7 +57,35 @@ def compare(file: Path, out: Path) -> tuple[Path, list[Result]]:
     results: list[Result] = [chart]
     if not isinstance(settings, Mapping) and len(settings) >= MIN_STEPS:
         results.insert(0, order_study(problem, methods, settings, t, known, budget=budget))
-    return save(results, out), results
+    pictures = [drawn(problem, t)] if isinstance(problem, Problem) and problem.x0.shape[1] <= 3 else []
+    return save([*pictures, *results], out), results
+
+
+@dataclass(frozen=True)
+class ProblemPicture(Result):
+    """Start and sets of a problem, dotted at later times; ``table`` has the particles at the start."""
+
+    problem: Problem
+    t: tuple[float, ...]
+    table: pd.DataFrame
+    name: str = "problem"
+    title: str = "The problem"
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        return self.problem.plot(self.t, ax)
+
+    def summaries(self) -> dict[str, pd.DataFrame]:
+        """The sets, and whether they depend on time."""
+        names = [type(one).__name__ for one in self.problem.constraints]
+        moves = ["yes" if one.timed else "no" for one in self.problem.constraints]
+        return {"Sets.": pd.DataFrame({"set": names, "depends on time": moves})}
+
+
+def drawn(problem: Problem, t: ArrayLike) -> ProblemPicture:
+    """Return the picture of a problem with its sets at the start and at times t."""
+    start = pd.DataFrame(problem.x0, columns=list("xyz")[: problem.x0.shape[1]])
+    times = (0.0, *np.unique(np.asarray(t, dtype=np.float64).ravel()).tolist())
+    return ProblemPicture(problem, times, start.rename_axis("particle").reset_index())
 
 
 def _run(file: Path) -> dict[str, Any]:

@@ -28,7 +28,7 @@ def test_a_file_becomes_tables_charts_and_a_page(tmp_path):
     result = run(tmp_path, FILE)
     assert result.exit_code == 0, result.output
     assert {path.name for path in (tmp_path / "out").iterdir()} == {"index.html"} | {
-        f"{name}.{suffix}" for name in ("orders", "work_precision") for suffix in ("csv", "parquet", "png")
+        f"{name}.{suffix}" for name in ("problem", "orders", "work_precision") for suffix in ("csv", "parquet", "png")
     }
     rows = pd.read_parquet(tmp_path / "out" / "orders.parquet")
     assert rows.groupby("method").size().to_dict() == {"PBD": 6, "springs": 6}

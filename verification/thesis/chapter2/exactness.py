@@ -10,7 +10,16 @@ from verification.error_norms import distance
 from verification.thesis.chapter2.reference import TOL
 from verification.thesis.chapter2.runs import about, exact, scene, timed
 
-SCENES = ("sliding_disc", "two_disks", "stack", "step_inclusion", "sweeping_interval")
+SCENES = (
+    "sliding_disc",
+    "two_disks",
+    "stack",
+    "step_inclusion",
+    "sweeping_interval",
+    "drum",
+    "closing_walls",
+    "growing_discs",
+)
 # Kept times of each scene, equally spaced from its start to its end.
 KEPT = 24
 

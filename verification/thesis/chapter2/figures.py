@@ -133,6 +133,22 @@ def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Pat
     return path
 
 
+def moving_sets(table: pd.DataFrame, scenes: Sequence[str], path: Path) -> Path:
+    """Draw the error against dt, one panel for each scene."""
+    with sheet(path, 3.6) as figure:
+        panels = figure.subplots(1, len(scenes), sharex=True, sharey=True)
+        for panel, scene in zip(panels, scenes, strict=True):
+            now = table[table["scene"] == scene]
+            for method in [METHODS[name] for name in METHODS if name in set(now["method"])]:
+                _line(panel, now[now["method"] == method.name], method, "error")
+            _slope_one(panel, now, "error")
+            panel.set(title=scene, xlabel="step dt")
+        panels[0].set(ylabel=LABELS["error"], ylim=(LOWEST["error"] / 3, 3))
+        handles, labels = panels[0].get_legend_handles_labels()
+        figure.legend(handles, labels, loc="outside lower center", ncols=3)
+    return path
+
+
 def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: Path) -> Path:
     """How many times farther out than at the start a disc gets, against dt; runs that stopped as crosses."""
     with sheet(path, 3.2) as figure:
