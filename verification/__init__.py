@@ -1,8 +1,8 @@
 """Instruments for any problem: orders of convergence, speed against accuracy, stability, references, claims.
 
 Each works on a ``dincl.Problem`` of your own, on methods of your own, and on any function that gives positions; see
-``order_study``, ``work_precision``, ``stability_map``, ``reference``, ``Method``, ``claim``, and for models of
-meanfield ``particle_methods``, ``density_methods``, ``w1_rates``. Results have ``.table``, ``.plot()``,
+``order_study``, ``work_precision``, ``stability_map``, ``reference``, ``prove``, ``Method``, ``claim``, and for models
+of meanfield ``particle_methods``, ``density_methods``, ``w1_rates``. Results have ``.table``, ``.plot()``,
 ``.save(folder)``, and show themselves in a notebook. What one source says, and how its statements come out, is in
 ``verification.thesis``.
 """
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from verification.outcome import Outcome
     from verification.page.results import save
     from verification.problem_sets import WorkPrecisionSet
+    from verification.proofs.proof import NotProved, Proof, prove
     from verification.rates import W1Rates, w1_rates
     from verification.references import Known, Reference, reference
     from verification.result import Result
@@ -40,6 +41,7 @@ _PLACES = {
     "orders": ("OrderStudy", "order_study"),
     "outcome": ("Outcome",),
     "page.results": ("save",),
+    "proofs.proof": ("NotProved", "Proof", "prove"),
     "rates": ("W1Rates", "w1_rates"),
     "references": ("Known", "Reference", "reference"),
     "result": ("Result",),
@@ -64,10 +66,12 @@ __all__ = [
     "Kind",
     "Known",
     "Method",
+    "NotProved",
     "Order",
     "OrderStudy",
     "Outcome",
     "ParticleProblem",
+    "Proof",
     "Reference",
     "Result",
     "StabilityMap",
@@ -82,6 +86,7 @@ __all__ = [
     "estimate",
     "order_study",
     "particle_methods",
+    "prove",
     "reference",
     "save",
     "stability_map",
@@ -95,8 +100,9 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module 'verification' has no attribute {name!r}")
     from dincl.extras import needs
 
-    with needs(f"verification.{name}", "report"):
-        found = getattr(import_module(f"verification.{_MODULE_OF[name]}"), name)
+    place = _MODULE_OF[name]
+    with needs(f"verification.{name}", "proofs" if place.startswith("proofs.") else "report"):
+        found = getattr(import_module(f"verification.{place}"), name)
     globals()[name] = found
     return found
 

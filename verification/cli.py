@@ -1,4 +1,4 @@
-"""The commands: ``verification report``, ``claims``, ``errata``, ``compare``, ``stability`` and ``bench``."""
+"""The commands: ``verification report``, ``claims``, ``check``, ``errata``, ``compare``, ``stability``, ``bench``."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
-from dincl.extras import need_all
+from dincl.extras import need_all, needs
 from verification.claims import Cost
 from verification.evidence import Kind
 
@@ -105,6 +105,25 @@ def errata(out: Out = Path("errata")) -> None:
     from verification.thesis.errata_document import write_errata
 
     print(*write_errata(out), sep="\n")
+
+
+@app.command()
+def check(file: Annotated[Path, typer.Argument(help="A certificate, as Proof.save writes it.")]) -> None:
+    """Recompute every inequality of a certificate in interval arithmetic, and say what it proves.
+
+    The code of the exit is 1 if it does not prove what it says.
+    """
+    with needs("verification check", "proofs"):
+        from verification.proofs.certificate import BadCertificate, read
+        from verification.proofs.checker import check as checked
+        from verification.proofs.words import theorem
+
+    try:
+        certificate = read(file)
+        print(theorem(certificate, checked(certificate)))
+    except (BadCertificate, OSError) as wrong:
+        print(f"Not proved: {wrong}")
+        raise typer.Exit(1) from None
 
 
 @app.command()

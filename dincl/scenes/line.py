@@ -71,8 +71,9 @@ def sweeping_interval() -> Scene:
     )
 
 
-def _left_end(t: float) -> tuple[float]:
-    return (math.sin(t),)
+def _left_end(t: Any) -> tuple[Any]:
+    """Return sin(t), for balls and series of Arb, too."""
+    return (math.sin(t) if isinstance(t, (float, int)) else t.sin(),)
 
 
 class _SweepingInterval(Exact):

@@ -32,7 +32,7 @@ ORDER = {
     ),
     "verification": (
         "evidence formal claims decide selection pytest_plugin",
-        "outcome order lines result budget machine_code references error_norms cheapest method measure",
+        "outcome order lines result budget machine_code proofs references error_norms cheapest method measure",
         "explore.common explore.inclusions explore.tissues explore",
         "page chart problem_sets meanfield_methods orders rates stability speed_accuracy compare",
         "thesis.introduction thesis.conclusions thesis.appendix",

@@ -42,7 +42,7 @@ HEAVY = (
 # What an extra is for, and what of it other extras serve: a minimiser, proofs, the statements of one source.
 SERVED = {
     "meanfield": ("meanfield", ()),
-    "report": ("verification", ("verification/explore/", "verification/formal/", "verification/thesis/")),
+    "report": ("verification", tuple([f"verification/{name}/" for name in ("explore", "formal", "proofs", "thesis")])),
     "tissue": ("tissue", ("tissue/quasi_steady/judge.py", "tissue/pictures/scene.py")),
 }
 NOT_WITH_DINCL = ("casadi", "cvxpy", "matplotlib", "numba", "pandas")

@@ -1,0 +1,1 @@
+"""Bounds that are theorems: ``prove``, certificates, and their checker."""

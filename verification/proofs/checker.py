@@ -1,0 +1,299 @@
+"""Independent check of a certificate: the inequalities of ``docs/proofs.md`` in interval arithmetic.
+
+Letters are those of docs/proofs.md: y approximates the solution x, m its multipliers lambda, s in [-1, 1] is the time
+along a piece. ``check`` is all that is needed.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any, NamedTuple
+
+from flint import arb, arb_mat, arb_poly, ctx
+
+from verification.proofs.certificate import BadCertificate, Certificate, ExactRow, PolynomialPiece
+from verification.proofs.enclosures import (
+    ZERO,
+    ExactProblem,
+    RowOnPiece,
+    approximation,
+    ball,
+    constant,
+    enclosed,
+    largest_eigenvalue,
+    length,
+    low,
+    lowest,
+    number,
+    root,
+    size,
+    span,
+    total,
+    up,
+)
+
+# Bits of the rates, of which two digits matter; halvings of a piece and tries of a radius at most.
+ROUGH, DEEPEST, TRIES = 64, 14, 12
+# A part of a piece is halved if unknown multipliers add more to the exponent: this much, and this part of the rest.
+EXCESS, OF_RATE = 0.01, 0.25
+
+
+class Stretch(NamedTuple):
+    """From time ``begin`` to ``end`` |x - y| <= bound, and at the end |x - y| <= sqrt(square) + linear."""
+
+    begin: Any
+    end: Any
+    bound: Any
+    square: Any
+    linear: Any
+
+
+class Verdict(NamedTuple):
+    """What a certificate proves: bounds in the order of time, the largest one, the end."""
+
+    stretches: list[Stretch]
+    bound: Any
+    end: Any
+
+    def at(self, t: Any) -> Any:
+        """Return the bound of |x - y| at time t."""
+        return max(part.bound for part in self.stretches if not (part.end < t or part.begin > t))
+
+
+class Near(NamedTuple):
+    """A row that x can touch on a part of a piece: the letters a, nu, 1/l, eps, sigma_0, m, m/l', |dm/dt|."""
+
+    columns: list[int]
+    gradient: list[Any]
+    steep: Any
+    turns: Any
+    bends: Any
+    gap: Any
+    speed: Any
+    shift: Any
+    m: Any
+    m_bends: Any
+    m_change: Any
+
+
+class TooLong(Exception):
+    """A part of a piece is too long for its bounds; the message says for which."""
+
+
+class PieceInBalls:
+    """A piece of y: polynomials of s, the defect, the active rows, and how far all others are."""
+
+    def __init__(self, piece: PolynomialPiece, problem: ExactProblem, begin: Any) -> None:
+        self.problem, self.begin, self.half, self.x = problem, begin, number(piece.half), []
+        read = [arb_poly([arb((c, piece.exponent)) for c in row]) for row in (*piece.x, *piece.force)]
+        self.x, forces = read[: problem.count], read[problem.count :]
+        self.velocity, self.middle = [p.derivative() * (1 / self.half) for p in self.x], begin + self.half
+        self.paths = {}
+        for name in problem.paths:
+            path = partial(problem.displacement, name)
+            self.paths[name] = enclosed(path, self.x, problem.order, self.middle, self.half)
+        self.force = dict(zip(piece.active, forces, strict=True))
+        self._rows: dict[int, RowOnPiece] = {}
+        rates = [v - f for v, f in zip(self.velocity, problem.drift(self.x, self.middle, self.half), strict=True)]
+        for k, force in self.force.items():
+            row = self.row(k)
+            for c, b in zip(row.columns, row.spread(row.arrow) if row.distance else row.weights, strict=True):
+                rates[c] -= force * b
+        self.defect = length([size(rate) for rate in rates])
+        used = [p for path in self.paths.values() for p in path] + rates
+        known = set(piece.active) <= set(range(len(problem.rows))) and self.half > 0
+        if not known or not all(c.is_finite() for p in used for c in p.coeffs()):
+            raise BadCertificate(
+                f"t = {float(begin):.6g}: a piece without length, rows that are not there, or no numbers"
+            )
+        with ctx.workprec(ROUGH):
+            whole = [constant(p) for p in self.x]
+            self.clear = [
+                low(RowOnPiece(row, whole, problem.d, [constant(c) for c in self.path(row)]).at(ZERO, ZERO)[2])
+                for row in problem.rows
+            ]
+
+    def path(self, row: ExactRow) -> list[Any]:
+        """Return the displacement of the set of a row."""
+        return self.paths[row.path] if row.path else [arb_poly([0])] * self.problem.d
+
+    def row(self, k: int) -> RowOnPiece:
+        """Return row k on this piece."""
+        if k not in self._rows:
+            with ctx.workprec(self.problem.precision):
+                row = self.problem.rows[k]
+                self._rows[k] = RowOnPiece(row, self.x, self.problem.d, self.path(row))
+        return self._rows[k]
+
+    def least(self, poly: Any, a: Any, b: Any) -> Any:
+        """Bound a polynomial, or the gap of a row, on [a, b] from below with all digits."""
+        with ctx.workprec(self.problem.precision):
+            return poly.gap_from_below(a, b) if isinstance(poly, RowOnPiece) else lowest(poly, a, b)
+
+
+def touched(piece: PieceInBalls, k: int, a: Any, b: Any, radius: Any, velocity: list[Any]) -> tuple[Near, Any] | None:
+    """Return row k as x can touch it within ``radius`` of y, and what it adds to the defect; None if it cannot."""
+    row, force = piece.row(k), piece.force.get(k)
+    gradient, distance, gap = row.at(a, b)
+    shift = [span(c, a, b) / piece.half for c in [p.derivative() for p in piece.path(piece.problem.rows[k])]]
+    if force is None:
+        least = low(gap) if gap > row.steep * radius else piece.least(row, a, b)
+        if least > row.steep * radius:
+            return None
+    if not distance > row.steep * radius:
+        raise TooLong("the ends of a distance can coincide")
+    d, moves = piece.problem.d, length(shift) if piece.problem.rows[k].path else ZERO
+    turns = up(row.curvature / (distance - row.steep * radius))
+    if force is None:
+        own = [velocity[c] - shift[c % d] if moves > 0 else velocity[c] for c in row.columns]
+        speed = total(g * v for g, v in zip(gradient, own, strict=True))
+        parts = up(max(-least, ZERO)), up(max(-low(speed), ZERO)), moves, ZERO, ZERO, ZERO
+        return Near(row.columns, gradient, row.steep, turns, row.bends, *parts), ZERO
+    with ctx.workprec(piece.problem.precision):
+        off = up(size(row.q) / row.length) if row.distance else size(row.q)
+        change = size(row.q.derivative()) / piece.half
+    longest, shortest = (row.length + off, row.length - off) if row.distance else (arb(1), arb(1))
+    if not shortest > 0:
+        raise TooLong("a contact is not near its distance")
+    speed = up(change / (2 * shortest)) if row.distance else up(change)
+    value, slope = span(force, a, b), force.derivative()(ball(a, b)).abs_upper() / piece.half
+    negative = ZERO if value > 0 else up(max(-piece.least(force, a, b), ZERO) * longest * row.steep)
+    m, m_change = up(max(up(value), ZERO) * longest), up(slope * longest + value.abs_upper() * speed)
+    m_bends = up(m / shortest) if row.bends > 0 else ZERO
+    return Near(row.columns, gradient, row.steep, turns, row.bends, off, speed, moves, m, m_bends, m_change), negative
+
+
+def dual_directions(near: list[Near], count: int, radius: Any) -> tuple[list[Any], list[Any], list[Any]]:
+    """Return |w_k|, the bounds of w_k . J^T m, and the row sums of N, for w = G^-1 J at the middle."""
+    dense = [[ZERO] * count for _ in near]
+    for line, row in zip(dense, near, strict=True):
+        for c, g in zip(row.columns, row.gradient, strict=True):
+            line[c] = g
+    jacobian = arb_mat(dense)
+    middle = jacobian.mid()
+    try:
+        w = (middle * middle.transpose()).mid().solve(middle, algorithm="approx").mid()
+    except ZeroDivisionError:
+        raise TooLong("the gradients of contacts depend on each other") from None
+    products, norms, most, slack = (w * jacobian.transpose()).tolist(), [length(v) for v in w.tolist()], [], []
+    for k, (line, norm) in enumerate(zip(products, norms, strict=True)):
+        blurred = [(row, entry, row.turns * radius * norm) for row, entry in zip(near, line, strict=True)]
+        most.append(up(total(row.m * max(up(entry + blur), ZERO) for row, entry, blur in blurred if row.m > 0)))
+        missing = [(1 if j == k else 0) - entry + blur for j, (_, entry, blur) in enumerate(blurred)]
+        slack.append(up(total(max(up(v), ZERO) for v in missing)))
+    if not max(slack) < 0.5:
+        raise TooLong("the gradients of contacts turn too far, or depend on each other")
+    return norms, most, slack
+
+
+def laplacian(near: list[Near], multiplier: list[Any], problem: ExactProblem) -> list[list[Any]]:
+    """Return the sum of (lambda_k / l + m_k / l') B_k^T B_k over particles, with B_k e = e_i - e_j, or e_i."""
+    n = range(problem.count // problem.d)
+    matrix = [[ZERO for _ in n] for _ in n]
+    for row, most in zip(near, multiplier, strict=True):
+        weight, ends = up(most * row.bends + row.m_bends), {c // problem.d for c in row.columns}
+        for i in ends:
+            for j in ends:
+                matrix[i][j] += weight if i == j else -weight
+    return matrix
+
+
+def grow(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], radius: Any, halves: bool) -> Stretch:
+    """Bound |x - y| on [a, b], provided that it is at most ``radius`` there.
+
+    Raises TooLong if the part is too long for the bounds of the multipliers; with ``halves`` also if halves are better.
+    """
+    problem, time, near, defect = piece.problem, up((b - a) * piece.half), [], piece.defect
+    velocity = [span(v, a, b) for v in piece.velocity]
+    for k, clear in enumerate(piece.clear):
+        if k in piece.force or not clear > problem.steepness[k] * radius:
+            found = touched(piece, k, a, b, radius, velocity)
+            if found is not None:
+                near.append(found[0])
+                defect = up(defect + found[1])
+    box = [span(p, a, b) + arb(0, up(radius)) for p in piece.x]
+    rate, lipschitz = problem.rates(piece.middle + (a + b) / 2 * piece.half + arb(0, up(time / 2)), box)
+    known, unknown, beta = ZERO, ZERO, ZERO
+    if near:
+        norms, most, slack = dual_directions(near, problem.count, radius)
+        share = [s / (1 - max(slack)) for s in slack]
+        lam = [up(v + s * max(most)) for v, s in zip(most, share, strict=True)]
+        omega = [up(v + s * max(norms)) for v, s in zip(norms, share, strict=True)]
+        turning = lipschitz + total(row.m * row.turns for row in near)
+        moving = length(velocity) + defect
+        sigma = [
+            row.speed + radius * (row.turns * (moving + row.shift) + row.steep * turning) + row.steep * defect
+            for row in near
+        ]
+        rows = list(zip(near, lam, omega, sigma, strict=True))
+        c0 = total((row.m + time * row.m_change) * (row.gap + row.steep * radius) for row in near if row.m > 0)
+        c0 += time * total((v + row.m) * s for row, v, _, s in rows)
+        c1 = total(o * s for _, _, o, s in rows)
+        phi = up(time * c1 + root(time) * root(c0))
+        known = time * largest_eigenvalue(laplacian(near, lam, problem)) / 2
+        unknown = phi / 2 * total(o * row.bends * row.steep**2 for row, _, o, _ in rows)
+        if halves and unknown > EXCESS + OF_RATE * known:
+            raise TooLong("multipliers are not known well enough")
+        beta = total((time * (v + row.m) + phi * o) * row.gap for row, v, o, _ in rows)
+    falls = up((max(-rate, ZERO) * time).exp())
+    square, linear = up(start[0] + 2 * falls**2 * beta), up(start[1] + falls * time * defect)
+    factor, top = up((rate * time + known + unknown).exp()), up((max(rate, ZERO) * time + known + unknown).exp())
+    begin, end = piece.begin + (1 + a) * piece.half, piece.begin + (1 + b) * piece.half
+    return Stretch(begin, end, up(top * (root(square) + linear)), up(factor**2 * square), up(factor * linear))
+
+
+def attempt(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], halves: bool) -> Stretch:
+    """Bound |x - y| on [a, b], with a radius that the bound does not reach; TooLong if there is none."""
+    radius = up(max(2 * (root(start[0]) + start[1]), arb((1, -4 * piece.problem.precision))))
+    for _ in range(TRIES):
+        stretch = grow(piece, a, b, start, radius, halves)
+        if stretch.bound < radius:
+            return stretch
+        radius = up(2 * stretch.bound)
+    raise TooLong("the bound grows too fast")
+
+
+def cross(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], depth: int = 0) -> list[Stretch]:
+    """Follow the bound over a part of a piece, in halves where it is too long."""
+    try:
+        return [attempt(piece, a, b, start, depth < DEEPEST)]
+    except TooLong as reason:
+        if depth == DEEPEST:
+            when, reached = float(piece.begin + (1 + a) * piece.half), float(root(start[0]) + start[1])
+            raise BadCertificate(f"t = {when:.6g}: {reason}; |x - y| <= {reached:.3g} is proved until then") from None
+    middle = (a + b) / 2
+    left = cross(piece, a, middle, start, depth + 1)
+    return left + cross(piece, middle, b, (left[-1].square, left[-1].linear), depth + 1)
+
+
+def enclose(certificate: Certificate) -> Verdict:
+    """Compute the bound that the pieces of a certificate prove; BadCertificate where an inequality fails."""
+    problem, begin, stretches = ExactProblem(certificate), ZERO, []
+    state, growth = problem.start, (ZERO, number(certificate.start_error))
+    for piece in certificate.pieces:
+        with ctx.workprec(certificate.precision):
+            current = PieceInBalls(piece, problem, begin)
+            jump = length([p(arb(-1)) - v for p, v in zip(current.x, state, strict=True)])
+            state, begin = [p(arb(1)) for p in current.x], begin + 2 * current.half
+        with ctx.workprec(ROUGH):
+            stretches += cross(current, arb(-1), arb(1), (growth[0], up(growth[1] + jump)))
+        growth = stretches[-1].square, stretches[-1].linear
+    return Verdict(stretches, max(s.bound for s in stretches), begin)
+
+
+def check(certificate: Certificate) -> Verdict:
+    """Prove the bound and the balls of a certificate; BadCertificate if they do not follow from its pieces."""
+    try:
+        verdict = enclose(certificate)
+    except (ArithmeticError, AttributeError, ImportError, LookupError, TypeError) as error:
+        raise BadCertificate(f"cannot be evaluated: {error!r}") from error
+    if not verdict.bound <= number(certificate.bound):
+        raise BadCertificate(f"the bound that follows is {float(verdict.bound):.3g}, larger than what is stated")
+    for stated in certificate.balls:
+        with ctx.workprec(certificate.precision):
+            t = number(stated.t)
+            off = length([v - number(c) for v, c in zip(approximation(certificate, t), stated.centre, strict=True)])
+            radius = up(off + verdict.at(t))
+        if not radius <= number(stated.radius):
+            raise BadCertificate(f"t = {float(t):.6g}: the radius that follows is {float(radius):.3g}")
+    return verdict

@@ -1,0 +1,216 @@
+"""The function ``prove``: a solution with a bound of its error that is a theorem."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from fractions import Fraction
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from flint import arb, arb_poly, ctx
+
+import dincl
+from dincl import checks
+from dincl.checks import array, describe
+from verification.proofs import checker
+from verification.proofs.candidate import follow
+from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ProvedBall
+from verification.proofs.description import drift_of, dyadic, rows_of
+from verification.proofs.enclosures import ZERO, ExactProblem, RowOnPiece, approximation, length, up
+from verification.proofs.words import assumptions
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike, NDArray
+
+# Tolerance of the events, relative to the largest coordinate; of times and rows that are found again with all digits.
+EVENTS = 1e-11
+# Digits of the first try beyond twice those of the bound, for the growth of errors; tries; digits added at a failure.
+SPARE, TRIES, MORE = 8, 4, 16
+# Digits of a start or an output beyond those of the bound.
+EXTRA = 8
+
+
+class NotProved(RuntimeError):
+    """No bound as small as wanted; the message says why, ``best`` is the smallest bound proved, or infinite."""
+
+    def __init__(self, reason: str, best: float) -> None:
+        super().__init__(reason)
+        self.best = best
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.best)
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Proof:
+    """Balls that contain every solution of a problem, as the certificate proves.
+
+    Attributes
+    ----------
+    problem
+        The inclusion. Its numbers are taken as they are: 0.1 is the double nearest to it.
+    t
+        Times (K,).
+    radius
+        |x(t_k) - centre_k| <= radius_k in the Euclidean norm of all N d coordinates, shape (K,) [length].
+    bound
+        |x(t) - y(t)| <= bound for all t in [0, t_K], y the polynomials of the certificate [length].
+    certificate
+        What ``verification check`` verifies.
+    """
+
+    problem: dincl.Problem
+    t: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    bound: float
+    certificate: Certificate
+
+    @cached_property
+    def x(self) -> NDArray[np.float64]:
+        """The centres, rounded to double numbers, shape (K, N, d) [length]."""
+        states = [[float(_fraction(c)) for c in ball.centre] for ball in self.certificate.balls]
+        return np.array(states).reshape(-1, *self.problem.x0.shape)
+
+    @property
+    def assumed(self) -> tuple[str, ...]:
+        """What the theorem presupposes, a sentence each."""
+        return tuple(assumptions(self.certificate))
+
+    def errors(self, x: ArrayLike) -> NDArray[np.float64]:
+        """Compute upper bounds of max_i |X_i - exact| for states x (K, N, d) at the times of the proof, shape (K,)."""
+        states = array("x", x)
+        if states.shape != self.x.shape:
+            raise dincl.InvalidProblem(
+                f"x of shape {states.shape}: must have shape {self.x.shape}, one state for each t"
+            )
+        found = []
+        for state, ball in zip(states, self.certificate.balls, strict=True):
+            centre = [_fraction(c) for c in ball.centre]
+            off = [Fraction(float(v)) - c for v, c in zip(state.ravel(), centre, strict=True)]
+            squares = [
+                sum((v * v for v in off[i : i + state.shape[1]]), Fraction(0))
+                for i in range(0, len(off), state.shape[1])
+            ]
+            found.append(_above(max(squares), _fraction(ball.radius)))
+        return np.array(found)
+
+    def save(self, file: str | Path) -> Path:
+        """Write the certificate, which ``verification check FILE`` verifies; return the file."""
+        path = Path(file)
+        self.certificate.write(path)
+        return path
+
+    def __repr__(self) -> str:
+        n, d = self.problem.x0.shape
+        return f"Proof(|x - y| <= {self.bound:.3g} to t = {self.t[-1]:g}, N = {n}, d = {d})"
+
+
+def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
+    """Enclose the solution of x' in F(t, x) - N(S, x) in balls, with a proof that needs no proof of its events.
+
+    The approximation consists of Taylor polynomials between the events that ``EventDriven`` finds; its distance to the
+    solution is bounded by Gronwall's inequality, see docs/proofs.md. Sets: NonOverlap, HalfSpace, Ordered, MaxDistance,
+    InsideBall, OutsideBall, also Moving. Drifts: those of ``dincl.drifts``, and functions (t, x) at the top of a module
+    that work on object arrays of Arb numbers and series, as do +, -, *, / and np.exp, np.sin, np.sqrt.
+
+    Parameters
+    ----------
+    problem
+        The inclusion.
+    t
+        Times of the balls, shape (K,), increasing, >= 0; the last one > 0 ends the run.
+    bound
+        Of |x - y| for all times up to the last, in the Euclidean norm of all coordinates [length].
+
+    Raises
+    ------
+    InvalidProblem
+        For other sets, functions that cannot be named, times that are not increasing.
+    NotProved
+        With the reason, if the bound is not reached.
+    """
+    if not isinstance(problem, dincl.Problem):
+        raise dincl.InvalidProblem(f"problem = {describe(problem)}: must be a dincl.Problem")
+    times, wanted = np.atleast_1d(array("t", t)), checks.number("bound", bound, positive=True)
+    if times.ndim != 1 or not times.size or times[0] < 0 or times[-1] <= 0 or (np.diff(times) <= 0).any():
+        raise dincl.InvalidProblem(f"t = {describe(t)}: must be one or more increasing times >= 0, the last one > 0")
+    rows, places = rows_of(problem)
+    start, drift = tuple([dyadic(v) for v in problem.x0.ravel()]), drift_of(problem)
+    empty = Certificate(problem.x0.shape[1], start, drift, rows, (), 64)
+    empty = replace(empty, start_error=_start_error(empty))
+    try:
+        path = dincl.solve(problem, dincl.EventDriven(EVENTS * max(1.0, float(np.abs(problem.x0).max()))), times)
+    except dincl.StepFailed as failed:
+        raise NotProved(f"no approximation: {failed}", math.inf) from failed
+    events = [(event.t, event.kind == "contact", places[event.constraint, event.row]) for event in path.events]
+    certificate, verdict = _search(empty, events, float(times[-1]), wanted)
+    return _proof(problem, times, certificate, verdict)
+
+
+def _search(
+    empty: Certificate, events: list[tuple[float, bool, int]], end: float, wanted: float
+) -> tuple[Certificate, checker.Verdict]:
+    """Take more digits until the bound is reached; eps enters by its root, so gaps need twice the digits."""
+    digits, best, reason = math.ceil(-2 * math.log10(wanted)) + SPARE, math.inf, ""
+    for _ in range(TRIES):
+        try:
+            pieces = follow(empty, events, end, digits)
+            filled = replace(empty, pieces=pieces, precision=-pieces[0].exponent + 32)
+            verdict = checker.enclose(filled)
+        except (BadCertificate, ArithmeticError) as failed:
+            reason, digits = str(failed), digits + MORE
+            continue
+        reached = float(verdict.bound.upper())
+        best, reason = min(best, reached), f"the bound {reached:.3g} is what {digits} digits give"
+        if reached <= wanted:
+            return filled, verdict
+        digits += 2 * math.ceil(math.log10(reached / wanted)) + 2
+    raise NotProved(f"no bound of {wanted:g}: {reason}", best)
+
+
+def _proof(
+    problem: dincl.Problem, times: NDArray[np.float64], certificate: Certificate, verdict: checker.Verdict
+) -> Proof:
+    """Add the balls at the output times and the bound to a certificate."""
+    balls, radii = [], []
+    with ctx.workprec(certificate.precision):
+        for t in times:
+            y = approximation(certificate, arb(float(t)))
+            radius = up(verdict.at(arb(float(t))) + length([v.rad() for v in y]))
+            radii.append(math.nextafter(float(radius), math.inf))
+            balls.append(ProvedBall(dyadic(float(t)), tuple([_dyadic(v.mid()) for v in y]), dyadic(radii[-1])))
+    bound = math.nextafter(float(verdict.bound.upper()), math.inf)
+    filled = replace(certificate, bound=dyadic(bound), balls=tuple(balls))
+    return Proof(problem, times, np.array(radii), bound, filled)
+
+
+def _start_error(empty: Certificate) -> Dyadic:
+    """Bound the distance of the start to a feasible point; 0 if it is feasible."""
+    with ctx.workprec(256):
+        problem = ExactProblem(empty)
+        x, none = [arb_poly([v]) for v in problem.start], [arb_poly([0])] * problem.d
+        paths = {name: [arb_poly([c[0]]) for c in problem.displacement(name, arb(0))] for name in problem.paths}
+        gaps = [
+            RowOnPiece(row, x, problem.d, paths.get(row.path, none)).gap_from_below(ZERO, ZERO) for row in empty.rows
+        ]
+        off = up(sum((max(-gap, ZERO) for gap in gaps), ZERO))
+    return dyadic(math.nextafter(2 * float(off), math.inf)) if off > 0 else (0, 0)
+
+
+def _dyadic(exact: Any) -> Dyadic:
+    mantissa, exponent = exact.man_exp()
+    return int(mantissa), int(exponent)
+
+
+def _fraction(value: Dyadic) -> Fraction:
+    return Fraction(value[0]) * Fraction(2) ** value[1]
+
+
+def _above(square: Fraction, radius: Fraction) -> float:
+    """sqrt(square) + radius, rounded up."""
+    with ctx.workprec(128):
+        exact = (arb(square.numerator) / square.denominator).sqrt() + arb(radius.numerator) / radius.denominator
+        return math.nextafter(float(exact.upper()), math.inf)
