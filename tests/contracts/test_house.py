@@ -27,7 +27,7 @@ ORDER = {
         "errors weights plotting density model forces transport solvers solvers.grid",
     ),
     "tissue": (
-        "plugins state kernels network model rules step events files pictures runs quasi_steady",
+        "plugins state kernels network model rules step events files statistics pictures runs quasi_steady",
         "study study.figures cli",
     ),
     "verification": (
@@ -48,7 +48,7 @@ ORDER = {
 UPWARD = {
     "dincl": {},
     "meanfield": {},
-    "tissue": {("study", "study.figures"): 1},
+    "tissue": {},
     "verification": {
         ("thesis.chapter1", "thesis.chapter2"): 2,
         ("thesis.chapter2", "thesis"): 2,
@@ -65,7 +65,7 @@ UPWARD = {
 CIRCLES = {
     "dincl": (),
     "meanfield": (),
-    "tissue": ("study study.figures",),
+    "tissue": (),
     "verification": (
         "thesis thesis.chapter1 thesis.chapter2 thesis.chapter2.stability thesis.chapter3 thesis.chapter3.sections "
         "thesis.chapter4 thesis.chapter5 thesis.chapter5.sections",

@@ -17,8 +17,8 @@ from tissue.plugins import DivisionRule, registry
 from tissue.runs.start import started
 from tissue.runs.tables import summary_columns
 from tissue.state.checkpoint import streams
+from tissue.statistics.categories import by_order, by_selection
 from tissue.study import identity
-from tissue.study.categories import by_order, by_selection
 
 # Tests import copies of it.
 SQUEEZE = Path(__file__).with_name("own_squeeze.py")

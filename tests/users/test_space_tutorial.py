@@ -5,6 +5,7 @@ import pytest
 
 import tissue
 from tests.pages import ROOT, play
+from tissue.files.parameters import load
 from tissue.model.observables import basal_area
 
 PAGE = ROOT / "docs" / "tutorials" / "space.md"
@@ -19,6 +20,10 @@ def found(tmp_path_factory):
 def test_the_page_runs(found):
     run = found["run"]
     assert (found["folder"] / "section.png").exists()
+    assert (found["folder"] / "sheet.gif").exists()
+    assert load(found["folder"] / "sheet.toml").tissue.cells == 182
+    drawn = {path.name for path in (found["folder"] / "results" / "leave" / "figures").iterdir()}
+    assert {"positions.png", "ratios.png", "at_end.png", "examples_1.png", "examples_2.png"} <= drawn
     assert len(run.final.cells.x) > 196
     assert {"nucleus_z_um", "apical_z_um", "basal_z_um"} <= set(run.table().columns)
     assert f"{2 * len(run.final.layers.apical)} triangles of" in found["printed"]

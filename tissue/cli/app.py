@@ -14,11 +14,9 @@ import typer
 from dincl.errors import InvalidProblem
 from dincl.files import check_writable, replacing, write_text
 from dincl.study import progress
-from tissue.cli.figures import figures
 from tissue.cli.messages import RUN_FAILED, messages
 from tissue.cli.parameters import list_parameters
-from tissue.cli.study import study
-from tissue.cli.summary import summarise
+from tissue.cli.studies import figures, study, summarise
 
 if TYPE_CHECKING:
     from tissue.files.frame import Frame

@@ -18,7 +18,6 @@ from dincl.errors import InvalidProblem
 from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
 from tissue.model.observables import height, is_measurable
-from tissue.pictures.colours import colours_of_cells
 from tissue.pictures.emt import EmtLook, chains, free_points, look_of
 from tissue.pictures.section import cut_of, section
 from tissue.pictures.sheet import (
@@ -38,6 +37,7 @@ from tissue.pictures.sheet import (
     Figure,
     FigureCanvasAgg,
     LineCollection,
+    colours_of_cells,
     control_entries,
     emt_entries,
     legend,

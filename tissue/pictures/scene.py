@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Iterator
 from ctypes.util import find_library
 from typing import Any
 
@@ -13,16 +15,52 @@ from dincl.errors import InvalidProblem
 from dincl.extras import needs
 from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.pictures.cells_on_surface import in_one_period, polygons
-from tissue.pictures.colours import colours_of_cells
 from tissue.pictures.emt import EmtLook
 from tissue.pictures.section import cut
-from tissue.pictures.sheet import APICAL, BASAL, shades
-from tissue.state.cells import Flags, Floats
-from tissue.state.mesh import Sheets
-from tissue.state.surface import PLANE
+from tissue.pictures.sheet import APICAL, BASAL, colours_of_cells, shades
+from tissue.state.cells import Flags, Floats, Integers
+from tissue.state.mesh import Mesh, Sheets
+from tissue.state.surface import PLANE, Surface
 
 MAKES_NO_NUMBERS = True
+
+
+def polygons(surface: Surface, mesh: Mesh, points: Floats) -> Iterator[tuple[int, Floats]]:
+    """Each cell that has neighbours all around, with its corners (k, 3), counterclockwise: the dual of the network.
+
+    The corners are the middles of the triangles of the cell, in one period.
+    """
+    corner, twin = mesh.corner, mesh.twin
+    for cell, first in enumerate(mesh.out[: len(points)].tolist()):
+        ring = list(_around(twin, first)) if first >= 0 else []
+        triangles = [corner[3 * (h // 3) : 3 * (h // 3) + 3] for h in ring]
+        if ring and min(min(t) for t in triangles) >= 0:
+            at = in_one_period(surface, points[cell])
+            yield cell, np.array([at + _apart(surface, points[t] - points[cell]).mean(axis=0) for t in triangles])
+
+
+def in_one_period(surface: Surface, points: Floats) -> Floats:
+    """The images of points (..., 3) that are nearest to the middle of the sheet."""
+    return _apart(surface, points)
+
+
+def _apart(surface: Surface, arrows: Floats) -> Floats:
+    found = arrows.copy()
+    for axis, period in ((0, surface.period_x), (2, surface.period_z)):
+        if math.isfinite(period):
+            found[..., axis] -= period * np.round(found[..., axis] / period)
+    return found
+
+
+def _around(twin: Integers, first: int) -> Iterator[int]:
+    """The half-edges that leave a vertex, counterclockwise."""
+    h = first
+    while True:
+        yield h
+        h = int(twin[h + 2 if h % 3 == 0 else h - 1])
+        if h == first:
+            return
+
 
 # Rendered by VTK itself, so that a picture has the same dots with and without a display.
 RENDERER = ("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")

@@ -55,7 +55,12 @@ def section(frame: Frame, z: float = 0.0) -> Frame:
     """
     if frame.sheets is None:
         return frame
-    surface, cells = frame.sheets.surface, frame.cells
+    return section_on(frame, frame.sheets.surface, z)
+
+
+def section_on(frame: Frame, surface: Surface, z: float = 0.0) -> Frame:
+    """The same of a frame in space without networks, such as one from a table, on the surface of its basal points."""
+    cells = frame.cells
     deep = cells.z - z
     if math.isfinite(surface.period_z):
         deep = deep - surface.period_z * np.round(deep / surface.period_z)

@@ -79,6 +79,16 @@ def pictures(
         scene.close()
 
 
+def surface_figure(frame: Frame, parameters: Parameters) -> Figure:
+    """The figure that ``view`` writes of one state; errors are those of ``view``."""
+    sheets, look = _sheets_of(frame), look_of([frame])
+    scene = TissueScene(frame, sheets)
+    try:
+        return _composed(frame, parameters, scene.render(frame, sheets, parameters, look), emt_entries(look))
+    finally:
+        scene.close()
+
+
 def check_space(parameters: Parameters) -> None:
     """Refuse those of a slice, and a missing library, before a run is made; errors are those of ``view``."""
     if not parameters.in_space:
@@ -95,6 +105,15 @@ def _sheets_of(frame: Frame) -> Sheets:
 
 
 def _drawn(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: dict[str, Any]) -> Any:
+    """Red, green, blue of both renderings beside the section."""
+    figure = _composed(frame, parameters, rendered, emt)
+    with style():
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.draw()
+    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+
+
+def _composed(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: dict[str, Any]) -> Figure:
     """Both renderings beside the section."""
     with style():
         figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
@@ -106,6 +125,4 @@ def _drawn(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: d
         draw_frame(figure.add_axes((0.69, 0.2, 0.3, 0.73)), frame, parameters)
         for k, entries in enumerate(filter(None, (control_entries(), emt))):
             legend(figure, entries, 0.02, 0.06 * k)
-        canvas: Any = FigureCanvasAgg(figure)
-        canvas.draw()
-    return np.asarray(canvas.buffer_rgba())[:, :, :3].copy()
+    return figure

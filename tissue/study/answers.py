@@ -12,10 +12,10 @@ from scipy.special import stdtrit
 
 from dincl.checks import instance, integer
 from tissue.files.parameter_files import flat
-from tissue.study.categories import What, outcome
-from tissue.study.comparisons import Difference, runs_needed
-from tissue.study.proportions import LEVEL, corrected
-from tissue.study.ratios import Ratio, as_ratio, ratio
+from tissue.statistics.categories import What, outcome
+from tissue.statistics.comparisons import Difference, runs_needed
+from tissue.statistics.proportions import LEVEL, corrected
+from tissue.statistics.ratios import Ratio, as_ratio, ratio
 from tissue.study.read import Results
 
 # Scenarios beyond which each is compared with the first one alone.

@@ -39,7 +39,7 @@ class Outcomes(NamedTuple):
     tables: dict[int, pd.DataFrame]  # of all cells at all kept times, for the replicates asked for
 
 
-class _Course(NamedTuple):
+class _Measured(NamedTuple):
     """What was measured of a lot at its kept times."""
 
     times: list[float]
@@ -103,10 +103,10 @@ def _lot(
         measured.append((*_measured(lot), _own(lot, t)))
         for k, frames in wanted.items():
             frames.append(lot.frame(k, t))
-    course = _Course(times, *(np.array(parts) for parts in zip(*measured, strict=True)))
-    sound = np.array([lot.goes_on(k) for k in range(len(seeds))]) & np.isfinite(course.positions).all(axis=(0, 2))
+    series = _Measured(times, *(np.array(parts) for parts in zip(*measured, strict=True)))
+    sound = np.array([lot.goes_on(k) for k in range(len(seeds))]) & np.isfinite(series.positions).all(axis=(0, 2))
     tables = {replicates[k]: lot.run(k, frames).table() for k, frames in wanted.items()}
-    return Outcomes(_cells(lot, replicates, course, sound), _runs(lot, replicates, course, sound), tables)
+    return Outcomes(_cells(lot, replicates, series, sound), _runs(lot, replicates, series, sound), tables)
 
 
 def _followed(lot: Lot) -> int:
@@ -137,7 +137,7 @@ def _own(lot: Lot, t: float) -> Floats:
     return found
 
 
-def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:
+def _cells(lot: Lot, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
     """One row for each EMT cell of the start of the sound runs."""
     kept = np.flatnonzero(sound)
     stores, m = [lot.store(int(k)) for k in kept], _followed(lot)
@@ -166,7 +166,7 @@ def _cells(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -
         "extruded_h": pa.array(since, mask=side == 0),
         "extruded_x_um": pa.array(scale * since_x, mask=side == 0),
     }
-    for t, positions, controls, *_ in zip(*course, strict=True):
+    for t, positions, controls, *_ in zip(*series, strict=True):
         columns[f"ab_{t:g}h"] = positions[kept].ravel()
         columns[f"below_{t:g}h"] = (positions <= controls[:, 3:])[kept].ravel()
     return pa.table(columns)
@@ -184,7 +184,7 @@ def _types(lot: Lot, kinds: NDArray[np.int8]) -> dict[str, Any]:
     return {"type": pa.DictionaryArray.from_arrays(kinds.ravel(), list(lot.parameters.type_names))}
 
 
-def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) -> pa.Table:
+def _runs(lot: Lot, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
     """One row for each run; what was not measured, because it had failed, is null."""
     n, scale = len(replicates), lot.parameters.cell.soft_radius.value
     detail = [lot.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
@@ -198,7 +198,7 @@ def _runs(lot: Lot, replicates: Sequence[int], course: _Course, sound: Flags) ->
         ),
         "detail": detail,
     }
-    for t, _, controls, extents, own in zip(*course, strict=True):
+    for t, _, controls, extents, own in zip(*series, strict=True):
         for place, name in enumerate(CONTROLS):
             counts = controls[:n, place]
             columns[f"{name}_{t:g}h"] = pa.array(counts, mask=np.isnan(counts), type=pa.float64()).cast(pa.int64())

@@ -167,13 +167,13 @@ class Results:
         InvalidProblem
             As the other methods, and for a scenario without EMT cells.
         """
-        from tissue.study.figures.course import plot_course
+        from tissue.pictures.charts import plot_time_series
 
         name = self.study.scenarios[0] if scenario is None else scenario
         cells = self.cells(name)
         if cells.empty:
             raise InvalidProblem(f"scenario = {describe(name)}: must have EMT cells in runs that did not fail")
-        return plot_course(ax, name, cells, self.runs(name))
+        return plot_time_series(ax, name, cells, self.runs(name))
 
     def __repr__(self) -> str:
         state = "complete" if self.complete else "damaged" if self.damaged else "not complete"

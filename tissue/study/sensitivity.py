@@ -22,8 +22,8 @@ from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import flat, nested
 from tissue.files.parameters import Parameters
-from tissue.study.proportions import LEVEL, quantile
-from tissue.study.ratios import Ratio
+from tissue.statistics.proportions import LEVEL, quantile
+from tissue.statistics.ratios import Ratio
 
 RESAMPLES = 200  # of the bootstrap
 MOST_NOISE = 0.9  # of the variance; with more, what is left for the parameters is the difference of two large numbers

@@ -11,8 +11,8 @@ from distributed import Client
 import tissue
 from tests.tissue.study.stand_in import stored
 from tests.tissue.study.test_dask import Dask
-from tissue.study.cluster import cluster
 from tissue.study.read import Results
+from tissue.study.run import cluster
 
 STUDY = """
 title = "Small sheets"

@@ -13,9 +13,9 @@ from tissue.events.known import row
 from tissue.files.parameters import preset
 from tissue.files.scenario import drawn
 from tissue.runs.simulate import simulate
+from tissue.statistics.ratios import ratio
 from tissue.study.outcomes import Outcomes
 from tissue.study.plan import load_study
-from tissue.study.ratios import ratio
 from tissue.study.run import carry_out
 
 RUNS = {"table5_63": 16, "table5_35": 256, "table5_7": 16}

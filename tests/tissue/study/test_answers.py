@@ -8,10 +8,10 @@ from typer.testing import CliRunner
 
 import tissue
 from tissue.cli.app import app
+from tissue.statistics.comparisons import Difference
+from tissue.statistics.proportions import corrected
+from tissue.statistics.ratios import as_ratio, ratio
 from tissue.study import answers
-from tissue.study.comparisons import Difference
-from tissue.study.proportions import corrected
-from tissue.study.ratios import as_ratio, ratio
 
 PLAN = """
 title = "Does the order of events matter?"

@@ -16,8 +16,8 @@ from dincl.study import StudyStopped
 from tests.executors import Here
 from tests.tissue.study.stand_in import outcomes, stored, study_file, use_stand_in
 from tissue.study import identity
-from tissue.study.cluster import Absence, cluster, watched
 from tissue.study.read import Results
+from tissue.study.run import Absence, cluster, watched
 
 ROOT = Path(__file__).parents[3]
 REPLICATES = 8 * 128  # in two scenarios
@@ -74,7 +74,7 @@ def prepare(dask, count):
 @pytest.mark.slow
 def test_a_cluster_without_workers_is_refused_and_a_worker_that_dies_loses_nothing(dask, tmp_path, whole, monkeypatch):
     # In a process of its own: what is left of the client that found nobody may hold up the next one for long.
-    code = f"from tissue.study.cluster import cluster\nwith cluster({dask.address!r}): pass"
+    code = f"from tissue.study.run import cluster\nwith cluster({dask.address!r}): pass"
     run = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=False)
     assert f"InvalidProblem: scheduler {dask.address}: has no workers" in run.stderr
     dask.add(2)
@@ -106,10 +106,10 @@ def test_a_cluster_without_workers_is_refused_and_a_worker_that_dies_loses_nothi
 def test_without_workers_it_says_that_it_waits(dask, monkeypatch):
     from distributed import Client
 
-    monkeypatch.setattr("tissue.study.cluster.FIRST", 0.2)
-    monkeypatch.setattr("tissue.study.cluster.LOOK", 0.05)
+    monkeypatch.setattr("tissue.study.run.FIRST", 0.2)
+    monkeypatch.setattr("tissue.study.run.LOOK", 0.05)
     said = threading.Event()
-    monkeypatch.setattr("tissue.study.cluster.log.warning", lambda _: said.set())
+    monkeypatch.setattr("tissue.study.run.log.warning", lambda _: said.set())
     with Client(dask.address, set_as_default=False) as client, watched(client.get_executor()):
         assert said.wait(60)
 

@@ -22,15 +22,14 @@ from tests.tissue.study.figures_stand_in import (
 )
 from tissue.files.parameters import preset
 from tissue.model.observables import phases
+from tissue.pictures.charts import CHECK, CHECKED, ENVIRONMENTS, OUTCOMES, ratios_in_time
 from tissue.runs.simulate import simulate
+from tissue.statistics.ratios import over_time
 from tissue.study.answers import scenario_ratios
-from tissue.study.curves import over_time
 from tissue.study.figures.catalogue import FIGURES, found
-from tissue.study.figures.course import ratios_in_time
+from tissue.study.figures.conditional import MOST
 from tissue.study.figures.examples import frames
-from tissue.study.figures.needs import FigureSource, needed
-from tissue.study.figures.scatter import MOST
-from tissue.study.figures.style import CHECK, CHECKED, ENVIRONMENTS, OUTCOMES
+from tissue.study.figures.sources import FigureSource, needed
 
 STILLS = ["t = 12 h", "t = 18 h", "t = 24 h"]
 
@@ -202,7 +201,7 @@ def test_a_dot_for_each_cell_without_protrusions_but_not_too_many(sources, resul
         still, apical, basal = (part.get_offsets()[:, 0] for part in panel.collections)
         assert basal.max() < 0 <= still.min() <= still.max() <= 1 < apical.min()
         assert to_hex(panel.collections[2].get_facecolor()) == OUTCOMES["basal"][0]
-    monkeypatch.setattr("tissue.study.figures.scatter.MOST", 50)
+    monkeypatch.setattr("tissue.study.figures.conditional.MOST", 50)
     figure = FIGURES[22](sources)
     assert sum(len(part.get_offsets()) for panel in figure.axes for part in panel.collections) == 50
     assert f"n = 50 at random from {len(calm)}" in caption(figure)

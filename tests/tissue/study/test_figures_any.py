@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 from tests.tissue.study.figures_stand_in import caption, dots, expected, outcomes, written
 from tissue.cli.app import app
 from tissue.files.parameters import preset
+from tissue.pictures.charts import OUTCOMES
 from tissue.runs.simulate import simulate
-from tissue.study.figures.any_study import drawables
+from tissue.study.figures.catalogue import drawables
 from tissue.study.figures.examples import frames
+from tissue.study.figures.in_time import MOST
 from tissue.study.figures.panels import MOST_COLUMNS
-from tissue.study.figures.positions import MOST
-from tissue.study.figures.style import OUTCOMES
 from tissue.study.run import run_study
 
 MANY = 9

@@ -21,7 +21,7 @@ NO_STATES = (
 def quick(monkeypatch, tmp_path):
     """Studies that take no time, in a folder of their own; drawings of few dots, most of them in name only."""
     monkeypatch.setattr("tissue.study.outcomes.outcomes", outcomes)
-    monkeypatch.setattr("tissue.study.figures.style.DPI", 30)
+    monkeypatch.setattr("tissue.pictures.charts.DPI", 30)
     monkeypatch.setattr("tissue.pictures.picture.DPI", 30)
     monkeypatch.chdir(tmp_path)
     return written(monkeypatch)

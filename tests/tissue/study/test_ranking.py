@@ -8,10 +8,10 @@ import pytest
 from scipy.optimize import minimize
 
 from dincl.errors import InvalidProblem
-from tissue.study import ranking
-from tissue.study.categories import NO_INM, by_selection, happened
+from tissue.statistics import ranking
+from tissue.statistics.categories import NO_INM, by_selection, happened
+from tissue.statistics.ranking import by_coefficient, by_importance, by_ratio, factors, shuffled
 from tissue.study.questions import GROUP, POPULATIONS, QUESTIONS, answers
-from tissue.study.ranking import by_coefficient, by_importance, by_ratio, factors, shuffled
 
 END = 48.0
 MIXTURES = ("[A]", "[B]", "[A] and [B]")

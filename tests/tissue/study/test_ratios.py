@@ -8,9 +8,9 @@ import pytest
 from scipy.stats import binomtest, chi2_contingency
 
 from dincl.errors import InvalidProblem
-from tissue.study.comparisons import ALIKE, Difference, against_printed, agrees, alike, more, runs_needed, within
-from tissue.study.proportions import corrected, wilson
-from tissue.study.ratios import Ratio, effective_size, ratio, ratios
+from tissue.statistics.comparisons import ALIKE, Difference, against_printed, agrees, alike, more, runs_needed, within
+from tissue.statistics.proportions import corrected, wilson
+from tissue.statistics.ratios import Ratio, effective_size, ratio, ratios
 
 TRIALS = 600
 # Five standard deviations of a coverage of 0.95 in so many trials.

@@ -8,7 +8,7 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tissue.files.parameters import preset
-from tissue.study.ratios import Ratio
+from tissue.statistics.ratios import Ratio
 from tissue.study.sensitivity import analyse, indices, plan_sensitivity, point_name, sobol_points
 
 # Ishigami: sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, x uniform in (-pi, pi).

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 
 from dincl.errors import InvalidProblem
-from tissue.study.categories import (
+from tissue.statistics.categories import (
     by_interval,
     by_order,
     by_selection,
@@ -16,8 +16,7 @@ from tissue.study.categories import (
     kept_times,
     outcome,
 )
-from tissue.study.curves import given, over_time
-from tissue.study.ratios import Ratio
+from tissue.statistics.ratios import Ratio, given, over_time
 
 NEVER = math.inf
 END = 48.0

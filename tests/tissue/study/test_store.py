@@ -133,7 +133,13 @@ def test_the_code_version_knows_the_sources_that_make_numbers():
     rows = {"tissue.runs.start", "tissue.step.substeps", "tissue.study.outcomes", "tissue.runs.tables"}
     rows |= {"dincl.compiled.functions", "tissue.events.apical", "tissue.events.division", "tissue.runs.tables"}
     assert rows <= code.keys()
-    aside = {"tissue.picture", "tissue.cli_study", "tissue.study.ratios", "tissue.study.store", "dincl.study.execute"}
+    aside = {
+        "tissue.picture",
+        "tissue.cli_study",
+        "tissue.statistics.ratios",
+        "tissue.study.store",
+        "dincl.study.execute",
+    }
     assert aside.isdisjoint(code)
 
 

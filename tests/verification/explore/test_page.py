@@ -20,8 +20,8 @@ from tests.verification.explore.site import (
     write_base,
 )
 from tests.verification.explore.small import SMALL
+from tissue.pictures.charts import OUTCOMES
 from tissue.study.answers import scenario_ratios
-from tissue.study.figures.style import OUTCOMES
 from tissue.study.run import run_study
 from verification.explore.tissues.setting import Setting
 

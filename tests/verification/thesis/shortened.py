@@ -10,7 +10,7 @@ from tests.verification.thesis.shortened_emt import FEWEST, emt_form, shorten_co
 from tests.verification.thesis.shortened_meanfield import MEANFIELD
 from tests.verification.thesis.shortened_space import SPACE, shorten_space
 from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
-from tissue.study.figures import style
+from tissue.pictures import charts as style
 from verification.budget import CpuSeconds
 from verification.claims import Claim
 from verification.page import context as page_context

@@ -1,4 +1,4 @@
-"""All figures that the results in a folder suffice for."""
+"""All figures that the results in a folder suffice for: those of any study, then those of chapter 4."""
 
 from __future__ import annotations
 
@@ -8,23 +8,85 @@ from os import PathLike
 from pathlib import Path
 from typing import NamedTuple
 
+from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from tissue.files.parameter_files import read
-from tissue.pictures.sheet import Figure, write
-from tissue.study.figures.any_study import drawables
-from tissue.study.figures.at_end import figure_13, figure_15
-from tissue.study.figures.conditional import figure_20, figure_21
-from tissue.study.figures.environments import figure_17, figure_18, figure_19
-from tissue.study.figures.examples import figure_11, figure_16
-from tissue.study.figures.in_time import figure_10, figure_12, figure_14
-from tissue.study.figures.needs import PRESETS, Draw, Sources, by_preset, needed
-from tissue.study.figures.scatter import figure_22
-from tissue.study.figures.style import caption
+from tissue.pictures.charts import CHART_STYLE, caption, verbatim
+from tissue.pictures.sheet import Figure, style, write
+from tissue.study.figures.at_end import at_end, figure_13, figure_15, figure_17, figure_18, figure_19
+from tissue.study.figures.conditional import figure_20, figure_21, figure_22
+from tissue.study.figures.examples import examples, figure_11, figure_16, surface
+from tissue.study.figures.in_time import figure_10, figure_12, figure_14, positions, ratios_against_time
+from tissue.study.figures.sources import PRESETS, Draw, FigureSource, Sources, by_preset, needed, no_cells
 from tissue.study.plan import FOLDER, shipped
 from tissue.study.read import Results
 from tissue.study.store import about
 
 MAKES_NO_NUMBERS = True
+
+
+class Drawable(NamedTuple):
+    """A figure of a study; ``draw`` raises InvalidProblem if it cannot be drawn."""
+
+    name: str
+    told: str  # what it shows
+    draw: Callable[[], Figure]
+
+
+def drawables(results: Results) -> Iterator[Drawable]:
+    """All figures of a study."""
+    for name, told in (
+        ("positions", "positions of EMT cells against time"),
+        ("ratios", "ratios of extrusion against time"),
+        ("at_end", "ratios of extrusion at the end"),
+    ):
+        yield Drawable(name, told, partial(_of_cells, results, name))
+    scenarios, stored = results.study.scenarios, _stored(results)
+    if not results.study.trajectories:
+        yield Drawable("examples", "", partial(examples, results, scenarios[0]))
+        return
+    digits = len(str(len(scenarios)))
+    for number, scenario in enumerate(scenarios, 1):
+        if scenario in stored:
+            told = f"examples of {scenario}"
+            yield Drawable(f"examples_{number:0{digits}}", told, partial(_examples, results, scenario))
+    if stored and results.parameters(stored[0]).in_space:
+        yield Drawable("surface", f"the surface of a run of {stored[0]}", partial(surface, results, stored[0]))
+
+
+def _of_cells(results: Results, name: str) -> Figure:
+    """One of the figures of all scenarios that have EMT cells; which have none is said below it."""
+    absent = dict.fromkeys(results.study.scenarios, "is not stored yet")
+    for scenario in _stored(results):
+        empty = results.cells(scenario, ["replicate"]).empty
+        absent[scenario] = no_cells(results, scenario) if empty else ""
+    shown = [scenario for scenario, why in absent.items() if not why]
+    missing = [f"{describe(scenario)} {why}" for scenario, why in absent.items() if why]
+    if not shown:
+        raise InvalidProblem(f"{results.folder}: {'; '.join(missing)}")
+    source = {"": FigureSource({"": results})}
+    with style(**CHART_STYLE):
+        if name == "positions":
+            figure = positions(source, "", shown)
+        elif name == "ratios":
+            figure = ratios_against_time(source, "", shown, "EMT cells")
+        else:
+            figure = at_end(source, "", shown)
+    if missing:
+        caption(figure, f"{figure.get_supxlabel()} Not shown: {verbatim('; '.join(missing))}.")
+    return figure
+
+
+def _examples(results: Results, scenario: str) -> Figure:
+    with style(**CHART_STYLE):
+        return examples(results, scenario)
+
+
+def _stored(results: Results) -> list[str]:
+    """The scenarios of which some runs are stored."""
+    summary = results.summary()
+    return list(summary.loc[summary["runs"] > 0, "scenario"])
+
 
 # By their numbers in chapter 4.
 FIGURES: dict[int, Draw] = {
@@ -46,7 +108,7 @@ SUBFOLDER = "figures"
 ENDINGS = (".png", ".svg")
 
 
-class Drawn(NamedTuple):
+class FigureFile(NamedTuple):
     """A figure, or why there is none."""
 
     name: str
@@ -76,7 +138,7 @@ def found(folder: str | PathLike[str]) -> dict[str, Results]:
     return studies
 
 
-def draw_all(folder: str | PathLike[str]) -> Iterator[Drawn]:
+def draw_all(folder: str | PathLike[str]) -> Iterator[FigureFile]:
     """Draw what can be drawn, one after the other; and say what cannot, and why.
 
     Those of a study go into the folder ``figures`` in that of the study, those of chapter 4 into the one in ``folder``.
@@ -88,7 +150,7 @@ def draw_all(folder: str | PathLike[str]) -> Iterator[Drawn]:
 
     Returns
     -------
-    Iterator[Drawn]
+    Iterator[FigureFile]
         The figures of each study; then those of chapter 4, by number, that are drawn from one of the studies.
     """
     studies, top = found(folder), Path(folder)
@@ -99,7 +161,7 @@ def draw_all(folder: str | PathLike[str]) -> Iterator[Drawn]:
     yield from _of_thesis(studies, top)
 
 
-def _of_thesis(studies: dict[str, Results], top: Path) -> Iterator[Drawn]:
+def _of_thesis(studies: dict[str, Results], top: Path) -> Iterator[FigureFile]:
     """The figures of chapter 4 that one of the studies is for, both presets beside each other where both are there."""
     home, sources = top.parent if _is_study(top) else top, by_preset(studies)
     for number, draw in FIGURES.items():
@@ -113,7 +175,7 @@ def _of_thesis(studies: dict[str, Results], top: Path) -> Iterator[Drawn]:
             preset = max(used, key=lambda one: len(used[one]))
             absent = [study + PRESETS[preset] for study in sources[preset].lacks(draw)]
             commands = ", ".join(f"tissue study {study} --out {home / study}" for study in absent)
-            yield Drawn(name, (), f"is made after: {commands}")
+            yield FigureFile(name, (), f"is made after: {commands}")
 
 
 def of_presets(draw: Draw, sources: Sources) -> Figure:
@@ -124,11 +186,11 @@ def of_presets(draw: Draw, sources: Sources) -> Figure:
     return figure
 
 
-def _drawn(home: Path, name: str, draw: Callable[[], Figure], told: str) -> Drawn:
+def _drawn(home: Path, name: str, draw: Callable[[], Figure], told: str) -> FigureFile:
     try:
         figure = draw()
     except InvalidProblem as error:
-        return Drawn(name, (), f"cannot be drawn: {error}")
+        return FigureFile(name, (), f"cannot be drawn: {error}")
     files = tuple(home / SUBFOLDER / f"{name}{ending}" for ending in ENDINGS)
     try:
         files[0].parent.mkdir(exist_ok=True)
@@ -136,7 +198,7 @@ def _drawn(home: Path, name: str, draw: Callable[[], Figure], told: str) -> Draw
             write(figure, file)
     except OSError as error:
         raise InvalidProblem(f"{home / SUBFOLDER}: must be a folder that can be written to: {error}") from error
-    return Drawn(name, files, told)
+    return FigureFile(name, files, told)
 
 
 def _is_study(folder: Path) -> bool:

@@ -11,12 +11,15 @@ import pandas as pd
 from dincl.errors import InvalidProblem
 from tissue.events.known import EVENTS
 from tissue.files.frame import Frame
+from tissue.pictures.charts import POSITION, caption, verbatim
 from tissue.pictures.picture import Box, drawing
+from tissue.pictures.section import section_on
 from tissue.pictures.sheet import Figure
-from tissue.runs.tables import LENGTHS
+from tissue.pictures.view import surface_figure
+from tissue.runs.simulate import simulate
+from tissue.runs.tables import DEPTH_LENGTHS, LENGTHS
 from tissue.state.cells import CellLayers, Cells, empty
-from tissue.study.figures.needs import Sources, needs
-from tissue.study.figures.style import POSITION, caption, verbatim
+from tissue.study.figures.sources import Sources, needs
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -46,7 +49,18 @@ class Example(NamedTuple):
 def examples(results: Results, scenario: str) -> Figure:
     """Stored runs of a scenario from the first event to the end: the lowest at the onset, and the highest."""
     found = _ends(stored(results, scenario))
-    return _sheet([("", one) for one in found], f"{verbatim(scenario)}. Rows from above")
+    cut = ", sections through an EMT cell" if results.parameters(scenario).in_space else ""
+    return _sheet([("", one) for one in found], f"{verbatim(scenario)}{cut}. Rows from above")
+
+
+def surface(results: Results, scenario: str) -> Figure:
+    """The end of the first stored run of a scenario in three dimensions: nuclei, apical surface, section.
+
+    Tables do not hold the networks, so the run is made again, from its seed.
+    """
+    runs = results.runs(scenario, ["seed", "status"])
+    run = simulate(results.parameters(scenario), int(runs["seed"].iloc[0]), throw=False)
+    return surface_figure(run.final, run.parameters)
 
 
 @needs(figure10="runs")
@@ -72,6 +86,8 @@ def figure_16(sources: Sources) -> Figure:
 def frames(table: pd.DataFrame, times: Sequence[float], parameters: Parameters) -> list[Frame]:
     """States of a run from its table, as far as pictures need them; which apical points are joined is not in it.
 
+    In three dimensions they are sections: through the first EMT cell, without one at z = 0.
+
     Parameters
     ----------
     table
@@ -86,13 +102,18 @@ def frames(table: pd.DataFrame, times: Sequence[float], parameters: Parameters) 
 
 def _frame(rows: pd.DataFrame, t: float, parameters: Parameters) -> Frame:
     um, types = parameters.cell.soft_radius.value, list(parameters.type_names)
-    lengths = {name: rows[column].to_numpy() / um for column, name in LENGTHS.items()}
+    known = LENGTHS | (DEPTH_LENGTHS if parameters.in_space else {})
+    lengths = {name: rows[column].to_numpy() / um for column, name in known.items()}
     others = {"birth": t - rows["age_h"], "cycle": rows["cycle_h"], "id": rows["id"], "emt": rows["emt"]}
     codes = {"events": rows["events"].map(EVENTS.index), "kind": rows["type"].map(types.index)}
     plain = {name: column.to_numpy() for name, column in (others | codes).items()}
     cells: Cells = empty(len(rows))._replace(**lengths, **plain)
     layers = CellLayers(*(np.flatnonzero(rows[f"in_{layer}_layer"]) for layer in CellLayers._fields))
-    return Frame(t, cells, layers, parameters.curve())
+    frame = Frame(t, cells, layers, parameters.curve())
+    if not parameters.in_space:
+        return frame
+    emt = cells.z[cells.emt >= 0]
+    return section_on(frame, parameters.lattice().surface, float(emt[0]) if len(emt) else 0.0)
 
 
 def stored(results: Results, scenario: str) -> list[Example]:
@@ -167,7 +188,7 @@ def _box(states: Sequence[Frame], parameters: Parameters) -> Box | None:
     """Around the EMT cells of tissue on a line; None, for all of it, without EMT cells and on other layers."""
     um = parameters.cell.soft_radius.value
     places = um * np.concatenate([state.cells.x[state.cells.emt >= 0] for state in states])
-    if not len(places) or parameters.curve().pieces:
+    if not len(places) or states[0].curve.pieces:
         return None
     heights = um * np.concatenate([np.concatenate((state.cells.y, state.cells.ay, state.cells.by)) for state in states])
     middle, reach = (places.max() + places.min()) / 2, (places.max() - places.min()) / 2

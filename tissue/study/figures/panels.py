@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 import numpy as np
 import pandas as pd
 
+from tissue.pictures.charts import CAP, CHECK, CHECKED, page, verbatim
 from tissue.pictures.sheet import Axes, Figure, Line2D, Patch
-from tissue.study.figures.style import CAP, CHECK, CHECKED, page, verbatim
 
 MAKES_NO_NUMBERS = True
 
@@ -20,7 +20,7 @@ TITLE_LETTERS, NAME_LETTERS = 108, 42  # of all titles in a row; of a line of a 
 APART = 0.34  # of the marks of one line
 
 
-class Dots(NamedTuple):
+class RatioSeries(NamedTuple):
     """One series of ratios."""
 
     label: str
@@ -76,7 +76,7 @@ def _place(panel: Axes) -> Any:
     return panel.get_subplotspec()
 
 
-def draw_dots(panel: Axes, names: Sequence[str], series: Sequence[Dots]) -> None:
+def draw_series(panel: Axes, names: Sequence[str], series: Sequence[RatioSeries]) -> None:
     """Ratios [%] with their intervals: a line for each name from above to below, in it a mark for each series."""
     step = min(APART, 0.7 / len(series))
     for k, (label, rows, checked, look) in enumerate(series):

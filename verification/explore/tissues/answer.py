@@ -11,17 +11,16 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.special import stdtrit
 
+from tissue.pictures.charts import OUTCOMES, ratios_in_time
+from tissue.statistics.comparisons import Difference, runs_needed
+from tissue.statistics.proportions import LEVEL, sample_size
 from tissue.study.answers import end_ratios, mean_and_half, shares_of
-from tissue.study.comparisons import Difference, runs_needed
-from tissue.study.figures.course import ratios_in_time
-from tissue.study.figures.style import OUTCOMES
-from tissue.study.proportions import LEVEL, sample_size
 
 if TYPE_CHECKING:
     from numpy.typing import NDArray
 
-    from tissue.study.categories import What
-    from tissue.study.ratios import Ratio
+    from tissue.statistics.categories import What
+    from tissue.statistics.ratios import Ratio
     from verification.explore.tissues.ensemble import PartialResults
 
 MAKES_NO_NUMBERS = True
@@ -106,7 +105,7 @@ class Answer(NamedTuple):
     means
         At the end, over runs: of y_AB, of the height, of shares of control cells; those that have two values.
     in_time
-        The ratios at each kept time, as ``tissue.study.curves.over_time`` has them; no rows without EMT cells.
+        The ratios at each kept time, as ``tissue.statistics.ratios.over_time`` has them; no rows without EMT cells.
     time_series
         Of y_AB and the height.
     """

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from nicegui import ui
 
-from tissue.study.figures.style import OUTCOMES
+from tissue.pictures.charts import OUTCOMES
 from verification.explore.common.widgets import columns_of, draw, empty_chart, number_table
 from verification.explore.tissues.answer import HEIGHT, POSITION, AnswerRow, rows_of
 

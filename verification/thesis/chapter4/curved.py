@@ -15,8 +15,8 @@ import pandas as pd
 from dincl.study import read_sealed, workers
 from tissue.files.parameters import preset
 from tissue.state.cells import Floats
+from tissue.statistics.proportions import wilson
 from tissue.study.outcomes import SIDES, outcomes
-from tissue.study.proportions import wilson
 from tissue.study.read import Results
 from tissue.study.run import run_study
 from verification.thesis.chapter3.intervals import over_seeds

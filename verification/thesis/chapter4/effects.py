@@ -11,10 +11,10 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from tissue.study.categories import Rule, outcome
-from tissue.study.comparisons import PRINTED_LEVEL, against_printed, agrees
-from tissue.study.proportions import LEVEL, quantile
-from tissue.study.ratios import ratio
+from tissue.statistics.categories import Rule, outcome
+from tissue.statistics.comparisons import PRINTED_LEVEL, against_printed, agrees
+from tissue.statistics.proportions import LEVEL, quantile
+from tissue.statistics.ratios import ratio
 from tissue.study.read import Results
 from verification.thesis.chapter4.differences import AS_PRINTED, NAME, PUBLISHED, ROWS, SEPARATOR, SETTINGS, design
 from verification.thesis.chapter4.printed import END, OF, PRINTED, Printed

@@ -11,8 +11,7 @@ import pandas as pd
 
 from tissue.pictures.sheet import write
 from tissue.study.figures.catalogue import FIGURES, of_presets
-from tissue.study.figures.needs import RUNS, by_preset, needed
-from tissue.study.figures.tables import TABLES
+from tissue.study.figures.sources import RUNS, TABLES, by_preset, needed
 from tissue.study.plan import TissueStudy
 from tissue.study.read import Results
 from verification.page.context import Context

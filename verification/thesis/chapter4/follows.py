@@ -7,13 +7,12 @@ from typing import Any
 
 import pandas as pd
 
-from tissue.study.categories import NO_INM
-from tissue.study.comparisons import Difference
-from tissue.study.figures.at_end import ENDS, PROGRAMS, WITH_AND_WITHOUT
-from tissue.study.figures.cells import POPULATIONS
-from tissue.study.figures.environments import ALONE
-from tissue.study.proportions import LEVEL, corrected
-from tissue.study.ratios import Ratio, as_ratio
+from tissue.statistics.categories import NO_INM
+from tissue.statistics.comparisons import Difference
+from tissue.statistics.proportions import LEVEL, corrected
+from tissue.statistics.ratios import Ratio, as_ratio
+from tissue.study.figures.at_end import DELAYED, ENDS, PROGRAMS, WITH_AND_WITHOUT
+from tissue.study.figures.sources import POPULATIONS
 from verification.thesis.chapter4.beside import without_ending
 from verification.thesis.chapter4.studies import PRESETS, preset_of
 
@@ -64,7 +63,7 @@ def heterogeneous(ratios: pd.DataFrame, categories: pd.DataFrame) -> dict[str, A
             alone.loc[(f"figure15{suffix}", scenario + inm)],
         )
         for preset, suffix in PRESETS.items()
-        for order, scenario in ALONE.items()
+        for order, scenario in DELAYED.items()
         for inm in ("", NO_INM)
         for study in POPULATIONS
     }

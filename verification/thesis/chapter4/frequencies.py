@@ -8,9 +8,9 @@ from typing import TypeVar
 
 import numpy as np
 
-from tissue.study.comparisons import CLAIM_LEVEL, Difference, runs_needed
-from tissue.study.proportions import POWER, quantile, sample_size
-from tissue.study.ratios import Ratio, as_ratio
+from tissue.statistics.comparisons import CLAIM_LEVEL, Difference, runs_needed
+from tissue.statistics.proportions import POWER, quantile, sample_size
+from tissue.statistics.ratios import Ratio, as_ratio
 from verification.claims import Tables
 from verification.evidence import Comparison, Interval
 from verification.thesis.chapter4.studies import PRESETS

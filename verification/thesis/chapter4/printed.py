@@ -7,9 +7,9 @@ from typing import Any, NamedTuple
 
 import pandas as pd
 
-from tissue.study.categories import Rule, What, kept_times, outcome
-from tissue.study.comparisons import PRINTED_LEVEL, against_printed, agrees
-from tissue.study.ratios import ratio
+from tissue.statistics.categories import Rule, What, kept_times, outcome
+from tissue.statistics.comparisons import PRINTED_LEVEL, against_printed, agrees
+from tissue.statistics.ratios import ratio
 from tissue.study.read import Results
 from verification.thesis.chapter4.studies import PRESETS
 

@@ -7,8 +7,8 @@ from typing import Any
 
 import pandas as pd
 
-from tissue.study.comparisons import CLAIM_LEVEL, Difference
-from tissue.study.ratios import Ratio
+from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.ratios import Ratio
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill, listed, percents

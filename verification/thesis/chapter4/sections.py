@@ -7,9 +7,9 @@ from typing import Any
 
 import pandas as pd
 
-from tissue.study.comparisons import PRINTED_LEVEL, Difference
-from tissue.study.proportions import corrected
-from tissue.study.ratios import as_ratio
+from tissue.statistics.comparisons import PRINTED_LEVEL, Difference
+from tissue.statistics.proportions import corrected
+from tissue.statistics.ratios import as_ratio
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
 from verification.page.prose import fill

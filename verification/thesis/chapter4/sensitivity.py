@@ -8,9 +8,9 @@ import pandas as pd
 
 from tissue.files.parameter_files import flat
 from tissue.files.parameters import preset
-from tissue.study.categories import kept_times, outcome
+from tissue.statistics.categories import kept_times, outcome
+from tissue.statistics.ratios import ratio
 from tissue.study.plan import TissueStudy
-from tissue.study.ratios import ratio
 from tissue.study.read import Results
 from tissue.study.sensitivity import Plan, analyse, plan_sensitivity
 

@@ -8,11 +8,10 @@ from typing import get_args
 import numpy as np
 import pandas as pd
 
-from tissue.study.categories import What, by_order, happened, kept_times, outcome
-from tissue.study.curves import given
+from tissue.statistics.categories import What, by_order, happened, kept_times, outcome
+from tissue.statistics.ranking import by_importance
+from tissue.statistics.ratios import given, ratio, ratios
 from tissue.study.questions import answers
-from tissue.study.ranking import by_importance
-from tissue.study.ratios import ratio, ratios
 from tissue.study.read import Results
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter4.studies import FURTHER, PRESETS, QUESTIONED

@@ -18,9 +18,9 @@ from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
 from tissue.runs.batch import Lot
 from tissue.state.cells import Flags, Integers
+from tissue.statistics.proportions import wilson
 from tissue.study.outcomes import SIDES
 from tissue.study.plan import run_seeds
-from tissue.study.proportions import wilson
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.chapter4.curved import file
 from verification.thesis.kept import keep

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pandas as pd
 
-from tissue.study.proportions import wilson
+from tissue.statistics.proportions import wilson
 
 
 def counted(hits: pd.Series, replicate: pd.Series) -> dict[str, float]:

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import pandas as pd
 
 from dincl.study import read_sealed, workers
-from tissue.study.categories import What, kept_times, outcome
-from tissue.study.comparisons import Difference, more
+from tissue.statistics.categories import What, kept_times, outcome
+from tissue.statistics.comparisons import Difference, more
+from tissue.statistics.ratios import as_ratio
 from tissue.study.plan import load_study
-from tissue.study.ratios import as_ratio
 from tissue.study.read import Results
 from tissue.study.run import run_study
 from verification.thesis.chapter4.kept import read

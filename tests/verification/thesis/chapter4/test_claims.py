@@ -24,7 +24,7 @@ from tests.verification.thesis.emt_tables import (
 )
 from tests.verification.thesis.evidence import differences
 from tissue.events.known import row
-from tissue.study.comparisons import Difference
+from tissue.statistics.comparisons import Difference
 from verification.claims import stated_in
 from verification.evidence import Comparison, Kind
 from verification.thesis.chapter4 import frequencies

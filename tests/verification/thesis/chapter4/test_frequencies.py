@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tissue.study.comparisons import Difference
-from tissue.study.ratios import Ratio
+from tissue.statistics.comparisons import Difference
+from tissue.statistics.ratios import Ratio
 from verification.evidence import Evidence, Kind
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.studies import PRESETS

@@ -6,9 +6,9 @@ import pandas as pd
 import pytest
 
 from tests.executors import Nowhere
-from tissue.study.comparisons import Difference
-from tissue.study.proportions import corrected
-from tissue.study.ratios import Ratio, as_ratio
+from tissue.statistics.comparisons import Difference
+from tissue.statistics.proportions import corrected
+from tissue.statistics.ratios import Ratio, as_ratio
 from verification.page.context import Context
 from verification.thesis.chapter4 import differences, effects, follows, headings, kept, section_differences, studies
 from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios

@@ -5,12 +5,14 @@ import pandas as pd
 import pytest
 
 import tissue
+from tissue.pictures.section import section
 from tissue.state.cells import CONTROL
 from tissue.study.plan import load_study
 from verification.thesis.space import choices, growth, isolated
 from verification.thesis.space.counted import counted, with_intervals
 from verification.thesis.space.edge import are_inner
 from verification.thesis.space.growth import roughness
+from verification.thesis.space.heights import part_that_stays
 
 
 def sheet(**more):
@@ -40,6 +42,21 @@ def test_extents_are_measured_over_the_start():
     assert told["basal"] == pytest.approx(2.0)
     assert told["fan"] == pytest.approx(0.5)
     assert told["height"] == told["number"] == told["section"] == 1.0
+
+
+def test_sections_of_a_sheet_that_cannot_spread_keep_their_share_of_the_cells():
+    """Over all planes a plane meets 2 N r / L nuclei, so p of ``part_that_stays`` is 1 but for the mean radius r."""
+    given = {"tissue.dimension": 3, "tissue.two_daughters": 1, "numerics.t_end": "6 h", "numerics.keep": "6 h"}
+    frames = tissue.simulate(tissue.preset("published").changed(given), 1).frames
+    period, counts = frames[0].sheets.surface.period_z, []
+    for frame in frames:
+        planes = period * (np.arange(500) + 0.5) / 500
+        counts.append(np.mean([len(section(frame, z).cells.x) for z in planes]))
+        assert counts[-1] == pytest.approx(2 * frame.cells.radius.sum() / period, rel=0.01)
+    first, last = (frame.cells.radius for frame in frames)
+    number, radius = len(last) / len(first), last.mean() / first.mean()
+    assert number > 1.2
+    assert part_that_stays(counts[1] / counts[0] / radius, number) == pytest.approx(1.0, abs=0.06)
 
 
 def ratios(**values):

@@ -13,7 +13,7 @@ from scipy.special import stdtrit
 from tissue.files.parameters import preset
 from tissue.model.observables import ab_positions
 from tissue.runs.simulate import simulate
-from tissue.study.ratios import Ratio
+from tissue.statistics.ratios import Ratio
 from verification.claims import claim
 from verification.evidence import Evidence, at_least, at_most, equal
 from verification.thesis.chapter3.intervals import over_seeds

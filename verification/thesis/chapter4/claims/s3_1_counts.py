@@ -5,7 +5,7 @@ from __future__ import annotations
 
 from itertools import permutations, product
 
-from tissue.study.categories import EVENTS
+from tissue.statistics.categories import EVENTS
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal
 

@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from tissue.state.cells import Floats
-from tissue.study.proportions import POWER
+from tissue.statistics.proportions import POWER
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most, proved
 from verification.formal.reals import implication, solver_library

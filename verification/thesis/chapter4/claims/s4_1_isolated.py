@@ -5,8 +5,8 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference
-from tissue.study.ratios import Ratio, as_ratio
+from tissue.statistics.comparisons import ALIKE, CLAIM_LEVEL, Difference
+from tissue.statistics.ratios import Ratio, as_ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most
 from verification.thesis.chapter4.frequencies import (

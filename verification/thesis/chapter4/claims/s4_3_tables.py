@@ -8,7 +8,7 @@ from collections import Counter
 import numpy as np
 
 from tissue.files.timing import timing
-from tissue.study.proportions import wilson
+from tissue.statistics.proportions import wilson
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Comparison, Evidence, Kind, at_most, equal
 from verification.thesis.chapter4.frequencies import most_runs, runs_for_bound

@@ -6,8 +6,8 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from tissue.study.comparisons import CLAIM_LEVEL, Difference
-from tissue.study.ratios import Ratio
+from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.ratios import Ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind
 from verification.thesis.chapter4.frequencies import (

@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from tissue.study.comparisons import CLAIM_LEVEL, Difference
-from tissue.study.ratios import Ratio
+from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.ratios import Ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Interval, Kind, at_least, at_most
 from verification.thesis.chapter4.frequencies import (

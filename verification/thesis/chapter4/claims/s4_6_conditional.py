@@ -7,9 +7,9 @@ from functools import partial
 
 import pandas as pd
 
-from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference
-from tissue.study.proportions import LEVEL
-from tissue.study.ratios import Ratio, as_ratio
+from tissue.statistics.comparisons import ALIKE, CLAIM_LEVEL, Difference
+from tissue.statistics.proportions import LEVEL
+from tissue.statistics.ratios import Ratio, as_ratio
 from verification.claims import Tables, claim
 from verification.evidence import Evidence, Interval, Kind
 from verification.thesis.chapter4.frequencies import (

@@ -8,9 +8,9 @@ from functools import partial
 
 import pandas as pd
 
-from tissue.study.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.ratios import Ratio, as_ratio
 from tissue.study.questions import QUESTIONS
-from tissue.study.ratios import Ratio, as_ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind
 from verification.thesis.chapter4.frequencies import (

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 import dincl
-from tissue.study.comparisons import ALIKE, CLAIM_LEVEL, Difference, runs_needed
+from tissue.statistics.comparisons import ALIKE, CLAIM_LEVEL, Difference, runs_needed
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
 from verification.thesis.chapter1.sets import Floats

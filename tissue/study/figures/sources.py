@@ -1,16 +1,21 @@
-"""What a figure is drawn from: the results of studies, or complete tables that are kept in their place."""
+"""What a figure is drawn from: cells and tables of studies, or complete tables that are kept in their place."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import wraps
 from typing import TYPE_CHECKING
 
+import pandas as pd
+
+from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.pictures.charts import CHART_STYLE
 from tissue.pictures.sheet import Figure, style
-from tissue.study.figures.style import LOOK
-from tissue.study.figures.tables import TABLES
+from tissue.statistics.categories import by_order, happened, kept_times, outcome
+from tissue.statistics.ratios import given, ratios
+from tissue.study.answers import scenario_ratios
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,6 +23,86 @@ if TYPE_CHECKING:
     from tissue.study.read import Results
 
 MAKES_NO_NUMBERS = True
+
+# The studies of Table 5 of chapter 4, and the scenario of each.
+POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 % [P]"}
+
+
+def cells_of(results: Results, scenario: str, *, last_only: bool = False) -> pd.DataFrame:
+    """The EMT cells of a scenario; ``last_only``: of their positions those at the end.
+
+    Raises
+    ------
+    InvalidProblem
+        If the scenario is not there, nothing of it is stored yet, or no run of it has EMT cells.
+    """
+    columns = None
+    if last_only:
+        end = results.parameters(scenario).t_end
+        times = [f"t_{event}_h" for event in "absp"]
+        columns = ["replicate", "inm", *times, "onset_ab", f"ab_{end:g}h", f"below_{end:g}h"]
+    cells = results.cells(scenario, columns)
+    if cells.empty:
+        raise InvalidProblem(f"{results.folder}, {describe(scenario)} {no_cells(results, scenario)}")
+    return cells
+
+
+def no_cells(results: Results, scenario: str) -> str:
+    """Why a scenario has no rows of EMT cells."""
+    failed = (results.runs(scenario, ["status"])["status"] != "SUCCESS").all()
+    return (
+        "has no run that did not fail" if failed else "has no EMT cells; emt.cells, or an event of a type, gives some"
+    )
+
+
+def population(results: Results, study: str) -> pd.DataFrame:
+    """The cells of a heterogeneous population of Table 5 of chapter 4, with their positions at the end."""
+    return cells_of(results, POPULATIONS[study], last_only=True)
+
+
+# Edges of the position at the onset, and of event times [h], for Figures 21 and 20 of chapter 4.
+ONSETS, TIMES = tuple(k / 10 for k in range(11)), tuple(range(6, 25, 3))
+INM = {True: "INM", False: "no INM"}
+
+
+def categories(results: Results) -> pd.DataFrame:
+    """Basal extrusion at the end by the events of a cell in their order, with and without INM."""
+    parts = []
+    for scenario, cells, end in _at_end(results):
+        table = ratios(outcome(cells, "basal", end), cells["replicate"], by_order(cells, end, inm=True))
+        parts.append(table.rename_axis("category").reset_index().assign(scenario=scenario))
+    return pd.concat(parts, ignore_index=True)
+
+
+def conditional(results: Results) -> pd.DataFrame:
+    """Basal extrusion at the end given the position at the onset and the times of [A], [B], [P] in their column.
+
+    Of the cells without [P], and given the time of [P] of those with it; ``given``, ``inm`` say which rows are which.
+    """
+    parts = []
+    for _, cells, end in _at_end(results):
+        hits, calm = outcome(cells, "basal", end), ~happened(cells, end)["P"]
+        for moves, inm in INM.items():
+            for column, edges in {"onset_ab": ONSETS, "t_a_h": TIMES, "t_b_h": TIMES, "t_p_h": TIMES}.items():
+                kind = (~calm if column == "t_p_h" else calm) & (cells["inm"] == moves)
+                table = given(hits[kind], cells["replicate"][kind], cells[column][kind], edges)
+                parts.append(table.assign(given=column, inm=inm))
+    return pd.concat(parts, ignore_index=True)
+
+
+def _at_end(results: Results) -> Iterator[tuple[str, pd.DataFrame, float]]:
+    """Each scenario with its cells, of their positions those at the end, and when that is [h]."""
+    for scenario in results.study.scenarios:
+        cells = cells_of(results, scenario, last_only=True)
+        yield scenario, cells, kept_times(cells)[-1]
+
+
+TABLES: dict[str, Callable[[Results], pd.DataFrame]] = {
+    "ratios": scenario_ratios,
+    "categories": categories,
+    "conditional": conditional,
+}
+
 
 # The ending of studies that change a preset.
 PRESETS = {"thesis": "", "published": "_published"}
@@ -107,7 +192,7 @@ def needs(**studies: str) -> Callable[[Draw], Draw]:
             for source in sources.values():
                 if absent := source.lacks(checked):
                     raise InvalidProblem(f"results lack {', '.join(absent)}: must have {', '.join(studies)}")
-            with style(**LOOK):
+            with style(**CHART_STYLE):
                 return draw(sources)
 
         checked.__dict__["needs"] = studies

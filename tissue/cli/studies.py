@@ -1,19 +1,67 @@
-"""The command ``tissue summary``."""
+"""The commands ``tissue study``, ``tissue summary`` and ``tissue figures``."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from tissue.cli.messages import messages
+from dincl.study import progress
+from tissue.cli.messages import GOES_ON, INTERRUPTED, messages
 
 if TYPE_CHECKING:
     from tissue.study.read import Results
 
 MAKES_NO_NUMBERS = True
+
+File = Annotated[str, typer.Argument(metavar="FILE", help="A study file, or a study that comes with the program.")]
+Out = Annotated[Path, typer.Option(help="Folder of the results: new, empty, or of this study to go on with it.")]
+Scheduler = Annotated[str | None, typer.Option(metavar="ADDRESS", help="Of a Dask cluster, such as tcp://host:8786.")]
+
+
+def study(file: File, out: Out, scheduler: Scheduler = None) -> None:
+    """Make all runs of a study that are not in its folder yet, on this machine's cores or a Dask cluster.
+
+    After any interruption the same command goes on. Exit codes: 0 all runs are stored, failed ones with their status; 2
+    bad input; 3 the study could not go on, as on a full disk; 130 Ctrl-C.
+    """
+    from tissue.study.plan import load_study
+    from tissue.study.run import carry_out, cluster
+
+    with messages():
+        plan = load_study(file)
+        for remark in plan.remarks:
+            print(remark)
+        start = time.monotonic()
+        stored: list[int] = []
+        try:
+            with (
+                cluster(scheduler) if scheduler is not None else nullcontext() as executor,
+                progress(plan.title, plan.runs, "runs") as watch,
+            ):
+
+                def told(runs: int) -> None:
+                    stored.append(runs)
+                    watch(runs)
+
+                results = carry_out(plan, out, executor, told)
+        except KeyboardInterrupt:
+            typer.echo(f"Interrupted: {GOES_ON}", err=True)
+            raise typer.Exit(INTERRUPTED) from None
+    print(_summary(results, stored[-1] - stored[0], time.monotonic() - start))
+
+
+def _summary(results: Results, runs: int, seconds: float) -> str:
+    """One line: what was done, how fast, how many runs failed, and where the results are."""
+    stored = results.summary()
+    now = f"{runs} of them now in {seconds:.1f} s, {runs / seconds:.3g} runs/s"
+    return f"{stored['runs'].sum()} runs, {now}; {stored['failed'].sum()} failed; {results.folder}"
+
+
 # Of a list that goes to a file: no value is broken.
 WIDE = 200
 
@@ -87,3 +135,17 @@ def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) ->
     with console.capture() as made:
         console.print(table)
     return f"{title}\n{made.get()}" if table.row_count else ""
+
+
+def figures(folder: Folder) -> None:
+    """Draw studies, each into the folder figures in its own: positions, ratios in time and at the end, examples.
+
+    Of studies that come with the program also the counterparts of Figures 10 to 22 of chapter 4, into DIR/figures, both
+    presets beside each other. A line for each file says what it shows, or why it cannot be drawn.
+    """
+    from tissue.study.figures.catalogue import draw_all
+
+    with messages():
+        for one in draw_all(folder):
+            files = f"{one.files[0]} and {one.files[1].suffix}:" if one.files else one.name
+            print(f"{files} {one.told}", flush=True)

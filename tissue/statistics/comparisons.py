@@ -11,8 +11,8 @@ from scipy.special import ndtr
 
 from dincl.checks import describe, number
 from dincl.errors import InvalidProblem
-from tissue.study.proportions import LEVEL, POWER, newcombe, sample_size
-from tissue.study.ratios import Ratio, ratio
+from tissue.statistics.proportions import LEVEL, POWER, newcombe, sample_size
+from tissue.statistics.ratios import Ratio, ratio
 
 PRINTED_LEVEL = 0.99  # at which a measured ratio agrees with a printed one
 

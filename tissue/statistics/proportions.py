@@ -1,7 +1,7 @@
 """Intervals, corrections and sample sizes of proportions, as statsmodels has them.
 
 Counts and sizes need not be whole: what clusters of cells in one run tell is counted in effective cells. These numbers
-(``tissue.study.ratios``), and differences of cells of the same runs (``tissue.study.comparisons``), are ours:
+(``tissue.statistics.ratios``), and differences of cells of the same runs (``tissue.statistics.comparisons``), are ours:
 statsmodels has neither.
 """
 

@@ -17,9 +17,9 @@ from scipy.special import ndtr
 
 from dincl.checks import seed as checked_seed
 from dincl.errors import InvalidProblem
-from tissue.study.categories import EVENTS, happened, time_column
-from tissue.study.proportions import LEVEL, quantile
-from tissue.study.ratios import ratios
+from tissue.statistics.categories import EVENTS, happened, time_column
+from tissue.statistics.proportions import LEVEL, quantile
+from tissue.statistics.ratios import ratios
 
 FOLDS = 5
 SHUFFLES = 5  # of each factor in each fold
