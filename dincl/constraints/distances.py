@@ -95,7 +95,7 @@ def _all_pairs(discs: NDArray[np.int64], radii: NDArray[np.float64]) -> Distance
 
 
 @dataclass(frozen=True, eq=False)
-class MaxDistance(Constraint):
+class MaxDistance(Timed):
     """g_k(x) = length_k - |X_i - X_j| >= 0 for the pairs (i, j) in their order.
 
     Parameters
@@ -103,20 +103,22 @@ class MaxDistance(Constraint):
     pairs
         Particle indices, shape (m, 2), two different ones in each pair.
     length
-        Greatest distance, > 0, one for all pairs or shape (m,) [length].
+        Greatest distance, > 0, one for all pairs or shape (m,) [length]; or a function of time: t -> length.
     """
 
     pairs: ArrayLike
-    length: ArrayLike
+    length: Any
+    functions_of_time = ("length",)
 
     def __post_init__(self) -> None:
         pairs = indices("pairs", self.pairs, columns=2)
         same = np.flatnonzero(pairs[:, 0] == pairs[:, 1])
         if same.size:
             raise InvalidProblem(f"pairs[{same[0]}] = {pairs[same[0]].tolist()}: must name two different particles")
-        length = lengths("length", self.length, positive=True)
         object.__setattr__(self, "pairs", pairs)
-        object.__setattr__(self, "length", spread("length", length, len(pairs), "pairs"))
+        if not self.timed:
+            length = lengths("length", self.length, positive=True)
+            object.__setattr__(self, "length", spread("length", length, len(pairs), "pairs"))
 
     def check(self, count: int, d: int) -> None:
         within("pairs", np.asarray(self.pairs), count)
@@ -126,6 +128,17 @@ class MaxDistance(Constraint):
         pairs = np.asarray(self.pairs)
         rows = DistanceRows(pairs[:, 0].copy(), pairs[:, 1].copy(), np.asarray(self.length), -1.0)
         return rows.take(rows.values(x) <= 2 * search_radius)
+
+    def updated(self, rows: DistanceRows, count: int) -> DistanceRows:
+        """Of a pair that is listed more than once every row gets the least length."""
+        pairs = np.asarray(self.pairs)
+        names, place = np.unique(pairs @ (count, 1), return_inverse=True)
+        least = np.full(len(names), np.inf)
+        np.minimum.at(least, place, np.asarray(self.length))
+        return replace(rows, length=least[np.searchsorted(names, rows.i * count + np.asarray(rows.j))])
+
+    def change_from(self, other: MaxDistance, x: NDArray[np.float64], search_radius: float) -> float:
+        return float(np.abs(np.asarray(self.length) - np.asarray(other.length)).max(initial=0.0)) / 2
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,6 +23,13 @@ def test_scheme_has_the_orders_that_the_text_names(own):
     assert abs(contact[-1] - 1) < 0.1
 
 
+def test_the_compiled_scheme_is_marked_and_makes_twice_the_work_of_pbd(own):
+    table = own["table"].set_index(["method", "setting"])
+    assert table["compiled"].groupby("method").all().to_dict() == {"PBD": True, "HeunPBD": True, "HeunCatchUp": False}
+    work = table["drift_evaluations"]
+    assert (work["HeunPBD"] == 2 * work["PBD"]).all()
+
+
 def test_own_back_end_finds_the_same_points(own):
     assert own["ours"].stats.back_ends == ("slsqp",)
     np.testing.assert_allclose(own["ours"].x, own["theirs"].x, atol=1e-5)

@@ -170,6 +170,18 @@ def test_many_growing_discs_in_a_box_that_turns(scheme):
     assert np.abs(path.final - start).max() > 0.1
 
 
+@pytest.mark.parametrize("make", METHODS)
+def test_a_thread_that_shortens_pulls_its_ends_together(make):
+    """Two particles without a drift: each moves half of what the thread loses, once it is taut."""
+    pairs = [(0, 1), (1, 2)]
+    thread = dincl.MaxDistance(pairs, lambda t: [1.2 - 0.4 * t, 9.0])
+    start = [[0.0, 0.0], [1.0, 0.0], [5.0, 0.0]]
+    problem = dincl.Problem(start, lambda t, x: 0 * x, [thread])
+    found = dincl.solve(problem, make(0.01), t=[1.0]).final
+    tolerance = 0.02 if isinstance(make(0.1), dincl.Penalty) else 1e-9
+    assert np.abs(found - [[0.1, 0.0], [0.9, 0.0], [5.0, 0.0]]).max() < tolerance
+
+
 def test_a_turning_wall_in_space():
     vector = np.array([0.3, -0.2, 0.1])
     wall = dincl.Moving(dincl.HalfSpace((0, 0, 1), radius=0.5), dincl.RigidMotion(lambda t: t * vector))
