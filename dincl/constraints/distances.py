@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from dincl.checks import array, indices, lengths, spread, vector, within
-from dincl.constraints.base import Constraint
 from dincl.constraints.timed import Timed
 from dincl.errors import InvalidProblem
 from dincl.rows.base import DiscPairs
