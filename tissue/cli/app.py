@@ -107,7 +107,7 @@ def _parameters(file: str) -> Parameters:
 
 
 def _write_parameters(parameters: Parameters, words: str, file: str, folder: Path) -> None:
-    """The complete parameters, and what else it takes to repeat the run."""
+    """Write the complete parameters, and what else it takes to repeat the run."""
     folder.mkdir(parents=True, exist_ok=True)
     path = folder / "parameters.toml"
     if path.exists() and Path(file).exists() and path.samefile(file):

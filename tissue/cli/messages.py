@@ -19,7 +19,7 @@ GOES_ON = "what was computed is kept, and the same command goes on from there"
 
 @contextmanager
 def messages() -> Iterator[None]:
-    """Bad input, files that cannot be written, and what stops a study end the command with one message."""
+    """End the command with one message for bad input, files that cannot be written, and what stops a study."""
     try:
         yield
     except (InvalidProblem, OSError) as error:

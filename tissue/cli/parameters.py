@@ -49,7 +49,7 @@ def list_parameters(name: Name = None) -> None:
 
 
 def _list(keys: list[KeyFacts], presets: dict[str, dict[str, Any]]) -> None:
-    """A table of some keys."""
+    """Print a table of some keys."""
     from rich.console import Console
     from rich.table import Table
 
@@ -63,7 +63,7 @@ def _list(keys: list[KeyFacts], presets: dict[str, dict[str, Any]]) -> None:
 
 
 def _told(facts: KeyFacts, presets: dict[str, dict[str, Any]]) -> str:
-    """All of one key, a line each."""
+    """Return all of one key, a line each."""
     lines = {
         "meaning": facts.meaning,
         "symbol": facts.symbol,

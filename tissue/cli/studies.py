@@ -56,7 +56,7 @@ def study(file: File, out: Out, scheduler: Scheduler = None) -> None:
 
 
 def _summary(results: Results, runs: int, seconds: float) -> str:
-    """One line: what was done, how fast, how many runs failed, and where the results are."""
+    """Return one line: what was done, how fast, how many runs failed, and where the results are."""
     stored = results.summary()
     now = f"{runs} of them now in {seconds:.1f} s, {runs / seconds:.3g} runs/s"
     return f"{stored['runs'].sum()} runs, {now}; {stored['failed'].sum()} failed; {results.folder}"
@@ -78,7 +78,7 @@ def summarise(folder: Folder) -> None:
 
 
 def _said(results: Results) -> str:
-    """All of one study."""
+    """Return all of one study."""
     from tissue.study import answers
 
     study, stored = results.study, results.summary()
@@ -123,7 +123,7 @@ def _part(value: float, low: float, high: float) -> str:
 
 
 def _table(title: str, columns: Iterable[str], rows: Iterable[Iterable[Any]]) -> str:
-    """A table with its title, if it has rows."""
+    """Return a table with its title, if it has rows."""
     from rich.console import Console
     from rich.table import Table
     from rich.text import Text

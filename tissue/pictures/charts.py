@@ -56,46 +56,46 @@ CHECK: dict[str, Any] = {"marker": "o", "markersize": 7.5, "markerfacecolor": "n
 
 
 def page(height: float) -> Figure:
-    """An empty figure, ``height`` in inches."""
+    """Draw an empty figure, ``height`` in inches."""
     return Figure(figsize=(WIDTH, height), layout="constrained", dpi=DPI)
 
 
 def verbatim(name: str) -> str:
-    """A name from a file for a text of matplotlib, in which $ begins a formula."""
+    """Return a name from a file for a text of matplotlib, in which $ begins a formula."""
     return name.replace("$", r"\$")
 
 
 def caption(figure: Figure, text: str) -> None:
-    """Lines below the figure that say what it shows, of how many cells, and what the intervals are."""
+    """Write below the figure what it shows, of how many cells, and what the intervals are."""
     whole = text.replace("\n", " ").replace(" %", "\N{NO-BREAK SPACE}%")
     lines = textwrap.fill(whole, CAPTION_LETTERS)
     figure.supxlabel(lines, x=0.01, ha="left", fontsize=CAPTION_SIZE, color="#333333")
 
 
 def legend(figure: Figure, handles: Mapping[str, Line2D | Patch]) -> None:
-    """One legend for all panels, above them."""
+    """Add one legend for all panels, above them."""
     figure.legend(list(handles.values()), list(handles), loc="outside upper left", ncols=len(handles))
 
 
 def outcome_lines() -> dict[str, Line2D | Patch]:
-    """The legend of lines over time."""
+    """Return the legend of lines over time."""
     return {name: Line2D([], [], color=colour, linestyle=line) for colour, line, name in OUTCOMES.values()}
 
 
 def band(panel: Axes, x: pd.Series, table: pd.DataFrame, **look: Any) -> None:
-    """A line of ratios [%] with their intervals; ``table`` as that of ``ratios``."""
+    """Draw a line of ratios [%] with their intervals; ``table`` as that of ``ratios``."""
     low, value, high = (100 * table[name] for name in ("low", "value", "high"))
     panel.fill_between(x, low, high, color=look["color"], alpha=0.18, linewidth=0)
     panel.plot(x, value, **look)
 
 
 def percent_axis(panel: Axes, text: str) -> None:
-    """The whole range of ratios."""
+    """Set an axis to the whole range of ratios."""
     panel.set(ylim=(-2, 102), ylabel=text)
 
 
 def counted(numbers: Iterable[int], what: str) -> str:
-    """How many there were: "n = 400 runs", or "n = 398 to 400 runs"."""
+    """Return how many there were: "n = 400 runs", or "n = 398 to 400 runs"."""
     found = sorted(set(numbers))
     span = f"{found[0]}" if len(found) == 1 else f"{found[0]} to {found[-1]}"
     return f"n = {span} {what}"
@@ -112,7 +112,7 @@ BEYOND = 0.015  # of the time, by which marks stand behind the end, and the time
 
 
 def ratios_in_time(cells: pd.DataFrame) -> pd.DataFrame:
-    """What ``over_time`` gives of these cells, of which there is one at least; all kept times at once."""
+    """Compute what ``over_time`` gives of these cells, at least one, for all output times at once."""
     times, parts = kept_times(cells), []
     replicate = pd.Series(np.tile(cells["replicate"], len(times)))
     category = pd.Series(np.repeat(times, len(cells)))
@@ -160,7 +160,7 @@ def draw_ends(panel: Axes, rows: pd.DataFrame, end: float) -> None:
 
 
 def plot_time_series(ax: Axes | None, scenario: str, cells: pd.DataFrame, runs: pd.DataFrame) -> Axes:
-    """``draw_time_series`` with a title, into ``ax`` or, if it is None, into a figure of its own with a legend."""
+    """Draw ratios against time with a title, into ``ax`` or, if it is None, into a figure of its own with a legend."""
     with style(**CHART_STYLE):
         panel = _alone() if ax is None else ax
         draw_time_series(panel, cells, runs)
@@ -174,13 +174,13 @@ def time_series_entries() -> dict[str, Line2D | Patch]:
 
 
 def time_axis(panel: Axes, end: float) -> None:
-    """From the start to the end [h], with few ticks."""
+    """Set the time axis from the start to the end [h], with few ticks."""
     step = next((one for one in STEPS if end / one <= MOST_TICKS), end / MOST_TICKS)
     panel.set(xlim=(0.0, end), xticks=np.arange(0.0, end + step / 100, step))
 
 
 def mark_events(panel: Axes, cells: pd.DataFrame) -> None:
-    """A line at each time of events that is the same for all cells, and not never."""
+    """Mark each time of events that is the same for all cells, and not never."""
     found: dict[float, str] = {}
     for event in timed(cells):
         times = cells[time_column(event)]
@@ -199,6 +199,6 @@ def _alone() -> Axes:
 
 
 def _of_controls(runs: pd.DataFrame, times: Sequence[float]) -> list[float]:
-    """Control cells that are extruded apically, of all [%]."""
+    """Return the share of control cells that are extruded apically [%]."""
     counts = [(runs[f"controls_apical_{t:g}h"].sum(), runs[f"controls_{t:g}h"].sum()) for t in times]
     return [100 * float(apical) / float(every) for apical, every in counts]

@@ -48,7 +48,7 @@ class EmtLook(NamedTuple):
 
 
 def look_of(frames: Sequence[Frame]) -> EmtLook:
-    """The sets of events that are there, each with a colour of its own as long as there are enough."""
+    """Return the sets of events that are there, each with a colour of its own as long as there are enough."""
     begun = {int(k) for frame in frames for k in frame.cells.events[frame.cells.emt >= 0]}
     free = np.any([[points.any() for points in free_points(frame)] for frame in frames], axis=0)
     return EmtLook(
@@ -57,7 +57,7 @@ def look_of(frames: Sequence[Frame]) -> EmtLook:
 
 
 def free_points(frame: Frame) -> tuple[Flags, Flags]:
-    """Whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
+    """Return whether each cell is an EMT cell whose apical, whose basal point has left its layer."""
     is_emt = frame.cells.emt >= 0
     apical, basal = is_emt.copy(), is_emt.copy()
     apical[frame.layers.apical] = False
@@ -66,7 +66,7 @@ def free_points(frame: Frame) -> tuple[Flags, Flags]:
 
 
 def chains(frame: Frame) -> Iterable[Integers]:
-    """The cells of each chain of two or more that have left the apical layer together, in their order."""
+    """Return the cells of each chain of two or more that have left the apical layer together, in their order."""
     for number in np.unique(frame.cells.chain[frame.cells.chain > 0]):
         members = np.flatnonzero(frame.cells.chain == number)
         if len(members) > 1:
@@ -74,7 +74,7 @@ def chains(frame: Frame) -> Iterable[Integers]:
 
 
 def colours_of(begun: set[int]) -> dict[str, str]:
-    """Of sets of events, by their names; those without a colour of their own depend on the events alone."""
+    """Choose a colour for each set of events, by name; without a colour of its own by the events alone."""
     names = {EVENTS[k]: k for k in sorted(begun)}
     found = {name: colour for name, colour in EMT_COLOURS.items() if name in names}
     for name in (name for name in names if name not in EMT_COLOURS):

@@ -80,7 +80,7 @@ def _save(images: Iterator[Image.Image], count: int, path: str | PathLike[str]) 
 
 
 def ending(path: str | PathLike[str]) -> str:
-    """The kind of file that the path ends in, one of ENDINGS; raises InvalidProblem for any other."""
+    """Return the kind of file that the path ends in, one of ENDINGS; raises InvalidProblem for any other."""
     kind = checked_path("path", path).suffix.lower()
     if kind not in ENDINGS:
         raise InvalidProblem(f"{path}: must end in {' or '.join(ENDINGS)}")
@@ -97,7 +97,7 @@ def _drawn(
 
 
 def _palette(frames: Sequence[Frame], parameters: Parameters) -> Image.Image:
-    """The colours of the last picture, and of all discs of all: with one palette nothing flickers."""
+    """Return the colours of the last picture, and of all discs of all: with one palette nothing flickers."""
     (still,) = stills(frames[-1:], parameters)
     found = Image.fromarray(still).quantize(COLOURS, method=Image.Quantize.FASTOCTREE)
     colours = np.reshape(found.getpalette() or [], (-1, 3))[:COLOURS]

@@ -103,7 +103,7 @@ def picture(frames: Sequence[Frame], parameters: Parameters, path: str | PathLik
 def drawing(
     frames: Sequence[Frame], parameters: Parameters | Sequence[Parameters], box: Box | None = None, room: float = 0.0
 ) -> Figure:
-    """The figure that ``picture`` writes.
+    """Draw the figure that ``picture`` writes.
 
     Parameters
     ----------
@@ -133,7 +133,7 @@ def draw_frame(panel: Axes, frame: Frame, parameters: Parameters) -> None:
 
 
 def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[np.uint8]]:
-    """Pictures of the frames one after the other, all of one scale and size: red, green, blue of shape (h, w, 3).
+    """Give pictures of the frames one after the other, all of one scale and size: red, green, blue of shape (h, w, 3).
 
     Arguments and errors are those of ``picture``.
     """
@@ -154,7 +154,7 @@ def stills(frames: Sequence[Frame], parameters: Parameters) -> Iterator[NDArray[
 
 
 def box_of(frames: Sequence[Frame], parameters: Parameters) -> Box:
-    """Around the soft discs and all points of all frames."""
+    """Find the box around the soft discs and all points of all frames."""
     if not frames:
         raise InvalidProblem("frames is empty: must have one, to be drawn")
     lows, highs = [], []
@@ -172,7 +172,7 @@ def box_of(frames: Sequence[Frame], parameters: Parameters) -> Box:
 
 
 def _second(frames: Sequence[Frame], parameters: Parameters, look: EmtLook) -> dict[str, Any]:
-    """The further entries of the legend, which may be none: EMT cells and named types."""
+    """Return the further entries of the legend, which may be none: EMT cells and named types."""
     kinds = sorted({k for frame in frames for k in frame.cells.kind.tolist() if k >= NAMED})
     return emt_entries(look) | type_entries({parameters.type_names[k]: TYPE_COLOURS[k - NAMED] for k in kinds})
 
@@ -186,7 +186,7 @@ def _sheet(
     second: dict[str, Any],
     room: float = 0.0,
 ) -> tuple[Figure, list[Axes]]:
-    """A figure with ``count`` panels of one scale, and the legend below, further entries above the usual ones."""
+    """Make a figure with ``count`` panels of one scale, and the legend below, further entries above the usual ones."""
     entries = list(second.items())
     begins = range(0, len(entries), ENTRIES)
     lines = [control_entries(), *(dict(entries[k : k + ENTRIES]) for k in reversed(begins))]
@@ -222,7 +222,7 @@ def _axes(panel: Axes, box: Box, curve: BasalCurve, parameters: Parameters, *, l
 
 
 def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> None:
-    """The curve, and in grey the side where the tissue is not; of an open curve that bends the curve alone."""
+    """Draw the curve, and in grey the side without tissue; of an open curve that bends the curve alone."""
     if curve.pieces == 0:
         panel.axhspan(box.low, 0.0, color=BELOW, linewidth=0, zorder=0)
         panel.axhline(0.0, color=BASAL, linewidth=1.2, zorder=1)
@@ -238,7 +238,7 @@ def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> No
 def _draw(
     panel: Axes, frame: Frame, parameters: Parameters, decimals: int, look: EmtLook, cut: Floats | None
 ) -> list[Artist]:
-    """Everything that belongs to one state, from below to above; ``cut``: of the apical layer of a tissue in space."""
+    """Draw one state, from below to above; ``cut``: of the apical layer of a tissue in space."""
     um, cells = parameters.cell.soft_radius.value, frame.cells
     nuclei, apical, basal = (um * np.column_stack(xy) for xy in _points(frame))
     colours, edges = colours_of_cells(frame, parameters, look)
@@ -275,20 +275,20 @@ def _draw(
 
 
 def _thinner(panel: Axes) -> float:
-    """The factor of line widths in a small scale, so that lines do not hide what they join."""
+    """Return the factor of line widths in a small scale, so that lines do not hide what they join."""
     left, right = panel.get_xlim()
     points = 72 * _inches(panel) * panel.get_position().width
     return min(1.0, max(THINNEST, math.sqrt(points / (right - left) / FULL)))
 
 
 def _inches(panel: Axes) -> float:
-    """The width of its figure."""
+    """Return the width of its figure."""
     figure = panel.get_figure(root=True)
     return WIDTH if figure is None else float(figure.get_size_inches()[0])
 
 
 def _decimals(frames: Sequence[Frame]) -> int:
-    """How many the times need, at most two."""
+    """Return how many decimals the times need, at most two."""
     times = np.array([frame.t for frame in frames])
     return next((k for k in (0, 1) if np.allclose(times, np.round(times, k), rtol=0, atol=1e-6)), 2)
 
@@ -299,7 +299,7 @@ def _points(frame: Frame) -> tuple[tuple[Floats, Floats], ...]:
 
 
 def _discs(panel: Axes, centres: Floats, radii: Floats, **look: Any) -> EllipseCollection:
-    """Discs to scale, centres (n, 2), radii (n,)."""
+    """Make discs to scale, centres (n, 2), radii (n,)."""
     sizes = 2 * radii
     return EllipseCollection(
         sizes, sizes, np.zeros(len(sizes)), units="xy", offsets=centres, offset_transform=panel.transData, **look

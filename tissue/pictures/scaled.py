@@ -12,7 +12,7 @@ from tissue.state.store import APICAL, CELLS, Store
 
 @kernel
 def scaled(store: Store, positions: Any) -> Any:
-    """y_AB of all cells as 32-bit numbers, shape (n,), and the mean height of the apical layer, as ``height``.
+    """Write y_AB of all cells as 32-bit numbers, shape (n,); return the mean height of the apical layer.
 
     The apical layer must have a cell. A position without a value, where the layer touches the basal one, is not finite.
     """

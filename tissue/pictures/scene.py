@@ -26,7 +26,7 @@ MAKES_NO_NUMBERS = True
 
 
 def polygons(surface: Surface, mesh: Mesh, points: Floats) -> Iterator[tuple[int, Floats]]:
-    """Each cell that has neighbours all around, with its corners (k, 3), counterclockwise: the dual of the network.
+    """Give each cell with neighbours all around, and its corners (k, 3), counterclockwise: the dual of the network.
 
     The corners are the middles of the triangles of the cell, in one period.
     """
@@ -40,7 +40,7 @@ def polygons(surface: Surface, mesh: Mesh, points: Floats) -> Iterator[tuple[int
 
 
 def in_one_period(surface: Surface, points: Floats) -> Floats:
-    """The images of points (..., 3) that are nearest to the middle of the sheet."""
+    """Move points to their images (..., 3) that are nearest to the middle of the sheet."""
     return _apart(surface, points)
 
 
@@ -53,7 +53,7 @@ def _apart(surface: Surface, arrows: Floats) -> Floats:
 
 
 def _around(twin: Integers, first: int) -> Iterator[int]:
-    """The half-edges that leave a vertex, counterclockwise."""
+    """Give the half-edges that leave a vertex, counterclockwise."""
     h = first
     while True:
         yield h
@@ -72,7 +72,7 @@ Image = NDArray[np.uint8]
 
 
 def load_library() -> Any:
-    """PyVista; MissingLibrary where it is not installed, InvalidProblem where nothing renders."""
+    """Import PyVista; MissingLibrary where it is not installed, InvalidProblem where nothing renders."""
     if find_library("EGL") is None:
         raise InvalidProblem(
             "a view of a tissue in space needs EGL, not installed here: apt install libegl1, on Debian"
@@ -95,7 +95,7 @@ class TissueScene:
         self._bent = sheets.surface.bends != PLANE
 
     def render(self, frame: Frame, sheets: Sheets, parameters: Parameters, look: EmtLook) -> tuple[Image, Image]:
-        """The nuclei below the apical surface as if it were of glass, and the cells on it from above.
+        """Render the nuclei below the apical surface as if it were of glass, and the cells on it from above.
 
         Of a tissue inside of a surface that bends the half behind the section is shown.
         """
@@ -116,7 +116,7 @@ class TissueScene:
         self._plotter.close()
 
     def _add_surface(self, frame: Frame, sheets: Sheets, colours: Image, shown: Flags, opacity: float) -> None:
-        """The cells on the apical surface, and the basal layer below."""
+        """Add the cells on the apical surface, and the basal layer below."""
         found = [(k, ring) for k, ring in polygons(sheets.surface, sheets.apical, _points(frame, "a")) if shown[k]]
         if found:
             mesh = self._faces([ring for _, ring in found])
@@ -132,13 +132,13 @@ class TissueScene:
         self._plotter.add_mesh(mesh, render=False, **look)
 
     def _faces(self, rings: list[Floats]) -> Any:
-        """A mesh of polygons."""
+        """Return a mesh of polygons."""
         ends = np.cumsum([0, *(len(ring) for ring in rings)])
         faces = [np.r_[len(ring), np.arange(end, end + len(ring))] for ring, end in zip(rings, ends, strict=False)]
         return self._pyvista.PolyData(np.concatenate(rings), faces=np.concatenate(faces))
 
     def _add_nuclei(self, frame: Frame, sheets: Sheets, colours: Image, shown: Flags) -> None:
-        """Hard balls."""
+        """Add the nuclei as hard balls."""
         balls = self._pyvista.PolyData(in_one_period(sheets.surface, _points(frame, ""))[shown])
         balls.point_data["size"] = frame.cells.radius[shown]
         balls.point_data["colour"] = colours[shown]
@@ -147,7 +147,7 @@ class TissueScene:
         self._add(made, scalars="colour", rgb=True, smooth_shading=True)
 
     def _add_cut(self, frame: Frame, sheets: Sheets) -> None:
-        """Where the section goes through the apical layer."""
+        """Add the line in which the section cuts the apical layer."""
         pieces = cut(sheets.surface, sheets.apical, _points(frame, "a"))
         if len(pieces):
             deep = np.concatenate((pieces, np.zeros((*pieces.shape[:2], 1))), axis=2).reshape(-1, 3)
@@ -155,7 +155,7 @@ class TissueScene:
             self._add(lines.tube(radius=TUBE), color=APICAL)
 
     def _shot(self, direction: tuple[float, float, float], up: tuple[float, float, float]) -> Image:
-        """A picture from this side of the middle, at right angles to it."""
+        """Render a picture from this side of the middle, at right angles to it."""
         away = np.array(direction) / np.linalg.norm(direction)
         right = np.cross(up, away) / np.linalg.norm(np.cross(up, away))
         corners = np.stack(np.meshgrid(*zip(self._low, self._high, strict=True)), axis=-1).reshape(-1, 3)
@@ -172,5 +172,5 @@ class TissueScene:
 
 
 def _points(frame: Frame, letter: str) -> Floats:
-    """Nuclei, apical ("a") or basal points ("b"), (n, 3)."""
+    """Return nuclei, apical ("a") or basal points ("b"), (n, 3)."""
     return np.column_stack([getattr(frame.cells, letter + axis) for axis in "xyz"])

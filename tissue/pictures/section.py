@@ -14,7 +14,7 @@ from tissue.state.surface import PLANE, Surface
 
 
 def cut(surface: Surface, mesh: Mesh, points: Floats, z: float = 0.0) -> Floats:
-    """The pieces of the cut, (m, 2, 2): x and y of both ends of each, in the triangles that the plane goes through.
+    """Cut the triangles with a plane; return x and y of both ends of each piece, (m, 2, 2).
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def cut(surface: Surface, mesh: Mesh, points: Floats, z: float = 0.0) -> Floats:
 
 
 def section(frame: Frame, z: float = 0.0) -> Frame:
-    """The cells whose nuclei, the hard balls, are cut by the plane z = const., from left to right, or around.
+    """Return the cells whose nuclei, the hard balls, are cut by the plane z = const., from left to right, or around.
 
     A frame of a tissue in the plane is its own section. The layers of a section are these cells in their order, not the
     neighbours of the networks; ``cut_of`` is the apical layer. Nothing can be started from it.
@@ -59,7 +59,7 @@ def section(frame: Frame, z: float = 0.0) -> Frame:
 
 
 def section_on(frame: Frame, surface: Surface, z: float = 0.0) -> Frame:
-    """The same of a frame in space without networks, such as one from a table, on the surface of its basal points."""
+    """Return the section of a frame in space without networks, such as one from a table."""
     cells = frame.cells
     deep = cells.z - z
     if math.isfinite(surface.period_z):
@@ -78,7 +78,7 @@ def section_on(frame: Frame, surface: Surface, z: float = 0.0) -> Frame:
 
 
 def cut_of(frame: Frame, z: float = 0.0) -> Floats | None:
-    """The pieces of the apical layer that the plane cuts, (m, 2, 2), beside ``section``; None in a slice."""
+    """Return the pieces of the apical layer that the plane cuts, (m, 2, 2), beside ``section``; None in a slice."""
     if frame.sheets is None:
         return None
     cells, surface = frame.cells, frame.sheets.surface
@@ -89,5 +89,5 @@ def cut_of(frame: Frame, z: float = 0.0) -> Floats | None:
 
 
 def _down(surface: Surface) -> float:
-    """The circle of a section has its point of arclength 0 at the origin."""
+    """Return the shift that puts the point of arclength 0 of the circle of a section at the origin."""
     return surface.side * surface.radius

@@ -70,7 +70,7 @@ def write(figure: Figure, path: str | PathLike[str]) -> None:
 
 
 def png(figure: Figure) -> bytes:
-    """A figure as the bytes of a PNG file, for a page."""
+    """Write a figure as the bytes of a PNG file, for a page."""
     file = BytesIO()
     with style():
         figure.savefig(file, format="png", dpi=100)
@@ -78,7 +78,7 @@ def png(figure: Figure) -> bytes:
 
 
 def shades(colours: Sequence[str]) -> NDArray[np.uint8]:
-    """Red, green, blue of hard discs of these colours and of soft ones on paper, (2 n, 3)."""
+    """Return red, green, blue of hard discs of these colours and of soft ones on paper, (2 n, 3)."""
     hard = 255 * np.array([to_rgb(colour) for colour in colours])
     return np.round(np.vstack((hard, 255 + SOFT * (hard - 255)))).astype(np.uint8)
 
@@ -88,7 +88,7 @@ def _dot(colour: str, size: float, **look: Any) -> Line2D:
 
 
 def control_entries() -> dict[str, Any]:
-    """The legend of what every picture has."""
+    """Return the legend of what every picture has."""
 
     def line(colour: str, width: float, **dots: Any) -> tuple[Line2D]:
         return (Line2D([], [], color=colour, linewidth=width, markersize=DOT_SIZE, **dots),)
@@ -103,7 +103,7 @@ def control_entries() -> dict[str, Any]:
 
 
 def emt_entries(look: EmtLook) -> dict[str, Any]:
-    """The legend of EMT cells that look so; empty if there are none."""
+    """Return the legend of EMT cells that look so; empty if there are none."""
     edge = {"markeredgecolor": "black", "markeredgewidth": 0.6}
     found: dict[str, Any] = {}
     for name, colour in look.colours.items():
@@ -118,7 +118,7 @@ def emt_entries(look: EmtLook) -> dict[str, Any]:
 
 
 def type_entries(colours: Mapping[str, str]) -> dict[str, Any]:
-    """The legend of named types, by their edges."""
+    """Return the legend of named types, by their edges."""
     return {
         f"type {name}": (_dot(GREY, 6, markeredgecolor=colour, markeredgewidth=1.2),)
         for name, colour in colours.items()
@@ -126,7 +126,7 @@ def type_entries(colours: Mapping[str, str]) -> dict[str, Any]:
 
 
 def legend(figure: Figure, entries: dict[str, Any], left: float, low: float) -> None:
-    """One line of legend; ``left``, ``low``: its corner in parts of the figure."""
+    """Add a line of legend; ``left``, ``low``: its corner in parts of the figure."""
     figure.legend(
         list(entries.values()),
         list(entries),
@@ -142,7 +142,7 @@ def legend(figure: Figure, entries: dict[str, Any], left: float, low: float) -> 
 
 
 def colours_of_cells(frame: Frame, parameters: Parameters, look: EmtLook) -> tuple[NDArray[np.str_], NDArray[np.str_]]:
-    """Of the disc or ball of each cell, and of the edge of its hard disc."""
+    """Return the colours of the disc or ball of each cell, and of the edge of its hard disc."""
     cells, is_emt = frame.cells, frame.cells.emt >= 0
     phase = phases(frame, parameters.numbers(), parameters.named_numbers())
     of_phase = np.array([COLOURS[name] for name in PHASES])[phase]

@@ -67,7 +67,7 @@ def view(
 def pictures(
     frames: Sequence[Frame], parameters: Parameters, watch: Callable[[int], None] | None = None
 ) -> Iterator[Any]:
-    """Red, green, blue (h, w, 3) of the views of each frame, one after the other in one scale."""
+    """Give red, green, blue (h, w, 3) of the views of each frame, one after the other in one scale."""
     sheets = [_sheets_of(frame) for frame in frames]
     scene, look = TissueScene(frames[-1], sheets[-1]), look_of(frames)
     try:
@@ -80,7 +80,7 @@ def pictures(
 
 
 def surface_figure(frame: Frame, parameters: Parameters) -> Figure:
-    """The figure that ``view`` writes of one state; errors are those of ``view``."""
+    """Draw the figure that ``view`` writes of one state; errors are those of ``view``."""
     sheets, look = _sheets_of(frame), look_of([frame])
     scene = TissueScene(frame, sheets)
     try:
@@ -105,7 +105,7 @@ def _sheets_of(frame: Frame) -> Sheets:
 
 
 def _drawn(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: dict[str, Any]) -> Any:
-    """Red, green, blue of both renderings beside the section."""
+    """Draw both renderings beside the section; return red, green, blue."""
     figure = _composed(frame, parameters, rendered, emt)
     with style():
         canvas: Any = FigureCanvasAgg(figure)
@@ -114,7 +114,7 @@ def _drawn(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: d
 
 
 def _composed(frame: Frame, parameters: Parameters, rendered: Sequence[Any], emt: dict[str, Any]) -> Figure:
-    """Both renderings beside the section."""
+    """Draw both renderings beside the section."""
     with style():
         figure = Figure(figsize=(WIDTH, HEIGHT), dpi=DPI)
         for left, image, title in zip((0.01, 0.33), rendered, TITLES, strict=True):

@@ -29,23 +29,23 @@ _KEPT = re.compile(r"ab_(.+)h")
 
 
 def time_column(event: str) -> str:
-    """The column with the times of an event [h]: "t_a_h" for "A"."""
+    """Return the column with the times of an event [h]: "t_a_h" for "A"."""
     return f"t_{event.lower()}_h"
 
 
 def timed(cells: pd.DataFrame) -> list[str]:
-    """The events that a table has times of: those of the thesis, then the others."""
+    """Return the events that a table has times of: those of the thesis, then the others."""
     found = [match[1].capitalize() for match in map(_TIMED.fullmatch, cells.columns) if match]
     return [*EVENTS, *(event for event in found if event not in EVENTS)]
 
 
 def kept_times(cells: pd.DataFrame) -> list[float]:
-    """The times at which a table has the positions of the cells, ascending [h]."""
+    """List the times at which a table has the positions of the cells, ascending [h]."""
     return sorted(float(match[1]) for match in map(_KEPT.fullmatch, cells.columns) if match)
 
 
 def happened(cells: pd.DataFrame, end: float) -> pd.DataFrame:
-    """Whether each event came before the end of the run [h]; one column for each of "A", "B", "S", "P" and the others.
+    """Return whether each event came before the end of the run [h]; columns "A", "B", "S", "P" and the others.
 
     [P] counts from when it acts, which it does not before [B]: so ``t_p_h`` has it.
     """
@@ -53,7 +53,7 @@ def happened(cells: pd.DataFrame, end: float) -> pd.DataFrame:
 
 
 def by_selection(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series:
-    """Which events a cell had before the end, in whatever order: "none", "A", "B", "AB", ..., "ABSP".
+    """Return which events a cell had before the end, in whatever order: "none", "A", "B", "AB", ..., "ABSP".
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def by_selection(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Se
 
 
 def by_order(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series:
-    """The events of a cell before the end as they followed: "[AB]" for T_A <= T_B, "[BA]" for T_B < T_A.
+    """Return the events of a cell before the end as they followed: "[AB]" for T_A <= T_B, "[BA]" for T_B < T_A.
 
     Equal times are in the order A, B, S, P, others. Parameters and categories are those of ``by_selection``.
     """
@@ -90,7 +90,7 @@ def by_order(cells: pd.DataFrame, end: float, *, inm: bool = False) -> pd.Series
 
 
 def interval_names(edges: Edges) -> list[str]:
-    """Names of the intervals that edges make of the line, with the rest: "<= 0", "(0, 0.5]", "(0.5, 1]", "> 1".
+    """Name the intervals that edges make of the line, with the rest: "<= 0", "(0, 0.5]", "(0.5, 1]", "> 1".
 
     Raises
     ------
@@ -106,7 +106,7 @@ def interval_names(edges: Edges) -> list[str]:
 
 
 def by_interval(values: pd.Series, edges: Edges) -> pd.Series:
-    """In which interval (a, b] an event time [h], or a position at the onset, lies (3.3.4).
+    """Find the interval (a, b] of an event time [h], or of a position at the onset (3.3.4).
 
     Parameters
     ----------
@@ -129,7 +129,7 @@ def by_interval(values: pd.Series, edges: Edges) -> pd.Series:
 
 
 def outcome(cells: pd.DataFrame, what: What, t: float, rule: Rule = "thesis") -> pd.Series:
-    """delta(t) of (4.3) for each cell.
+    """Compute delta(t) of (4.3) for each cell.
 
     Parameters
     ----------
@@ -169,14 +169,14 @@ def outcome(cells: pd.DataFrame, what: What, t: float, rule: Rule = "thesis") ->
 
 
 def in_time(cells: pd.DataFrame) -> dict[What, np.ndarray]:
-    """``outcome`` of all cells by the rule "thesis" at all kept times at once; each of shape (times, cells)."""
+    """Return ``outcome`` of all cells by the rule "thesis" at all kept times at once; each of shape (times, cells)."""
     times = kept_times(cells)
     position, below = (cells[[f"{name}_{t:g}h" for t in times]].to_numpy().T for name in ("ab", "below"))
     return {"basal": position < 0, "apical": position > 1, "below": below.astype(bool)}
 
 
 def _stays(cells: pd.DataFrame, times: list[float]) -> pd.Series:
-    """Whether the mean position is below 0 over the next hour, and over the rest of the run."""
+    """Return whether the mean position is below 0 over the next hour, and over the rest of the run."""
     soon = [f"ab_{u:g}h" for u in times if u <= times[0] + WINDOW]
     later = [f"ab_{u:g}h" for u in times]
     return (cells[soon].mean(axis=1) < 0) & (cells[later].mean(axis=1) < 0)
@@ -191,5 +191,5 @@ def _named(cells: pd.DataFrame, names: np.ndarray, *, inm: bool) -> pd.Series:
 
 
 def _rank(name: str) -> tuple[bool, int, str]:
-    """No event first, then by the number of events, then by the alphabet; with INM before without."""
+    """Rank no event first, then by the number of events, then by the alphabet; with INM before without."""
     return not name.startswith(NO_EVENT), len(name.removesuffix(NO_INM)), name

@@ -93,7 +93,7 @@ class Difference:
 
 
 def within(hits: pd.Series, replicate: pd.Series, first: pd.Series, second: pd.Series) -> Difference:
-    """The difference between two kinds of cells of the same replicates, such as those with INM and those without.
+    """Compare two kinds of cells of the same replicates, such as cells with INM and cells without.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def within(hits: pd.Series, replicate: pd.Series, first: pd.Series, second: pd.S
 def runs_needed(
     first: float, second: float, *, level: float = LEVEL, power: float = POWER, cells_per_run: float = 1.0
 ) -> int | None:
-    """Replicates per group with which a difference of two ratios is seen with the given probability.
+    """Compute the replicates per group that show a difference of two ratios with the given probability.
 
     n = (z_level sqrt(2 p (1 - p)) + z_power sqrt(p_1 (1 - p_1) + p_2 (1 - p_2)))^2/(p_1 - p_2)^2 independent cells per
     group, p = (p_1 + p_2)/2, divided by those in a replicate.
@@ -165,7 +165,7 @@ def runs_needed(
 
 
 def against_printed(measured: Ratio, printed: float, of: int) -> Difference:
-    """A measured ratio minus a printed one of ``of`` independent cells, which has its own chance error.
+    """Return a measured ratio minus a printed one of ``of`` independent cells, which has its own chance error.
 
     They agree if ``agrees`` says so. A printed ratio is taken as the nearest one that ``of`` cells can have.
 
@@ -188,7 +188,7 @@ def against_printed(measured: Ratio, printed: float, of: int) -> Difference:
 
 
 def agrees(difference: Difference, level: float = PRINTED_LEVEL) -> bool:
-    """Whether the interval of the difference contains 0."""
+    """Return whether the interval of the difference contains 0."""
     low, high = difference.interval(level)
     return low <= 0 <= high
 
@@ -214,7 +214,7 @@ class RatioClaim:
 
 
 def more(text: str, difference: Difference, runs: int) -> RatioClaim:
-    """The claim that the first ratio is larger; ``runs`` is how many replicates there were of each kind."""
+    """Return the claim that the first ratio is larger; ``runs`` is how many replicates there were of each kind."""
     low, high = difference.interval(CLAIM_LEVEL)
     verdict: Verdict = "holds" if low > 0 else "does not hold" if high < 0 else "not decided"
     first, second = difference.first, difference.second
@@ -224,7 +224,7 @@ def more(text: str, difference: Difference, runs: int) -> RatioClaim:
 
 
 def alike(text: str, difference: Difference, runs: int) -> RatioClaim:
-    """The claim that two ratios differ by less than ``ALIKE``."""
+    """Return the claim that two ratios differ by less than ``ALIKE``."""
     low, high = difference.interval(CLAIM_LEVEL)
     if low > -ALIKE and high < ALIKE:
         return RatioClaim(_sentence(text, difference), "holds")
@@ -234,7 +234,7 @@ def alike(text: str, difference: Difference, runs: int) -> RatioClaim:
 
 
 def _runs_for_margin(difference: Difference, runs: int) -> int | None:
-    """Runs with which an interval around the measured difference leaves the margin on one side."""
+    """Return runs with which an interval around the measured difference leaves the margin on one side."""
     distance = abs(ALIKE - abs(difference.value))
     ends = (difference.first, difference.second)
     variance = sum(found.value * (1 - found.value) / (found.size / runs) for found in ends)

@@ -75,7 +75,7 @@ class Ranking:
 
 
 def factors(cells: pd.DataFrame, end: float) -> tuple[pd.DataFrame, list[Factor]]:
-    """The factors of EMT cells: INM, each event and its time, onset, neighbours with [P], place in the group.
+    """Return the factors of EMT cells: INM, each event and its time, onset, neighbours with [P], place in the group.
 
     Parameters
     ----------
@@ -108,7 +108,7 @@ def factors(cells: pd.DataFrame, end: float) -> tuple[pd.DataFrame, list[Factor]
 
 
 def shuffled(part: pd.DataFrame, factor: Factor, test: NDArray[np.intp], rng: np.random.Generator) -> Floats:
-    """The numbers of some cells with the columns of a factor in another order among those that have it.
+    """Return the numbers of some cells with the columns of a factor in another order among those that have it.
 
     ``test`` are the positions of these cells in the table that the factor is of.
     """
@@ -120,12 +120,12 @@ def shuffled(part: pd.DataFrame, factor: Factor, test: NDArray[np.intp], rng: np
 
 
 def by_ratio(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: float = LEVEL) -> pd.DataFrame:
-    """The manual ranking of the thesis (3.2, step 3): the rows of ``ratios``, largest first."""
+    """Rank as the thesis does by hand (3.2, step 3): the rows of ``ratios``, largest first."""
     return ratios(hits, replicate, category, level).sort_values("value", ascending=False, kind="stable")
 
 
 def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int, level: float = LEVEL) -> Ranking:
-    """Permutation importance: by how much the log loss of a model grows if a factor is shuffled among the cells.
+    """Rank by permutation importance: how much the log loss of a model grows if a factor is shuffled among cells.
 
     The model, boosted regression trees, is fitted five times to four fifths of the replicates; losses are those of the
     cells of the other fifth. A time is shuffled among the cells that have the event, an event together with its time.
@@ -166,7 +166,7 @@ def by_importance(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int
 
 
 def by_coefficient(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: int, level: float = LEVEL) -> Ranking:
-    """Logistic regression: the change of the log odds with one standard deviation of a factor, all others fixed.
+    """Rank by logistic regression: the change of the log odds with one standard deviation of a factor, others fixed.
 
     It sees no interactions and only one direction of each factor, but tells the direction. Parameters, errors and the
     Ranking are those of ``by_importance``, but for the loss, which is that of the cells it was fitted to.
@@ -198,7 +198,7 @@ def by_coefficient(cells: pd.DataFrame, hits: pd.Series, end: float, *, seed: in
 def _losses(
     numbers: pd.DataFrame, found: list[Factor], y: NDArray[np.int64], runs: Any, rng: np.random.Generator
 ) -> tuple[Floats, Floats]:
-    """Log loss of each cell by the model that has not seen its replicate; its growth by each factor."""
+    """Compute the log loss of each cell by the model that has not seen its replicate, and its growth by each factor."""
     from sklearn.ensemble import HistGradientBoostingClassifier
     from sklearn.model_selection import StratifiedGroupKFold
 
@@ -216,13 +216,13 @@ def _losses(
 
 
 def _log_loss(model: Any, x: Floats, y: NDArray[np.int64]) -> Floats:
-    """- log of the probability that the model gave to what happened [nats]."""
+    """Compute - log of the probability that the model gave to what happened [nats]."""
     right: Floats = model.predict_proba(x)[np.arange(len(y)), y]
     return -np.log(np.maximum(right, LEAST_PROBABILITY))
 
 
 def _mean_over(values: Floats, runs: Any, level: float) -> tuple[float, float, float]:
-    """The mean over cells and its interval from the scatter over replicates."""
+    """Return the mean over cells and its interval from the scatter over replicates."""
     mean = float(values.mean())
     rests = pd.Series(values - mean).groupby(runs).sum()
     half = quantile(level) * float(np.sqrt((rests**2).sum())) / len(values)
@@ -230,7 +230,7 @@ def _mean_over(values: Floats, runs: Any, level: float) -> tuple[float, float, f
 
 
 def _thinned(cells: pd.DataFrame, hits: pd.Series, seed: int) -> tuple[pd.DataFrame, pd.Series]:
-    """Whole replicates with about ``MOST_CELLS`` cells, if there are more."""
+    """Return whole replicates with about ``MOST_CELLS`` cells, if there are more."""
     runs = cells["replicate"].unique()
     keep = int(len(runs) * MOST_CELLS / max(1, len(cells)))
     if keep < len(runs):
@@ -253,7 +253,7 @@ def _ranked(rows: list[tuple[Any, ...]], y: NDArray[np.int64], runs: Any, loss: 
 
 
 def _filled(values: pd.Series, there: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """The values that are there, and their mean for the others; 0 if there are none."""
+    """Return the values that are there, and their mean for the others; 0 if there are none."""
     numbers = values.to_numpy(dtype=np.float64)
     return np.where(there, numbers, numbers[there].mean() if there.any() else 0.0)
 

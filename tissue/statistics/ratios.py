@@ -58,7 +58,7 @@ class Ratio:
         return float(self.of if self.effective is None else self.effective)
 
     def interval(self, level: float = LEVEL) -> tuple[float, float]:
-        """Wilson's interval on the effective number of cells; it lies within [0, 1]."""
+        """Return Wilson's interval on the effective number of cells; it lies within [0, 1]."""
         low, high = wilson(self.value, self.size, level)
         return float(low), float(high)
 
@@ -68,7 +68,7 @@ class Ratio:
 
 
 def ratio(hits: pd.Series, replicate: pd.Series) -> Ratio:
-    """The ratio of the cells that are hits, with its effective number of cells.
+    """Compute the ratio of the cells that are hits, with its effective number of cells.
 
     Parameters
     ----------
@@ -94,12 +94,12 @@ def ratio(hits: pd.Series, replicate: pd.Series) -> Ratio:
 
 
 def as_ratio(row: pd.Series) -> Ratio:
-    """The ratio in a row of a table of ratios."""
+    """Return the ratio in a row of a table of ratios."""
     return Ratio(int(row["count"]), int(row["of"]), float(row["effective"]))
 
 
 def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: float = LEVEL) -> pd.DataFrame:
-    """r(D_k) of (4.12), one row for each category that has cells, in the order of the categories.
+    """Compute r(D_k) of (4.12), one row for each category that has cells, in the order of the categories.
 
     All cells of a category count alike, as in Remark 4.1. Cells without a category (missing) do not count.
 
@@ -126,7 +126,7 @@ def ratios(hits: pd.Series, replicate: pd.Series, category: pd.Series, level: fl
 
 
 def effective_size(hits: Any, cells: Any) -> float:
-    """n/deff with deff = sum_r (y_r - p n_r)^2/(n p (1 - p)), at least 1.
+    """Compute n/deff with deff = sum_r (y_r - p n_r)^2/(n p (1 - p)), at least 1.
 
     deff is the variance of the ratio p = sum y_r/sum n_r over replicates, linearised, over that of independent cells.
     Before it is taken, two replicates of mean size are added, one with only hits and one with none. So deff is defined
@@ -170,7 +170,7 @@ def _refuse_other_lengths(hits: pd.Series, replicate: pd.Series, category: pd.Se
 
 
 def _ratio(hits: NDArray[np.int64], replicate: NDArray[Any]) -> tuple[Ratio, int]:
-    """The ratio of hits, and how many replicates there are."""
+    """Return the ratio of hits, and how many replicates there are."""
     _, run = np.unique(replicate, return_inverse=True)
     cells, found = np.bincount(run), np.bincount(run, weights=hits)
     return Ratio(int(hits.sum()), len(hits), effective_size(found, cells)), len(cells)
@@ -181,7 +181,7 @@ def _row(found: Ratio, runs: int, level: float) -> tuple[int, int, int, float, f
 
 
 def over_time(cells: pd.DataFrame, rule: Rule = "thesis", level: float = LEVEL) -> pd.DataFrame:
-    """r(t) of (4.7) at each kept time with its band.
+    """Compute r(t) of (4.7) at each kept time with its band.
 
     The band holds at each time with the given probability, not at all times together.
 
@@ -211,7 +211,7 @@ def over_time(cells: pd.DataFrame, rule: Rule = "thesis", level: float = LEVEL) 
 
 
 def given(hits: pd.Series, replicate: pd.Series, values: pd.Series, edges: Edges, level: float = LEVEL) -> pd.DataFrame:
-    """E[delta | value in (a, b]] of 3.3.4 for each interval, with bands.
+    """Compute E[delta | value in (a, b]] of 3.3.4 for each interval, with bands.
 
     Parameters
     ----------
@@ -237,5 +237,5 @@ def given(hits: pd.Series, replicate: pd.Series, values: pd.Series, edges: Edges
 
 
 def _same(cells: pd.DataFrame) -> pd.Series:
-    """One category for all cells."""
+    """Return one category for all cells."""
     return pd.Series(np.zeros(len(cells), dtype=np.int8), index=cells.index)

@@ -25,7 +25,7 @@ FOUND = 1 - LEVEL
 
 
 def scenario_ratios(results: Results) -> pd.DataFrame:
-    """Of the EMT cells of each scenario that is stored: how many are extruded, or below all control cells, at the end.
+    """Count the EMT cells of each stored scenario that are extruded, or below all control cells, at the end.
 
     Columns: scenario, outcome ("basal", "apical", "below"), count, of [cells], effective [cells], runs [with such
     cells], value, low, high; Wilson's 95 % intervals on the effective number of cells.
@@ -43,13 +43,13 @@ def scenario_ratios(results: Results) -> pd.DataFrame:
 
 
 def end_ratios(cells: pd.DataFrame, end: float) -> dict[What, Ratio]:
-    """The ratios of the EMT cells of one scenario that are extruded, or below all control cells, at the end [h]."""
+    """Return the ratios of EMT cells of a scenario that are extruded, or below all control cells, at the end [h]."""
     whats: tuple[What, ...] = get_args(What) if len(cells) else ()
     return {what: ratio(outcome(cells, what, end), cells["replicate"]) for what in whats}
 
 
 def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
-    """Scenarios against each other: all pairs of up to six, else each against the first one.
+    """Compare scenarios: all pairs of up to six, else each with the first one.
 
     Given are the table of ``scenario_ratios`` and how many replicates a scenario has. Columns: outcome, first, second
     (scenarios), difference, low, high (of their ratios, Newcombe's 95 % interval), p (Holm's, over all rows), differ
@@ -76,7 +76,7 @@ def scenario_differences(ratios: pd.DataFrame, replicates: int) -> pd.DataFrame:
 
 
 def control_shares(results: Results) -> pd.DataFrame:
-    """The control cells above the apical layer and below the basal layer at the end, as parts of all.
+    """Return the control cells above the apical layer and below the basal layer at the end, as parts of all.
 
     Columns: scenario, side, runs, mean, low, high: over runs that did not fail, with Student's 95 % interval.
     """
@@ -93,20 +93,20 @@ def control_shares(results: Results) -> pd.DataFrame:
 
 
 def shares_of(runs: pd.DataFrame, side: str, end: float) -> NDArray[np.float64]:
-    """Of each run that did not fail: the part of its control cells that is on the "apical" or "basal" side outside."""
+    """Return for each run that did not fail the share of control cells outside on the "apical" or "basal" side."""
     sound = runs[(runs["status"] == "SUCCESS") & (runs[f"controls_{end:g}h"] > 0)]
     shares: NDArray[np.float64] = (sound[f"controls_{side}_{end:g}h"] / sound[f"controls_{end:g}h"]).to_numpy(float)
     return shares
 
 
 def mean_and_half(values: NDArray[np.float64]) -> tuple[Any, Any]:
-    """The mean over the first axis, of length n > 1, and half of Student's 95 % interval."""
+    """Compute the mean over the first axis, of length n > 1, and half of Student's 95 % interval."""
     n = len(values)
     return values.mean(axis=0), stdtrit(n - 1, 0.5 + LEVEL / 2) * values.std(axis=0, ddof=1) / np.sqrt(n)
 
 
 def scenario_changes(results: Results) -> pd.DataFrame:
-    """The keys in which the scenarios differ: one row for each key, one column for each scenario."""
+    """Return the keys in which the scenarios differ: one row for each key, one column for each scenario."""
     instance("results", results, Results, "a tissue.study.read.Results")
     values = {name: flat(results.parameters(name).as_dict()) for name in results.study.scenarios}
     table = pd.DataFrame(values, dtype=object).map(str)

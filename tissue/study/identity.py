@@ -20,7 +20,7 @@ SETTINGS = {"replicates": "replicates", "seed": "seed", "trajectories": "traject
 
 
 def identity(study: TissueStudy) -> dict[str, Any]:
-    """What the rows are a function of, on one kind of processor: equal for two studies with the same rows."""
+    """Return what the rows are a function of, on one kind of processor: equal for two studies with the same rows."""
     return {
         "replicates": study.replicates,
         "seed": study.seed,
@@ -32,13 +32,13 @@ def identity(study: TissueStudy) -> dict[str, Any]:
 
 
 def code() -> dict[str, str]:
-    """The version of the program: of each module that makes the rows, also of users; and of the libraries of these."""
+    """Return the version of each module that makes the rows, those of users, too, and of their libraries."""
     return own_code() | house_code()
 
 
 @cache
 def house_code() -> dict[str, str]:
-    """The version of this package alone."""
+    """Return the version of this package alone."""
     made = provenance(import_module("tissue.study.outcomes"))
     found: dict[str, str] = json.loads(made["code"]) | json.loads(made["libraries"])
     return found
@@ -46,14 +46,14 @@ def house_code() -> dict[str, str]:
 
 @cache
 def processor() -> str:
-    """The kind of processor: results of different kinds may differ in the last bits."""
+    """Return the kind of processor: results of different kinds may differ in the last bits."""
     from dincl.compiled.calls import processor_name
 
     return f"{platform.system()} {platform.machine()} {processor_name()}"
 
 
 def differences(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """What differs between two identities, with both values, in at most MOST_DIFFERENCES lines and one more."""
+    """Return what differs between two identities, with both values, in at most MOST_DIFFERENCES lines and one more."""
     lines = [
         *_settings(old, new),
         *_scenarios(old["scenarios"], new["scenarios"]),
@@ -77,7 +77,7 @@ def _scenarios(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
 
 
 def _keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
-    """The parameters that differ."""
+    """Return the parameters that differ."""
     sections, before, after = [*{**old, **new}], flat(old), flat(new)
     keys = sorted({**before, **after}, key=lambda key: (sections.index(key.partition(".")[0]), key))
     pairs = ((key, before.get(key), after.get(key)) for key in keys)
@@ -85,6 +85,6 @@ def _keys(old: Mapping[str, Any], new: Mapping[str, Any]) -> list[str]:
 
 
 def code_differences(old: Mapping[str, str], new: Mapping[str, str]) -> list[str]:
-    """The modules and libraries that differ."""
+    """Return the modules and libraries that differ."""
     names = (name for name in sorted({*old, *new}) if old.get(name) != new.get(name))
     return [f"{name}: {old.get(name, 'none')} -> {new.get(name, 'none')}" for name in names]

@@ -110,7 +110,7 @@ def _lot(
 
 
 def _followed(lot: Lot) -> int:
-    """The number of EMT cells of the start: they come before their daughters in ``Emt``."""
+    """Return the number of EMT cells of the start: they come before their daughters in ``Emt``."""
     return sum(group.scenario.cells for group in lot.parameters.groups() if group.may_leave)
 
 
@@ -128,7 +128,7 @@ def _measured(lot: Lot) -> tuple[Floats, Floats, Floats]:
 
 
 def _own(lot: Lot, t: float) -> Floats:
-    """The observables that were registered, of each run; NaN for one that failed."""
+    """Return the observables that were registered, of each run; NaN for one that failed."""
     shown = registered(Observable)
     found = np.full((len(lot.seeds), len(shown)), np.nan)
     for k in filter(lot.goes_on, range(len(lot.seeds)) if shown else ()):
@@ -138,7 +138,7 @@ def _own(lot: Lot, t: float) -> Floats:
 
 
 def _cells(lot: Lot, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
-    """One row for each EMT cell of the start of the sound runs."""
+    """Return one row for each EMT cell of the start of the sound runs."""
     kept = np.flatnonzero(sound)
     stores, m = [lot.store(int(k)) for k in kept], _followed(lot)
     side, onset, since, since_x = (
@@ -173,19 +173,19 @@ def _cells(lot: Lot, replicates: Sequence[int], series: _Measured, sound: Flags)
 
 
 def _by_number(held: Store) -> Integers:
-    """The EMT cells of a tissue in the order of their numbers."""
+    """Return the EMT cells of a tissue in the order of their numbers."""
     number = held.cells.emt[: held.sizes[CELLS]]
     found = np.flatnonzero(number >= 0)
     return found[np.argsort(number[found])]
 
 
 def _types(lot: Lot, kinds: NDArray[np.int8]) -> dict[str, Any]:
-    """The type of each EMT cell, where there are named ones."""
+    """Return the type of each EMT cell, where there are named ones."""
     return {"type": pa.DictionaryArray.from_arrays(kinds.ravel(), list(lot.parameters.type_names))}
 
 
 def _runs(lot: Lot, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
-    """One row for each run; what was not measured, because it had failed, is null."""
+    """Return one row for each run; what was not measured, because it had failed, is null."""
     n, scale = len(replicates), lot.parameters.cell.soft_radius.value
     detail = [lot.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
     states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN]

@@ -69,14 +69,14 @@ class TissueStudy:
         return in_scenarios({name: _waiting_events(parameters) for name, parameters in self.scenarios.items()})
 
     def pieces(self) -> Iterator[Piece]:
-        """All pieces, one scenario after the other."""
+        """Give all pieces, one scenario after the other."""
         for name in self.scenarios:
             for first in range(0, self.replicates, PART):
                 yield Piece(name, first, min(PART, self.replicates - first))
 
 
 def load_study(path: str | PathLike[str]) -> TissueStudy:
-    """The study in a TOML file.
+    """Load the study in a TOML file.
 
     Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
     each scenario; ``seed``; on request ``trajectories``, a list of the replicates whose kept states are all stored,
@@ -115,12 +115,12 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
 
 
 def shipped() -> list[str]:
-    """The names of the studies that come with this package."""
+    """Return the names of the studies that come with this package."""
     return sorted(file.stem for file in FOLDER.glob("*.toml"))
 
 
 def run_seeds(study_seed: int, scenario: str, replicates: Iterable[int]) -> list[int]:
-    """One integer in [0, 2^63) for each replicate, a function of (study_seed, scenario, replicate) alone.
+    """Draw an integer in [0, 2^63) for each replicate, a function of (study_seed, scenario, replicate) alone.
 
     Runs of different scenarios are independent, and another scenario in the study changes the seed of none.
     """
@@ -129,7 +129,7 @@ def run_seeds(study_seed: int, scenario: str, replicates: Iterable[int]) -> list
 
 
 def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
-    """The lines about each scenario with its name, those about all of them once."""
+    """Return the lines about each scenario with its name, those about all of them once."""
     everywhere = set.intersection(*map(set, lines.values())) if len(lines) > 1 else set()
     common = [f"every scenario: {line}" for line in next(iter(lines.values()), []) if line in everywhere]
     others = ((name, line) for name, found in lines.items() for line in found if line not in everywhere)
@@ -138,7 +138,7 @@ def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
 
 
 def _waiting_events(parameters: Parameters) -> list[str]:
-    """The events that wait."""
+    """Return the events that wait."""
     found, marks = [], {event.name: event.mark for event in events()}
     for times in (dict(group.scenario.times) for group in parameters.groups()):
         pairs = ((event.name, event.after) for event in events() if event.name in times and event.after in times)
@@ -147,7 +147,7 @@ def _waiting_events(parameters: Parameters) -> list[str]:
 
 
 def _waits(event: str, waiting: Timing, other: str, first: Timing) -> list[str]:
-    """How an event waits for another one, where it may come first: a line, or none."""
+    """Return how an event waits for another one, where it may come first: a line, or none."""
     if not waiting.ever or waiting.low is None or first.high is None or waiting.low.value >= first.high.value:
         return []
     if waiting.fixed is not None and first.fixed is not None:
@@ -157,7 +157,7 @@ def _waits(event: str, waiting: Timing, other: str, first: Timing) -> list[str]:
 
 
 def _found(path: str | PathLike[str]) -> Path:
-    """The file, or the study of this name that comes with the package."""
+    """Return the file, or the study of this name that comes with the package."""
     names, found = shipped(), checked_path("study", path)
     if not found.exists() and str(path) in names:
         return FOLDER / f"{path}.toml"
@@ -167,7 +167,7 @@ def _found(path: str | PathLike[str]) -> Path:
 
 
 def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:
-    """The parameters that all scenarios change; None if there are none, and lines that say why."""
+    """Load the parameters that all scenarios change; None if there are none, and lines that say why."""
     try:
         return based_on(base, folder)
     except (NoBase, InvalidProblem) as error:
@@ -176,7 +176,7 @@ def _base(base: str, folder: Path, lines: list[str]) -> Parameters | None:
 
 
 def _changed(base: Parameters, tables: Mapping[str, Any]) -> Parameters | list[str]:
-    """The parameters of a scenario, or what is wrong with them, line by line.
+    """Return the parameters of a scenario, or what is wrong with them, line by line.
 
     A dimension counts last where it must: then the cells that a study gives are those of a slice.
     """

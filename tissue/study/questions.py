@@ -70,7 +70,7 @@ class QuestionAnswer:
 
 
 def answers(tables: Tables) -> dict[str, QuestionAnswer]:
-    """The answers to Q1 to Q8.
+    """Return the answers to Q1 to Q8.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _hits(cells: pd.DataFrame) -> pd.Series:
 
 
 def _of(cells: pd.DataFrame, kind: pd.Series | None = None) -> Ratio | None:
-    """The ratio of the cells of a kind, all if it is None; None for too few."""
+    """Return the ratio of the cells of a kind, all if it is None; None for too few."""
     chosen = cells if kind is None else cells[kind]
     return ratio(_hits(chosen), chosen["replicate"]) if len(chosen) >= FEW else None
 
@@ -121,7 +121,7 @@ def _runs(*tables: pd.DataFrame) -> int:
 
 
 def _between(claim: Callable[..., RatioClaim], text: str, *sides: Side) -> Iterator[RatioClaim]:
-    """A claim about cells of different replicates, if there are enough."""
+    """Give a claim about cells of different replicates, if there are enough."""
     first, second = (_of(*side) for side in sides)
     if first is not None and second is not None:
         yield claim(text, Difference(first, second), _runs(*(table for table, _ in sides)))
@@ -130,7 +130,7 @@ def _between(claim: Callable[..., RatioClaim], text: str, *sides: Side) -> Itera
 def _inside(
     claim: Callable[..., RatioClaim], text: str, cells: pd.DataFrame, first: pd.Series, second: pd.Series
 ) -> Iterator[RatioClaim]:
-    """A claim about two kinds of cells of the same replicates, if there are enough."""
+    """Give a claim about two kinds of cells of the same replicates, if there are enough."""
     if min(first.sum(), second.sum()) >= FEW:
         yield claim(text, within(_hits(cells), cells["replicate"], first, second), _runs(cells))
 
@@ -140,7 +140,7 @@ def _populations(tables: Tables) -> Iterator[tuple[str, pd.DataFrame]]:
 
 
 def _own_and_mixed(tables: Tables, suffix: str) -> Iterator[tuple[str, Side, Side]]:
-    """Cells alone, or among their like by the suffix, and those of a population with the same events in that order."""
+    """Give cells alone, or in a group of their like, and cells of a population with the same events in that order."""
     for population, cells in _populations(tables):
         orders = by_order(cells, _end(cells), inm=True)
         for order, program in PROGRAMS.items():
@@ -166,7 +166,7 @@ def _q2(tables: Tables) -> Iterator[RatioClaim]:
 
 
 def _timed(tables: Tables) -> Iterator[tuple[str, pd.DataFrame, str, pd.Series]]:
-    """Tables with random times of an event, and the cells to look at: [P] would hide what the others do."""
+    """Give tables with random times of an event, and the cells to look at: [P] would hide what the others do."""
     for name, cells in _populations(tables):
         protrudes = happened(cells, _end(cells))["P"]
         for event in "AB":
@@ -228,7 +228,7 @@ def _q7(tables: Tables) -> Iterator[RatioClaim]:
 
 
 def _onset_first(name: str, cells: pd.DataFrame) -> Iterator[RatioClaim]:
-    """The claim that the position at the onset tells more than any event and any event time."""
+    """Give the claim that the position at the onset tells more than any event and any event time."""
     hits = _hits(cells)
     if min(hits.sum(), (~hits).sum()) < FEWEST:
         return

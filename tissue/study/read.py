@@ -77,12 +77,12 @@ class Results:
         return [file for piece in stored for file in self._part(piece).damaged()]
 
     def parameters(self, scenario: str) -> Parameters:
-        """The parameters of a scenario."""
+        """Return the parameters of a scenario."""
         self._check(scenario)
         return preset("thesis").changed(flat(self._noted["scenarios"][scenario]))
 
     def cells(self, scenario: str, columns: Sequence[str] | None = None) -> pd.DataFrame:
-        """One row for each replicate and EMT cell, in this order; ``columns``: those to read, all if None.
+        """Return one row for each replicate and EMT cell, in this order; ``columns``: those to read, all if None.
 
         =========================================  ========  =========================================================
         ``replicate``, ``cell``                    int64     cells count from left to right
@@ -104,7 +104,7 @@ class Results:
         return self._table("cells", scenario, columns)
 
     def runs(self, scenario: str, columns: Sequence[str] | None = None) -> pd.DataFrame:
-        """One row for each replicate, in this order; ``columns``: those to read, all if None.
+        """Return one row for each replicate, in this order; ``columns``: those to read, all if None.
 
         =========================================  ========  =========================================================
         ``replicate``, ``seed``                    int64     its number in the scenario; its run's seed
@@ -124,7 +124,7 @@ class Results:
         return self._table("runs", scenario, columns)
 
     def trajectory(self, scenario: str, replicate: int) -> pd.DataFrame:
-        """Every kept state of one of the replicates that the study names, as ``Run.table`` has it."""
+        """Return every saved state of one of the replicates that the study names, as ``Run.table`` has it."""
         self._check(scenario)
         replicate = integer("replicate", replicate, least=0)
         path = trajectory(self.folder, scenario, replicate)
@@ -134,7 +134,7 @@ class Results:
         return self._read({self._piece(scenario, replicate // self._noted["part"]): path})
 
     def summary(self) -> pd.DataFrame:
-        """One row for each scenario: ``scenario``, and how many ``runs`` are stored, of which ``failed``."""
+        """Return one row for each scenario: ``scenario``, and how many ``runs`` are stored, of which ``failed``."""
         import pandas as pd
 
         found = {name: self._statuses(name) for name in self.study.scenarios}
@@ -142,7 +142,7 @@ class Results:
         return pd.DataFrame(rows, columns=["scenario", "runs", "failed"])
 
     def to_frame(self) -> pd.DataFrame:
-        """``cells`` of all scenarios that have stored rows, with a column ``scenario`` before the others."""
+        """Return ``cells`` of all scenarios that have stored rows, with a column ``scenario`` before the others."""
         import pandas as pd
 
         stored = [name for name in self.study.scenarios if self._pieces(name)]
@@ -181,11 +181,11 @@ class Results:
         return f"Results({self.study.title!r}, {plan}, {state}, {str(self.folder)!r})"
 
     def _repr_html_(self) -> str:
-        """What is stored of each scenario."""
+        """Return what is stored of each scenario."""
         return f"<p>{escape(repr(self))}</p>{self.summary().to_html(index=False)}"
 
     def _statuses(self, scenario: str) -> list[str]:
-        """How the stored runs of a scenario ended."""
+        """Return how the stored runs of a scenario ended."""
         return list(self.runs(scenario, ["status"])["status"]) if self._pieces(scenario) else []
 
     def _table(self, kind: str, scenario: str, columns: Sequence[str] | None) -> pd.DataFrame:
@@ -228,7 +228,7 @@ class Results:
         return stored_part(self.folder, self._noted["fingerprint"], piece, self.study.trajectories)
 
     def _pieces(self, scenario: str) -> list[Piece]:
-        """The pieces that are there, in the order of their replicates."""
+        """Return the pieces that are there, in the order of their replicates."""
         pieces = -(-self.study.replicates // self._noted["part"])
         found = (self._piece(scenario, number) for number in range(pieces))
         return [piece for piece in found if note(self.folder, piece).exists()]

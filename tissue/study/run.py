@@ -106,14 +106,14 @@ def _compute(store: StudyStore, executor: Executor, watch: Watch) -> None:
 
 
 def _submitted(executor: Executor, study: TissueStudy, piece: Piece) -> Future[Outcomes]:
-    """The outcomes to come of a piece."""
+    """Submit a piece; return its future outcomes."""
     seeds = run_seeds(study.seed, piece.scenario, piece.replicates)
     whole = [number for number in study.trajectories if number in piece.replicates]
     return executor.submit(_outcomes, code(), study.scenarios[piece.scenario], list(piece.replicates), seeds, whole)
 
 
 def _outcomes(wanted: dict[str, str], *piece: Any) -> Outcomes:
-    """The outcomes of a piece on a worker, which must have the code that is wanted."""
+    """Compute the outcomes of a piece on a worker, which must have the code that is required."""
     from tissue.study.outcomes import outcomes
 
     if code() != wanted:
@@ -140,7 +140,7 @@ class Absence:
         self._since, self._next = 0.0, math.inf
 
     def look(self, workers: int, now: float) -> str:
-        """What is to be said, "" if nothing; ``now`` [s] does not decrease."""
+        """Return the message that is due, "" if none; ``now`` [s] does not decrease."""
         if workers:
             self._next = math.inf
         elif self._next == math.inf:
@@ -154,7 +154,7 @@ class Absence:
 
 @contextmanager
 def watched(executor: Executor) -> Iterator[None]:
-    """Meanwhile say it if an executor of Dask has no workers: it would wait for them without a word."""
+    """Log meanwhile if an executor of Dask has no workers: it would wait for them without a word."""
     client, ended = getattr(executor, "_client", None), Event()
     if not hasattr(client, "nthreads"):
         yield
@@ -181,7 +181,7 @@ def _watch(client: Any, ended: Event) -> None:
 
 @contextmanager
 def cluster(address: str) -> Iterator[Executor]:
-    """An executor for ``run_study`` that computes on the workers of a scheduler, at ``address`` such as tcp://host:8786.
+    """Give an executor for ``run_study`` that computes on the workers of a scheduler, such as tcp://host:8786.
 
     Pieces of a worker that dies are computed by the others, or by those that come. Workers that join later are used,
     too; how many pieces are under way at once is fixed by those that are there at the beginning.
@@ -219,7 +219,7 @@ def _connected(address: str) -> Client:
 
 
 def _threads(client: Client, address: str) -> int:
-    """How many pieces the workers compute at once; refuses workers that would not make the same rows."""
+    """Count the pieces that the workers compute at once; refuse workers that would not make the same rows."""
     found = client.run(house_code, on_error="return")
     if not found:
         raise InvalidProblem(f"scheduler {address}: has no workers; start some: dask worker {address}")

@@ -50,11 +50,11 @@ class Plan:
     points: tuple[dict[str, Any], ...]
 
     def scenarios(self) -> dict[str, dict[str, dict[str, Any]]]:
-        """The overrides of each point, by section and key: {"point 00000": {"cell": {"alpha_aa": 4.2}}}."""
+        """Return the overrides of each point, by section and key: {"point 00000": {"cell": {"alpha_aa": 4.2}}}."""
         return {point_name(k): nested(point) for k, point in enumerate(self.points)}
 
     def toml(self, head: Mapping[str, Any], overrides: Mapping[str, Mapping[str, Any]]) -> str:
-        """The text of a study file with a scenario for each point.
+        """Return the text of a study file with a scenario for each point.
 
         Parameters
         ----------
@@ -91,12 +91,12 @@ class Sensitivity:
 
 
 def point_name(k: int) -> str:
-    """The scenario of a point."""
+    """Return the scenario of a point."""
     return f"point {k:05d}"
 
 
 def plan_sensitivity(base: Parameters, bounds: Mapping[str, tuple[Any, Any]], n: int, seed: int) -> Plan:
-    """Points for the estimators of Saltelli: the parameters are independent and uniform between their bounds.
+    """Plan points for the estimators of Saltelli: parameters are independent and uniform between their bounds.
 
     Parameters
     ----------
@@ -137,7 +137,7 @@ def plan_sensitivity(base: Parameters, bounds: Mapping[str, tuple[Any, Any]], n:
 
 
 def analyse(plan: Plan, ratios: Mapping[str, Ratio], *, seed: int, level: float = LEVEL) -> Sensitivity:
-    """S1 and ST of the parameters of a plan.
+    """Estimate S1 and ST of the parameters of a plan.
 
     Parameters
     ----------
@@ -172,7 +172,7 @@ def analyse(plan: Plan, ratios: Mapping[str, Ratio], *, seed: int, level: float 
 
 
 def sobol_points(bounds: Sequence[tuple[float, float]], n: int, seed: int) -> Floats:
-    """Points of shape (n (d + 2), d) for first and total indices of d parameters, n a power of 2."""
+    """Return points of shape (n (d + 2), d) for first and total indices of d parameters, n a power of 2."""
     from SALib.sample.sobol import sample
 
     if integer("n", n, least=8) & (n - 1):
@@ -186,7 +186,7 @@ def sobol_points(bounds: Sequence[tuple[float, float]], n: int, seed: int) -> Fl
 def indices(
     names: Sequence[str], values: ArrayLike, variances: ArrayLike, *, seed: int, level: float = LEVEL
 ) -> Sensitivity:
-    """S1 and ST of numbers with noise, at points by ``sobol_points``.
+    """Estimate S1 and ST of numbers with noise, at points by ``sobol_points``.
 
     Parameters
     ----------
@@ -232,7 +232,7 @@ def indices(
 
 
 def _ends(base: Parameters, name: str, pair: tuple[Any, Any]) -> tuple[float, float, str]:
-    """The bounds of a parameter as numbers with their unit, "" for none."""
+    """Return the bounds of a parameter as numbers with their unit, "" for none."""
     texts = [str(flat(base.changed({name: value}).as_dict())[name]).split(" ", 1) for value in pair]
     units = [" ".join(rest) for _, *rest in texts]
     try:
@@ -245,7 +245,7 @@ def _ends(base: Parameters, name: str, pair: tuple[Any, Any]) -> tuple[float, fl
 
 
 def _inline(sections: Mapping[str, Mapping[str, Any]]) -> list[str]:
-    """Sections as inline tables of TOML."""
+    """Return sections as inline tables of TOML."""
     return [
         f"{section} = {{ {', '.join(f'{key} = {json.dumps(value)}' for key, value in flat(table).items())} }}"
         for section, table in sections.items()

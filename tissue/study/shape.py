@@ -88,7 +88,7 @@ OPTIONAL: dict[str, Any] = {"trajectories": (), "overrides": {}}
 
 
 def checked(tables: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """The good values of a study file by key, and a line for each bad, missing and unknown one."""
+    """Check a study file: its good values by key, and a line for each bad, missing and unknown one."""
     good, lines = dict(OPTIONAL), [unknown(key, value, SHAPE) for key, value in tables.items() if key not in SHAPE]
     for key, check in SHAPE.items():
         if key in tables:

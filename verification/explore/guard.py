@@ -41,7 +41,7 @@ HEADERS = {
 
 
 def is_loopback(host: str) -> bool:
-    """Whether only this machine can reach it."""
+    """Return whether only this machine can reach it."""
     try:
         return host == "localhost" or ipaddress.ip_address(host).is_loopback
     except ValueError:
@@ -106,7 +106,7 @@ async def _refuse(why: str, scope: Scope, receive: Receive, send: Send) -> None:
 
 
 def _is_foreign(headers: Headers) -> bool:
-    """Whether a browser says that another site asks; the scheme is that of a proxy, if there is one."""
+    """Return whether a browser says that another site asks; the scheme is that of a proxy, if there is one."""
     origin = headers.get("origin")
     return origin is not None and urlsplit(origin).netloc != headers.get("host", "")
 

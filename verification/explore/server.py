@@ -53,7 +53,7 @@ class Site:
     end: Callable[[], None] | None
 
     def session(self, query: Mapping[str, str], *, agreed: bool = False) -> Session:
-        """A visitor's, as the address says; without one as it was asked for when the server was started.
+        """Begin the session that an address names; without one the session that the server was started with.
 
         Parameters
         ----------
@@ -112,7 +112,7 @@ def serve(folder: Folder, base: str, changes: Mapping[str, Any], host: str, port
 
 
 def _publish(app: FastAPI, site: Site) -> None:
-    """The one page, made anew for each visitor.
+    """Publish the one page, which each visitor gets anew.
 
     To ask for it has no effects: nothing is imported, and nothing is run before the page has come back by its socket.
     """
@@ -139,7 +139,7 @@ def _publish(app: FastAPI, site: Site) -> None:
 
 
 def _begun(site: Site, query: Mapping[str, str], whole: ui.element, *, agreed: bool = False) -> Session | None:
-    """The session of a visitor; None if there is none: then the page says why, and what may be done."""
+    """Begin the session of a visitor; None if that fails: then the page says why, and what may be done."""
     with whole:
         try:
             return site.session(query, agreed=agreed)
@@ -167,7 +167,7 @@ def _leave() -> None:
 
 
 def _protect(app: FastAPI, token: str) -> None:
-    """On the loopback answer to its names alone: a page from elsewhere may have another name lead here."""
+    """Answer on the loopback to its names alone: a page from elsewhere may have another name lead here."""
     if token:
         app.add_middleware(Token, token=token)
     else:

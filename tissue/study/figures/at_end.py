@@ -49,7 +49,7 @@ class _AtEnd(NamedTuple):
 
 
 def at_end(sources: Sources, study: str, scenarios: Sequence[str]) -> Figure:
-    """The three outcomes at the end for each scenario of a study."""
+    """Draw the three outcomes at the end for each scenario of a study."""
     figure, panels = grid(
         [name for *_, name in OUTCOMES.values()], list(sources), _tall(scenarios), sharex=True, sharey=True
     )
@@ -65,7 +65,7 @@ def at_end(sources: Sources, study: str, scenarios: Sequence[str]) -> Figure:
 
 @needs(figure10="ratios", figure12="ratios")
 def figure_13(sources: Sources) -> Figure:
-    """r(t_end) of (4.7) of isolated cells, with INM and without, beside the printed ratios."""
+    """Draw r(t_end) of (4.7) of isolated cells, with INM and without, beside the printed ratios."""
     figure, panels = grid(
         [name for *_, name in OUTCOMES.values()], list(sources), _tall(EVENTS) + 0.2, sharex=True, sharey=True
     )
@@ -90,7 +90,7 @@ def figure_13(sources: Sources) -> Figure:
 
 @needs(figure15="ratios")
 def figure_15(sources: Sources) -> Figure:
-    """Basal extrusion at the end: eleven programs of events, alone and in a group, with INM and without."""
+    """Draw basal extrusion at the end: eleven programs of events, alone and in a group, with INM and without."""
     figure, panels = grid(list(WITH_AND_WITHOUT), list(sources), _tall(PROGRAMS), sharex=True, sharey=True)
     tables = {preset: _rows(source, "figure15") for preset, source in sources.items()}
     entries: dict[str, Line2D | Patch] = {}
@@ -115,7 +115,7 @@ def _rows(source: FigureSource, *studies: str) -> _AtEnd:
 
 
 def _dots(rows: _AtEnd, lines: Mapping[str, str], what: What, label: str, look: dict[str, Any]) -> RatioSeries:
-    """The ratios of one outcome by the names of their lines; ``lines``: the scenario of each."""
+    """Return the ratios of one outcome by the names of their lines; ``lines``: the scenario of each."""
     names = {scenario: name for name, scenario in lines.items()}
 
     def picked(table: pd.DataFrame) -> pd.DataFrame:
@@ -126,7 +126,7 @@ def _dots(rows: _AtEnd, lines: Mapping[str, str], what: What, label: str, look: 
 
 
 def _draw_printed(panel: Axes, what: What) -> None:
-    """Marks at the printed ratios, on the lines of the measured ones."""
+    """Mark the printed ratios, on the lines of the measured ones."""
     for (name, which), value in PRINTED.items():
         if which == what:
             event = name.removesuffix(NO_INM)
@@ -144,7 +144,7 @@ def _told(tables: Mapping[str, _AtEnd]) -> str:
 
 
 def _tall(names: Sequence[str]) -> float:
-    """Inches of a panel with a line for each of these."""
+    """Return the height of a panel with a line for each name [in]."""
     return ROOM + LINE * sum(len(textwrap.wrap(name, NAME_LETTERS)) for name in names)
 
 
@@ -157,19 +157,19 @@ STUDIES = {"figure15": "ratios", **dict.fromkeys(POPULATIONS, "categories")}
 
 @needs(**STUDIES)
 def figure_17(sources: Sources) -> Figure:
-    """Cells with [A], then [B], at 6 h and 18 h; in heterogeneous groups at any time from 6 h to 24 h."""
+    """Draw cells with [A], then [B], at 6 h and 18 h; in heterogeneous groups at any time from 6 h to 24 h."""
     return _compared(sources, "[AB]", "[A] at 6 h and [B] at 18 h", "[A], then [B]")
 
 
 @needs(**STUDIES)
 def figure_18(sources: Sources) -> Figure:
-    """Cells with [A] alone, at 6 h; in heterogeneous groups at any time."""
+    """Draw cells with [A] alone, at 6 h; in heterogeneous groups at any time."""
     return _compared(sources, "[A]", "[A] at 6 h", "[A] alone")
 
 
 @needs(**STUDIES)
 def figure_19(sources: Sources) -> Figure:
-    """Cells with [B] alone, at 6 h; in heterogeneous groups at any time."""
+    """Draw cells with [B] alone, at 6 h; in heterogeneous groups at any time."""
     return _compared(sources, "[B]", "[B] at 6 h", "[B] alone")
 
 
@@ -202,7 +202,7 @@ def _compared(sources: Sources, order: str, fixed: str, drawn: str) -> Figure:
 
 
 def _found(source: FigureSource, scenario: str, category: str, *, check: bool) -> Iterator[tuple[str, pd.DataFrame]]:
-    """The ratio of basal extrusion in each environment in which there are such cells, by the name of its line."""
+    """Give the ratio of basal extrusion in each environment in which there are such cells, by the name of its line."""
     rows_of = source.check if check else source.rows
     for kind, (_, name) in ENVIRONMENTS.items():
         if kind in POPULATIONS:

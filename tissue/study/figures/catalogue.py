@@ -34,7 +34,7 @@ class Drawable(NamedTuple):
 
 
 def drawables(results: Results) -> Iterator[Drawable]:
-    """All figures of a study."""
+    """Give all figures of a study."""
     for name, told in (
         ("positions", "positions of EMT cells against time"),
         ("ratios", "ratios of extrusion against time"),
@@ -55,7 +55,7 @@ def drawables(results: Results) -> Iterator[Drawable]:
 
 
 def _of_cells(results: Results, name: str) -> Figure:
-    """One of the figures of all scenarios that have EMT cells; which have none is said below it."""
+    """Draw one of the figures of all scenarios that have EMT cells; the caption names those that have none."""
     absent = dict.fromkeys(results.study.scenarios, "is not stored yet")
     for scenario in _stored(results):
         empty = results.cells(scenario, ["replicate"]).empty
@@ -83,7 +83,7 @@ def _examples(results: Results, scenario: str) -> Figure:
 
 
 def _stored(results: Results) -> list[str]:
-    """The scenarios of which some runs are stored."""
+    """Return the scenarios of which some runs are stored."""
     summary = results.summary()
     return list(summary.loc[summary["runs"] > 0, "scenario"])
 
@@ -117,7 +117,7 @@ class FigureFile(NamedTuple):
 
 
 def found(folder: str | PathLike[str]) -> dict[str, Results]:
-    """The results in a folder, or in the folders in it, by the name of the study, which is known by its title.
+    """Open the results in a folder, or in its folders, by the names of the studies, which their titles tell.
 
     Raises
     ------
@@ -162,7 +162,7 @@ def draw_all(folder: str | PathLike[str]) -> Iterator[FigureFile]:
 
 
 def _of_thesis(studies: dict[str, Results], top: Path) -> Iterator[FigureFile]:
-    """The figures of chapter 4 that one of the studies is for, both presets beside each other where both are there."""
+    """Give the figures of chapter 4 that one of the studies is for, both presets side by side where both are there."""
     home, sources = top.parent if _is_study(top) else top, by_preset(studies)
     for number, draw in FIGURES.items():
         name = f"figure{number}"
@@ -179,7 +179,7 @@ def _of_thesis(studies: dict[str, Results], top: Path) -> Iterator[FigureFile]:
 
 
 def of_presets(draw: Draw, sources: Sources) -> Figure:
-    """A figure of chapter 4; below it stands which model it is of, where that is not the one of the thesis."""
+    """Draw a figure of chapter 4; below it stands which model it is of, where that is not the one of the thesis."""
     figure = draw(sources)
     if list(sources) == ["published"]:
         caption(figure, f"In the published model. {figure.get_supxlabel()}")

@@ -40,7 +40,7 @@ LINES: dict[str, tuple[str, LineStyle]] = {WITH: ("with INM", "-"), WITHOUT: ("w
 
 @needs(**STUDIES)
 def figure_20(sources: Sources) -> Figure:
-    """E[basal extrusion | time of the event] of (4.12) for [A], [B], [P], with INM and without.
+    """Draw E[basal extrusion | time of the event] of (4.12) for [A], [B], [P], with INM and without.
 
     The caption of the thesis names [S] in place of [P], but [S] does not happen in the populations of
     Table 5 of chapter 4.
@@ -61,7 +61,7 @@ def figure_20(sources: Sources) -> Figure:
 
 @needs(**STUDIES)
 def figure_21(sources: Sources) -> Figure:
-    """E[basal extrusion | position at the onset] of 3.3.4, cells without [P], with INM and without."""
+    """Draw E[basal extrusion | position at the onset] of 3.3.4, cells without [P], with INM and without."""
     figure, panels = grid(["With INM", "Without INM"], list(sources), HEIGHT, sharex=True, sharey=True)
     counts: list[int] = []
     for (title, preset), panel in panels.items():
@@ -78,7 +78,7 @@ def figure_21(sources: Sources) -> Figure:
 
 
 def _draw(panel: Axes, table: pd.DataFrame, study: str, column: str, inm: str) -> list[int]:
-    """The line of a population; how many cells each of its intervals has."""
+    """Draw the line of a population; return how many cells each of its intervals has."""
     mine = table[(table["given"] == column) & (table["inm"] == inm)]
     filled = {} if inm == WITH or column == "onset_ab" else {"markerfacecolor": "white", "linestyle": "--"}
     band(panel, mine["middle"], mine, **_look(study), **filled)
@@ -90,7 +90,7 @@ def _look(study: str) -> dict[str, Any]:
 
 
 def _entries(kinds: Sequence[str]) -> dict[str, Any]:
-    """The legend: populations; with and without INM, if one panel has both."""
+    """Return the legend: populations; with and without INM, if one panel has both."""
     found = {ENVIRONMENTS[name][1]: Line2D([], [], **_look(name)) for name in POPULATIONS}
     for inm in kinds:
         name, line = LINES[inm]
@@ -109,7 +109,7 @@ SCATTER_HEIGHT = 3.2  # inches of a panel
 
 @needs(table5_35="runs")
 def figure_22(sources: Sources) -> Figure:
-    """Position at the onset against the position at the end: a dot for each cell without [P]."""
+    """Draw position at the onset against the position at the end: a dot for each cell without [P]."""
     figure, panels = grid(["With INM", "Without INM"], list(sources), SCATTER_HEIGHT, sharex=True, sharey=True)
     tables = {preset: _without_p(population(source.studies[ONE], ONE)) for preset, source in sources.items()}
     some = {preset: cells.sample(min(MOST, len(cells)), random_state=SEED) for preset, cells in tables.items()}
@@ -130,12 +130,12 @@ def figure_22(sources: Sources) -> Figure:
 
 
 def _without_p(cells: pd.DataFrame) -> pd.DataFrame:
-    """Cells that begin an event before the end and never protrude."""
+    """Return cells that begin an event before the end and never protrude."""
     return cells[~happened(cells, kept_times(cells)[-1])["P"] & cells["onset_ab"].notna()]
 
 
 def _scatter(panel: Axes, cells: pd.DataFrame, end: str) -> None:
-    """RatioSeries in the colour of what became of the cell; those that stayed lie below the others."""
+    """Draw dots in the colour of what became of the cell; those that stayed lie below the others."""
     basal, apical = cells[end] < 0, cells[end] > 1
     sides = ((~basal & ~apical, STILL), (apical, OUTCOMES["apical"][0]), (basal, OUTCOMES["basal"][0]))
     for side, colour in sides:

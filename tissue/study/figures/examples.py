@@ -47,14 +47,14 @@ class Example(NamedTuple):
 
 
 def examples(results: Results, scenario: str) -> Figure:
-    """Stored runs of a scenario from the first event to the end: the lowest at the onset, and the highest."""
+    """Draw stored runs of a scenario from the first event to the end: the lowest at the onset, and the highest."""
     found = _ends(stored(results, scenario))
     cut = ", sections through an EMT cell" if results.parameters(scenario).in_space else ""
     return _sheet([("", one) for one in found], f"{verbatim(scenario)}{cut}. Rows from above")
 
 
 def surface(results: Results, scenario: str) -> Figure:
-    """The end of the first stored run of a scenario in three dimensions: nuclei, apical surface, section.
+    """Draw the end of the first stored run of a scenario in three dimensions: nuclei, apical surface, section.
 
     Tables do not hold the networks, so the run is made again, from its seed.
     """
@@ -65,7 +65,7 @@ def surface(results: Results, scenario: str) -> Figure:
 
 @needs(figure10="runs")
 def figure_11(sources: Sources) -> Figure:
-    """Runs with [A] at the onset, halfway to the end and at the end: the lowest and the highest at the onset."""
+    """Draw runs with [A] at the onset, halfway to the end and at the end: the lowest and the highest at the onset."""
     rows = [
         (preset, one) for preset, source in sources.items() for one in _ends(stored(source.studies["figure10"], "[A]"))
     ]
@@ -74,7 +74,7 @@ def figure_11(sources: Sources) -> Figure:
 
 @needs(figure15="runs")
 def figure_16(sources: Sources) -> Figure:
-    """[B] without INM, which is extruded more often, of a cell alone and of a group: onset, halfway, end."""
+    """Draw [B] without INM, which is extruded more often, of a cell alone and of a group: onset, halfway, end."""
     rows, name = [], "[Bx] no INM"
     for preset, source in sources.items():
         for scenario in (name, f"{name}, 10 cells"):
@@ -84,7 +84,7 @@ def figure_16(sources: Sources) -> Figure:
 
 
 def frames(table: pd.DataFrame, times: Sequence[float], parameters: Parameters) -> list[Frame]:
-    """States of a run from its table, as far as pictures need them; which apical points are joined is not in it.
+    """Make states of a run from its table, for pictures; which apical points are joined is not in it.
 
     In three dimensions they are sections: through the first EMT cell, without one at z = 0.
 
@@ -117,7 +117,7 @@ def _frame(rows: pd.DataFrame, t: float, parameters: Parameters) -> Frame:
 
 
 def stored(results: Results, scenario: str) -> list[Example]:
-    """The runs of a scenario whose states are all stored.
+    """Return the runs of a scenario whose states are all stored.
 
     Raises
     ------
@@ -149,18 +149,18 @@ def _example(replicate: int, table: pd.DataFrame, parameters: Parameters) -> Exa
 
 
 def _ends(found: Sequence[Example]) -> list[Example]:
-    """The lowest and the highest at the onset."""
+    """Return the examples that are lowest and highest at the onset."""
     ordered = sorted(found, key=lambda one: one.onset_ab)
     return [ordered[0], ordered[-1]] if len(ordered) > 1 else ordered
 
 
 def _named(rows: Sequence[tuple[str, Example]], sources: Sources) -> list[tuple[str, Example]]:
-    """Each run with its preset, if there are two."""
+    """Return each run with its preset, if there are two."""
     return [(f"{preset} preset, " if len(sources) > 1 else "", one) for preset, one in rows]
 
 
 def _told(one: Example) -> str:
-    """What there is to say of a run: positions, and what became of the cells."""
+    """Return what there is to say of a run: positions, and what became of the cells."""
     if not one.cells:
         return f"replicate {one.replicate}"
     places = f"{POSITION} = {one.onset_ab:.2f} at the onset and {one.last_ab:.2f} at the end"
@@ -171,7 +171,7 @@ def _told(one: Example) -> str:
 
 
 def _sheet(rows: Sequence[tuple[str, Example]], text: str) -> Figure:
-    """A row for each run, around its EMT cells."""
+    """Draw a row for each run, around its EMT cells."""
     states, of = [], []
     for _, one in rows:
         kept = one.table["time_h"].unique()
@@ -185,7 +185,7 @@ def _sheet(rows: Sequence[tuple[str, Example]], text: str) -> Figure:
 
 
 def _box(states: Sequence[Frame], parameters: Parameters) -> Box | None:
-    """Around the EMT cells of tissue on a line; None, for all of it, without EMT cells and on other layers."""
+    """Find a box around the EMT cells of a tissue on a line; None, which is all of it, elsewhere or without them."""
     um = parameters.cell.soft_radius.value
     places = um * np.concatenate([state.cells.x[state.cells.emt >= 0] for state in states])
     if not len(places) or states[0].curve.pieces:

@@ -51,19 +51,19 @@ class _Panel(NamedTuple):
 
 @needs(figure10="runs")
 def figure_10(sources: Sources) -> Figure:
-    """r(t) of (4.7) of an isolated cell with [A], [B], [S], [BP]."""
+    """Draw r(t) of (4.7) of an isolated cell with [A], [B], [S], [BP]."""
     return ratios_against_time(sources, "figure10", ALONE, "Isolated EMT cell")
 
 
 @needs(figure12="runs")
 def figure_12(sources: Sources) -> Figure:
-    """r(t) of (4.7) of an isolated cell without INM, with [A], [B], [S] and without any event."""
+    """Draw r(t) of (4.7) of an isolated cell without INM, with [A], [B], [S] and without any event."""
     return ratios_against_time(sources, "figure12", ALONE_NO_INM, "Isolated EMT cell without INM")
 
 
 @needs(figure14="runs")
 def figure_14(sources: Sources) -> Figure:
-    """r(t) of (4.7) with [A] and [B] at three pairs of times; and basal positioning since [A]."""
+    """Draw r(t) of (4.7) with [A] and [B] at three pairs of times; and basal positioning since [A]."""
     figure, panels = grid([*TWICE, SINCE], list(sources), HEIGHT, sharey=True)
     runs = []
     for preset, source in sources.items():
@@ -83,7 +83,7 @@ def figure_14(sources: Sources) -> Figure:
 
 
 def ratios_against_time(sources: Sources, study: str, scenarios: Sequence[str], who: str) -> Figure:
-    """A panel for each scenario of a study; ``who`` its EMT cells are."""
+    """Draw a panel for each scenario of a study; ``who`` its EMT cells are."""
     figure, panels = grid(scenarios, list(sources), HEIGHT, sharey=True, sharex="col" if len(sources) > 1 else False)
     runs = [
         _draw(panel, sources[preset], study, scenario).cells["replicate"].nunique()
@@ -128,7 +128,7 @@ LEAST = (-0.3, 1.3)  # and at least
 
 
 def positions(sources: Sources, study: str, scenarios: Sequence[str]) -> Figure:
-    """y_AB (3.3.1) against time for each scenario: median, half and nine tenths of the cells, and some that left."""
+    """Draw y_AB (3.3.1) against time by scenario: median, half and nine tenths of the cells, and some that left."""
     figure, panels = grid(scenarios, list(sources), POSITIONS_HEIGHT, sharey=True)
     tables = {key: cells_of(sources[key[1]].studies[study], key[0]) for key in panels}
     low, high = _shown(tables)
@@ -164,7 +164,7 @@ def _draw_positions(panel: Axes, cells: pd.DataFrame) -> None:
 
 
 def _shown(tables: Mapping[tuple[str, str], pd.DataFrame]) -> tuple[float, float]:
-    """The part of the scale in which nine tenths of the cells of each scenario are."""
+    """Return the part of the scale in which nine tenths of the cells of each scenario are."""
     ends = []
     for cells in tables.values():
         curves = cells[[f"ab_{t:g}h" for t in kept_times(cells)]].to_numpy(float)

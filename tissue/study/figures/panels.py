@@ -32,7 +32,7 @@ class RatioSeries(NamedTuple):
 def grid(
     parts: Sequence[str], presets: Sequence[str], height: float, columns: int = MOST_COLUMNS, **shared: Any
 ) -> tuple[Figure, dict[tuple[str, str], Axes]]:
-    """A panel for each part and preset, by both: a row for each part if there are two presets, which are its columns.
+    """Make a panel for each part and preset; with two presets each part is a row, and the presets are its columns.
 
     Parameters
     ----------
@@ -65,7 +65,7 @@ def grid(
 
 
 def name_axes(panels: Mapping[Any, Axes], x: str, y: str) -> None:
-    """The names of the axes, at the left and below."""
+    """Name the axes, at the left and below."""
     places = [(place.colspan.start, place.rowspan.start) for place in map(_place, panels.values())]
     lowest = {column: max(row for at, row in places if at == column) for column, _ in places}
     for (column, row), panel in zip(places, panels.values(), strict=True):
@@ -77,7 +77,7 @@ def _place(panel: Axes) -> Any:
 
 
 def draw_series(panel: Axes, names: Sequence[str], series: Sequence[RatioSeries]) -> None:
-    """Ratios [%] with their intervals: a line for each name from above to below, in it a mark for each series."""
+    """Draw ratios [%] with their intervals: a line for each name from above to below, with a mark for each series."""
     step = min(APART, 0.7 / len(series))
     for k, (label, rows, checked, look) in enumerate(series):
         shift = step * (k - (len(series) - 1) / 2)
@@ -92,5 +92,5 @@ def draw_series(panel: Axes, names: Sequence[str], series: Sequence[RatioSeries]
 
 
 def checked_entry() -> dict[str, Line2D | Patch]:
-    """The legend of fewer runs that are laid over."""
+    """Return the legend of fewer runs that are laid over."""
     return {CHECKED: Line2D([], [], linestyle="none", **CHECK)}

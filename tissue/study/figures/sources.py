@@ -29,7 +29,7 @@ POPULATIONS = {"table5_63": "63 % [P]", "table5_35": "35 % [P]", "table5_7": "7 
 
 
 def cells_of(results: Results, scenario: str, *, last_only: bool = False) -> pd.DataFrame:
-    """The EMT cells of a scenario; ``last_only``: of their positions those at the end.
+    """Read the EMT cells of a scenario; ``last_only``: of their positions only the last ones.
 
     Raises
     ------
@@ -48,7 +48,7 @@ def cells_of(results: Results, scenario: str, *, last_only: bool = False) -> pd.
 
 
 def no_cells(results: Results, scenario: str) -> str:
-    """Why a scenario has no rows of EMT cells."""
+    """Return why a scenario has no rows of EMT cells."""
     failed = (results.runs(scenario, ["status"])["status"] != "SUCCESS").all()
     return (
         "has no run that did not fail" if failed else "has no EMT cells; emt.cells, or an event of a type, gives some"
@@ -56,7 +56,7 @@ def no_cells(results: Results, scenario: str) -> str:
 
 
 def population(results: Results, study: str) -> pd.DataFrame:
-    """The cells of a heterogeneous population of Table 5 of chapter 4, with their positions at the end."""
+    """Return the cells of a heterogeneous population of Table 5 of chapter 4, with their positions at the end."""
     return cells_of(results, POPULATIONS[study], last_only=True)
 
 
@@ -66,7 +66,7 @@ INM = {True: "INM", False: "no INM"}
 
 
 def categories(results: Results) -> pd.DataFrame:
-    """Basal extrusion at the end by the events of a cell in their order, with and without INM."""
+    """Tabulate basal extrusion at the end by the events of a cell in their order, with and without INM."""
     parts = []
     for scenario, cells, end in _at_end(results):
         table = ratios(outcome(cells, "basal", end), cells["replicate"], by_order(cells, end, inm=True))
@@ -75,7 +75,7 @@ def categories(results: Results) -> pd.DataFrame:
 
 
 def conditional(results: Results) -> pd.DataFrame:
-    """Basal extrusion at the end given the position at the onset and the times of [A], [B], [P] in their column.
+    """Tabulate basal extrusion at the end given the position at the onset, and given the times of [A], [B], [P].
 
     Of the cells without [P], and given the time of [P] of those with it; ``given``, ``inm`` say which rows are which.
     """
@@ -91,7 +91,7 @@ def conditional(results: Results) -> pd.DataFrame:
 
 
 def _at_end(results: Results) -> Iterator[tuple[str, pd.DataFrame, float]]:
-    """Each scenario with its cells, of their positions those at the end, and when that is [h]."""
+    """Give each scenario with its cells, of their positions those at the end, and when that is [h]."""
     for scenario in results.study.scenarios:
         cells = cells_of(results, scenario, last_only=True)
         yield scenario, cells, kept_times(cells)[-1]
@@ -126,16 +126,16 @@ class FigureSource:
     made: dict[tuple[str, str], pd.DataFrame] = field(default_factory=dict, init=False, repr=False, compare=False)
 
     def rows(self, table: str, study: str) -> pd.DataFrame:
-        """The rows of a study: kept ones, or else those of its results."""
+        """Return the rows of a study: kept ones, or else those of its results."""
         return self._kept(table, study) if self.is_kept(table, study) else self._made(table, study)
 
     def check(self, table: str, study: str) -> pd.DataFrame | None:
-        """Of kept rows those of the results, which are fewer runs, if there are any."""
+        """Return the rows of the results, which are fewer runs, where there are kept rows, too."""
         there = self.is_kept(table, study) and study in self.studies
         return self._made(table, study) if there else None
 
     def is_kept(self, table: str, study: str) -> bool:
-        """Whether there are kept rows of this study."""
+        """Return whether there are kept rows of this study."""
         return table in self.kept and not self._kept(table, study).empty
 
     def _kept(self, table: str, study: str) -> pd.DataFrame:
@@ -143,13 +143,13 @@ class FigureSource:
         return whole[whole["study"] == study]
 
     def _made(self, table: str, study: str) -> pd.DataFrame:
-        """Once, for all figures that want it."""
+        """Make a table once, for all figures that need it."""
         if (table, study) not in self.made:
             self.made[table, study] = TABLES[table](self.studies[study])
         return self.made[table, study]
 
     def lacks(self, draw: Draw) -> list[str]:
-        """The studies that a figure needs and that are not here."""
+        """Return the studies that a figure needs and that are not here."""
         return [
             name for name, kind in needed(draw).items() if name not in self.studies and not self.is_kept(kind, name)
         ]
@@ -164,7 +164,7 @@ Draw = Callable[[Sources], Figure]
 def by_preset(
     studies: Mapping[str, Results], kept: Mapping[str, pd.DataFrame] | None = None
 ) -> dict[str, FigureSource]:
-    """Results and kept tables of both presets, told apart by the endings of their studies."""
+    """Split results and kept tables by preset, by the endings of their studies."""
     found = {}
     for preset, ending in PRESETS.items():
         mine = {name: preset_of(name) == preset for name in studies}
@@ -179,7 +179,7 @@ def by_preset(
 
 
 def preset_of(study: str) -> str:
-    """The preset that a study changes, by its name."""
+    """Return the preset that a study changes, by its name."""
     return next(preset for preset, ending in reversed(PRESETS.items()) if study.endswith(ending))
 
 
@@ -202,6 +202,6 @@ def needs(**studies: str) -> Callable[[Draw], Draw]:
 
 
 def needed(draw: Draw) -> dict[str, str]:
-    """The studies that a figure is drawn from, and what of each."""
+    """Return the studies that a figure is drawn from, and what of each."""
     studies: dict[str, str] = draw.__dict__["needs"]
     return studies

@@ -38,15 +38,15 @@ class Folder:
         self._imported: set[Path] = set()
 
     def python_files(self) -> list[str]:
-        """The names of the files of Python."""
+        """Return the names of the files of Python."""
         return self._names(PYTHON)
 
     def parameter_files(self) -> list[str]:
-        """The names of the TOML files that hold no study; those that cannot be read say why when they are opened."""
+        """List the TOML files that hold no study; those that cannot be read say why when they are opened."""
         return [name for name in self._names(TOML) if not self._is_study(name)]
 
     def path(self, name: Any) -> Path:
-        """Where a file of this name is, or would be.
+        """Return where a file of this name is, or would be.
 
         Raises
         ------
@@ -60,7 +60,7 @@ class Folder:
         return found
 
     def parameters(self, name: str, *, agreed: bool = False) -> Parameters:
-        """The preset of this name, or what the file of this name holds.
+        """Load the preset or the file of this name.
 
         Parameters
         ----------
@@ -102,12 +102,12 @@ class Folder:
         return path
 
     def studies(self) -> list[str]:
-        """The folders of studies, by their names relative to this one."""
+        """Return the folders of studies, by their names relative to this one."""
         found = (*self.root.glob(f"*/{ABOUT}"), *self.root.glob(f"{RESULTS}/*/{ABOUT}"))
         return sorted(path.parent.relative_to(self.root).as_posix() for path in found if self._is_within(path))
 
     def results(self, name: str) -> Results:
-        """The study of one of the names that ``studies`` gives.
+        """Open the study of one of the names that ``studies`` gives.
 
         Raises
         ------
@@ -122,7 +122,7 @@ class Folder:
         return Results(self.root / name)
 
     def _checked(self, tables: Mapping[str, Any], above: tuple[Path, ...] = (), *, anywhere: bool = False) -> set[Path]:
-        """The files of Python that tables name, those of their bases, too.
+        """Return the files of Python that tables name, those of their bases, too.
 
         Tables that name files outside are refused. ``above``: the files that have them as their base; ``anywhere``:
         paths may be given, and must lead into this folder.

@@ -32,19 +32,19 @@ WORD = 4  # bytes, to which headers are filled up
 
 
 def message(header: Mapping[str, Any], payload: bytes = b"") -> bytes:
-    """One message; the payload is a multiple of 4 bytes."""
+    """Return one message; the payload is a multiple of 4 bytes."""
     text = json.dumps(header, ensure_ascii=False, separators=(",", ":"), allow_nan=False).encode()
     text += b" " * (-len(text) % WORD)
     return SIZES.pack(len(text), len(payload)) + text + payload
 
 
 def ending(status: Status, detail: str) -> bytes:
-    """The last message: how it ended, and where if it failed."""
+    """Return the last message: how it ended, and where if it failed."""
     return message({"kind": "end", "status": status.name, "detail": detail})
 
 
 def told(stream: Iterator[bytes]) -> Iterator[bytes]:
-    """A stream that ends with the reason, where it cannot begin or go on."""
+    """Pass a stream on; where it cannot begin or go on, end it with the reason."""
     try:
         yield from stream
     except InvalidProblem as error:
@@ -91,7 +91,7 @@ class _Stream:
         self._first = asyncio.get_running_loop().run_in_executor(None, next, self._made, END)
 
     async def pieces(self) -> AsyncIterator[bytes]:
-        """All pieces; when the reader goes this is cancelled, and the work told so."""
+        """Give all pieces; when the reader goes, this is cancelled and the work ends."""
         try:
             piece = await self._first
             while piece:

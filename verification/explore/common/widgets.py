@@ -26,18 +26,18 @@ class QuickRange(ui.range):
 
 
 def number_table(titles: Mapping[str, str], row_key: str) -> ui.table:
-    """An empty table of numbers; titles by the names of fields."""
+    """Add an empty table of numbers; titles by the names of fields."""
     table = ui.table(rows=[], columns=columns_of(titles.items()), row_key=row_key).classes("numbers wide")
     return table.props("flat dense hide-pagination :rows-per-page-options=[0] no-data-label=''")
 
 
 def columns_of(titles: Iterable[tuple[str, str]]) -> list[dict[str, str]]:
-    """Columns by their fields and titles."""
+    """Make columns of their fields and titles."""
     return [{"name": name, "field": name, "label": title, "align": "left"} for name, title in titles]
 
 
 def empty_chart() -> ui.echart:
-    """A chart of which nothing is known yet."""
+    """Add a chart of which nothing is known yet."""
     return ui.echart({}).classes("chart")
 
 

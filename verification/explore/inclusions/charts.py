@@ -50,17 +50,17 @@ class Compared(NamedTuple):
     size: float
 
     def largest(self, what: What, method: str, steps: int) -> float | None:
-        """The largest value of a run that is known and reached its end."""
+        """Return the largest value of a run that is known and reached its end."""
         found = self.known.get((method, steps))
         values = None if found is None or found.fault else _values(found, what)
         return None if values is None else float(values.max())
 
     def left(self) -> int:
-        """How many runs are not known yet."""
+        """Return how many runs are not known yet."""
         return sum((method, 2**k) not in self.known for method in self.methods for k in range(COARSEST, FINEST + 1))
 
     def order(self, method: str) -> float | None:
-        """The slope of the error between twice the present dt and this one, where that is neither 0 nor beyond."""
+        """Return the slope of the error between 2 dt and dt, where the error is neither 0 nor out of range."""
         coarse, fine = (self.largest("error", method, steps) for steps in (self.steps // 2, self.steps))
         return math.log2(coarse / fine) if self._fits(coarse) and self._fits(fine) else None
 
@@ -69,7 +69,7 @@ class Compared(NamedTuple):
 
 
 def in_time(what: What, runs: Compared) -> dict[str, Any]:
-    """Error or overlap at the steps."""
+    """Return error or overlap at the steps."""
     found = {method: runs.known.get((method, runs.steps)) for method in runs.methods}
     lines = {method: (one.t, _values(one, what)) for method, one in found.items() if one is not None}
     known = {method: (t, values) for method, (t, values) in lines.items() if values is not None}
@@ -79,7 +79,7 @@ def in_time(what: What, runs: Compared) -> dict[str, Any]:
 
 
 def against_dt(what: What, runs: Compared) -> dict[str, Any]:
-    """The largest error or overlap of whole runs against dt, with slopes of order 1 and 2; failed runs are crossed."""
+    """Chart the largest error or overlap of runs against dt, with slopes of order 1 and 2; failed runs are crossed."""
     lines, failed = {}, []
     for method in runs.methods:
         values = {2**k: runs.largest(what, method, 2**k) for k in range(COARSEST, FINEST + 1)}
@@ -107,7 +107,7 @@ def _values(found: Measured, what: What) -> Floats | None:
 
 
 def _span(values: Iterable[Floats], size: float) -> tuple[float, float]:
-    """The lower and upper end of a chart, powers of 10, with room for what is 0."""
+    """Return the lower and upper end of a chart, powers of 10, with room for what is 0."""
     seen = np.concatenate([np.zeros(0), *values])
     there = seen[(seen > ZERO) & (seen <= size)]
     if not len(there):
@@ -134,7 +134,7 @@ def _line(runs: Compared, method: str, x: Floats, values: Floats, span: tuple[fl
 
 
 def _guide(order: int, runs: Compared, span: tuple[float, float]) -> dict[str, Any]:
-    """A line of slope ``order`` as far as it is in the chart, from its upper right; the first one marks dt, too."""
+    """Draw a line of slope ``order`` within the chart, from its upper right; the first one marks dt, too."""
     low, high = span
     largest = runs.end / 2**COARSEST
     last = max(runs.end / 2**FINEST, largest * (low / high) ** (1 / order))
@@ -183,6 +183,6 @@ def _axis(name: str, **more: Any) -> dict[str, Any]:
 
 
 def _labels(at_least: str, least: float = 0.0) -> dict[str, Any]:
-    """Numbers at an axis, 0.01, 0.1, 1, 10 or 1e-3; the least one with words."""
+    """Return numbers at an axis, 0.01, 0.1, 1, 10 or 1e-3; the least one with words."""
     number = "(v >= 0.00999 && v < 1000 ? String(+v.toPrecision(3)) : v.toExponential(0))"
     return {":formatter": f"v => (v <= {least * 1.01:g} ? '{at_least}' : '') + {number}", "fontSize": 11}

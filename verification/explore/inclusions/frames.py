@@ -26,7 +26,7 @@ LEVEL_POINTS = 60
 
 
 def pictures(run: InclusionRun, gone: Gone) -> Iterator[bytes]:
-    """The run at 129 equal times; between two steps on straight lines, places as well as overlap and error.
+    """Send the run at 129 equal times; places, overlap and error are interpolated between two steps.
 
     Raises
     ------
@@ -55,13 +55,13 @@ class _Film:
         self._shapes: list[dict[str, Any]] | None = None
 
     def head(self) -> bytes:
-        """What holds for the whole run."""
+        """Return what holds for the whole run."""
         common = {"kind": "head", "painter": "discs", "unit": "", "timeUnit": "", "end": self._end}
         own = {"box": list(self._box), "radius": radii(self._problem).tolist(), "reference": self._known is not None}
         return message({**common, **own})
 
     def frames(self, before: SavedState, now: SavedState) -> Iterator[bytes]:
-        """The pictures after the state before, up to the present one."""
+        """Give the pictures after the state before, up to the present one."""
         pieces = round((now.t - before.t) / self._end * PICTURES)
         for k in range(1, pieces + 1):
             yield self._frame(before, now, k / pieces)
@@ -94,7 +94,7 @@ class _Film:
 
 @lru_cache(maxsize=32)
 def box_of(inclusion: Inclusion, end: float) -> tuple[float, float, float, float]:
-    """What the pictures show, the same for all methods and steps: left, right, low, high.
+    """Return what the pictures show, the same for all methods and steps: left, right, low, high.
 
     Where no solution is known, what PBD makes of the problem shows where its particles go.
     """
@@ -114,14 +114,14 @@ def box_of(inclusion: Inclusion, end: float) -> tuple[float, float, float, float
 
 
 def _plane(places: Floats) -> Floats:
-    """Places (..., d) in the plane; a line is its horizontal axis."""
+    """Return places (..., d) in the plane; a line is its horizontal axis."""
     flat = np.zeros((*places.shape[:-1], 2))
     flat[..., : places.shape[-1]] = places
     return flat
 
 
 def _drawn(shape: Shape, box: tuple[float, float, float, float]) -> Iterator[dict[str, Any]]:
-    """A shape as the player draws it."""
+    """Give a shape as the player draws it."""
     match shape:
         case Wall(normal, offset):
             yield {"type": "wall", "normal": _plane(normal).tolist(), "offset": offset}
@@ -135,7 +135,7 @@ def _drawn(shape: Shape, box: tuple[float, float, float, float]) -> Iterator[dic
 
 
 def _level(g: Any, box: tuple[float, float, float, float]) -> list[Floats]:
-    """The lines on which g is 0."""
+    """Return the lines on which g is 0."""
     from contourpy import contour_generator
 
     x, y = np.linspace(*box[:2], LEVEL_POINTS), np.linspace(*box[2:], LEVEL_POINTS)

@@ -43,7 +43,7 @@ class InclusionResults:
         self._later: asyncio.TimerHandle | None = None
 
     def show(self, runs: Compared) -> None:
-        """All that is known, now or, if it was drawn just before, a little later: the browser has more to do."""
+        """Show all that is known, now or, if it was drawn just before, a little later: the browser has more to do."""
         self._runs = runs
         if self._later is None:
             wait = max(0.0, self._drawn + PAUSE - monotonic())
@@ -71,7 +71,7 @@ def _chart(name: str) -> ui.echart:
 
 
 def _row(runs: Compared, method: str) -> dict[str, Any]:
-    """The numbers of a method at the present dt."""
+    """Return the numbers of a method at the present dt."""
     found, order = runs.known.get((method, runs.steps)), runs.order(method)
     row: dict[str, Any] = {"method": method, "colour": COLOURS[method], "pictured": method == runs.pictured}
     row["order"] = "" if order is None else f"{order:.1f}"
@@ -157,7 +157,7 @@ class InclusionsPage:
                     self._boxes[method].props("dense")
 
     def _offered(self) -> dict[str, str]:
-        """Scenes and files of the folder, by what is chosen."""
+        """Return scenes and files of the folder, by what is chosen."""
         own = self._folder.python_files()
         return {name: scene(name).title for name in SCENES} | {name: name for name in own}
 

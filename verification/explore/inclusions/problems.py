@@ -73,7 +73,7 @@ class KnownStates(NamedTuple):
 
 @lru_cache
 def scene(name: str) -> Inclusion:
-    """A scene of SCENES; the same one for all visitors."""
+    """Return a scene of SCENES; the same one for all visitors."""
     make = SCENES[name]
     made = make()
     text = inspect.getdoc(make.func if isinstance(make, partial) else make) or ""
@@ -85,7 +85,7 @@ _running = threading.Lock()
 
 
 def from_file(path: Path) -> Inclusion:
-    """The problem that a Python file names: ``problem``, or the only dincl.Problem in it.
+    """Load the problem that a Python file names: ``problem``, or the only dincl.Problem in it.
 
     Where the file names times ``t``, as for ``verification compare``, the last one ends the runs; otherwise a scene
     says when, or it is 1. The file is run, each time that it is read.
@@ -121,7 +121,7 @@ def _problem(named: Mapping[str, Any], file: str) -> Problem:
 
 
 def checked_end(inclusion: Inclusion, value: Any) -> float:
-    """The time at which runs are to end; a much longer run would be one of a problem at rest.
+    """Check the time at which runs are to end; in a much longer run the problem is at rest.
 
     Raises
     ------
@@ -135,13 +135,13 @@ def checked_end(inclusion: Inclusion, value: Any) -> float:
 
 
 def kept_times(end: float) -> Floats:
-    """The times of pictures, 0 and ``end`` among them."""
+    """Return the times of pictures, 0 and ``end`` among them."""
     return np.arange(PICTURES + 1) * end / PICTURES
 
 
 @lru_cache(maxsize=32)
 def reference(problem: Problem, end: float) -> KnownStates:
-    """The exact solution where there is a formula, otherwise that of the event-driven scheme with its estimate."""
+    """Return the exact solution where there is a formula, else that of the event-driven scheme with its estimate."""
     times, exact, count = kept_times(end), getattr(problem, "exact", None), len(problem.x0)
     if exact is not None:
         return KnownStates(exact(times), "the exact solution")

@@ -77,7 +77,7 @@ class Measured(NamedTuple):
 
 
 def integrate(run: InclusionRun, gone: Gone = lambda: False) -> Iterator[SavedState]:
-    """The states at all steps, or at each of 128 equal times, as they come; as ``solve`` makes them.
+    """Compute the states of ``solve`` at all steps, or at 128 equal times, and give each as it comes.
 
     ``gone`` is asked before each: once it says True no more come. A run that fails ends with the last state that it
     reached.
@@ -107,7 +107,7 @@ def integrate(run: InclusionRun, gone: Gone = lambda: False) -> Iterator[SavedSt
 
 
 def depths(problem: Problem, t: float, x: Floats) -> Floats:
-    """For each particle the largest violation of a constraint that ties it, (N,); infinite where one is undefined."""
+    """Return for each particle the largest violation of a constraint that ties it, (N,); inf where one is undefined."""
     deep = np.zeros(len(x))
     try:
         for block in problem.rows_within(t, x, 0.0).by_kind():
@@ -124,7 +124,7 @@ def depths(problem: Problem, t: float, x: Floats) -> Floats:
 
 
 def measured(run: InclusionRun, gone: Gone = lambda: False) -> Measured | None:
-    """Overlap and error in time; None if it was stopped, and without times if the method cannot serve the problem."""
+    """Return overlap and error in time; None if it was stopped, no times if the method cannot serve the problem."""
     try:
         kept = list(integrate(run, gone))
     except InvalidProblem as error:

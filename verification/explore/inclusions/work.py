@@ -41,7 +41,7 @@ class InclusionWork:
         self.steps, self.end = 1, 1.0
 
     def compared(self) -> Compared:
-        """What is known now."""
+        """Return what is known now."""
         return Compared(self._known, self.methods, self._pictured, self.steps, self.end, self.size)
 
     def look_at(self, inclusion: Inclusion, end: float, methods: Sequence[str], pictured: str, steps: int) -> None:
@@ -68,7 +68,7 @@ class InclusionWork:
         halt: threading.Event,
         before: asyncio.Task[None] | None,
     ) -> None:
-        """Once what was under way before has ended, fill ``known`` until it is halted."""
+        """Fill ``known`` until it is halted, once what was under way before has ended."""
         if before is not None:
             await asyncio.wait([before])
         loop = asyncio.get_running_loop()
@@ -84,14 +84,14 @@ class InclusionWork:
                 self._changed()
 
     def _next(self) -> tuple[str, int] | None:
-        """What is to be run next: the present dt, the one that its order is measured by, then from coarse to fine."""
+        """Choose the next run: the present dt, twice that for the order, then from coarse to fine."""
         wanted = [self.steps, max(1, self.steps // 2), *(2**k for k in range(COARSEST, FINEST + 1))]
         jobs = ((method, steps) for steps in wanted for method in self.methods)
         return next((job for job in jobs if job not in self._known), None)
 
 
 def _about(inclusion: Inclusion, end: float) -> tuple[str, float]:
-    """What is known of the solution, and how large the scene is."""
+    """Return what is known of the solution, and how large the scene is."""
     try:
         left, right, low, high = box_of(inclusion, end)
     except InvalidProblem as error:

@@ -38,24 +38,24 @@ class Mean:
     runs: int
 
     def interval(self) -> tuple[float, float]:
-        """Student's."""
+        """Return Student's interval."""
         return self.value - self.half, self.value + self.half
 
 
 def mean_of(values: Floats) -> Mean:
-    """Of two runs at least."""
+    """Return the mean of one value of each run, of two runs at least."""
     value, half = mean_and_half(values)
     return Mean(float(value), float(half), float(values.std(ddof=1)), len(values))
 
 
 def means_of(values: Any) -> tuple[Floats, Floats, Floats]:
-    """The mean over the first axis, of length 2 at least, and the ends of its intervals."""
+    """Compute the mean over the first axis, of length 2 at least, and the ends of its intervals."""
     mean, half = mean_and_half(values)
     return mean, mean - half, mean + half
 
 
 def difference(first: Mean, second: Mean) -> tuple[float, float, float]:
-    """first - second with the ends of Welch's 95 % interval, as of independent runs.
+    """Compute first - second with the ends of Welch's 95 % interval for independent runs.
 
     Source
     ------
@@ -71,7 +71,7 @@ def difference(first: Mean, second: Mean) -> tuple[float, float, float]:
 
 
 def runs_to_see(first: Mean, second: Mean) -> int | None:
-    """Runs of each with which a difference of this size is seen, as ``runs_needed`` says it of ratios; None: with none.
+    """Return how many runs of each show a difference of this size, as ``runs_needed`` does of ratios; None: none do.
 
     n = (z_level + z_power)^2 (s_1^2 + s_2^2)/(m_1 - m_2)^2.
     """
@@ -119,7 +119,7 @@ class Answer(NamedTuple):
 
 
 def answer_of(grown: PartialResults) -> Answer:
-    """The answer of the runs that there are, which is that of a study of as many replicates."""
+    """Return the answer of the runs that there are, which is that of a study of as many replicates."""
     cells, runs = grown
     times = [float(name.removeprefix("height_um_").removesuffix("h")) for name in runs if _is_height(name)]
     sound = runs[runs["status"] == "SUCCESS"]
@@ -147,7 +147,7 @@ def _is_height(name: str) -> bool:
 
 
 def _by_run(cells: pd.DataFrame, times: list[float]) -> NDArray[np.float64]:
-    """The mean of y_AB over the EMT cells of each run; shape (runs, times)."""
+    """Return the mean of y_AB over the EMT cells of each run; shape (runs, times)."""
     means: NDArray[np.float64] = cells.groupby("replicate")[[f"ab_{t:g}h" for t in times]].mean().to_numpy(np.float64)
     return means
 
@@ -167,7 +167,7 @@ class AnswerRow(NamedTuple):
 
 
 def rows_of(now: Answer, held: Answer | None) -> list[AnswerRow]:
-    """All numbers of an answer; with another one that is held, the difference, this one minus that."""
+    """Return all numbers of an answer; beside one that is held, their differences, this one minus that one."""
     ratios = [_of_ratios(OUTCOMES[what][2], what, now, held) for what in OUTCOMES if what in now.ratios]
     names = [name for name in (POSITION, HEIGHT, APICAL, BASAL) if name in now.means]
     return ratios + [_of_means(name, now.means[name], None if held is None else held.means.get(name)) for name in names]
@@ -196,7 +196,7 @@ def _of_means(name: str, now: Mean, held: Mean | None) -> AnswerRow:
 
 
 def _needed(interval: tuple[float, float], needed: int | None, runs: int) -> str:
-    """What is missing to see a difference as large as this one with a probability of 80 %."""
+    """Return what is missing to see a difference as large as this one with a probability of 80 %."""
     if interval[0] > 0 or interval[1] < 0:
         return DECIDED
     if needed is None:

@@ -27,7 +27,7 @@ HELD = 0.45  # opacity of what is held
 
 
 def ratios_chart(answers: Sequence[Answer]) -> dict[str, Any]:
-    """The ratios of EMT cells against time; the first answer, and pale the one that is held."""
+    """Return the ratios of EMT cells against time; the first answer, and pale the one that is held."""
     series: list[dict[str, Any]] = []
     for k, answer in enumerate(answers):
         for what, (colour, line, name) in OUTCOMES.items():
@@ -39,7 +39,7 @@ def ratios_chart(answers: Sequence[Answer]) -> dict[str, Any]:
 
 
 def mean_chart(answers: Sequence[Answer], what: str) -> dict[str, Any]:
-    """A mean over runs against time."""
+    """Return a mean over runs against time."""
     series: list[dict[str, Any]] = []
     for k, answer in enumerate(answers):
         if what in answer.time_series:
@@ -69,7 +69,7 @@ def _axis(name: str, **limits: Any) -> dict[str, Any]:
 def _band(
     name: str, look: tuple[str, str], k: int, t: Any, value: Any, low: Any, high: Any
 ) -> Iterator[dict[str, Any]]:
-    """A line, and its interval: its low end without a line, and on top of that the width, filled."""
+    """Draw a line and its interval: the low end without a line, on top of it the width, filled."""
     colour, dashes = look
     opacity = HELD if k else 1.0
     line = {"type": "line", "showSymbol": False, "silent": True}
@@ -126,7 +126,7 @@ class AnswerPanel:
         self.show()
 
     def show(self) -> None:
-        """All that is known now."""
+        """Show all that is known now."""
         now, held = self._session.now, self._session.held
         self._compare.text = "Compare: hold this" if held is None else "Compare no more"
         self._runs.text = _words(now) + ("" if held is None else f"; held: {_words(held)}")
@@ -153,7 +153,7 @@ class AnswerPanel:
 
 
 def _words(side: Side) -> str:
-    """How many runs there are, and what became of them."""
+    """Return how many runs there are, and what became of them."""
     if side.ensemble is not None and side.ensemble.fault:
         return side.ensemble.fault
     if side.answer is None:

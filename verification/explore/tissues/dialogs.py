@@ -27,13 +27,13 @@ MAKES_NO_NUMBERS = True
 
 
 def parameters_text(setting: Setting) -> str:
-    """A parameter file of a setting, with its base: it is to lie beside it, or that is a preset."""
+    """Write the text of a parameter file of a setting; its base is a preset, or a file in the same folder."""
     comments = {name: facts.comment for name, facts in all_keys(Parameters).items()}
     return f"base = {json.dumps(setting.base)}\n\n{written(nested(setting.changes), comments)}"
 
 
 def study_text(title: str, settings: Mapping[str, Setting], replicates: int, seed: int) -> str:
-    """A study file with a scenario for each setting.
+    """Return a study file with a scenario for each setting.
 
     Its runs are those of the page: replicate k of a scenario has the seed that the page gives it by the same names.
 
@@ -53,13 +53,13 @@ def study_text(title: str, settings: Mapping[str, Setting], replicates: int, see
 
 
 def command(file: str) -> str:
-    """The command line that carries out a study file; it goes on after any interruption."""
+    """Return the command line that carries out a study file; it goes on after any interruption."""
     folder = f"{RESULTS}/{file.removesuffix(TOML)}"
     return f"tissue study {quote(file)} --out {quote(folder)}"
 
 
 def _changes(parameters: Parameters, base: Parameters) -> dict[str, object]:
-    """The values in which parameters differ from their base, by key."""
+    """Return the values in which parameters differ from their base, by key."""
     before, now = flat(base.as_dict()), flat(parameters.as_dict())
     if gone := sorted(set(before) - set(now)):
         raise InvalidProblem(f"{', '.join(gone)}: must be in both settings; open them from one file to compare them")
@@ -132,7 +132,7 @@ def open_study(session: Session, opened: Callable[[str, str], Awaitable[None]]) 
 
 @contextmanager
 def _dialog(title: str, action: str, act: Callable[[], str | Awaitable[str]]) -> Iterator[ui.label]:
-    """A dialog around fields; what ``act`` returns, or has against them, is said below."""
+    """Open a dialog around fields; what ``act`` returns, or what it refuses, is shown below."""
 
     async def tried() -> None:
         with _said_below(said):

@@ -82,7 +82,7 @@ class Ensemble:
         self._stop.set()
 
     def partial_results(self) -> PartialResults | None:
-        """The replicates without a gap; None as long as there are none."""
+        """Return the replicates without a gap; None as long as there are none."""
         import pyarrow as pa
 
         with self._lock:
@@ -130,12 +130,12 @@ class Ensemble:
 
 
 def cores() -> int:
-    """Of this machine, that this process may use."""
+    """Count the cores of this machine that this process may use."""
     return len(os.sched_getaffinity(0))
 
 
 def workers() -> ThreadPoolExecutor:
-    """Threads for ensembles, one for each core, which give way to the picture that someone waits for."""
+    """Start threads for ensembles, one for each core, which give way to the picture that someone waits for."""
     return ThreadPoolExecutor(cores(), "ensemble", _give_way)
 
 

@@ -42,7 +42,7 @@ POINTS = 361
 
 
 def events_to_come(emt: Emt, kept: Floats) -> set[int]:
-    """The sets of events that EMT cells will have at the kept times [h], which begin with the start.
+    """Return the sets of events that EMT cells will have at the output times [h], which begin with the start.
 
     An event begins in the first step whose end is not before its time; all times are drawn at the start.
     """
@@ -55,7 +55,7 @@ def events_to_come(emt: Emt, kept: Floats) -> set[int]:
 
 
 def looks_of(begun: set[int]) -> tuple[list[dict[str, str]], Integers]:
-    """The looks of EMT cells with these sets of events, and by each set its place among them; empty without any."""
+    """Return the styles of EMT cells with these sets of events, and by each set its place among them."""
     colours = colours_of(begun)
     places = {name: place for place, name in enumerate(colours)}
     looks = [{"name": name, "colour": colour} for name, colour in colours.items()]
@@ -66,7 +66,7 @@ def looks_of(begun: set[int]) -> tuple[list[dict[str, str]], Integers]:
 
 
 def phases_and_types(parameters: Parameters) -> dict[str, Any]:
-    """The phases of control cells, and the types by their numbers."""
+    """Return the phases of control cells, and the types by their numbers."""
     kinds = zip(parameters.type_names, (*UNNAMED_COLOURS, *TYPE_COLOURS), strict=False)
     return {
         "phases": [{"name": name, "colour": colour} for name, colour in COLOURS.items()],
@@ -75,7 +75,7 @@ def phases_and_types(parameters: Parameters) -> dict[str, Any]:
 
 
 def basal_layer(parameters: Parameters) -> dict[str, Any]:
-    """The polygon of the basal layer [um], none for a line, and on which side the tissue is."""
+    """Return the polygon of the basal layer [um], none for a line, and on which side the tissue is."""
     curve, um = parameters.curve(), parameters.cell.soft_radius.value
     if curve.pieces == 0:
         return {"layer": [], "closed": False, "inside": False, "ring": False}
@@ -132,7 +132,7 @@ def stream(parameters: Parameters, seed: int, stopped: Callable[[], bool] = lamb
 
 
 def finely_kept(parameters: Parameters) -> Parameters:
-    """The same parameters with kept times fine enough for a smooth picture: a whole number of dt, at most 160."""
+    """Return the parameters with output times that are fine enough for a smooth picture: whole dt, at most 160."""
     dt = parameters.numerics.dt.value
     every = -(-round(parameters.t_end / dt) // MOST)
     numerics = parameters.numerics.model_copy(update={"keep": Measure(every * dt, "h")})
@@ -152,14 +152,14 @@ class _Pictures:
         self._looks, self._places = looks_of(events_to_come(self.lot.store(0).emt, kept))
 
     def head(self) -> bytes:
-        """What holds for the whole run."""
+        """Return what holds for the whole run."""
         box = box_of([self._seen(0.0)], self._parameters)
         common = {"kind": "head", "painter": self.painter, "unit": "µm", "timeUnit": "h", "end": self._parameters.t_end}
         own = {"box": [float(side) for side in box], "soft": self._um, "looks": self._looks}
         return message({**common, **own, **phases_and_types(self._parameters), **self._layer()})
 
     def picture(self, t: float) -> bytes:
-        """The present state, at time t; none of a state that is not finite."""
+        """Return the present state, at time t; none of a state that is not finite."""
         frame = self._seen(t)
         if not self.lot.goes_on(0):
             frame = self.lot.frame(0, t)
@@ -174,16 +174,16 @@ class _Pictures:
         return message(header, columns.tobytes() + np.concatenate(members).astype("<i4").tobytes())
 
     def _layer(self) -> dict[str, Any]:
-        """The basal layer, for the head."""
+        """Return the basal layer, for the head."""
         return basal_layer(self._parameters)
 
     def _further(self, frame: Frame, linked: list[Any]) -> tuple[dict[str, Any], list[Any]]:
-        """What stands behind the columns: for the header, and the members of layers and chains."""
+        """Return what stands behind the columns: for the header, and the members of layers and chains."""
         sizes = {"layer": len(frame.layers.apical), "chains": [len(members) for members in linked]}
         return sizes, [frame.layers.apical, *linked]
 
     def _seen(self, t: float) -> Frame:
-        """The present state where it is, without a copy: as long as the run does not go on."""
+        """Return the present state where it is, without a copy: as long as the run does not go on."""
         store = self.lot.store(0)
         n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
         layers = CellLayers(store.layers.apical[:apical], store.layers.basal[:basal])
@@ -198,7 +198,7 @@ class _Pictures:
         return height
 
     def _write(self, frame: Frame, columns: Any) -> None:
-        """The columns of all cells."""
+        """Write the columns of all cells."""
         cells, whole = frame.cells, columns.view("<i4")
         for place, name in enumerate(self.lengths, 1):
             np.multiply(getattr(cells, name), self._um, out=columns[place], casting="same_kind")
@@ -206,7 +206,7 @@ class _Pictures:
         whole[PHASE] = phases(frame, self._numbers, self._named)
 
     def _write_emt(self, frame: Frame, whole: Any) -> list[Any]:
-        """The columns of EMT cells, and the members of each chain of them."""
+        """Write the columns of EMT cells; return the members of each of their chains."""
         whole[LOOK], whole[FREE] = -1, 0
         if not len(self._places):
             return []
@@ -223,7 +223,7 @@ class _SheetPictures(_Pictures):
     lengths = ("x", "y", "z", "ax", "ay", "az", "bx", "by", "bz", "radius")
 
     def _layer(self) -> dict[str, Any]:
-        """The basal surface, its periods, and how far sections may be moved [um]."""
+        """Return the basal surface, its periods, and how far sections may be moved [um]."""
         frame = self._seen(0.0)
         sheets, um = _sheets_of(frame), self._um
         surface = sheets.surface
@@ -240,7 +240,7 @@ class _SheetPictures(_Pictures):
         return {"triangles": len(triangles)}, [triangles.ravel()]
 
     def _seen(self, t: float) -> Frame:
-        """A copy of the present state: the networks are read where nothing changes them."""
+        """Return a copy of the present state: the networks are read where nothing changes them."""
         return self.lot.frame(0, t)
 
     def _scaled(self, frame: Frame, positions: Any) -> Any:

@@ -55,12 +55,12 @@ class Knob:
             self._back = undo.props(f'flat dense size=xs aria-label="{self.key} as it was"')
 
     def _field(self) -> None:
-        """What is typed counts once it is entered, or left."""
+        """Add a text field: what is typed counts once it is entered, or left."""
         self._text = ui.input(value=text_of(self._value)).props(f'dense outlined aria-label="{self.key}"')
         self._text.on("change", lambda: self._tell(self._typed(self._text.value or "")))
 
     def _typed(self, text: str) -> Any:
-        """What was typed; a number alone stays text where the key wants a text, which has a unit."""
+        """Return what was typed; a number alone stays text where the key wants a text, which has a unit."""
         value = value_of(text)
         return text if isinstance(self._first, str) and not isinstance(value, str) else value
 
@@ -69,7 +69,7 @@ class Knob:
             self._changed({self.key: value})
 
     def _controls(self, end: float) -> Callable[[Any], object]:
-        """The controls; what sets them to a value."""
+        """Add the controls; return the function that sets them."""
         self._field()
         if self._facts.is_choice:
             self._text.set_visibility(False)
@@ -106,7 +106,7 @@ class Knob:
         return lambda value: None if (to := place(value)) is None else slider.set_value(to)
 
     def _event(self, end: float) -> Callable[[Any], None]:
-        """Whether it begins, between which times, with which probability."""
+        """Add controls: whether it begins, between which times, with which probability."""
 
         def tell(_: Any = None) -> None:
             low, high = (Measure(float(span.value[side]), "h") for side in ("min", "max"))
@@ -146,7 +146,7 @@ class KnobPanel:
         self.rebuild()
 
     def rebuild(self) -> None:
-        """New knobs, as after another beginning: how far sliders go depends on it. Closed groups have none yet."""
+        """Make new knobs, as after another beginning: how far sliders go depends on it. Closed groups have none yet."""
         self._knobs.clear()
         self._whole.clear()
         with self._whole:
@@ -183,7 +183,7 @@ class KnobPanel:
                 self._add(facts.name, self._groups[group])
 
     def _ensure(self, key: str) -> None:
-        """A knob for this key, in its group or among the others."""
+        """Make a knob for this key, in its group or among the others, unless there is one."""
         if key not in self._knobs:
             found = [group for group, known in groups().items() if key in (facts.name for facts in known)]
             self._fill(found[0]) if found else self._add(key, self._others)

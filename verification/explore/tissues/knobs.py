@@ -46,17 +46,17 @@ class Scale:
     unit: str = ""
 
     def place_of(self, number: float) -> int:
-        """The place, from 0, of the value that is nearest."""
+        """Return the place, from 0, of the value that is nearest."""
         return min(range(len(self.values)), key=lambda place: abs(self.values[place] - number))
 
     def value_at(self, place: int) -> Any:
-        """The value as in a file: a number, or a text of number and unit."""
+        """Return the value as in a file: a number, or a text of number and unit."""
         number = self.values[place]
         return f"{number:g} {self.unit}" if self.unit else number
 
 
 def groups() -> dict[str, list[KeyFacts]]:
-    """The knobs of each group, by what is known of their keys; events that were registered are among them."""
+    """Return the knobs of each group, by what is known of their keys; events that were registered are among them."""
     known = all_keys(Parameters)
     times = [name for name in known if name.startswith("emt.") and is_timing(known[name])]
     more = {EVENT_GROUP: times}
@@ -64,18 +64,18 @@ def groups() -> dict[str, list[KeyFacts]]:
 
 
 def other_keys(values: Mapping[str, Any]) -> list[str]:
-    """The keys with values that no knob shows."""
+    """Return the keys with values that no knob shows."""
     shown = {facts.name for group in groups().values() for facts in group}
     return [key for key in values if key not in shown and key != CLOSED]
 
 
 def is_timing(facts: KeyFacts) -> bool:
-    """Whether it is the time of an event."""
+    """Return whether it is the time of an event."""
     return facts.unit == "h, %"
 
 
 def scale_of(facts: KeyFacts, value: Any) -> Scale | None:
-    """How a slider goes that begins with this value, as in a file; None for what is no number."""
+    """Choose the scale of a slider that begins with this value of a file; None for what is no number."""
     number, unit = number_of(value)
     if number is None or facts.is_choice or is_timing(facts):
         return None
@@ -93,7 +93,7 @@ def scale_of(facts: KeyFacts, value: Any) -> Scale | None:
 
 
 def number_of(value: Any) -> tuple[float | None, str]:
-    """The number and the unit of a value in a file such as 60, "40 um", "1/3 R_soft"; None for any other."""
+    """Return the number and the unit of a value in a file such as 60, "40 um", "1/3 R_soft"; None for any other."""
     text, _, unit = value.partition(" ") if isinstance(value, str) else (value, "", "")
     try:
         return (None, "") if isinstance(text, bool) else (float(plain(text)), unit.strip())

@@ -67,7 +67,7 @@ class TissuePage:
                 ui.button(text, on_click=act).props("dense no-caps flat size=sm")
 
     def _replicates(self) -> None:
-        """Which run of the ensemble is shown."""
+        """Add the fields that choose the run that is shown, and the seed."""
         session = self._session
         with ui.element("div").classes("row"):
             self._shown = ui.number("run shown", value=0, min=0, step=1, format="%d").props("dense outlined")

@@ -27,7 +27,7 @@ SEED = 0
 
 
 def checked_seed(seed: int) -> int:
-    """A seed as a study takes it."""
+    """Check a seed as a study does."""
     return integer("seed", seed, least=0)
 
 
@@ -51,7 +51,7 @@ class Side:
             self.ensemble.stop()
 
     def is_behind(self) -> bool:
-        """Whether enough runs have come since the last answer to give another: half as many, or the last ones."""
+        """Return whether enough runs have come for another answer: half as many again, or the last ones."""
         known = 0 if self.answer is None else self.answer.runs
         runs = 0 if self.ensemble is None else self.ensemble.runs
         return runs > known and (self.over or (runs > 1 and 2 * runs >= 3 * known))
@@ -77,7 +77,7 @@ class Session:
 
     @classmethod
     def begin(cls, folder: Folder, pool: Executor, setting: Setting, seed: int = SEED) -> Session:
-        """A page with this setting, of which no run is begun."""
+        """Begin a session with this setting and without runs."""
         session = cls(folder, pool, Side("A", setting, None), checked_seed(seed))
         session.use(setting)
         return session
@@ -110,7 +110,7 @@ class Session:
         self.now = Side(name, setting, Ensemble(setting.parameters, self.seed, name, self.most, self.pool))
 
     def bases(self) -> list[str]:
-        """What a setting may begin with: the presets, and the parameter files of the folder."""
+        """Return what a setting may begin with: the presets, and the parameter files of the folder."""
         return list(dict.fromkeys((*PRESETS, *self.folder.parameter_files())))
 
     def open(self, name: str) -> None:
@@ -119,7 +119,7 @@ class Session:
         self.use(setting)
 
     def reseed(self, seed: int) -> None:
-        """Other runs of the same settings."""
+        """Take other runs of the same settings."""
         self.seed = checked_seed(seed)
         self.release()
         self.use(self.now.setting)
@@ -160,10 +160,10 @@ class Session:
         self.now.stop()
 
     def seed_of(self, replicate: int) -> int:
-        """The seed of a run of the ensemble."""
+        """Return the seed of a run of the ensemble."""
         return run_seeds(self.seed, self.now.name, [replicate])[0]
 
     def _begin_beside(self, names: Collection[str]) -> None:
-        """The same setting as a scenario of another name: its runs are independent of those of these names."""
+        """Begin the same setting under another name: its runs are independent of the runs of these names."""
         self.now = Side(next(name for name in ascii_uppercase if name not in names), self.now.setting, None)
         self.use(self.now.setting)

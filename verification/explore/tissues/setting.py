@@ -37,11 +37,11 @@ class Setting:
 
     @classmethod
     def of(cls, parameters: Parameters) -> Setting:
-        """Any parameters, as changes of the thesis's."""
+        """Make a setting of any parameters, as changes of the preset "thesis"."""
         return cls("thesis", preset("thesis"), flat(parameters.as_dict()))
 
     def with_values(self, values: Mapping[str, Any]) -> Setting:
-        """Some values set; those that are as in the base are no changes.
+        """Set some values; values that are as in the base are no changes.
 
         Raises
         ------
@@ -53,12 +53,12 @@ class Setting:
         return Setting(self.base, self.first, {**self.changes, **values})
 
     def values(self) -> dict[str, Any]:
-        """All values as in a file, by key."""
+        """Return all values as in a file, by key."""
         return flat(self.parameters.as_dict())
 
 
 def value_of(text: str) -> Any:
-    """The value that the text of a field stands for: as TOML has it, quotes may be left out."""
+    """Return the value that the text of a field stands for: as TOML has it, quotes may be left out."""
     try:
         table = tomllib.loads(f"value = {text}")
         return table["value"] if len(table) == 1 else text
@@ -67,12 +67,12 @@ def value_of(text: str) -> Any:
 
 
 def text_of(value: Any) -> str:
-    """The text of a field that stands for a value."""
+    """Return the text of a field that stands for a value."""
     return value if isinstance(value, str) else json.dumps(value)
 
 
 def faults_of(error: InvalidProblem, changed: list[str]) -> tuple[dict[str, str], list[str]]:
-    """What is wrong with which of the keys that were changed, and what names none of them.
+    """Split an error by the keys that were changed; what names none of them comes last.
 
     A line that begins with no such key but names one, as of two values that do not go together, stands at that key.
     """
