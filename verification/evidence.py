@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
 Interval = tuple[float, float]
@@ -118,7 +118,7 @@ class FormalProof:
     true
         Whether it is proved: False if it is refuted, None if the program comes to no decision.
     rejected
-        The wrong variant of the statement that the same technique refutes.
+        The wrong variant of the statement that the same technique refutes; empty for a refuted statement.
     certificate
         What a reader can check without the program; empty where there is nothing.
     """
@@ -183,6 +183,16 @@ def proved(*proofs: FormalProof) -> Evidence:
     """Return proofs of a statement as its evidence; the sentence names what they prove."""
     found = "Proved" if every(proofs) else "Not proved"
     return Evidence(f"{found}: {'; '.join(proof.statement for proof in proofs)}.", proofs)
+
+
+def put_right(*proofs: FormalProof) -> Evidence:
+    """Return proofs of a correction whose wrong variants are what is printed."""
+    printed = tuple(
+        replace(proof, statement=proof.rejected, true=False, rejected="", certificate="") for proof in proofs
+    )
+    found = "Proved" if every(proofs) else "Not proved"
+    said = f"Refuted as printed, {'; '.join(proof.rejected for proof in proofs)}. {found}: "
+    return Evidence(f"{said}{'; '.join(proof.statement for proof in proofs)}.", printed, proofs)
 
 
 def every(comparisons: Sequence[Comparison | FormalProof]) -> bool | None:

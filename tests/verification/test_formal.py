@@ -6,7 +6,7 @@ import sys
 import pytest
 
 from verification.claims import claim
-from verification.evidence import Evidence, FormalProof, Kind, Technique, at_most, proved
+from verification.evidence import Evidence, FormalProof, Kind, Technique, at_most, proved, put_right
 from verification.formal import UnsoundProof, enclosures
 from verification.formal.algebra import identity, library, matrices, sum_of_squares
 from verification.formal.cases import all_cases
@@ -114,6 +114,15 @@ def test_no_cases_prove_nothing() -> None:
 def test_the_verdict_of_a_proof(tried_on: str, kind: Kind) -> None:
     made = claim("my.binomial", "The square of a sum", recorded=kind, tried_on=tried_on)(lambda: proved(binomial()))
     assert made.verdict(made.decide({})) is kind
+
+
+def test_a_correction_is_proved_and_its_printed_form_refuted() -> None:
+    found = put_right(binomial())
+    assert found.kind is Kind.CORRECTED
+    assert found.measured.startswith("Refuted as printed, −2ab. Proved: (a + b)²")
+    assert [each.true for each in found.printed] == [False]
+    assert str(found.printed[0]).startswith("−2ab: refuted by computer algebra")
+    assert put_right(identity("a = b", lambda s, a, b: a - s * b, "a = −b")).kind is Kind.FAILS
 
 
 def test_measured_numbers_beside_a_proof_are_no_proof() -> None:

@@ -33,26 +33,3 @@ def runge_kutta(rate: Callable[[Floats], Floats], z: Floats, t: float = T, steps
         z = z + dt / 6 * (k1 + 2 * k2 + 2 * k3 + rate(z + dt * k3))
         path.append(z)
     return np.array(path)
-
-
-def wavy_motion(atoms: Floats, weights: Floats) -> Floats:
-    """(y, y', X_1, ...) at time T of (5.40) without forces for a measure of atoms: y = 0, y' = 1 at first."""
-
-    def rate(z: Floats) -> Floats:
-        v, X = z[1], z[2:]
-        curved = np.sin(X) / 2 * soft(X) ** 3 * v**2
-        acceleration = -M * (weights @ (soft(X) * curved)) / (1 + M * (weights @ soft(X) ** 2))
-        return np.concatenate([[v, acceleration], soft(X) * v])
-
-    return np.asarray(runge_kutta(rate, np.concatenate([[0.0, 1.0], atoms]))[-1])
-
-
-def wavy_flow(x: Floats, y: float) -> Floats:
-    """Where the flow takes x while y goes from 0 to y: X + sin(X)/2 = x + sin(x)/2 + y, by bisection."""
-    level = x + np.sin(x) / 2 + y
-    low, high = level - 1.0, level + 1.0
-    for _ in range(60):
-        middle = (low + high) / 2
-        above = middle + np.sin(middle) / 2 > level
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
-    return (low + high) / 2

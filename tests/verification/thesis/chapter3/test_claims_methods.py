@@ -138,7 +138,6 @@ def free_discs() -> dincl.Problem:
 
 CHANGES: Mapping[str, Wrong] = {
     "c3.feasible-set": Wrong("chapter3.s2_3_lagrangian", "lined_up", replaced(lambda basal: not basal[:, 1].any())),
-    "c3.constraint-count": Wrong("chapter3.s2_3_lagrangian", "next_to", lambda f: lambda n: [*f(n), (n - 1, 0)]),
     "c3.squared": Wrong("chapter3.s2_3_lagrangian", "basal_pairs", lambda f: lambda: np.sort(f(), axis=1), TRUE),
     "c3.arrow-hurwicz": Wrong("chapter3.s2_3_minimisers", "slope", times(-1.0)),
     "c3.equilibria": Wrong("chapter3.s2_3_minimisers", "slope", times(-1.0)),
@@ -171,11 +170,6 @@ CHANGES: Mapping[str, Wrong] = {
     "c3.less-than-half": of_tables(tissue_ratios=growth(0, 1.7)),
     "c3.similar": of_tables(tissue_daha_distances=distances(0.11, 0.3)),
     "c3.doubling": of_tables(tissue_doubling=doubling(0.1)),
-    "c3.uzawa-energy": Wrong("appendix.s1_uzawa", "system", doubled_matrix, TRUE),
-    "c3.uzawa-lagrangian": Wrong(
-        "appendix.s1_uzawa", "saddle", lambda f: lambda *seed: (*f(*seed)[:3], np.zeros(2)), TRUE
-    ),
-    "c3.uzawa-step": Wrong("appendix.s1_uzawa", "STEPS", replaced(3)),
 }
 
 

@@ -85,8 +85,6 @@ CHANGES = {
         CYCLE, "printed_edges", replaced(lambda edges, mother, new: edges | {(new, mother)} if mother else edges)
     ),
     "c3.dimensions": Wrong(ENERGIES, "R_SOFT_UM", replaced(1.0), HOLDS),
-    "c3.straightness": Wrong(ENERGIES, "second_form", lambda f: lambda angle, first: f(angle, first) + 2.0, HOLDS),
-    "c3.repulsion": Wrong(ENERGIES, "repulsion", times(-1.0), HOLDS),
     "c3.forces": Wrong(ENERGIES, "repulsion", times(-1.0)),
     "c3.at-all-times": Wrong(FEASIBLE, ("HARD", "ENLARGED"), replaced(0.0), HOLDS),
     "c3.equal-radii": Wrong(FEASIBLE, "ENLARGED", replaced(1.66 / 5.0), HOLDS),

@@ -20,8 +20,6 @@ WATER_DENSITY = 1e3  # [kg/m³]
 LITRE, MILLILITRE = 1e-3, 1e-6  # [m³]
 A_MINUTE = 60.0  # [s]
 CELL_SPEED = 1e-4 / 3600  # [m/s], 0.1 mm/h: faster than cells are
-MASS, DAMPING = 0.3, 1.7
-FORCE, FIRST = np.array([1.0, -0.4]), np.array([-2.0, 0.5])
 
 
 @claim(
@@ -89,11 +87,6 @@ def _ball_at_rest() -> Evidence:
             equal("wrong slopes at x = 1 and x = -1/2", elsewhere, 0),
         ),
     )
-
-
-def velocity(t: Floats) -> Floats:
-    """v(t) as printed after (1.1), for times of shape (K, 1)."""
-    return np.asarray((FIRST - FORCE / DAMPING) * np.exp(-DAMPING / MASS * t) + FORCE / DAMPING)
 
 
 @claim(

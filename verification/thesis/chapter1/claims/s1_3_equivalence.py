@@ -7,7 +7,7 @@ import numpy as np
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, equal, proved
 from verification.thesis.chapter1.claims.s4_2_hypomonotone import cones
-from verification.thesis.chapter1.sets import Floats, contact_gradients
+from verification.thesis.chapter1.sets import Floats
 
 SAMPLES, SEED = 300, 14
 ROUNDING = 1e-12
@@ -16,8 +16,6 @@ EDGE = np.stack([f(np.linspace(0, 2 * np.pi, 720, endpoint=False)) for f in (np.
 BLIND = 1e-4
 # How far two discs are moved along a vector, in diameters.
 FAR = 1e4
-
-Pairs = list[tuple[int, int]]
 
 
 def inside(y: Floats) -> Floats:
@@ -72,12 +70,6 @@ def _outward() -> Evidence:
         ),
         seed=SEED,
     )
-
-
-def multipliers(x: Floats, pairs: Pairs) -> Floats:
-    """λ of (1.4) that keeps the g_k of the pairs as they are, d/dt g_k = 0, for F = -x."""
-    gradients = contact_gradients(x, pairs)
-    return np.asarray(np.linalg.solve(gradients @ gradients.T, gradients @ x.ravel()))
 
 
 @claim(

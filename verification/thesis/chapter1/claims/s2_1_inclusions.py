@@ -3,22 +3,17 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
-from verification.formal.reals import implication
-from verification.thesis.chapter1.sets import Floats
+from verification.formal.reals import implication, solver_library
 
-ROUNDING = 1e-12
 # Places on both sides of 0, the nearest as near as numbers that are squared allow.
 LINE = np.concatenate([sign * np.logspace(-8, 1, 40) for sign in (-1.0, 1.0)])
-
-
-def growth(rate: float, t: float) -> float:
-    """The factor of Theorem 1.13."""
-    return float(np.exp(rate * t))
 
 
 def growth_of_distance() -> tuple[FormalProof, FormalProof]:
@@ -73,15 +68,27 @@ def steepest(sign: float) -> float:
     "The right-hand side of the step inclusion is upper semicontinuous and one-sided Lipschitz at 0.",
     source="Remark 1.14",
     quote="(v - w)(x - y) = (v + 1)(0 - y) ≤ 0 ≤ 2(x - y)²",
+    recorded=Kind.PROVED,
 )
 def _remark() -> Evidence:
-    low, high = step_values(0.0)
-    away = sum(not low <= end <= high for y in LINE for end in step_values(y))
-    slope = steepest(1.0)
-    return Evidence(
-        f"At {LINE.size} places y no value of (1.13) lies outside of [-1, 1], its value at 0; the largest "
-        f"(v - w)(x - y)/(x - y)² is {slope:g} ≤ 0.",
-        printed=(equal("values outside of [-1, 1]", away, 0), at_most("largest one-sided slope", slope, 0.0)),
+    """h and k are values of sign at x and y, any of [-1, 1] at 0; (1.13) has the right side -h."""
+    z3 = solver_library()
+
+    def values(x: Any, h: Any) -> list[Any]:
+        return [h >= -1, h <= 1, z3.Implies(x > 0, h == 1), z3.Implies(x < 0, h == -1)]
+
+    return proved(
+        implication(
+            "(v − w)(x − y) ≤ 0 ≤ 2(x − y)² for all values v, w of (1.13) at any x, y",
+            lambda s, x, y, h, k: ([*values(x, h), *values(y, k)], s * (k - h) * (x - y) <= 0),
+            "with +sign",
+        ),
+        implication(
+            "all values near 0 lie in [−1, 1], the value at 0",
+            lambda s, x, h: (values(x, h), [-h <= s, -h >= -s]),
+            "in [−½, ½]",
+            0.5,
+        ),
     )
 
 
@@ -115,12 +122,6 @@ def _monotone_maps() -> Evidence:
             at_least("largest one-sided slope of sign", plain, 1e6),
         ),
     )
-
-
-def touching(angle: float) -> tuple[Floats, Floats]:
-    """Two discs of radius 1/2 in contact, (2, 2), and the unit normal of S there, which pushes them together."""
-    arrow = np.array([np.cos(angle), np.sin(angle)])
-    return np.array([-arrow, arrow]) / 2, np.array([arrow, -arrow]) / np.sqrt(2)
 
 
 @claim(

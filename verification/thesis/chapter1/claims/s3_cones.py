@@ -5,28 +5,14 @@ from __future__ import annotations
 
 import numpy as np
 
-import dincl
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.evidence import Evidence, Kind, at_most, equal, proved, put_right
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s1_2_constraints import indicator
-from verification.thesis.chapter1.sets import PLACES, SLOPES, Floats, subgradients
+from verification.thesis.chapter1.sets import PLACES, SLOPES, subgradients
 
-SAMPLES = 2000
 SEED = 11
 ROUNDING = 1e-12
-
-
-def box_points(rng: np.random.Generator) -> Floats:
-    """Points inside of the unit cube, on its faces, edges and corners."""
-    return np.clip(rng.uniform(-0.5, 1.5, (SAMPLES, 3)), 0.0, 1.0)
-
-
-def box_normals(rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Points of the unit cube with a normal vector each."""
-    x = box_points(rng)
-    outward = np.where(x == 1.0, 1.0, np.where(x == 0.0, -1.0, 0.0))
-    return x, outward * rng.uniform(0.0, 2.0, x.shape)
 
 
 @claim(
@@ -92,27 +78,16 @@ def _outside() -> Evidence:
         why="v·(y − x) ≤ 0 and w·(x − y) ≤ 0 by Definition 1.16; their sum is −(v − w)·(x − y) ≤ 0",
         place=559,
     ),
-    tried_on="the unit cube",
 )
 def _monotone() -> Evidence:
-    """Normal cones of the unit box at random points of its faces, edges and corners."""
-    rng = np.random.default_rng(SEED)
-    x, v = box_normals(rng)
-    y, w = box_normals(rng)
-    products = ((v - w) * (x - y)).sum(axis=1)
-    low, high = float(products.min()), float(products.max())
-    return Evidence(
-        f"For {SAMPLES} pairs on the unit cube (v - w)·(x - y) lies in [{low:.1e}, {high:.2f}]: the sign must be ≥ 0 "
-        "(it is -N that has ≤ 0, and to which Theorem 1.13 is applied).",
-        printed=(at_most("largest product", high, 0.0, ROUNDING),),
-        corrected=(at_least("least product", low, 0.0, ROUNDING),),
-        seed=SEED,
+    """p = v.(y - x) <= 0 and q = w.(x - y) <= 0 for v in N_C(x), w in N_C(y)."""
+    return put_right(
+        implication(
+            "(v − w)·(x − y) = −v·(y − x) − w·(x − y) ≥ 0",
+            lambda s, p, q: ([p <= 0, q <= 0], s * (-p - q) >= 0),
+            "(v − w)·(x − y) ≤ 0",
+        )
     )
-
-
-def held(y: Floats) -> Floats:
-    """The projection onto the unit disc, (K, 2)."""
-    return np.asarray(y / np.maximum(np.linalg.norm(y, axis=-1, keepdims=True), 1.0))
 
 
 @claim(
@@ -131,13 +106,6 @@ def _convex_unique() -> Evidence:
             "ẋ = v, ẏ = w",
         )
     )
-
-
-def swept(h: float, end: float) -> tuple[Floats, Floats]:
-    """Times and places of a point swept by C(t), by PBD with step h."""
-    problem = dincl.scenes.sweeping_interval()
-    times = np.arange(int(end / h) + 1) * h
-    return np.asarray(times), dincl.solve(problem, dincl.PBD(dt=h), t=times).x[:, 0, 0]
 
 
 @claim(

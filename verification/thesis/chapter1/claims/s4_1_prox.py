@@ -4,25 +4,19 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, equal, proved
-from verification.formal.algebra import identity
+from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s3_cones import SEED
-from verification.thesis.chapter1.sets import Floats, contact_gradients, outside
+from verification.thesis.chapter1.sets import contact_gradients
 
 ROUNDING = 1e-12
-# Half the opening of the mouth.
-MOUTH = 0.6
 RADIUS = 0.5
-
-
-def half_way(first: Floats, second: Floats) -> Floats:
-    """Between two arrangements."""
-    return (first + second) / 2
 
 
 @claim(
@@ -30,15 +24,26 @@ def half_way(first: Floats, second: Floats) -> Floats:
     "Discs that do not overlap may overlap half-way between two arrangements.",
     source="section 4",
     quote="the set of non-overlapping disks … is not convex.",
+    recorded=Kind.PROVED,
 )
 def _not_convex() -> Evidence:
-    first = np.array([[-RADIUS, 0.0], [RADIUS, 0.0]])
-    middle = half_way(first, first[::-1])
-    gaps = [float(np.linalg.norm(x[0] - x[1]) - 2 * RADIUS) for x in (first, first[::-1], middle)]
-    return Evidence(
-        f"Two touching discs and the same with places exchanged have gaps {gaps[0]:g} and {gaps[1]:g}; half-way their "
-        f"gap is {gaps[2]:g}.",
-        printed=(at_least("gap at the ends", min(gaps[:2]), 0.0), at_most("gap half-way", gaps[2], -RADIUS)),
+    """Centres at -R e and R e, exchanged, and half-way between: any radius and direction."""
+    sp = library()
+    R, w = sp.symbols("R w", positive=True)
+    e = R * sp.Matrix([sp.cos(w), sp.sin(w)])
+    first, other = (-e, e), (e, -e)
+    between = [(a + b) / 2 for a, b in zip(first, other, strict=True)]
+
+    def square(pair: Any) -> Any:
+        return (pair[0] - pair[1]).dot(pair[0] - pair[1])
+
+    return proved(
+        identity(
+            "two touching discs and the same with places exchanged have the distance 2R, half-way the centres coincide",
+            lambda s: [square(first) - s * 4 * R**2, square(other) - 4 * R**2, square(between)],
+            "no distance",
+            0,
+        )
     )
 
 
@@ -65,35 +70,26 @@ def _convex_projection() -> Evidence:
     )
 
 
-def lips(count: int) -> tuple[Floats, Floats]:
-    """Points of the upper and the lower lip of a disc of radius 1 with a mouth."""
-    along = np.linspace(0.0, 1.0, count)[:, None]
-    return along * [math.cos(MOUTH), math.sin(MOUTH)], along * [math.cos(MOUTH), -math.sin(MOUTH)]
-
-
 @claim(
     "c1.pacman",
     "A disc with a mouth has points with two nearest points, as near to it as one likes.",
     source="Figure 7",
     quote="The Pacman-like set is not uniformly prox-regular since for points in the middle of the mouth … not unique.",
-    chosen="a mouth that opens by 1.2",
+    recorded=Kind.PROVED,
 )
 def _pacman() -> Evidence:
-    """Points (s, 0) on the middle line of the mouth, s -> 0."""
-    nearest, apart_by = [], []
-    for s in (0.1, 0.01, 0.001):
-        ends = [lip[np.linalg.norm(lip - [s, 0.0], axis=1).argmin()] for lip in lips(100_001)]
-        distances = [float(np.linalg.norm(end - [s, 0.0])) for end in ends]
-        nearest.append(max(distances))
-        apart_by.append(float(np.linalg.norm(ends[0] - ends[1])) / s - abs(distances[0] - distances[1]) / s)
-    return Evidence(
-        f"In the middle of a mouth that opens by {2 * MOUTH} the nearest points of both lips are equally far and "
-        f"{min(apart_by):.2f} s apart; the distance s from the corner may be as small as one likes (here to "
-        f"{nearest[-1]:.0e} from the set), so no η > 0 will do.",
-        printed=(
-            equal("distance of the two nearest points over s", min(apart_by), math.sin(2 * MOUTH), 1e-2),
-            equal("distance from the set over s, smallest s", nearest[-1] / 1e-3, math.sin(MOUTH), 1e-2),
-        ),
+    """(s, 0) in a mouth of half the angle w < pi/2, and the point of a lip at r from the corner."""
+    sp = library()
+    a, r, w = sp.symbols("a r w", positive=True)
+    square = (a - r * sp.cos(w)) ** 2 + (r * sp.sin(w)) ** 2
+    return proved(
+        identity(
+            "|(a, 0) − r(cos w, ± sin w)|² = (r − a cos w)² + a² sin²w: on both lips the point at r = a cos w is "
+            "nearest, "
+            "at the distance a sin w, as small as one likes",
+            lambda s: square - (r - a * sp.cos(w)) ** 2 - s * (a * sp.sin(w)) ** 2,
+            "−a² sin²w",
+        )
     )
 
 
@@ -191,15 +187,22 @@ def _same_cones() -> Evidence:
     source="Figure 8",
     quote="n would not be a normal vector according to Definition 1.16 since n·(y - x) > 0.",
     chosen="the outside of the unit disc",
+    recorded=Kind.PROVED,
 )
 def _not_a_convex_normal() -> Evidence:
-    x, n, y = np.array([0.0, 1.0]), np.array([0.0, -1.0]), np.array([0.0, -1.5])
-    back = float(np.abs(outside(x + 0.5 * n) - x).max())
-    angle = float(n @ (y - x))
-    return Evidence(
-        f"A is the outside of the unit disc, x = (0, 1), n = (0, -1): P_A(x + n/2) misses x by {back:.0e}, so n is a "
-        f"proximal normal; for y = (0, -1.5) ∈ A, n·(y - x) = {angle:g}.",
-        printed=(at_most("|P_A(x + n/2) - x|", back, ROUNDING), at_least("n·(y - x)", angle, ROUNDING)),
+    """A is the outside of the unit disc, x = (0, 1), n = -x; (u, v) is a point of A."""
+    return proved(
+        implication(
+            "x is nearest in A to x + n/2 = (0, ½), so n is a proximal normal",
+            lambda s, u, v: ([u * u + v * v >= s], u * u + (v - 0.5) * (v - 0.5) >= 0.25),
+            "A the outside of a disc with the radius ½",
+            0.25,
+        ),
+        implication(
+            "but n·(y − x) = 5/2 > 0 for y = (0, −3/2) ∈ A",
+            lambda s, v, p: ([v == -1.5, p == -s * (v - 1)], p > 0),
+            "n = x",
+        ),
     )
 
 

@@ -3,33 +3,11 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-import dincl
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, FormalProof, Kind, at_most, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
-from verification.thesis.chapter1.claims.s1_2_constraints import TRIANGLE
 from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values
-from verification.thesis.chapter1.sets import Floats
-
-
-def discs() -> dincl.Problem:
-    """Three discs of radius 1/2, each of which touches both others."""
-    return dincl.Problem(TRIANGLE, lambda t, x: 0 * x, [dincl.NonOverlap(0.5)])
-
-
-def projected(y: Floats) -> Floats:
-    """P_S(y) for y near the triangle, as one step of catch-up with dt = 1."""
-    constant = dincl.Problem(TRIANGLE, lambda _t, _x: y - TRIANGLE, [dincl.NonOverlap(0.5)])
-    path = dincl.solve(constant, dincl.CatchUp(dt=1.0, projection=dincl.Daqp(tol=1e-12)), t=1.0)
-    return np.asarray(path.final)
-
-
-def moved(n: Floats) -> float:
-    """|P_S(x + n) - x| at the triangle."""
-    return float(np.abs(projected(TRIANGLE + n) - TRIANGLE).max())
 
 
 def cones() -> tuple[FormalProof, FormalProof, FormalProof]:

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 
@@ -44,22 +43,23 @@ def in_ellipse(a: Floats) -> np.ndarray:
     recorded=Kind.PROVED,
 )
 def _half_spaces() -> Evidence:
-    """The values p = v.w of A: sigma is their least upper bound, so not above the bound alpha, if that is one."""
+    """p = v.w of a point v of A; sigma is the least upper bound of these p, so not above alpha if alpha is one."""
     z3 = solver_library()
-    A, p = z3.Function("A", z3.RealSort(), z3.BoolSort()), z3.Real("p")
-
-    def bounds(value: Any) -> Any:
-        return z3.ForAll(p, z3.Implies(A(p), p <= value))
-
+    contained = z3.Bool("contained")
     return proved(
         implication(
-            "v·w ≤ α for all v ∈ A if and only if the least upper bound σ(A, w) of these v·w is ≤ α",
+            "σ(A, w) ≤ α gives v·w ≤ σ(A, w) ≤ α for all v ∈ A",
+            lambda s, p, sigma, alpha: ([p <= sigma, s * sigma <= s * alpha], p <= alpha),
+            "σ(A, w) ≥ α",
+        ),
+        implication(
+            "A ⊆ {v | v·w ≤ α} makes α an upper bound, so σ(A, w) ≤ α, the least one; and only then",
             lambda s, sigma, alpha: (
-                [bounds(sigma), z3.Implies(bounds(alpha), sigma <= alpha)],
-                bounds(alpha) == (sigma <= s * alpha),
+                [z3.Implies(contained, sigma <= alpha), z3.Implies(sigma <= alpha, contained)],
+                contained == (s * sigma <= s * alpha),
             ),
-            "σ(A, w) ≤ −α",
-        )
+            "σ(A, w) ≥ α",
+        ),
     )
 
 
@@ -104,10 +104,6 @@ def _support() -> Evidence:
 )
 def _additive() -> Evidence:
     """Values p of A and q of B in one direction, with least upper bounds a and b; c is any upper bound of the sums."""
-    z3 = solver_library()
-    A, B = (z3.Function(name, z3.RealSort(), z3.BoolSort()) for name in "AB")
-    p, q = z3.Reals("p q")
-    both = z3.And(A(p), B(q))
     return proved(
         implication(
             "σ(A, v) + σ(B, v) is an upper bound of the sums",
@@ -115,17 +111,14 @@ def _additive() -> Evidence:
             "σ(A, v) − σ(B, v)",
         ),
         implication(
-            "an upper bound c of the sums has σ(A, v) ≤ c − q for all q of B, so σ(B, v) ≤ c − σ(A, v): it is the "
-            "least",
-            lambda s, a, b, c: (
-                [
-                    z3.ForAll([p, q], z3.Implies(both, p + q <= c)),
-                    z3.ForAll(q, z3.Implies(z3.ForAll(p, z3.Implies(A(p), p <= c - q)), a <= c - q)),
-                    z3.Implies(z3.ForAll(q, z3.Implies(B(q), q <= c - a)), b <= c - a),
-                ],
-                a + s * b <= c,
-            ),
-            "twice σ(B, v)",
+            "of an upper bound c of the sums p ≤ c − q for all p ∈ A, so a ≤ c − q; then q ≤ c − a for all q ∈ B",
+            lambda s, a, p, q, c, bound: ([p + q <= c, bound == c - s * q, a <= c - q], [p <= bound, q <= c - a]),
+            "p ≤ c + q",
+        ),
+        implication(
+            "so b ≤ c − a: σ(A, v) + σ(B, v) ≤ c is the least",
+            lambda s, a, b, c: ([b <= c - a], a + s * b <= c),
+            "σ(A, v) + 2σ(B, v) ≤ c",
             2,
         ),
     )

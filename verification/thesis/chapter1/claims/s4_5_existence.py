@@ -19,7 +19,6 @@ SAMPLES, SEED = 300, 12
 ROUNDING = 1e-12
 # Half the step of a central difference of numbers that are right to rounding.
 HALF = 1e-5
-SHIFT = np.array([0.3, -0.4])
 OVERLAPPING, APART = np.array([[0.0, 0.0], [0.8, 0.0]]), np.array([[0.0, 0.0], [1.3, 0.0]])
 
 

@@ -11,9 +11,6 @@ from verification.formal.algebra import identity
 from verification.thesis.chapter1.claims.s4_1_prox import nearest
 from verification.thesis.chapter1.claims.s4_4_semicontinuity import SEED, excess, limits
 
-# The four discs of Figure 4 of chapter 2: step, times to which it goes, and how exact its projections are.
-DT, END, TOL = 0.02, 1.0, 1e-12
-
 
 def length_around(level: int, share: float) -> tuple[float, float]:
     """The gaps of the dyadic numbers of a level in [0, 1]; the length of intervals share/2, share/4, … around them."""

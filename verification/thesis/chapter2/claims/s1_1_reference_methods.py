@@ -10,8 +10,6 @@ from verification.claims import claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
-from verification.thesis.chapter1.sets import Floats
-from verification.thesis.chapter2.discs import RADIUS
 from verification.thesis.chapter2.runs import exact
 
 # Two discs that slide along each other, of which the exact solution is known; at this time they are in contact.
@@ -38,11 +36,6 @@ def error(scheme: dincl.Scheme) -> float:
     """The largest distance of a disc from where it should be at END."""
     final = dincl.solve(SCENE, scheme, t=END).final
     return float(np.linalg.norm(final - exact(SCENE, END), axis=-1).max())
-
-
-def gap(x: Floats) -> Floats:
-    """g of pairs of discs, x of shape (..., 2, 2)."""
-    return np.asarray(np.linalg.norm(x[..., 1, :] - x[..., 0, :], axis=-1) - 2 * RADIUS)
 
 
 def event_driven() -> dincl.Scheme:

@@ -7,7 +7,8 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row
 
@@ -107,16 +108,27 @@ def _limits() -> Evidence:
     "A method can be consistent at every point and yet not converge.",
     source="(2.10)",
     quote="We note, that this property alone does not imply convergence of the numerical method.",
+    recorded=Kind.PROVED,
 )
 def _not_sufficient() -> Evidence:
-    """(2.10) at fixed points, and where the flow is at t = 2."""
-    local = max(abs((flow(x, DT / 10) - x) / (DT / 10) - 1) for x in (0.0, 0.5, 0.99, 1.0, 1.5))
-    x = stopped(DT)
-    return Evidence(
-        "F = 1 and Φ(x) = x + Δt, but Φ(x) = x on [1 − Δt, 1): at five fixed x the quotient of (2.10) is off by "
-        f"{local:.0e} at Δt = 10⁻⁴, yet from 0 the flow is at {x:.3f} at t = 2 instead of at "
-        "2: its limit is no solution.",
-        (at_most("error of the quotient", local, 1e-9), at_least("error at t = 2", abs(2.0 - x), 0.5)),
+    """F = 1, y = Phi(x) = x + h, but Phi(x) = x on [1 - h, 1)."""
+    z3 = solver_library()
+    return proved(
+        implication(
+            "at each x ≠ 1 the quotient (Φ(x) − x)/h is 1 for all h < |1 − x|, and at x = 1 for all h: consistent",
+            lambda s, x, y, h: (
+                [h > 0, z3.Or(x >= 1, h < s * (1 - x)), y == z3.If(z3.And(x >= 1 - h, x < 1), x, x + h)],
+                y - x == h,
+            ),
+            "for all h < 2|1 − x|",
+            2,
+        ),
+        implication(
+            "but from x < 1 no step leads to 1 or beyond, while the solution is at t = 2 at 2",
+            lambda s, x, y, h: ([h > 0, x < 1, y == z3.If(z3.And(x >= 1 - h, x < 1), x, x + s * h)], y < 1),
+            "with steps of 2h",
+            2,
+        ),
     )
 
 

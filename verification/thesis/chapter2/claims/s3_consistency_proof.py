@@ -9,7 +9,8 @@ import numpy as np
 
 import dincl
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved, put_right
+from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, overlap, parted, points_of_step, row
@@ -71,11 +72,6 @@ def _equivalent() -> Evidence:
     )
 
 
-def rate(x: Floats, force: Floats, last: Floats) -> Floats:
-    """(Φ(x) - x)/Δt - F(x)."""
-    return (last - x) / DT - force
-
-
 @claim(
     "c2.scale",
     "The rate of a step without its drift, by its first and last point.",
@@ -91,17 +87,14 @@ def rate(x: Floats, force: Floats, last: Floats) -> Floats:
     ),
 )
 def _scale() -> Evidence:
-    x = row(5)
-    force = np.random.default_rng(SEED).uniform(-1.0, 1.0, x.shape)
-    points = points_of_step(x, force, DT)
-    left, right = rate(x, force, points[-1]), points[-1] - points[0]
-    scale = float(np.linalg.norm(left) / np.linalg.norm(right))
-    return Evidence(
-        f"Five discs in a row, Δt = {DT:g}: the left side is {scale:.6g} times p_M − p_0. The factor 1/Δt is missing; "
-        "cones do not mind, so the inclusion stands.",
-        printed=(equal("left side over p_M − p_0", scale, 1.0, 1e-6),),
-        corrected=(equal("left side over (p_M − p_0)/Δt", scale * DT, 1.0, 1e-6),),
-        seed=SEED,
+    """p_0 = x + dt F(x) and Phi(x) = p_M."""
+    return put_right(
+        identity(
+            "(Φ(x) − x)/Δt − F(x) = (p_M − p_0)/Δt",
+            lambda s, x, F, h, last: (last - x) / h - F - (last - (x + h * F)) / h**s,
+            "= p_M − p_0",
+            0,
+        )
     )
 
 

@@ -15,7 +15,7 @@ from tissue.model.observables import height
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.evidence import Evidence, Kind, at_most, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds
@@ -153,11 +153,6 @@ def _straight() -> Evidence:
     )
 
 
-def second_form(angle: float, first: float) -> float:
-    """cos(first) − cos(γ − π): the second form of (3.12) over α^axb; printed with first = π."""
-    return math.cos(first) - math.cos(angle - math.pi)
-
-
 @claim(
     "c3.straightness",
     "The bending energy in terms of the difference of the angle from π.",
@@ -173,16 +168,15 @@ def second_form(angle: float, first: float) -> float:
     ),
 )
 def _straightness() -> Evidence:
-    angles = np.linspace(0.1, np.pi, 30).tolist()
-    energy = [bending((math.sin(g), math.cos(g)), (0.0, 0.0), (0.0, 1.0), 1.0) for g in angles]
-    printed, right = (
-        max(abs(w - second_form(g, first)) for w, g in zip(energy, angles, strict=True)) for first in (math.pi, 0.0)
-    )
-    return Evidence(
-        f"30 angles: the two forms of W^axb differ by {printed:.3g} α^axb at most, the same at each angle, so forces do"
-        f" not change; with cos(0) − cos(γ − π) they differ by {right:.0e}",
-        printed=(at_most("largest difference of the forms over α^axb", printed, 0.0, TOL),),
-        corrected=(at_most("largest difference with cos(0)", right, 0.0, TOL),),
+    sp = library()
+    angle = sp.Symbol("gamma")
+    return put_right(
+        identity(
+            "cos γ + 1 = cos 0 − cos(γ − π) for all γ",
+            lambda s: sp.cos(angle) + 1 - (sp.cos((1 - s) * sp.pi) - sp.cos(angle - sp.pi)),
+            "cos γ + 1 = cos π − cos(γ − π)",
+            0,
+        )
     )
 
 
@@ -202,19 +196,13 @@ def _straightness() -> Evidence:
     ),
 )
 def _repulsion() -> Evidence:
-    """The force between two nuclei, -dW/dd by a central difference: positive pushes them apart."""
-    distances = (0.7, 1.0, 1.5, 1.9)
-    right = [-slope(lambda d: repulsion(d, XX), d) for d in distances]
-    printed = [-slope(lambda d: -repulsion(d, XX), d) for d in distances]
-    far = abs(slope(lambda d: repulsion(d, XX), 2.5))
-    return Evidence(
-        f"two nuclei 0.7, 1, 1.5 and 1.9 R_soft apart: as printed the force is {max(printed):.2f} at most, they attract"
-        f" each other; without the minus it is {min(right):.2f} at least, and {far:g} beyond 2 R^soft",
-        printed=(at_least("least force apart, as printed [1/R_soft]", min(printed), 0.0),),
-        corrected=(
-            at_least("least force apart without the minus [1/R_soft]", min(right), 0.0),
-            at_most("force at 2.5 R_soft", far, 0.0, TOL),
-        ),
+    """The force f = -dW/dd of two nuclei at the distance d < 2R; W = alpha (d - 2R)^2/(2R)."""
+    return put_right(
+        implication(
+            "−dW/dd = α(2R − d)/R > 0 for d < 2R with +α: nuclei are pushed apart",
+            lambda s, d, R, alpha, f: ([R > 0, alpha > 0, d > 0, d < 2 * R, f * R == s * alpha * (2 * R - d)], f > 0),
+            "pushed apart with −α",
+        )
     )
 
 

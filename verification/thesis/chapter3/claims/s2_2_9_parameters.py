@@ -94,8 +94,3 @@ def _diffusion() -> Evidence:
             "−2DΔt",
         )
     )
-
-
-def variance(dt: float) -> float:
-    """(3.17): of each coordinate in a step [μm²]."""
-    return 2 * D * dt

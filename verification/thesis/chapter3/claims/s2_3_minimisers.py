@@ -23,8 +23,6 @@ FAR = 1e12
 TOL = 1e-8
 # Of a residual that is no rounding, and of a rate that is no zero.
 SEEN, SLOWEST = 0.1, 1e-6
-# Table 4.
-ALPHA, BETA, GAMMA, C = 1e-4, 0.25, 1e-3, 2.0
 
 Step = Callable[[float, float], tuple[float, float]]
 

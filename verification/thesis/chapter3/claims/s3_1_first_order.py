@@ -3,11 +3,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numpy.typing import NDArray
-from scipy.integrate import solve_ivp
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
@@ -15,35 +11,12 @@ from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, equal, proved
 from verification.formal.algebra import identity, library
 
-Floats = NDArray[np.float64]
 # Tables 3 and 4, and section 3.1.
 DT, ALPHA, USUAL = 0.1, 1e-4, 7500
 # Of integrations with a tolerance of 1e-10, and of numbers that are printed with four digits.
 TOL, DIGITS = 1e-7, 5e-5
 # Section 3.4 [h], and how well n* is known.
 TOLD, ABOUT = 0.14, 0.1
-
-
-def slope(z: Floats) -> Floats:
-    """Grad W of three different springs, one of them not linear."""
-    return np.array([40.0 * (z[0] - 1), 9.0 * (z[1] + 2), 30.0 * np.tanh(z[2])])
-
-
-START = np.array([0.2, 1.0, 3.0])
-
-
-class SlopePath(NamedTuple):
-    """Times (K,) and states (K, 3)."""
-
-    t: Floats
-    z: Floats
-
-
-def followed(rate: float, end: float) -> SlopePath:
-    """dz/dt = -rate grad W from START, at 201 times."""
-    t = np.linspace(0.0, end, 201)
-    flow = solve_ivp(lambda _t, z: -rate * slope(z), (0.0, end), START, t_eval=t, rtol=1e-10, atol=1e-10)
-    return SlopePath(t, flow.y.T)
 
 
 @claim(

@@ -3,11 +3,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import minimize
 
 from tissue.files.parameters import preset
 from tissue.state.cells import empty
@@ -15,15 +12,12 @@ from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
-from verification.thesis.chapter3.claims.s3_1_first_order import slope
 from verification.thesis.chapter3.linear import own_hessians
 
 Floats = NDArray[np.float64]
 SEED = 36
 # Sections 3 and 3.4: seconds of DAHA and of PBD for the same task, their iterations and substeps (Table 5).
 DAHA_SECONDS, PBD_SECONDS, USUAL, SUBSTEPS = (27.0, 28.0), 0.08, 7500, 20
-# Tables 3 and 5.
-DT, MU = 0.1, 0.15
 
 
 @claim(
@@ -100,13 +94,6 @@ def _well_posed() -> Evidence:
 LIPSCHITZ = 2 * 15 * 3 + 2 * 4 * 2 * 1.5 / 2.5
 
 
-def nearest(z: Floats, kind: str, value: Callable[[Floats], Floats]) -> Floats:
-    """The nearest state with value >= 0 (or = 0), by sequential quadratic programming."""
-    rule = {"type": kind, "fun": lambda flat: value(flat.reshape(2, 2))}
-    found = minimize(lambda flat: ((flat - z.ravel()) ** 2).sum(), z.ravel() + 1e-3, constraints=rule, tol=1e-12)
-    return np.reshape(found.x, (2, 2))
-
-
 @claim(
     "c3.projections",
     "The nearest point of each single constraint has a closed form.",
@@ -145,16 +132,6 @@ def _projections() -> Evidence:
             2,
         ),
     )
-
-
-LOWEST = np.array([-np.inf, -np.inf, 1.0])
-
-
-def stepped(z: Floats, n: int) -> Floats:
-    """(3.34): n steps of (dt/n)/mu down the energy, each followed by a projection onto z_3 >= 1."""
-    for _ in range(n):
-        z = np.maximum(z - DT / n / MU * slope(z), LOWEST)
-    return z
 
 
 @claim(

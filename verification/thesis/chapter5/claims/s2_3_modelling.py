@@ -13,21 +13,14 @@ from verification.evidence import Evidence, Kind, at_most, proved
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.claims.s2_3_examples import (
     ONE,
-    deformation,
     symbolic_deformation,
     with_springs,
 )
-from verification.thesis.chapter5.instant import Floats, omega, phi
+from verification.thesis.chapter5.instant import omega, phi
 
 # What rounding, complex steps and Runge-Kutta steps leave.
 TOL = 1e-8
 SEED = 19
-
-
-def lengths(y: Floats, angles: Floats) -> Floats:
-    """The lengths of cross-bridges of length 1 at y = (1, 1, 0), after a deformation to y, (5.32)."""
-    X = np.stack([np.cos(angles), np.sin(angles)], axis=-1)
-    return np.asarray(np.linalg.norm(X @ deformation(y).T, axis=-1))
 
 
 @claim(

@@ -8,25 +8,19 @@ from collections.abc import Callable
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_most, proved
+from verification.evidence import Evidence, FormalProof, Kind, at_most, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.enclosures import not_negative
 from verification.formal.reals import implication
 from verification.thesis.chapter5.bounded import FlowState, constants
-from verification.thesis.chapter5.claims.s2_3_examples import ONE
+from verification.thesis.chapter5.general import multiplier, particle
 from verification.thesis.chapter5.instant import (
     Floats,
-    effective_mass,
-    general_instant,
-    instant,
     kernel,
-    omega,
-    phi,
     wavy_system,
 )
 
-# What central differences of numbers that are right to rounding leave.
-TOL = 1e-8
+# What rounding leaves.
 ROUNDING = 1e-12
 SEED, SAMPLES = 57, 200
 M, SPEED = 0.7, 3.0
@@ -109,20 +103,21 @@ def _any_number() -> Evidence:
         why=("(5.14) has −mΦᵀΩ: mΩ[v, v] is in ℝ^nx and cannot be added to F₀ in ℝ^ny, and its sign is the other one"),
         place=3492,
     ),
-    tried_on="one particle, g = X + sin(X)/2 − y",
 )
 def _one_particle() -> Evidence:
-    """m_eff y'' of one particle with g = X + sin(X)/2 - y and no forces."""
-    at = instant(wavy_system(M), np.array([[1.1]]), *ONE)
-    moved, curved = phi(at.system, at.X, at.y).item(), omega(at.system, at.X, at.y, at.v, at.v).item()
-    needed = (effective_mass(at.system, at.X, at.y) @ at.a).item()
-    printed, right = abs(M * curved - needed), abs(-moved * M * curved - needed)
-    nx, ny = omega(*general_instant()[:3], *[general_instant().v] * 2).shape[1], general_instant().y.size
-    return Evidence(
-        f"mΩ[v, v] ∈ ℝ^{nx} cannot be added to F₀ ∈ ℝ^{ny}; with nx = ny = 1 (g = X + sin(X)/2 − y) it misses m_eff ÿ "
-        f"by {printed:.2f}. With −mΦᵀΩ[v, v], as in (5.14), by {right:.0e}; Lemma 5.6 itself is not affected.",
-        printed=(at_most("|m_eff ÿ − mΩ[v, v]|", printed, 0.0, TOL),),
-        corrected=(at_most("|m_eff ÿ + mΦᵀΩ[v, v]|", right, 0.0, TOL),),
+    """The terms of one particle, with Phi^T Omega as in (5.14) or with Omega alone."""
+    p = particle()
+    return put_right(
+        identity(
+            "(5.6b) without λ is (5.11a) with F_eff⁽¹⁾ = F₀ + Φᵀ(F₁ − mΩ[v, v]), any nx, ny",
+            lambda s: (
+                p.BT * multiplier(p)
+                + p.phiT * p.f
+                - p.m * p.phiT * p.phi * p.a
+                - (p.m * p.phiT * p.curved if s == 1 else -p.m * p.curved)
+            ),
+            "with F_eff⁽¹⁾ = F₀ + ΦᵀF₁ + mΩ[v, v]",
+        )
     )
 
 

@@ -100,12 +100,6 @@ def _inverse_bounded() -> Evidence:
     )
 
 
-def derivative(m: Floats, w: Floats) -> Floats:
-    """DInv(m)[w] as printed."""
-    inverse = np.linalg.inv(m)
-    return np.asarray(-inverse @ w @ inverse)
-
-
 @claim(
     "c5.inverse-slope",
     "The derivative of the inverse and its norm.",

@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, proved
+from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter5.bounded import FlowState, force, mass
 from verification.thesis.chapter5.claims.s3_4_stability import gronwall
@@ -84,26 +84,9 @@ def moved(X: Floats, y: float, v: float) -> Floats:
     return np.asarray(runge_kutta(rate, np.concatenate([[y, v], X]), 2.0, 40)[-1])
 
 
-def apart(one: Floats, other: Floats) -> float:
-    """The left side of (5.60)."""
-    return float(np.abs(one[:2] - other[:2]).sum() + np.abs(np.sort(one[2:]) - np.sort(other[2:])).mean())
-
-
-@claim(
-    "c5.same-estimate",
-    "With nonlinear constraints the distance of solutions is at most a multiple of that of their starts.",
-    source="section 4",
-    quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
-    chosen="potentials that are bounded below, and starts at rest",
-    recorded=Kind.PROVED,
-)
-def _estimate() -> Evidence:
-    """a = |y1 - y2|, b = |v1 - v2|, c = int |X1 - X2| with an optimal coupling of the starts; k are the constants.
-
-    By c5.product and c5.acceleration-lipschitz b' <= kx c + ky a + kv b and c' <= px c + py a + pv b at bounded speed.
-    W1 is at most c, and equal to it at the start.
-    """
-    return proved(
+def estimate() -> tuple[FormalProof, ...]:
+    """Prove (5.60) by the rates of its parts, see ``_estimate``, and Lemma 5.17."""
+    return (
         implication(
             "the sum of ‖y₁ − y₂‖, ‖ẏ₁ − ẏ₂‖ and ∫‖X₁ − X₂‖ grows at most at the rate L times itself",
             lambda s, a, b, c, da, db, dc, kx, ky, kv, px, py, pv, L: (
@@ -125,6 +108,23 @@ def _estimate() -> Evidence:
         ),
         *gronwall(),
     )
+
+
+@claim(
+    "c5.same-estimate",
+    "With nonlinear constraints the distance of solutions is at most a multiple of that of their starts.",
+    source="section 4",
+    quote="the same stability estimate as in the linear case also holds for nonlinear constraints",
+    chosen="potentials that are bounded below, and starts at rest",
+    recorded=Kind.PROVED,
+)
+def _estimate() -> Evidence:
+    """a = |y1 - y2|, b = |v1 - v2|, c = int |X1 - X2| with an optimal coupling of the starts; k are the constants.
+
+    By c5.product and c5.acceleration-lipschitz b' <= kx c + ky a + kv b and c' <= px c + py a + pv b at bounded speed.
+    W1 is at most c, and equal to it at the start.
+    """
+    return proved(*estimate())
 
 
 @claim(

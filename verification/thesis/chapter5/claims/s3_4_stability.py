@@ -7,11 +7,11 @@ import numpy as np
 from scipy.optimize import linear_sum_assignment, linprog
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_most, equal, proved
+from verification.evidence import Evidence, FormalProof, Kind, at_most, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats
-from verification.thesis.chapter5.wavy import M, T, soft, wavy_flow, wavy_motion
+from verification.thesis.chapter5.wavy import M, soft
 
 # What rounding leaves of sums.
 TOL = 1e-9
@@ -70,6 +70,21 @@ def _dual() -> Evidence:
     )
 
 
+def means_apart() -> FormalProof:
+    """Prove Lemma 5.15 for one more piece of a plan: w over r = |x - x'|, d = phi(x) - phi(x'), S of cost C."""
+    return implication(
+        "each piece w(ϕ(x) − ϕ(x′)) ≤ Lip(ϕ) w‖x − x′‖ of any transport plan, so |∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) "
+        "times its "
+        "cost, and times the least cost W₁",
+        lambda s, w, r, d, L, S, C: (
+            [w > 0, r > 0, L >= 0, d <= s * L * r, S <= L * C],
+            S + w * d <= L * (C + w * r),
+        ),
+        "ϕ with the constant 2 Lip(ϕ)",
+        2,
+    )
+
+
 @claim(
     "c5.integrals",
     "Means of a function differ by no more than its Lipschitz constant times the distance.",
@@ -78,20 +93,7 @@ def _dual() -> Evidence:
     recorded=Kind.PROVED,
 )
 def _integrals() -> Evidence:
-    """One piece of a transport plan: mass w over r = |x - x'|, d = phi(x) - phi(x'), after a sum S of cost C."""
-    return proved(
-        implication(
-            "each piece w(ϕ(x) − ϕ(x′)) ≤ Lip(ϕ) w‖x − x′‖ of any transport plan, so |∫ϕ dμ₁ − ∫ϕ dμ₂| ≤ Lip(ϕ) "
-            "times its "
-            "cost, and times the least cost W₁",
-            lambda s, w, r, d, L, S, C: (
-                [w > 0, r > 0, L >= 0, d <= s * L * r, S <= L * C],
-                S + w * d <= L * (C + w * r),
-            ),
-            "ϕ with the constant 2 Lip(ϕ)",
-            2,
-        )
-    )
+    return proved(means_apart())
 
 
 def gronwall() -> tuple[FormalProof, FormalProof, FormalProof]:
@@ -200,21 +202,14 @@ def _flow_estimate() -> Evidence:
         ),
         place=3924,
     ),
-    tried_on="two point masses, g = X + sin(X)/2 − y",
 )
 def _stability_step() -> Evidence:
-    """(5.65) for two point masses in the field of g = X + sin(X)/2 - y, light enough that y is nearly the same."""
-    apart = 0.1
-    atoms = np.array([0.0, apart])
-    one, other = (wavy_motion(atoms[k : k + 1], np.ones(1)) for k in (0, 1))
-    far = float(abs(one[2] - other[2]))
-    first, second = wavy_flow(LINE, one[0]), wavy_flow(LINE, other[0])
-    flows = (1 + apart) * float((np.abs(first - second) / (1 + np.abs(LINE))).max())
-    stretch = float((np.diff(second) / np.diff(LINE)).max())
-    return Evidence(
-        f"g = X + sin(X)/2 − y, two point masses: W₁ = {apart:g} at first, {far:.4f} at t = {T:g}; printed: "
-        f"C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁ = {flows + apart:.4f}. The integrand is ϕ∘X₂ᵗ, so the last term needs Lip(X₂ᵗ), here "
-        f"{stretch:.2f}: {flows + stretch * apart:.4f}.",
-        printed=(at_most("W₁(μ₁ᵗ, μ₂ᵗ), bound C_μ‖X₁ᵗ − X₂ᵗ‖ + W₁", far, flows + apart),),
-        corrected=(at_most("W₁(μ₁ᵗ, μ₂ᵗ), bound C_μ‖X₁ᵗ − X₂ᵗ‖ + Lip(X₂ᵗ) W₁", far, flows + stretch * apart),),
+    """One piece of a transport plan from x to z, r = |x - z|: a = |X1(x) - X2(x)|, b = |X2(x) - X2(z)|, L = Lip(X2)."""
+    return put_right(
+        implication(
+            "‖X₁(x) − X₂(z)‖ ≤ ‖X₁(x) − X₂(x)‖ + Lip(X₂ᵗ)‖x − z‖",
+            lambda s, n, a, b, r, L: ([r > 0, a >= 0, b >= 0, L > 0, n <= a + b, b <= L * r], n <= a + L**s * r),
+            "≤ ‖X₁(x) − X₂(x)‖ + ‖x − z‖",
+            0,
+        )
     )

@@ -3,21 +3,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import Any
 
-import numpy as np
-
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, proved
+from verification.evidence import Evidence, Kind, proved, put_right
 from verification.formal.algebra import identity, library, matrices
-from verification.thesis.chapter5.instant import Floats
-from verification.thesis.chapter5.wavy import soft
-
-# What rounding leaves of sums.
-TOL = 1e-9
-LINE, YDOT = np.linspace(-10.0, 10.0, 401), 0.6
-BELL = np.exp(-((LINE - 0.3) ** 2) / 2) / np.sqrt(2 * np.pi)
 
 
 @claim(
@@ -39,13 +29,6 @@ def _closed() -> Evidence:
             "−σAᵀ",
         )
     )
-
-
-def _rate_of(weight: Callable[[Floats], Floats]) -> float:
-    """d/dt int w f dx = int w df/dt dx by (5.42b), f = BELL, g = X + sin(X)/2 - y."""
-    U, slope = soft(LINE) * YDOT, np.sin(LINE) / 2 * soft(LINE) ** 2 * YDOT
-    rate = -(slope * BELL - U * (LINE - 0.3) * BELL)
-    return float((weight(LINE) * rate).sum() * (LINE[1] - LINE[0]))
 
 
 @claim(
@@ -87,15 +70,17 @@ def _mass() -> Evidence:
         why="(5.42b), multiplied by x and integrated by parts; the right side is left blank",
         place=3962,
     ),
-    tried_on="g = X + sin(X)/2 − y, one density",
 )
 def _first_moment() -> Evidence:
-    """int x df/dt dx against int Phi y' f dx, for g = X + sin(X)/2 - y."""
-    found = _rate_of(lambda x: x)
-    right = float((soft(LINE) * YDOT * BELL).sum() * (LINE[1] - LINE[0]))
-    return Evidence(
-        f"The right side is left blank, while ρ changes at a rate of {found:.4f}. By (5.42b) it is ∫Φ(x, y)[ẏ] f dx = "
-        f"{right:.4f}, to {abs(found - right):.0e}.",
-        printed=(at_most("|dρ/dt|, the right side taken as 0", abs(found), 0.0, TOL),),
-        corrected=(at_most("|dρ/dt − ∫Φ(x, y)[ẏ] f dx|", abs(found - right), 0.0, TOL),),
+    """One coordinate: x times the right side of (5.42b), up to the derivative of x u f; u = Phi y'."""
+    sp = library()
+    x = sp.Symbol("x")
+    u, f = (sp.Function(name)(x) for name in "uf")
+    return put_right(
+        identity(
+            "−x(uf)′ = uf − (xuf)′: ρ̇ = ∫Φ(x, y)[ẏ] f dx",
+            lambda s: -x * (u * f).diff(x) + (x * u * f).diff(x) - s * u * f,
+            "ρ̇ = 0, as nothing is printed",
+            0,
+        )
     )

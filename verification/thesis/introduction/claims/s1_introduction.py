@@ -10,7 +10,7 @@ import numpy as np
 import dincl
 from tissue.statistics.comparisons import ALIKE, CLAIM_LEVEL, Difference, runs_needed
 from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
+from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal, proved
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter4.claims.s4_6_conditional import by_kind
 from verification.thesis.chapter4.frequencies import (
@@ -25,7 +25,7 @@ from verification.thesis.chapter4.frequencies import (
     runs_for_margin,
 )
 from verification.thesis.chapter4.studies import PRESETS
-from verification.thesis.chapter5.instant import effective_mass, phi, wavy_system
+from verification.thesis.chapter5.claims.s1_introduction import mass_rates
 
 ROUNDING = 1e-12
 # Seconds of damped Arrow-Hurwicz and of PBD, as sections 3.2 and 3.4 of chapter 3 print them.
@@ -217,23 +217,7 @@ def _timing(tables: Tables) -> Evidence:
     "When the inertia that constrained particles add to the macroscopic component changes.",
     source="introduction, Part III",
     quote="The mean-field mass can even be non-constant if the constrained particles have to move at different speeds",
+    recorded=Kind.PROVED,
 )
 def _mean_field_mass() -> Evidence:
-    """The effective mass of five particles at two levels y of a straight fibre and of one with hindrances."""
-    particles = np.linspace(0.1, 2.0, 5)[:, None]
-    wavy, straight = wavy_system(0.7), wavy_system(0.7)._replace(g=lambda X, y: X - y)
-    y = np.zeros(1)
-    speeds = phi(wavy, particles, y)[:, 0, 0]
-    changes = {
-        name: abs((effective_mass(system, particles + 1.0, y) - effective_mass(system, particles, y)).item())
-        for name, system in (("straight", straight), ("wavy", wavy))
-    }
-    return Evidence(
-        f"Particles on a fibre that all move at one speed keep the effective mass to {changes['straight']:.0e} while "
-        f"they move by 1; on g = X + sin(X)/2 - y their speeds range from {speeds.min():.2f} to "
-        f"{speeds.max():.2f}, and the mass changes by {changes['wavy']:.2f}.",
-        printed=(
-            at_most("change of the mass, one speed", changes["straight"], 0.0, ROUNDING),
-            at_least("change of the mass, different speeds", changes["wavy"], 0.01),
-        ),
-    )
+    return proved(mass_rates())
