@@ -39,6 +39,8 @@ class WorkPrecision(Result):
         Of one run.
     looks
         label -> family and keywords of matplotlib.
+    reference
+        The error of the reference in words, if it is proved.
     """
 
     table: pd.DataFrame
@@ -47,6 +49,7 @@ class WorkPrecision(Result):
     looks: dict[str, dict[str, Any]]
     title: str = "Speed against accuracy"
     name: str = "work_precision"
+    reference: str = ""
 
     def cheapest(self, targets: Sequence[float] = TARGETS, error: str = "", cost: str = "cpu_seconds") -> pd.DataFrame:
         """Return which method reaches each error at the smallest cost.
@@ -83,6 +86,7 @@ class WorkPrecision(Result):
 
         panel = draw_work_precision(self.table, self.looks, self.checked_error(error), checked_cost(cost), ax)
         panel.set_title(self.title)
+        panel.set_ylabel(", ".join(filter(None, (panel.get_ylabel(), self.reference))))
         return panel
 
     def output(self) -> pd.DataFrame:
@@ -112,6 +116,7 @@ class WorkPrecision(Result):
                 f"WorkPrecision of {len(self.looks)} methods; cheapest by CPU time at an error of",
                 *lines,
                 *(f"  {word}: {targets}" for word, targets in missed.items() if targets),
+                *([f"  errors {self.reference}"] if self.reference else []),
                 *(f"  left out: {name}: {why}" for name, why in left_out(self.table).items()),
             ]
         )

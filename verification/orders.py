@@ -44,6 +44,8 @@ class OrderStudy(Result):
         label -> keywords of matplotlib.
     setting
         What the settings are: the label of the axis.
+    reference
+        The error of the reference in words, if it is proved.
     """
 
     table: pd.DataFrame
@@ -53,6 +55,7 @@ class OrderStudy(Result):
     setting: str = SETTINGS["dt"]
     title: str = "Order of convergence"
     name: str = "orders"
+    reference: str = ""
 
     def plot(self, ax: Axes | None = None, error: str = "") -> Axes:
         """The error against the setting, in logarithms; rows that the fit left out are hollow, failed ones crosses."""
@@ -60,6 +63,7 @@ class OrderStudy(Result):
 
         panel = draw_orders(self.table, self.fits, self.looks, error or self.errors[0], self.setting, ax)
         panel.set_title(self.title)
+        panel.set_ylabel(", ".join(filter(None, (panel.get_ylabel(), self.reference))))
         return panel
 
     def summaries(self) -> dict[str, pd.DataFrame]:
@@ -70,7 +74,8 @@ class OrderStudy(Result):
         rows = self.fits.itertuples()
         lines = [f"  {row.method}, {row.error}: {row.order}" for row in rows]
         why = [f"  left out: {name}: {reason}" for name, reason in left_out(self.table).items()]
-        return "\n".join([f"OrderStudy of {self.table['method'].nunique()} methods", *lines, *why])
+        shown = [f"  errors {self.reference}"] if self.reference else []
+        return "\n".join([f"OrderStudy of {self.table['method'].nunique()} methods", *lines, *shown, *why])
 
 
 def order_study(
@@ -126,7 +131,7 @@ def order_study(
     looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
     meanings = {method.setting for method in chosen}
     setting = " or ".join(SETTINGS.get(name, name) for name in sorted(meanings))
-    return OrderStudy(table, pd.DataFrame(fits), names, looks, setting)
+    return OrderStudy(table, pd.DataFrame(fits), names, looks, setting, reference=known.words)
 
 
 def order_of(rows: pd.DataFrame, error: str) -> Order:

@@ -20,6 +20,8 @@ SAME = 5e-8
 ROUNDING = 4 * np.finfo(float).eps
 # The stated error over the distance between the last two runs with halved steps, and halvings at most.
 SAFETY, MOST_HALVINGS = 2.0, 16
+# The bound of a proved reference that names none [length]: no error of double numbers is near it.
+PROVED = 1e-20
 # Times between two output times at which dense output is looked at.
 BETWEEN = 4
 
@@ -36,20 +38,47 @@ class Known:
         Stated error max_i |X_i - exact| at each time, (K,) [length].
     between
         The solution at times between those, where it was asked for.
+    low
+        What the states have beyond double numbers, the solution being x + low, (K, N, d), where it is known.
+    proved
+        Whether the stated error is a theorem.
     """
 
     t: Floats
     x: Floats
     error: Floats
     between: Known | None = field(default=None, kw_only=True)
+    low: Floats | None = field(default=None, kw_only=True)
+    proved: bool = field(default=False, kw_only=True)
 
     def at(self, times: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """States (len(times), N, d), stated errors (len(times),) at some of the times t; ValueError for others."""
+        index = self._places(times)
+        return self.x[index], self.error[index]
+
+    def take(self, times: Floats | Sequence[float]) -> Known:
+        """Return the same at some of the times t; ValueError for others."""
+        index = self._places(times)
+        low = None if self.low is None else self.low[index]
+        wanted = np.asarray(times, dtype=np.float64)
+        return Known(wanted, self.x[index], self.error[index], low=low, proved=self.proved)
+
+    def off(self, x: Floats) -> Floats:
+        """Compute x - exact for states x of the shape of ``self.x`` [length]; near the solution without rounding."""
+        near: Floats = x - self.x
+        return near if self.low is None else near - self.low
+
+    @property
+    def words(self) -> str:
+        """The error of this reference, if it is proved, for charts."""
+        return f"± {self.error.max():.1g}, proved" if self.proved else ""
+
+    def _places(self, times: Floats | Sequence[float]) -> Any:
         wanted = np.asarray(times, dtype=np.float64)
         index = np.abs(self.t - wanted[:, None]).argmin(axis=1)
         if (np.abs(self.t[index] - wanted) > SAME).any():
             raise ValueError(f"times = {wanted}: must be among the times of the reference, {self.t}")
-        return self.x[index], self.error[index]
+        return index
 
 
 @dataclass(frozen=True)
@@ -60,10 +89,13 @@ class Reference:
     tol: float
     scheme: Callable[[float], dincl.Scheme] | None = None
     dt: float | None = None
+    proved: bool = False
 
     def __call__(self, t: ArrayLike) -> Known:
         """The solution at increasing times t, (K,)."""
         times = np.atleast_1d(array("t", t))
+        if self.proved:
+            return self._proof(times)
         if isinstance(self.problem, Scene) and self.problem.exact is not None:
             return _exact(times, self.problem.exact(times))
         return self._event_driven(times) if self.scheme is None else self._halved(self.scheme, times)
@@ -73,6 +105,15 @@ class Reference:
         if path.error is None:  # a run that succeeded has its estimate
             raise dincl.StepFailed(path)
         return Known(path.t, path.x, path.error)
+
+    def _proof(self, t: Floats) -> Known:
+        from dincl.extras import needs
+
+        with needs("a proved reference", "proofs"):
+            from verification.proofs.proof import prove
+        proof = prove(self.problem, t, self.tol)
+        x, low = proof.parts()
+        return Known(t, x, proof.radius + float(ROUNDING**2 * np.abs(x).max()), low=low, proved=True)
 
     def _halved(self, scheme: Callable[[float], dincl.Scheme], t: Floats) -> Known:
         dt = self.dt or float(t[-1]) / 16
@@ -92,21 +133,23 @@ class Reference:
 
 def reference(
     problem: dincl.Problem,
-    tol: float,
+    tol: float | None = None,
     scheme: Callable[[float], dincl.Scheme] | None = None,
     dt: float | None = None,
+    proved: bool = False,
 ) -> Reference:
     """A reference for a study: states with a stated error of at most ``tol``.
 
     Exact where the problem is a scene with a formula; otherwise the event-driven scheme with its own estimate; with
     ``scheme``, dt -> Scheme, steps halved from ``dt`` on until two runs are tol/2 apart at every time (of a method
-    that converges with order p >= 1 the finer one is then at most that far from the solution).
+    that converges with order p >= 1 the finer one is then at most that far from the solution). With ``proved`` the
+    error is a theorem, see ``prove``; ``tol`` is then 1e-20 if it is not given.
 
     Raises
     ------
     InvalidProblem
         If problem is not a dincl.Problem, or tol or dt is not a number > 0.
-    StepFailed, RuntimeError
+    StepFailed, NotProved, RuntimeError
         From the call of the reference, if the tolerance is not reached.
     """
     if not isinstance(problem, dincl.Problem):
@@ -114,7 +157,10 @@ def reference(
     if scheme is not None and not callable(scheme):
         raise dincl.InvalidProblem(f"scheme = {describe(scheme)}: must be a function dt -> Scheme")
     step = None if dt is None else number("dt", dt, positive=True)
-    return Reference(problem, number("tol", tol, positive=True), scheme, step)
+    if proved and scheme is not None:
+        raise dincl.InvalidProblem("proved = True: proves its own approximation, and takes no scheme")
+    wanted = PROVED if proved and tol is None else tol
+    return Reference(problem, number("tol", wanted, positive=True), scheme, step, proved)
 
 
 def known_at(source: Any, t: ArrayLike, *, between: bool = False) -> Known:
@@ -139,7 +185,7 @@ def known_at(source: Any, t: ArrayLike, *, between: bool = False) -> Known:
         both = known_at(source, np.union1d(times, times_between(times)))
         return replace(known_at(both, times), between=known_at(both, times_between(times)))
     if isinstance(source, Known):
-        return Known(times, *source.at(times))
+        return source.take(times)
     found = source(times) if callable(source) else source
     if isinstance(found, Known):
         return found

@@ -86,7 +86,7 @@ def work_precision(
         for row in rows_of(problem, method, settings_of(method, settings), known, norms, budget)
     ]
     looks = {method.label: {"family": method.family} | dict(method.look) for method in chosen}
-    return WorkPrecision(pd.DataFrame(rows), tuple(norms), budget, looks)
+    return WorkPrecision(pd.DataFrame(rows), tuple(norms), budget, looks, reference=known.words)
 
 
 def _on_each(

@@ -74,6 +74,13 @@ class Proof:
         states = [[float(_fraction(c)) for c in ball.centre] for ball in self.certificate.balls]
         return np.array(states).reshape(-1, *self.problem.x0.shape)
 
+    def parts(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the centres as sums of two double numbers, each of shape (K, N, d) [length]."""
+        low = []
+        for ball, state in zip(self.certificate.balls, self.x.reshape(len(self.t), -1).tolist(), strict=True):
+            low.append([float(_fraction(c) - Fraction(v)) for c, v in zip(ball.centre, state, strict=True)])
+        return self.x, np.array(low).reshape(self.x.shape)
+
     @property
     def assumed(self) -> tuple[str, ...]:
         """What the theorem presupposes, a sentence each."""
