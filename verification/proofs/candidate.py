@@ -222,19 +222,20 @@ def follow(
     while now < last:
         expansion = Expansion(system, now, x, active, order)
         longest = int(SAFE * min(expansion.longest(digits), end) * 2**20) << (bits - 20)
-        step, event = min(longest, last - now), None
-        if step <= 0:
-            raise ArithmeticError(f"t = {now / 2**bits:.6g}: the Taylor series do not converge")
+        step, changes = min(longest, last - now), []
         if waiting and now + step >= fixed(dyadic(waiting[0][0]), bits) - margin:
-            event = waiting.pop(0)
-            step = min(_refined(expansion, event, active, fixed(dyadic(event[0]), bits) - now), last - now)
+            # What happens at one time, as a contact and the releases that it causes, is done at once.
+            changes = [event for event in waiting if event[0] == waiting[0][0]]
+            waiting = waiting[len(changes) :]
+            first = min(changes, key=lambda event: not event[1])
+            step = min(_refined(expansion, first, active, fixed(dyadic(first[0]), bits) - now), last - now)
         if step > 0:
             half = max(step // 2, 1)
             coefficients, forces = expansion.centred(half)
             pieces.append(PolynomialPiece((half, -bits), -bits, coefficients, tuple(active), forces))
             x, now = [sum(c) for c in coefficients], now + 2 * half
-        if event:
-            active = sorted({*active, event[2]}) if event[1] else [k for k in active if k != event[2]]
+        opened = {k for _, closes, k in changes if not closes}
+        active = sorted(({k for _, closes, k in changes if closes} | set(active)) - opened)
     return tuple(pieces)
 
 
@@ -249,7 +250,7 @@ def _refined(expansion: Expansion, event: tuple[float, bool, int], active: list[
         shift = [at(c, t, bits) for c in expansion.paths[row.path]] if row.path else []
         return row.gap([at(c, t, bits) for c in expansion.x], shift)
 
-    if value(0) <= 0:
+    if time < 1 << (bits - 30) and value(0) <= 0:
         return 0
     before, t = time + (1 << (bits - 40)), time
     old, new = value(before), value(t)

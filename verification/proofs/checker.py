@@ -39,13 +39,14 @@ EXCESS, OF_RATE = 0.01, 0.25
 
 
 class Stretch(NamedTuple):
-    """From time ``begin`` to ``end`` |x - y| <= bound, and at the end |x - y| <= sqrt(square) + linear."""
+    """|x - y| <= bound from ``begin`` to ``end``, there sqrt(square) + linear; it grew by exp(exponent) or less."""
 
     begin: Any
     end: Any
     bound: Any
     square: Any
     linear: Any
+    exponent: Any
 
 
 class Verdict(NamedTuple):
@@ -77,7 +78,7 @@ class Near(NamedTuple):
 
 
 class TooLong(Exception):
-    """A part of a piece is too long for its bounds; the message says for which."""
+    """A part of a piece is too long for its bounds; the message says which."""
 
 
 class PieceInBalls:
@@ -199,10 +200,7 @@ def laplacian(near: list[Near], multiplier: list[Any], problem: ExactProblem) ->
 
 
 def grow(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], radius: Any, halves: bool) -> Stretch:
-    """Bound |x - y| on [a, b], provided that it is at most ``radius`` there.
-
-    Raises TooLong if the part is too long for the bounds of the multipliers; with ``halves`` also if halves are better.
-    """
+    """Bound |x - y| on [a, b] if it is below ``radius``; TooLong if [a, b] must, or with ``halves`` should, halve."""
     problem, time, near, defect = piece.problem, up((b - a) * piece.half), [], piece.defect
     velocity = [span(v, a, b) for v in piece.velocity]
     for k, clear in enumerate(piece.clear):
@@ -237,9 +235,10 @@ def grow(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], radius: An
         beta = total((time * (v + row.m) + phi * o) * row.gap for row, v, o, _ in rows)
     falls = up((max(-rate, ZERO) * time).exp())
     square, linear = up(start[0] + 2 * falls**2 * beta), up(start[1] + falls * time * defect)
-    factor, top = up((rate * time + known + unknown).exp()), up((max(rate, ZERO) * time + known + unknown).exp())
+    exponent, top = rate * time + known + unknown, up((max(rate, ZERO) * time + known + unknown).exp())
+    factor = up(exponent.exp())
     begin, end = piece.begin + (1 + a) * piece.half, piece.begin + (1 + b) * piece.half
-    return Stretch(begin, end, up(top * (root(square) + linear)), up(factor**2 * square), up(factor * linear))
+    return Stretch(begin, end, up(top * (root(square) + linear)), up(factor**2 * square), up(factor * linear), exponent)
 
 
 def attempt(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], halves: bool) -> Stretch:

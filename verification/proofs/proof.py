@@ -27,10 +27,9 @@ if TYPE_CHECKING:
 
 # Tolerance of the events, relative to the largest coordinate; of times and rows that are found again with all digits.
 EVENTS = 1e-11
-# Digits of the first try beyond twice those of the bound, for the growth of errors; tries; digits added at a failure.
-SPARE, TRIES, MORE = 8, 4, 16
-# Digits of a start or an output beyond those of the bound.
-EXTRA = 8
+# Digits of the first try beyond twice those of the bound, for the growth of errors, and for each event; tries; digits
+# added at a failure, and beyond what the bound missed.
+SPARE, OF_EVENT, TRIES, MORE, BEYOND = 8, 0.25, 4, 16, 4
 
 
 class NotProved(RuntimeError):
@@ -161,7 +160,8 @@ def _search(
     empty: Certificate, events: list[tuple[float, bool, int]], end: float, wanted: float
 ) -> tuple[Certificate, checker.Verdict]:
     """Take more digits until the bound is reached; eps enters by its root, so gaps need twice the digits."""
-    digits, best, reason = math.ceil(-2 * math.log10(wanted)) + SPARE, math.inf, ""
+    best, reason = math.inf, ""
+    digits = math.ceil(-2 * math.log10(wanted) + SPARE + OF_EVENT * len(events))
     for _ in range(TRIES):
         try:
             pieces = follow(empty, events, end, digits)
@@ -174,7 +174,7 @@ def _search(
         best, reason = min(best, reached), f"the bound {reached:.3g} is what {digits} digits give"
         if reached <= wanted:
             return filled, verdict
-        digits += 2 * math.ceil(math.log10(reached / wanted)) + 2
+        digits += 2 * math.ceil(math.log10(reached / wanted)) + BEYOND
     raise NotProved(f"no bound of {wanted:g}: {reason}", best)
 
 
