@@ -13,6 +13,7 @@ import numpy as np
 from tests.tissue.space.space_calls import board_of, call_substeps, taken
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.files.parameters import preset
+from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.store import stored
@@ -91,7 +92,7 @@ class InPlane:
         n = len(cells.x)
         kicks = KICK * self.rng.standard_normal((2, n))
         moved = cells._replace(x=cells.x + kicks[0], y=cells.y + kicks[1])
-        group = Group([stored(moved, self.frame.layers, capacity=n)], self.numbers)
+        group = Group([stored(moved, self.frame.layers, capacity=n, space=in_plane())], self.numbers)
         begin = time.process_time()
         group.make_substeps()
         return 1e9 * (time.process_time() - begin) / n / self.numbers.substeps

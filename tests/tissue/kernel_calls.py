@@ -16,6 +16,7 @@ from tissue.kernels.numbers import handed_numbers
 from tissue.model import scale
 from tissue.model.basal_layer import order_basal
 from tissue.model.discs import separate
+from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import handed_rules
 from tissue.runs.group import Group
 from tissue.state import store
@@ -46,7 +47,7 @@ def held(tissue, capacity=None, curve=store.STRAIGHT):
     """A store with the tissue in it, by default with room for each cell to divide."""
     room = 2 * len(tissue.cells.x) + ROOM if capacity is None else capacity
     emt = Emt(*(array.copy() for array in tissue.emt))
-    return store.stored(tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room, curve=curve)
+    return store.stored(tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room, curve=curve, space=in_plane())
 
 
 def taken(kept):

@@ -15,6 +15,7 @@ from tissue.model.extents import measure_extents
 from tissue.model.observables import ab_positions, areas, height, nucleus_height
 from tissue.model.scale import measure
 from tissue.quasi_steady.run import simulate_quasi_steady
+from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate, simulate_many
 from tissue.state.basal_curve import curve_numbers, ellipse
@@ -81,7 +82,7 @@ def test_substeps_on_a_circle(closed, seed):
     circle, expected = Circle(60.0), cells
     for _ in range(numbers.substeps):
         expected = substep(expected, layers, numbers, circle, closed)
-    held = stored(cells, layers, capacity=len(cells.x), curve=curve_numbers(parameters.curve()))
+    held = stored(cells, layers, capacity=len(cells.x), curve=curve_numbers(parameters.curve()), space=in_plane())
     group = Group([held], numbers)
     assert group.make_substeps()
     assert distance(contents(group.stores[0])[0], expected) < 1e-10
@@ -119,7 +120,9 @@ def _symmetric(n, perimeter, turned=0.0):
     s = turned + perimeter / n * np.arange(n)
     points = [np.column_stack(curve.above(s, np.full(n, height))) for height in (4.0, 8.0, 0.0)]
     cells = states.tissue(*points, along=s)
-    return stored(cells, capacity=n, curve=curve_numbers(curve)), states.numbers(variance=0.0, max_basal=2.0)
+    return stored(cells, capacity=n, curve=curve_numbers(curve), space=in_plane()), states.numbers(
+        variance=0.0, max_basal=2.0
+    )
 
 
 def _turned_back(cells, angle, radius):
@@ -182,7 +185,7 @@ def test_kernels_measure_what_tables_do(side):
     run = simulate(published(**RING | emt | {"layer.side": side, "layer.perimeter": "100 R_soft", "tissue.cells": 300}))
     frame, past = run.final, run.final.past
     curve = curve_numbers(frame.curve)
-    held = stored(frame.cells, frame.layers, emt=past.emt, capacity=len(frame.cells.x), curve=curve)
+    held = stored(frame.cells, frame.layers, emt=past.emt, capacity=len(frame.cells.x), curve=curve, space=in_plane())
     positions, controls, extents = np.zeros(3), np.zeros(4), np.zeros(len(EXTENTS))
     measure(held, positions, controls)
     measure_extents(held, extents)

@@ -4,27 +4,21 @@ from __future__ import annotations
 
 import math
 
+from tissue.kernels.rules import call_leave
 from tissue.plugins import EmtEvent
-from tissue.rules.slice import leave_apical
 from tissue.state.numbers import Numbers
+from tissue.state.space import PRESENT, SUM
 from tissue.state.store import Store
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
-    """The apical point of cell i leaves the layer, and a new junction joins its neighbours.
+    """The apical point of cell i leaves the layer, and new junctions join its neighbours.
 
-    The rest length of this junction is the sum of the two it stands for, or the present distance; the thesis has none.
+    It rests at the sum of the two it stands for, or at the present distance; the thesis does not say.
     """
-    cells = store.cells
-    inside, left, right = leave_apical(store, i)
-    if not inside:
-        return
-    if left >= 0 and right >= 0:
-        if numbers.bridge_present:
-            cells.rest_aa[left] = math.hypot(cells.ax[right] - cells.ax[left], cells.ay[right] - cells.ay[left])
-        else:
-            cells.rest_aa[left] += cells.rest_aa[i]
-    cells.stiff_ax[i] = numbers.alpha_ax * numbers.freed_stiffness
+    bridge = PRESENT if numbers.bridge_present else SUM
+    if call_leave(store.space.rules.leave_apical, store, i, bridge):
+        store.cells.stiff_ax[i] = numbers.alpha_ax * numbers.freed_stiffness
 
 
 def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:

@@ -6,22 +6,17 @@ import math
 
 from tissue.kernels.rules import call_leave
 from tissue.plugins import EmtEvent
-from tissue.rules.slice import find, remove
 from tissue.state.numbers import Numbers
-from tissue.state.space import SPATIAL
-from tissue.state.store import BASAL, Store
+from tissue.state.space import PRESENT, SUM
+from tissue.state.store import Store
 
 
 def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
     """The basal point of cell i leaves the layer and moves freely: (C2) to (C4) hold for its neighbours without it."""
-    k = find(store.layers.basal, store.sizes[BASAL], i)
-    if k < 0:
-        return
-    store.sizes[BASAL] = remove(store.layers.basal, store.sizes[BASAL], k)
-    if store.space.dimension == SPATIAL:
-        call_leave(store.space.rules.leave_basal, store, i)
-    store.motion.by_moves[i] = 1.0
-    store.cells.stiff_bx[i] = numbers.alpha_bx * numbers.freed_stiffness
+    bridge = PRESENT if numbers.bridge_present else SUM
+    if call_leave(store.space.rules.leave_basal, store, i, bridge):
+        store.motion.held[i] = 0.0
+        store.cells.stiff_bx[i] = numbers.alpha_bx * numbers.freed_stiffness
 
 
 def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import math
-
+from tissue.kernels.layers import find
+from tissue.kernels.rules import call_leave
 from tissue.plugins import EmtEvent
-from tissue.rules.slice import find, leave_apical
 from tissue.state.numbers import Numbers
+from tissue.state.space import PRESENT
 from tissue.state.store import APICAL, Store
 
 
@@ -18,19 +18,18 @@ def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
     and a chain does not go on where a ring begins.
     A cell that has lost its apical adhesion [A] has nothing to lose.
     """
-    cells = store.cells
-    if find(store.layers.apical, store.sizes[APICAL], i) < 0:
+    cells, layer = store.cells, store.layers.apical
+    place = find(layer, store.sizes[APICAL], i)
+    if place < 0:
         return
-    _, left, right = leave_apical(store, i)
+    before = layer[place - 1] if place > 0 else -1
+    call_leave(store.space.rules.leave_apical, store, i, PRESENT)
     cells.chain[i] = cells.id[i] + 1
-    before = left if left < i else -1  # in a ring the last cell is on the left of the first one
     for j in range(i - 1, before, -1):  # who stood there has left the layer, now or before
         k = cells.emt[j]
         if k >= 0 and store.emt.new[k] & bit and cells.chain[j] > 0:
             cells.chain[i] = cells.chain[j]
             break
-    if left >= 0 and right >= 0:
-        cells.rest_aa[left] = math.hypot(cells.ax[right] - cells.ax[left], cells.ay[right] - cells.ay[left])
 
 
 EVENT = EmtEvent(

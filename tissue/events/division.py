@@ -24,7 +24,7 @@ def place(store: Store, i: int, numbers: Numbers) -> None:
             x[i + k] += step * along_x
             if curve.bent:
                 y[i + k] += step * along_y
-        if curve.bent and store.motion.by_moves[i + k] == 0.0:  # a point that the layer holds
+        if curve.bent and store.motion.held[i + k] > 0.0:  # a point that the layer holds
             cells.along[i + k] += step
             cells.bx[i + k], cells.by[i + k], _, _ = course(curve, cells.along[i + k])
 

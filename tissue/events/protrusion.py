@@ -25,7 +25,7 @@ def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers)
     height = height_above(store, cells.bx[i], cells.by[i], cells.bz[i])
     running = height > -numbers.run_depth
     moves = 1.0 if not running and numbers.forced_below else 0.0
-    motion.bx_moves[i] = motion.by_moves[i] = moves
+    motion.moves[i] = moves
     motion.runs[i] = numbers.run_speed * numbers.dt / numbers.substeps if running else 0.0
     stiffness = numbers.alpha_bx * numbers.freed_stiffness
     if height <= ON_LAYER:

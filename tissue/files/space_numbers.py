@@ -7,8 +7,7 @@ from tissue.files.sections import LayerSection, SpaceSection, TissueSection
 from tissue.files.units import Measure, reduced
 from tissue.model.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
 from tissue.model.repulsion import SOFT
-from tissue.network import halfedges, remove
-from tissue.state.space import Exchange
+from tissue.state.space import MEAN, PRESENT, Exchange
 
 # At the boundary of an open sheet neighbours are apart by the range of nuclei at most, or by twice the largest distance
 # of basal points. With 2/3 R_soft the edge of a sheet frays into fingers: its junctions grow longer than that.
@@ -38,6 +37,5 @@ def to_exchange(tissue: TissueSection, space: SpaceSection, events: EventsSectio
     return Exchange(
         margin=space.flip_margin,
         reach=max(LEAST_REACH, REACH * reduced(tissue.max_basal_distance, soft_radius)),
-        new_rest=halfedges.MEAN if space.new_rest == "mean" else halfedges.PRESENT,
-        bridge=remove.SUM if events.bridge == "sum" else remove.PRESENT,
+        new_rest=MEAN if space.new_rest == "mean" else PRESENT,
     )

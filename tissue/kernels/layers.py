@@ -6,7 +6,7 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import either, load, positive_bits, spread, store
-from tissue.state.cells import Cells, Floats
+from tissue.state.cells import Cells, Floats, Integers
 
 
 @inner
@@ -55,3 +55,20 @@ def _move_end(inside: Floats, values: Floats, begin: int, stop: int, step: int, 
         missing = either(inside_i, 0.0, missing)
         i += step
     return found
+
+
+@inner
+def find(layer: Integers, size: int, i: int) -> int:
+    """Return the place of cell i in a layer of this size, -1 if it is not there."""
+    for k in range(size):
+        if layer[k] == i:
+            return k
+    return -1
+
+
+@inner
+def remove_from(layer: Integers, size: int, k: int) -> int:
+    """Take the k-th cell out of a layer: those before and behind are neighbours from now on; return the new size."""
+    for place in range(k, size - 1):
+        layer[place] = layer[place + 1]
+    return size - 1

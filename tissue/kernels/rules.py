@@ -17,10 +17,11 @@ LAST: Any = signature(None, STORE, int, float, float, NUMBERS)
 # splits(store, i, number, numbers) and place(store, i, numbers) of a rule of divisions.
 SPLITS: Any = signature(int, STORE, int, float, NUMBERS)
 PLACE: Any = signature(None, STORE, int, NUMBERS)
-# Rules of three dimensions: split(store, i, turn, numbers), leave(store, i) and position(store, i).
-SPLIT_IN_SPACE: Any = signature(None, STORE, int, float, NUMBERS)
-LEAVE: Any = signature(None, STORE, int)
+# Rules of slices and of surfaces, see ``tissue.rules``: leave(store, i, bridge), position(store, i) and
+# shrink(store, numbers); SPLIT below.
+LEAVE: Any = signature(int, STORE, int, int)
 POSITION: Any = signature(float, STORE, int)
+SHRINK: Any = signature(None, STORE, NUMBERS)
 
 
 class Rules(NamedTuple):
@@ -38,9 +39,11 @@ class Rules(NamedTuple):
 _EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0, 0, 0)
 RULES = struct_type(_EXAMPLE)
 rules_at = reader(_EXAMPLE)
+# The rule split(store, splits, numbers, rules), which makes all daughters of one dt.
+SPLIT: Any = signature(None, STORE, int, NUMBERS, RULES)
 # substeps(flat, wide, n): all substeps of one dt for n cells on the board.
 SUBSTEPS: Any = signature(int, int, int, int)
 # Calls of these functions by their addresses, with the arguments above.
 call_begin, call_last, call_splits, call_place = call(BEGIN), call(LAST), call(SPLITS), call(PLACE)
 call_substeps = call(SUBSTEPS)
-call_split_in_space, call_leave, call_position = call(SPLIT_IN_SPACE), call(LEAVE), call(POSITION)
+call_split, call_leave, call_position, call_shrink = call(SPLIT), call(LEAVE), call(POSITION), call(SHRINK)

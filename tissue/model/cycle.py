@@ -12,9 +12,8 @@ from numpy.random import Generator
 from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.numbers import numbers_of
-from tissue.kernels.rules import Rules
+from tissue.kernels.rules import Rules, call_shrink
 from tissue.model.emt import last_events
-from tissue.model.junctions import shrink_junctions
 from tissue.model.springs import apical_length, basal_length, cell_length
 from tissue.state.cells import Cells
 from tissue.state.numbers import Numbers
@@ -78,7 +77,7 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
     takes the place of these.
     """
     cells, n = store.cells, store.sizes[CELLS]
-    shrink_junctions(store, numbers)
+    call_shrink(store.space.rules.shrink, store, numbers)
     kind, own, keep_ax, keep_bx = -1, numbers, 0.0, 0.0
     for i in range(n):
         if cells.kind[i] != kind:  # of neighbours it is mostly the same: two exponentials for many cells

@@ -8,15 +8,14 @@ from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
 from tissue.state.cells import Cells, Floats
-from tissue.state.space import SPATIAL
 from tissue.state.store import APICAL, BASAL, CELLS, Store
-from tissue.state.surface import height
+from tissue.state.surface import PLANE, height
 
 
 @inner
 def height_above(store: Store, x: float, y: float, z: float) -> float:
     """The distance of a point from the basal layer, along its normal; below 0 on the side without tissue."""
-    if store.space.dimension == SPATIAL:
+    if store.space.surface.bends != PLANE:
         return height(store.space.surface, x, y, z)
     return height_of(store.curve, x, y)
 

@@ -13,12 +13,8 @@ import numpy as np
 from dincl.compiled import inner
 from dincl.compiled.lanes import either, fma, load, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.board import Board
-from tissue.kernels.layers import at_ends, chained_behind
-from tissue.kernels.numbers import numbers_of
+from tissue.kernels.layers import at_ends
 from tissue.state.cells import CellLayers, Cells, Integers
-from tissue.state.numbers import Numbers
-from tissue.state.space import SPATIAL
-from tissue.state.store import APICAL, CELLS, Store
 
 
 def energy(d: Any, rest: Any, k: Any) -> Any:
@@ -45,35 +41,6 @@ def pairs(cells: Cells, layers: CellLayers, closed: bool) -> tuple[Integers, Int
     i = (apical[:-1], apical[-1:] if ring else apical[:0], chained[:-1][linked])
     j = (apical[1:], apical[:1] if ring else apical[:0], chained[1:][linked])
     return np.concatenate(i), np.concatenate(j)
-
-
-@inner
-def shrink_junctions(store: Store, numbers: Numbers) -> None:
-    """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
-    cells, rate, kept, place = store.cells, 0.0, 1.0, 0
-    for i in range(store.sizes[CELLS]):
-        j, place = _joined_behind(store, i, place)
-        k = 0.5 * (numbers_of(numbers, cells.kind[i]).rate_aa + numbers_of(numbers, cells.kind[j]).rate_aa)
-        if k != rate:  # mostly the same: few exponentials for many junctions
-            rate, kept = k, math.exp(-k * numbers.dt)
-        cells.rest_aa[i] *= kept
-
-
-@inner
-def _joined_behind(store: Store, i: int, place: int) -> tuple[int, int]:
-    """The cell behind cell i that a junction joins to it, cell i itself if there is none, and the next place.
-
-    ``place``: the first one of the apical layer that is not before cell i. In three dimensions a network has the
-    junctions.
-    """
-    layer, size = store.layers.apical, store.sizes[APICAL]
-    if store.space.dimension == SPATIAL:
-        return i, place
-    if place < size and layer[place] == i:
-        if place + 1 < size:
-            return layer[place + 1], place + 1
-        return layer[0] if store.curve.ring > 0.0 else i, place + 1
-    return max(i, chained_behind(store.cells, store.sizes[CELLS], i)), place
 
 
 @inner

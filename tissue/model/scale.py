@@ -9,7 +9,6 @@ from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
 from tissue.kernels.rules import call_position
 from tissue.state.cells import Cells, Floats
-from tissue.state.space import SPATIAL
 from tissue.state.store import APICAL, CELLS, Store
 from tissue.state.surface import Surface, differences, height
 
@@ -112,13 +111,17 @@ def _dot(a: Point, b: Point) -> float:
 
 @inner
 def ab_position(store: Store, i: int) -> float:
+    """Compute y_AB(X_i), by the rule of the tissue."""
+    found: float = call_position(store.space.rules.position, store, i)
+    return found
+
+
+@inner
+def position_in_slice(store: Store, i: int) -> float:
     """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical path nearest to X_i; as ``ab_positions``.
 
     h is the height above the basal layer, y above a line.
     """
-    if store.space.dimension == SPATIAL:
-        in_space: float = call_position(store.space.rules.position, store, i)
-        return in_space
     cells, layer = store.cells, store.layers.apical
     x, y = cells.x[i], cells.y[i]
     nearest, reference, size = math.inf, (cells.ax[layer[0]], cells.ay[layer[0]]), store.sizes[APICAL]

@@ -6,7 +6,6 @@ from dincl.compiled import inner
 from tissue.kernels import kernel
 from tissue.network.chart import between, chart_of, put, squared_distance, turn
 from tissue.network.halfedges import (
-    MEAN,
     beyond,
     distance_along,
     flip,
@@ -20,6 +19,7 @@ from tissue.network.halfedges import (
 )
 from tissue.state.cells import Floats
 from tissue.state.network import Network
+from tissue.state.space import MEAN
 from tissue.state.surface import SPHERE, Surface
 
 # Judges: the shorter diagonal in space or in the chart, the one of Delaunay in a flat chart.

@@ -8,10 +8,8 @@ from dincl.compiled import inner
 from tissue.network.chart import squared_distance, turn
 from tissue.state.cells import Floats
 from tissue.state.network import Network
+from tissue.state.space import PRESENT
 from tissue.state.surface import Surface
-
-# The rest length of the junction that a flip makes: the distance of its cells then, or the mean of the four around it.
-PRESENT, MEAN = range(2)
 
 
 @inner

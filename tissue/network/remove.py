@@ -21,11 +21,8 @@ from tissue.network.halfedges import (
 )
 from tissue.state.cells import Floats
 from tissue.state.network import LONGEST_LOG, Network
+from tissue.state.space import SUM
 from tissue.state.surface import Surface
-
-# The rest length of a new junction: the distance of its cells then, or the sum of the two junctions of the cell that
-# left whose place it takes: where they were in one line, the tension stays as it was.
-PRESENT, SUM = range(2)
 
 
 @kernel

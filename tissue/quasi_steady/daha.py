@@ -17,6 +17,7 @@ from tissue.kernels.numbers import handed_numbers
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
 from tissue.quasi_steady.iteration import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, boards_for, iterate, memory_for
+from tissue.rules.slice import in_plane
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.numbers import Daha, Numbers
 from tissue.state.store import contents, stored
@@ -97,7 +98,7 @@ class TissueArrowHurwicz:
         size = float(np.square(particles(cells)).sum())
         if not size < TOO_FAR:
             raise InvalidProblem(f"|z|^2 = {size:g}: must be below {TOO_FAR:g} R_soft^2, z all coordinates")
-        held = stored(cells, layers, capacity=len(cells.x))
+        held = stored(cells, layers, capacity=len(cells.x), space=in_plane())
         boards = boards_for(len(held.cells.x), numbers, self.numbers)
         place, running = np.array([held.address]), np.zeros(1, np.int64)
         made, end = iterate(

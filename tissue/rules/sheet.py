@@ -1,25 +1,24 @@
-"""The rules that differ in space: where a daughter comes, and who is whose neighbour when a cell leaves a layer.
-
-A tissue in space has their addresses, see ``SpaceRules``; one in the plane has none and pays nothing.
-"""
+"""The rules of a sheet and of closed surfaces: the layers are networks, and daughters stand behind all cells."""
 
 from __future__ import annotations
 
 import math
-from threading import Lock
+from functools import cache
 from typing import Any
 
 from dincl.compiled import c_function, inner
-from tissue.kernels.rules import LEAVE, POSITION, SPLIT_IN_SPACE
+from tissue.kernels.layers import find, remove_from
+from tissue.kernels.numbers import numbers_of
+from tissue.kernels.rules import LEAVE, POSITION, SHRINK, SPLIT, Rules
 from tissue.model.emt import inherit_events
 from tissue.model.scale import position_in_space
-from tissue.network.halfedges import is_row
+from tissue.network.halfedges import is_row, set_rest
 from tissue.network.insert import insert
 from tissue.network.remove import remove
 from tissue.state.cells import Floats, Integers
 from tissue.state.network import Network
 from tissue.state.numbers import Numbers
-from tissue.state.space import SpaceRules
+from tissue.state.space import TissueRules
 from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.state.surface import PLANE, Surface, normal, onto
 
@@ -27,7 +26,18 @@ Vector = tuple[float, float, float]
 Points = tuple[Floats, Floats, Floats]
 
 
-def split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
+def split(store: Store, splits: int, numbers: Numbers, rules: Rules) -> None:
+    """Part each cell that splits from a daughter behind all cells, one after the other."""
+    daughters = store.daughters
+    for i in range(store.sizes[CELLS]):
+        if daughters.cycle[i] > 0.0:
+            _split(store, i, daughters.turn[i], numbers_of(numbers, store.cells.kind[i]))
+            store.cells.cycle[store.sizes[CELLS] - 1] = daughters.cycle[i]
+            daughters.cycle[i] = 0.0
+
+
+@inner
+def _split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
     """Part cell i from a daughter, the last cell of the arrays, each by the offset (3.7) along the basal surface.
 
     ``turn`` is the direction, as a part of a whole turn; in a row of cells the daughter is along it. ``torn`` of the
@@ -75,7 +85,7 @@ def _copy(store: Store, i: int, j: int) -> None:
     _copy_lines(store.blocks.flags, i, j)
     _copy_lines(store.blocks.integers, i, j)
     cells.id[j], cells.mother[j] = sizes[NEXT_ID], cells.id[i]
-    store.motion.bx_moves[j], store.motion.by_moves[j], store.motion.runs[j] = 1.0, 1.0, 0.0
+    store.motion.moves[j], store.motion.held[j], store.motion.runs[j] = 1.0, store.motion.held[i], 0.0
     sizes[NEXT_ID] += 1
     sizes[CELLS] = j + 1
     # A cell is in a layer if it is in its network.
@@ -134,18 +144,26 @@ def along(surface: Surface, t: Vector, x: float, y: float, z: float) -> Vector:
     return a / length, b / length, c / length
 
 
-def leave_apical(store: Store, i: int) -> None:
-    """The apical point of cell i leaves the network of junctions."""
+def leave_apical(store: Store, i: int, bridge: int) -> int:
+    """Take cell i out of the apical layer and its network of junctions; return whether it was in it."""
     cells, space = store.cells, store.space
-    if remove(space.surface, space.apical, cells.ax, cells.ay, cells.az, i, space.exchange.bridge) < 0:
-        space.torn[0] = 1
+    k = find(store.layers.apical, store.sizes[APICAL], i)
+    if k >= 0:
+        store.sizes[APICAL] = remove_from(store.layers.apical, store.sizes[APICAL], k)
+        if remove(space.surface, space.apical, cells.ax, cells.ay, cells.az, i, bridge) < 0:
+            space.torn[0] = 1
+    return int(k >= 0)
 
 
-def leave_basal(store: Store, i: int) -> None:
-    """The basal point of cell i leaves the network of its neighbours."""
+def leave_basal(store: Store, i: int, bridge: int) -> int:
+    """Take cell i out of the basal layer and the network of its neighbours; return whether it was in it."""
     cells, space = store.cells, store.space
-    if remove(space.surface, space.basal, cells.bx, cells.by, cells.bz, i, space.exchange.bridge) < 0:
-        space.torn[0] = 1
+    k = find(store.layers.basal, store.sizes[BASAL], i)
+    if k >= 0:
+        store.sizes[BASAL] = remove_from(store.layers.basal, store.sizes[BASAL], k)
+        if remove(space.surface, space.basal, cells.bx, cells.by, cells.bz, i, bridge) < 0:
+            space.torn[0] = 1
+    return int(k >= 0)
 
 
 def position(store: Store, i: int) -> float:
@@ -154,15 +172,28 @@ def position(store: Store, i: int) -> float:
     return found
 
 
-# For the life of the process; threads come one at a time.
+def shrink(store: Store, numbers: Numbers) -> None:
+    """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
+    network, kind = store.space.apical, store.cells.kind
+    rate, kept = 0.0, 1.0
+    for i in range(store.sizes[CELLS]):  # those of cells are not used, but are in tables
+        store.cells.rest_aa[i] *= math.exp(-numbers_of(numbers, kind[i]).rate_aa * numbers.dt)
+    for h in range(3 * network.triangles[0]):
+        i, j = network.corner[h], network.corner[network.twin[h]]
+        if 0 <= i < j:
+            own = 0.5 * (numbers_of(numbers, kind[i]).rate_aa + numbers_of(numbers, kind[j]).rate_aa)
+            if own != rate:  # mostly the same: few exponentials for many junctions
+                rate, kept = own, math.exp(-own * numbers.dt)
+            set_rest(network, h, network.rest[h] * kept)
+
+
+@cache
+def sheet_rules() -> TissueRules:
+    """Compile the rules of sheets and closed surfaces, on first use."""
+    pairs: Any = (SPLIT, split), (LEAVE, leave_apical), (LEAVE, leave_basal), (POSITION, position), (SHRINK, shrink)
+    _COMPILED.extend(c_function(signature, rule) for signature, rule in pairs)
+    return TissueRules(*(rule.address for rule in _COMPILED))
+
+
+# For the life of the process.
 _COMPILED: list[Any] = []
-_COMPILING = Lock()
-
-
-def space_rules() -> SpaceRules:
-    """The machine code of the rules, compiled on first use."""
-    with _COMPILING:
-        if not _COMPILED:
-            pairs = ((SPLIT_IN_SPACE, split), (LEAVE, leave_apical), (LEAVE, leave_basal), (POSITION, position))
-            _COMPILED.extend(c_function(signature, rule) for signature, rule in pairs)
-        return SpaceRules(*(rule.address for rule in _COMPILED))

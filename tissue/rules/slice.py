@@ -1,56 +1,177 @@
-"""How a cell leaves a layer: its neighbours close the gap."""
+"""The rules of a slice: the cells are in a row, from left to right or around, and so are the layers."""
 
 from __future__ import annotations
 
-from dincl.compiled import inner
-from tissue.kernels.layers import chained_before, chained_behind
-from tissue.kernels.rules import call_leave
-from tissue.state.cells import Integers
-from tissue.state.space import SPATIAL
-from tissue.state.store import APICAL, CELLS, Store
+import math
+from functools import cache
+from typing import Any
+
+from dincl.compiled import c_function, inner
+from tissue.kernels.layers import chained_before, chained_behind, find, remove_from
+from tissue.kernels.numbers import numbers_of
+from tissue.kernels.rules import LEAVE, POSITION, SHRINK, SPLIT, Rules, call_place
+from tissue.model.emt import inherit_events
+from tissue.model.scale import position_in_slice
+from tissue.state.cells import Floats, Integers
+from tissue.state.numbers import Numbers
+from tissue.state.space import SUM, Space, TissueRules, no_space
+from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 
 
-@inner
-def find(layer: Integers, size: int, i: int) -> int:
-    """The place of cell i in a layer of this size, -1 if it is not there."""
-    for k in range(size):
-        if layer[k] == i:
-            return k
-    return -1
+def split(store: Store, splits: int, numbers: Numbers, rules: Rules) -> None:
+    """Put a copy behind each of the cells that split, in the arrays and in the layers, and part both.
 
-
-@inner
-def remove(layer: Integers, size: int, k: int) -> int:
-    """Take the k-th cell out of a layer: those before and behind are neighbours from now on. The new size."""
-    for place in range(k, size - 1):
-        layer[place] = layer[place + 1]
-    return size - 1
-
-
-@inner
-def leave_apical(store: Store, i: int) -> tuple[bool, int, int]:
-    """Take cell i out of the apical layer, or of its chain: whether it was in one, and its neighbours, -1 for none.
-
-    In a ring the last cell and the first one are neighbours. In three dimensions its network closes the gap by itself,
-    and there are no chains.
+    All daughters get their places at once: to shift the arrays for one after the other would cost n^2.
     """
-    layer, sizes = store.layers.apical, store.sizes
-    k, n = find(layer, sizes[APICAL], i), sizes[APICAL]
-    if store.space.dimension == SPATIAL:
-        if k >= 0:
-            sizes[APICAL] = remove(layer, n, k)
-            call_leave(store.space.rules.leave_apical, store, i)
-        return k >= 0, -1, -1
+    cells, layers, sizes, n = store.cells, store.layers, store.sizes, store.sizes[CELLS]
+    second = store.daughters.cycle
+    _spread_lines(store.blocks.floats, second, n, splits)
+    _spread_lines(store.blocks.flags, second, n, splits)
+    _spread_lines(store.blocks.integers, second, n, splits)
+    sizes[APICAL] = _spread_layer(layers.apical, sizes[APICAL], second, n, splits)
+    sizes[BASAL] = _spread_layer(layers.basal, sizes[BASAL], second, n, splits)
+    sizes[CELLS] = n + splits
+    place = 0
+    for i in range(n):
+        if second[i] > 0.0:
+            cells.rest_aa[place] = numbers_of(numbers, cells.kind[place]).new_junction
+            place += 1
+            cells.id[place], cells.mother[place] = sizes[NEXT_ID], cells.id[place - 1]
+            cells.cycle[place] = second[i]
+            sizes[NEXT_ID] += 1
+            inherit_events(store, place)
+        place += 1
+    store.counts[DIVISIONS] += splits
+    _hold_again(store)
+    place = 0
+    for i in range(n):
+        if second[i] > 0.0:
+            call_place(rules.place, store, place, numbers_of(numbers, cells.kind[place]))
+            second[i] = 0.0
+            place += 1
+        place += 1
+
+
+@inner
+def _spread_lines(block: Any, second: Floats, n: int, splits: int) -> None:
+    """Move the n cells apart in all lines, from the last one on, and copy each that splits into the place behind it."""
+    for line in range(block.shape[0]):
+        place, i = n + splits - 1, n - 1
+        while place > i:
+            block[line, place] = block[line, i]
+            if second[i] > 0.0:
+                place -= 1
+                block[line, place] = block[line, i]
+            place, i = place - 1, i - 1
+
+
+@inner
+def _spread_layer(layer: Integers, size: int, second: Floats, n: int, splits: int) -> int:
+    """Give the cells of a layer their new places, and put each daughter behind her mother; the new size."""
+    added = 0
+    for k in range(size):
+        added += second[layer[k]] > 0.0
+    place, before, i = size + added - 1, splits, n - 1  # ``before``: how many of the cells up to i split
+    for k in range(size - 1, -1, -1):
+        cell = layer[k]
+        while i > cell:
+            before -= second[i] > 0.0
+            i -= 1
+        layer[place] = cell + before
+        if second[cell] > 0.0:
+            place -= 1
+            layer[place] = cell + before - 1
+        place -= 1
+    return size + added
+
+
+@inner
+def _hold_again(store: Store) -> None:
+    """Basal points move as forces want, or along the layer: which do is known by index."""
+    for i in range(store.sizes[CELLS]):
+        store.motion.moves[i], store.motion.held[i], store.motion.runs[i] = 1.0, 0.0, 0.0
+    for k in range(store.sizes[BASAL]):
+        store.motion.held[store.layers.basal[k]] = 1.0
+
+
+def leave_apical(store: Store, i: int, bridge: int) -> int:
+    """Take cell i out of the apical layer, or of its chain, and join its neighbours; return whether it was in one.
+
+    The new junction rests at the present distance, or at the sum of the two whose place it takes, by ``bridge``. In a
+    ring the last cell and the first one are neighbours.
+    """
+    cells, layer, sizes = store.cells, store.layers.apical, store.sizes
+    n = sizes[APICAL]
+    k = find(layer, n, i)
     if k >= 0:
         ring = store.curve.ring > 0.0 and n > 2
         left = layer[k - 1] if k > 0 else layer[n - 1] if ring else -1
         right = layer[k + 1] if k < n - 1 else layer[0] if ring else -1
-        sizes[APICAL] = remove(layer, n, k)
-        return True, left, right
-    inside, left, right = (
-        store.cells.chain[i] > 0,
-        chained_before(store.cells, i),
-        chained_behind(store.cells, sizes[CELLS], i),
-    )
-    store.cells.chain[i] = 0
-    return inside, left, right
+        sizes[APICAL] = remove_from(layer, n, k)
+    elif cells.chain[i] > 0:
+        left, right = chained_before(cells, i), chained_behind(cells, sizes[CELLS], i)
+        cells.chain[i] = 0
+    else:
+        return 0
+    if left >= 0 and right >= 0:
+        if bridge == SUM:
+            cells.rest_aa[left] += cells.rest_aa[i]
+        else:
+            cells.rest_aa[left] = math.hypot(cells.ax[right] - cells.ax[left], cells.ay[right] - cells.ay[left])
+    return 1
+
+
+def leave_basal(store: Store, i: int, bridge: int) -> int:
+    """Take cell i out of the basal layer, where its neighbours are neighbours now; return whether it was in it."""
+    k = find(store.layers.basal, store.sizes[BASAL], i)
+    if k >= 0:
+        store.sizes[BASAL] = remove_from(store.layers.basal, store.sizes[BASAL], k)
+    return int(k >= 0)
+
+
+def position(store: Store, i: int) -> float:
+    """Compute y_AB of a cell."""
+    found: float = position_in_slice(store, i)
+    return found
+
+
+def shrink(store: Store, numbers: Numbers) -> None:
+    """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
+    cells, rate, kept, place = store.cells, 0.0, 1.0, 0
+    for i in range(store.sizes[CELLS]):
+        j, place = _joined_behind(store, i, place)
+        k = 0.5 * (numbers_of(numbers, cells.kind[i]).rate_aa + numbers_of(numbers, cells.kind[j]).rate_aa)
+        if k != rate:  # mostly the same: few exponentials for many junctions
+            rate, kept = k, math.exp(-k * numbers.dt)
+        cells.rest_aa[i] *= kept
+
+
+@inner
+def _joined_behind(store: Store, i: int, place: int) -> tuple[int, int]:
+    """The cell behind cell i that a junction joins to it, cell i itself if there is none, and the next place.
+
+    ``place``: the first one of the apical layer that is not before cell i.
+    """
+    layer, size = store.layers.apical, store.sizes[APICAL]
+    if place < size and layer[place] == i:
+        if place + 1 < size:
+            return layer[place + 1], place + 1
+        return layer[0] if store.curve.ring > 0.0 else i, place + 1
+    return max(i, chained_behind(store.cells, store.sizes[CELLS], i)), place
+
+
+@cache
+def slice_rules() -> TissueRules:
+    """Compile the rules of a slice, on first use."""
+    pairs: Any = (SPLIT, split), (LEAVE, leave_apical), (LEAVE, leave_basal), (POSITION, position), (SHRINK, shrink)
+    _COMPILED.extend(c_function(signature, rule) for signature, rule in pairs)
+    return TissueRules(*(rule.address for rule in _COMPILED))
+
+
+# For the life of the process.
+_COMPILED: list[Any] = []
+
+
+def in_plane() -> Space:
+    """Return the dimension and the rules of a slice."""
+    return no_space(slice_rules())

@@ -10,6 +10,7 @@ from tissue.kernels import kernel
 from tissue.kernels.numbers import handed_numbers
 from tissue.model.observables import measurable
 from tissue.plugins import Force
+from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import answered, push_and_energy
 from tissue.runs.run import Run
 from tissue.state.basal_curve import curve_numbers
@@ -51,9 +52,8 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     strength = number("strength", strength, positive=True)
     frame = measurable(run.frames)[-1]
     past = frame.past
-    held = stored(
-        frame.cells, frame.layers, past.next_id, past.emt, capacity=len(frame.cells.x), curve=curve_numbers(frame.curve)
-    )
+    curve, n = curve_numbers(frame.curve), len(frame.cells.x)
+    held = stored(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
     slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
     code, numbers = push_and_energy(force), handed_numbers(run.parameters.numbers())
     with answered():

@@ -19,13 +19,14 @@ from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_groups
 from tissue.kernels.board import LOST
 from tissue.model.lattice import Lattice
+from tissue.rules.slice import in_plane
 from tissue.runs.cell_groups import Crowd, Draws, control_cells, crowd_of, drawn_for, give
 from tissue.runs.start import of_kinds
 from tissue.runs.start_in_space import space_of
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import CONTROL, EMT, Cells, Emt, Flags, Integers, emt_cells
 from tissue.state.checkpoint import TissueCheckpoint, resumed_streams, streams
-from tissue.state.store import IN_PLANE, Store, stored
+from tissue.state.store import Store, stored
 from tissue.step.advance import find_lost
 
 if TYPE_CHECKING:
@@ -54,7 +55,7 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Str
     _refuse_layer(parameters, start)
     curve = curve_numbers(parameters.curve())
     capacity = 2 * len(cells.x)
-    space = IN_PLANE if start.sheets is None else space_of(start.sheets, parameters.exchange(), capacity)
+    space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.exchange(), capacity)
     held = stored(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
     held.counts[:] = past.counts
     lost = find_lost(held)

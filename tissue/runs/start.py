@@ -14,6 +14,7 @@ from tissue.kernels.board import Boards
 from tissue.kernels.numbers import handed_numbers
 from tissue.model.cycle import set_phases
 from tissue.model.discs import part
+from tissue.rules.slice import in_plane
 from tissue.runs.cell_groups import Crowd, control_cells, crowd_of
 from tissue.state.basal_curve import LINE, BasalCurve, curve_numbers
 from tissue.state.cells import Cells, Floats, Integers, empty
@@ -68,7 +69,7 @@ def first_state(
     """
     types = types or Types(control_cells(start.cells))
     cells = _bent(drawn_cells(start, numbers, draws, types, partial(_points, start)), curve)
-    held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve_numbers(curve))
+    held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve_numbers(curve), space=in_plane())
     set_phases(held, 0.0, handed_numbers(numbers, types.numbers))
     return held, _part(held, start.cells, numbers)
 

@@ -13,7 +13,7 @@ from tissue.kernels.numbers import handed_numbers
 from tissue.model.cycle import set_phases
 from tissue.model.lattice import Lattice
 from tissue.network.start import triangulated
-from tissue.rules.sheet import space_rules
+from tissue.rules.sheet import sheet_rules
 from tissue.runs.cell_groups import crowd_of
 from tissue.runs.start import MOST_SWEEPS, TOUCHING, Types, drawn_cells
 from tissue.state.cells import Floats
@@ -70,7 +70,7 @@ def space_of(sheets: Sheets, exchange: Exchange, capacity: int) -> Space:
 
 
 def _space(surface: Surface, apical: Network, basal: Network, exchange: Exchange) -> Space:
-    return Space(SPATIAL, surface, apical, basal, exchange, space_rules(), np.zeros(1, np.int64))
+    return Space(SPATIAL, surface, apical, basal, exchange, sheet_rules(), np.zeros(1, np.int64))
 
 
 def _points(start: StartNumbers, lattice: Lattice, draws: Generator) -> Mapping[str, Floats]:

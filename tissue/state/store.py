@@ -16,15 +16,22 @@ CELLS, APICAL, BASAL, NEXT_ID, EMT_CELLS = range(5)
 # What is counted, and where in Store.counts
 COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
-STRAIGHT, IN_PLANE = curve_numbers(LINE), no_space()
+STRAIGHT = curve_numbers(LINE)
 
 
 class BasalMotion(NamedTuple):
     """How the basal points move in a substep, (capacity,)."""
 
-    bx_moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
-    by_moves: Floats  # likewise; 0 for one on the basal line, too
+    moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
+    held: Floats  # whether the basal layer holds it: 1 or 0
     runs: Floats  # how far a basal point that moves by itself goes in a substep
+
+
+class Daughters(NamedTuple):
+    """Of each cell that splits in this dt what was drawn for its second daughter, (capacity,)."""
+
+    cycle: Floats  # 0 for a cell that does not split
+    turn: Floats  # the direction in which daughters on a surface part, as a part of a whole turn
 
 
 class Blocks(NamedTuple):
@@ -44,7 +51,7 @@ class StoreArrays(NamedTuple):
     sizes: Integers  # number of cells, of cells in the apical and in the basal layer, next id, number of EMT cells
     motion: BasalMotion
     blocks: Blocks
-    second: Floats  # (capacity,): of a cell that splits in this dt the cycle of its second daughter, else 0
+    daughters: Daughters
     noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
     counts: Integers  # one for each of COUNTERS
     curve: CurveNumbers  # the basal layer
@@ -67,7 +74,7 @@ class Store(StructPointer):
             self.sizes,
             self.motion,
             self.blocks,
-            self.second,
+            self.daughters,
             self.noise_key,
             self.counts,
             self.curve,
@@ -89,7 +96,7 @@ def stored(
     *,
     capacity: int,
     curve: CurveNumbers = STRAIGHT,
-    space: Space = IN_PLANE,
+    space: Space,
 ) -> Store:
     """A store with room for ``capacity`` cells at least, all cells in both layers if none are given.
 
@@ -104,9 +111,8 @@ def stored(
     parts.layers.basal[: len(layers.basal)] = layers.basal
     parts.sizes[:] = n, len(layers.apical), len(layers.basal), 0, 0 if emt is None else len(emt.side)
     parts.sizes[NEXT_ID] = int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id
-    parts.motion.bx_moves[:n] = 1.0
-    parts.motion.by_moves[:n] = 1.0
-    parts.motion.by_moves[layers.basal] = 0.0
+    parts.motion.moves[:n] = 1.0
+    parts.motion.held[layers.basal] = 1.0
     return Store(parts)
 
 
@@ -132,10 +138,11 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreAr
     motion = BasalMotion(*np.zeros((3, capacity)))
     sizes, key, counts = np.zeros(5, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
     on = Forces(*np.zeros((len(Forces._fields), capacity)))
-    return StoreArrays(cells, layers, emt, sizes, motion, blocks, np.zeros(capacity), key, counts, curve, on, space)
+    daughters = Daughters(*np.zeros((2, capacity)))
+    return StoreArrays(cells, layers, emt, sizes, motion, blocks, daughters, key, counts, curve, on, space)
 
 
-_EXAMPLE = _room(2, no_emt(), STRAIGHT, IN_PLANE)
+_EXAMPLE = _room(2, no_emt(), STRAIGHT, no_space())
 STORE = struct_type(_EXAMPLE)
 # The store at an address, inside of kernels.
 store_at = reader(_EXAMPLE)

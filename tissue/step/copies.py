@@ -52,7 +52,7 @@ def _copy(store: Store, k: int, width: int, board: Board, numbers: Numbers, scal
         board.k_ax[place] = coefficient(scale, cells.stiff_ax[i], l_ax, numbers.power)
         board.k_bx[place] = coefficient(scale, cells.stiff_bx[i], l_bx, numbers.power)
         board.k_axb[place] = scale * cells.stiff_axb[i]
-        board.bx_moves[place], board.by_moves[place] = motion.bx_moves[i], motion.by_moves[i]
+        board.bx_moves[place], board.by_moves[place] = motion.moves[i], motion.moves[i] * (1.0 - motion.held[i])
         board.runs[place] = motion.runs[i]
     for s in range(store.sizes[APICAL]):
         i, place = store.layers.apical[s], width * store.layers.apical[s] + k

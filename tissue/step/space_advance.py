@@ -1,4 +1,4 @@
-"""One dt in space: junctions shrink, all substeps are made, networks follow the points, cells exchange neighbours."""
+"""One dt in space: all substeps are made, networks follow the points, cells exchange neighbours."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ from tissue.kernels.rules import call_substeps
 from tissue.network.exchange import relax
 from tissue.network.follow import STUCK, follow
 from tissue.state.store import store_at
-from tissue.step.shrink import shrink_junctions
 from tissue.step.space_board import space_board_at
 from tissue.step.space_copies import copy_from_board, copy_to_board
 
@@ -40,7 +39,6 @@ def step_in_space(at: int, tissue: int, _: int) -> int:
     desk, store = desk_at(at), store_at(tissue)
     board = space_board_at(desk.flat)
     numbers = numbers_at(desk.numbers)
-    shrink_junctions(store, numbers)
     n = copy_to_board(store, board, numbers, desk.scale)
     call_substeps(desk.substeps, desk.flat, desk.wide, n)
     copy_from_board(board, store)

@@ -7,7 +7,7 @@ from tissue.model.springs import coefficient
 from tissue.network.halfedges import LEFT, begins_edge, is_row, preceding
 from tissue.state.network import Network
 from tissue.state.numbers import Numbers
-from tissue.state.store import BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store
+from tissue.state.store import BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store
 from tissue.step import space_board as on_board
 from tissue.step.space_board import JUNCTIONS, NEIGHBOURS, ORDERED, SpaceBoard
 
@@ -26,9 +26,7 @@ def copy_to_board(store: Store, board: SpaceBoard, numbers: Numbers, scale: floa
         board.k_ax[i] = coefficient(scale, cells.stiff_ax[i], l_ax, numbers.power)
         board.k_bx[i] = coefficient(scale, cells.stiff_bx[i], l_bx, numbers.power)
         board.k_axb[i] = scale * cells.stiff_axb[i]
-        board.b_moves[i], board.runs[i], board.held[i] = motion.bx_moves[i], motion.runs[i], 0.0
-    for k in range(store.sizes[BASAL]):
-        board.held[store.layers.basal[k]] = 1.0
+        board.b_moves[i], board.runs[i], board.held[i] = motion.moves[i], motion.runs[i], motion.held[i]
     for word in range(2):
         board.noise_key[word] = store.noise_key[word]
     for k in range(len(board.counts)):

@@ -24,6 +24,7 @@ from tests.tissue.own_forces.users import (
     same,
 )
 from tissue.plugins import registry
+from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import COORDINATES
@@ -40,7 +41,7 @@ def test_points_without_other_forces_go_to_the_point_as_explicit_euler_does():
     x, a, b = (np.array([[-40.0, y], [0.5, y], [50.0, y]]) for y in (4.0, 8.0, 0.0))
     free = {f"stiff_{name}": 0.0 for name in ("ax", "bx", "axb", "aa")}
     cells, numbers = states.tissue(x, a, b, radius=0.01, **free), states.numbers(repulsion=0.0, max_basal=1e3)
-    held = stored(cells, states.layers(3, basal=[0, 2]), capacity=5)
+    held = stored(cells, states.layers(3, basal=[0, 2]), capacity=5, space=in_plane())
     group = Group([held], numbers, forces=[(named("point"), 0.4)])
     assert group.make_substeps()
     found = contents(group.stores[0])[0]
@@ -93,7 +94,7 @@ def test_a_tube_that_is_turned_moves_as_it_did():
         points[2] = np.column_stack(curve.above(s, np.zeros(n)))
         points = [_turned(part, turned, radius) for part in points]
         cells = states.tissue(*points, along=s + radius * turned, rest_ax=0.5 + 0.2 * np.sin(s), rest_bx=0.5)
-        held = stored(cells, capacity=n, curve=curve_numbers(curve))
+        held = stored(cells, capacity=n, curve=curve_numbers(curve), space=in_plane())
         group = Group([held], states.numbers(max_basal=2.0), forces=[(centre, 0.7 / radius)])
         assert group.make_substeps()
         found.append(contents(group.stores[0])[0])
@@ -168,7 +169,7 @@ def test_two_forces_add_up(own):
     given = published(own)
     ends = []
     for forces in ([(named("wall"), 2.0)], [(named("wall"), 1.0), (double, 1.0)]):
-        held = stored(*tissue.simulate(given, 0).final[1:3], capacity=40)
+        held = stored(*tissue.simulate(given, 0).final[1:3], capacity=40, space=in_plane())
         group = Group([held], states.numbers(), forces=forces)
         assert group.make_substeps()
         ends.append(contents(group.stores[0])[0])

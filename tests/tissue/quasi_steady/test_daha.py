@@ -14,6 +14,7 @@ from tissue.model.energy import energy, forces
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
 from tissue.quasi_steady.frozen import constraints, frozen_problem, particles
 from tissue.quasi_steady.judge import local_minimum
+from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES
 from tissue.state.numbers import Daha
@@ -143,7 +144,7 @@ def test_is_explicit_euler_with_half_of_alpha():
     reached = found(state, network, numbers(max_basal=9.0), **steps_of(n))
     for factor, same in [(0.5, True), (1.0, False)]:
         given = numbers(dt=dt, substeps=n, mu=dt / (n * factor * TABLE_4.alpha), max_basal=9.0)
-        group = Group([stored(state, network, capacity=30)], given)
+        group = Group([stored(state, network, capacity=30, space=in_plane())], given)
         assert group.make_substeps()
         assert (distance(contents(group.stores[0])[0], reached.cells) < 1e-12) == same
         assert distance(state, reached.cells) > 0.05

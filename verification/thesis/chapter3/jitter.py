@@ -7,6 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES, CellLayers, Cells
 from tissue.state.numbers import Numbers
@@ -26,7 +27,7 @@ class Swing(NamedTuple):
 def substepped(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float, substeps: int) -> Cells | None:
     """The cells after so many substeps of h = scale mu, with rules that stand still and no noise; None if lost."""
     still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
-    group = Group([stored(cells, layers, capacity=len(cells.x))], still)
+    group = Group([stored(cells, layers, capacity=len(cells.x), space=in_plane())], still)
     return contents(group.stores[0])[0] if group.make_substeps() else None
 
 

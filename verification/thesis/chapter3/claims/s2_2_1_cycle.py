@@ -12,6 +12,7 @@ from tissue.files.frame import Frame
 from tissue.files.parameters import preset
 from tissue.kernels.numbers import handed_numbers
 from tissue.model.division import divide
+from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import handed_rules
 from tissue.runs.simulate import simulate
 from tissue.state.store import contents, stored
@@ -218,7 +219,7 @@ def _division() -> Evidence:
     for mother in range(n):
         due = np.where(np.arange(n) == mother, 100.0, 0.0)
         cells = frame.cells._replace(birth=frame.t - due, cycle=np.full(n, 50.0), id=np.arange(n))
-        held = stored(cells, frame.layers, capacity=n + 1)
+        held = stored(cells, frame.layers, capacity=n + 1, space=in_plane())
         divide(held, frame.t, handed_numbers(numbers), handed_rules([held]), np.random.default_rng(0))
         after, layers = contents(held)
         chain = after.id[layers.apical].tolist()
