@@ -9,9 +9,10 @@ from tests.tissue.space.walk import Walk
 from tests.twins.tissue.space import network as twin
 from tissue.network.follow import follow
 from tissue.network.insert import insert
-from tissue.network.remove import PRESENT, SUM, remove
+from tissue.network.remove import remove
 from tissue.network.start import triangulated
 from tissue.state import surface as s
+from tissue.state.space import PRESENT, SUM
 
 every = pytest.mark.parametrize("name", KINDS)
 

@@ -8,9 +8,9 @@ from tests.tissue.space.tissues import CLOSED, KINDS
 from tests.tissue.space.walk import Walk
 from tests.twins.tissue.space.network import lengths_of, triangles_of
 from tissue.network.follow import STUCK, follow
-from tissue.network.halfedges import MEAN, PRESENT
 from tissue.network.start import triangulated
 from tissue.state import surface as s
+from tissue.state.space import MEAN, PRESENT
 
 every = pytest.mark.parametrize("name", KINDS)
 

@@ -11,9 +11,10 @@ from tests.tissue.space.walk import Walk, is_relaxed
 from tests.twins.tissue.space.network import lengths_of, triangles_of
 from tissue.network.exchange import relax
 from tissue.network.follow import follow
-from tissue.network.halfedges import MEAN, PRESENT, flip, is_flippable, set_rest
+from tissue.network.halfedges import flip, is_flippable, set_rest
 from tissue.network.start import triangulated
 from tissue.state import surface as s
+from tissue.state.space import MEAN, PRESENT
 
 
 def kite(width):

@@ -6,11 +6,11 @@ import pytest
 from tests.tissue.space.invariants import check, check_vertices, edges_of, triangles_of
 from tissue.network.exchange import relax
 from tissue.network.follow import follow
-from tissue.network.halfedges import PRESENT
 from tissue.network.insert import insert
-from tissue.network.remove import SUM, remove
+from tissue.network.remove import remove
 from tissue.network.start import triangulated
 from tissue.state import surface as s
+from tissue.state.space import PRESENT, SUM
 
 RING = s.plane(period_x=8.0)
 

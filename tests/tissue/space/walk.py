@@ -7,10 +7,10 @@ from tests.tissue.space.tissues import KINDS, spread_points
 from tissue.network import remove as removing
 from tissue.network.exchange import relax
 from tissue.network.follow import STUCK, follow
-from tissue.network.halfedges import PRESENT
 from tissue.network.insert import insert
 from tissue.network.start import triangulated
 from tissue.state import surface as s
+from tissue.state.space import PRESENT
 
 MARGIN = 0.1
 
@@ -64,7 +64,7 @@ class Walk:
         direction /= np.linalg.norm(direction)
         return insert(self.surface, self.network, *self.columns, mother, daughter, *direction, distance, 0.5)
 
-    def remove(self, rule=removing.PRESENT):
+    def remove(self, rule=PRESENT):
         """Take a cell at one of the shortest edges out; the number of new edges."""
         cell = self.edge_by_length()[self.rng.integers(10), self.rng.integers(2)]
         return removing.remove(self.surface, self.network, *self.columns, cell, rule)
