@@ -10,15 +10,15 @@ import time
 
 import numpy as np
 
-from tests.tissue.space.space_calls import board_of, call_substeps, taken
+from tests.tissue.space.space_calls import call_substeps, taken, workspace_of
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.files.parameters import preset
+from tissue.kernels.surface_workspace import LISTS, PAIRS, SUBSTEPS
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.store import stored
 from tissue.state.surface import PLANE, Surface
-from tissue.step.space_board import LISTS, PAIRS, SUBSTEPS
 
 TIMES, WARM = 12, 20
 SPACING, HEIGHT, KICK = 1 / 3, 8.0, 0.1
@@ -53,10 +53,10 @@ class InSpace:
     def __init__(self, side, mixed=False):
         self.rng = np.random.default_rng(side)
         self.state, self.steps = sheet(side, mixed, self.rng)
-        self.boards, self.n = board_of(self.state, self.steps), side * side
+        self.workspaces, self.n = workspace_of(self.state, self.steps), side * side
         for _ in range(WARM):
             self.cost()
-        self.boards.flat.value.counts[:] = 0
+        self.workspaces.flat.value.counts[:] = 0
 
     def cost(self):
         """Of one dt."""
@@ -64,15 +64,15 @@ class InSpace:
         rests = [1 + np.maximum(np.sqrt(((x - end) ** 2).sum(axis=0)) - 1, 0) for end in (a, b)]
         l_ax, l_bx = (new + (old - new) * np.exp(-0.25) for new, old in zip(rests, self.state[7:9], strict=True))
         self.state = self.state._replace(x=x, l_ax=l_ax, l_bx=l_bx)
-        board_of(self.state, self.steps, self.boards)
+        workspace_of(self.state, self.steps, self.workspaces)
         begin = time.process_time()
-        call_substeps(self.boards, self.n)
+        call_substeps(self.workspaces, self.n)
         spent = time.process_time() - begin
-        self.state = taken(self.boards, self.state)
+        self.state = taken(self.workspaces, self.state)
         return 1e9 * spent / self.n / self.steps.substeps
 
     def told(self):
-        counts = self.boards.flat.value.counts
+        counts = self.workspaces.flat.value.counts
         pairs, substeps = counts[PAIRS] / counts[SUBSTEPS] / self.n, counts[SUBSTEPS] / counts[LISTS]
         return f"{pairs:.1f} pairs, {substeps:.1f} substeps a list"
 

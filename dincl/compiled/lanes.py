@@ -2,7 +2,8 @@
 
 An array (n,) holds a double for each cell, an array (n, WIDTH) eight of them, which are one value of type Lanes.
 ``load(a, i)`` loads entry i of either, +, -, * and / act on all lanes, ``store(a, i, v)`` stores it. Masks take the
-place of branches: there is no ``if`` on lanes.
+place of branches: there is no ``if`` on lanes. A number in place of an array stands for zeros that cost nothing, such
+as a third coordinate in the plane: so formulas are written once for two axes and for three.
 
 Each function here is one instruction, the same for one number and for each lane, and so are the results, to the last
 bit. Sums and products are as written, with ``fma`` where one is intended: a compiler that may choose does so for each
@@ -44,7 +45,9 @@ __all__ = [
 
 @instruction
 def load(typing: Any, a: Any, i: Any) -> Any:
-    """Load entry i of an array of doubles."""
+    """Load entry i of an array of doubles; 0 if a is a number, which stands for an array that is not there."""
+    if isinstance(a, types.Float):
+        return types.float64(a, types.intp), lambda c, b, s, values: constant(DOUBLE, 0.0)
     return kind_of(a)(a, types.intp), lambda c, b, s, values: load_at(b, address_of(c, b, a, DOUBLE, *values))
 
 
@@ -80,7 +83,9 @@ def load_wide(typing: Any, a: Any, i: Any) -> Any:
 
 @instruction
 def store(typing: Any, a: Any, i: Any, v: Any) -> Any:
-    """Store v as entry i of an array of doubles."""
+    """Store v as entry i of an array of doubles; nowhere if a is a number, which stands for an array not there."""
+    if isinstance(a, types.Float):
+        return types.none(a, types.intp, v), lambda c, b, s, values: c.get_dummy_value()
 
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
         builder.store(values[2], address_of(context, builder, a, DOUBLE, *values[:2])).align = 8

@@ -11,13 +11,13 @@ from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import settled
 from tissue.kernels import kernel
-from tissue.kernels.board import Boards
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
+from tissue.kernels.workspace import Workspaces
 from tissue.model import scale
 from tissue.model.basal_layer import order_basal
 from tissue.model.discs import separate
 from tissue.rules.slice import in_plane
-from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.group import Group
 from tissue.state import store
 from tissue.state.cells import Emt, Forces, emt_cells
@@ -58,7 +58,7 @@ def taken(kept):
 def apply_rules(tissue, t, numbers, draws, noise, named=()):
     """As ``twins.apply_rules``."""
     kept = held(tissue)
-    advance.apply_rules(kept, t, handed_numbers(numbers, named), handed_rules([kept]), draws, noise)
+    advance.apply_rules(kept, t, numbers_pointer(numbers, named), rules_pointer([kept]), draws, noise)
     return taken(kept)
 
 
@@ -107,9 +107,9 @@ def _sweeps(stores, ended, flat, wide, numbers):
 def swept(states, given_numbers, curve=store.STRAIGHT):
     """The cells of one tissue, or of eight, after one sweep of all projections."""
     kept, width = [held(state, curve=curve) for state in states], len(states)
-    boards = Boards(max(len(one.cells.x) for one in kept), width, given_numbers, 1.0, kept[0].curve)
+    workspaces = Workspaces(max(len(one.cells.x) for one in kept), width, given_numbers, 1.0, kept[0].curve)
     places = np.array([one.address for one in kept])
-    _sweeps(places, np.zeros(width, np.int64), boards.flat, boards.wide, handed_numbers(given_numbers))
+    _sweeps(places, np.zeros(width, np.int64), workspaces.flat, workspaces.wide, numbers_pointer(given_numbers))
     return [taken(one).cells for one in kept]
 
 

@@ -12,10 +12,10 @@ from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upr
 from tissue.events.known import bit, row, settled
 from tissue.files.frame import Frame
 from tissue.files.parameters import load, preset
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
 from tissue.model.observables import ab_positions
 from tissue.quasi_steady.frozen import frozen_problem
-from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.runs.start import started
 from tissue.state.basal_curve import curve_numbers, ellipse
@@ -96,8 +96,8 @@ def test_a_gap_in_a_ring_is_closed_wherever_it_is(cells):
     (x, y), (ax, ay), (bx, by) = points
     state = state._replace(cells=state.cells._replace(x=x, y=y, ax=ax, ay=ay, bx=bx, by=by, along=along))
     held = kernels.held(state, curve=curve_numbers(curve))
-    rules = handed_rules([held])
-    apply_rules(held, 0.0, handed_numbers(STILL), rules, *kernels.generators(0))
+    rules = rules_pointer([held])
+    apply_rules(held, 0.0, numbers_pointer(STILL), rules, *kernels.generators(0))
     after = kernels.taken(held)
     left, right = (cells[0] - 1) % 12, (cells[-1] + 1) % 12
     assert chains(after) == [cells]

@@ -11,7 +11,7 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.states import cells, layers
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
-from tissue.kernels.board import LOST
+from tissue.kernels.workspace import LOST
 from tissue.runs.group import Group
 from tissue.runs.run import RunFailed
 from tissue.runs.simulate import simulate
@@ -56,7 +56,7 @@ def test_same_seed_same_bits(name):
     a, b, c = (simulate(parameters, seed) for seed in (3, 3, 4))
     assert all(map(same_bits, a.frames, b.frames))
     assert a.stats == b.stats
-    assert a.parted == b.parted
+    assert a.separation == b.separation
     assert not np.array_equal(a.final.cells.cycle[:40], c.final.cells.cycle[:40])
 
 

@@ -45,14 +45,14 @@ def arrays(frame):
 
 def same(a, b):
     """Whether two kept states agree in every bit of all that a run is."""
-    rest = [(frame.t, frame.checkpoint.seed, frame.checkpoint.next_id, frame.checkpoint.parted) for frame in (a, b)]
+    rest = [(frame.t, frame.checkpoint.seed, frame.checkpoint.next_id, frame.checkpoint.separation) for frame in (a, b)]
     return rest[0] == rest[1] and all(p.tobytes() == q.tobytes() for p, q in zip(arrays(a), arrays(b), strict=True))
 
 
 def same_runs(a, b):
     """Whether the run b is the end of the run a."""
     tail = a.frames[-len(b.frames) :]
-    return a.stats == b.stats and a.parted == b.parted and all(map(same, tail, b.frames))
+    return a.stats == b.stats and a.separation == b.separation and all(map(same, tail, b.frames))
 
 
 # The same bits

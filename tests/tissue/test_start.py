@@ -24,8 +24,8 @@ each_preset = pytest.mark.parametrize("name", ["thesis", "published"])
 
 def started(start, numbers, seed=0):
     """The cells, the layers and what was done to make them feasible."""
-    held, parted = first_state(start, numbers, np.random.default_rng(seed))
-    return *contents(held), parted
+    held, separation = first_state(start, numbers, np.random.default_rng(seed))
+    return *contents(held), separation
 
 
 def largest_overlap(cells):
@@ -60,9 +60,9 @@ def test_springs_begin_with_the_lengths_of_the_parameters():
 
 @pytest.mark.parametrize("nuclei", ["box", "even", "own_basal"])
 def test_heights_of_nuclei_are_uniform(nuclei):
-    cells, _, parted = started(WIDE._replace(nuclei=nuclei), POINTS)
+    cells, _, separation = started(WIDE._replace(nuclei=nuclei), POINTS)
     assert stats.kstest(cells.y, stats.uniform(2.0, 5.0).cdf).pvalue > RARE
-    assert parted == (0, 0.0)
+    assert separation == (0, 0.0)
 
 
 def test_nuclei_anywhere_in_the_box_in_the_order_of_the_cells():
@@ -112,36 +112,36 @@ def test_cells_begin_in_the_phase_of_their_age(name, from_g2):
 def test_no_hard_discs_overlap(name, nuclei):
     parameters = preset(name).changed({"start.nuclei": nuclei})
     for seed in range(20):
-        cells, _, parted = started(parameters.start_numbers(), parameters.numbers(), seed)
+        cells, _, separation = started(parameters.start_numbers(), parameters.numbers(), seed)
         assert largest_overlap(cells) <= TOUCHING
-        assert parted.sweeps > 0
-        assert parted.moved > 0.0
+        assert separation.sweeps > 0
+        assert separation.moved > 0.0
         assert (np.diff(cells.bx) <= parameters.numbers().max_basal + 1e-12).all()
 
 
 def test_parting_says_what_it_did():
     """Two discs of 1/3 drawn 0.2 apart at one height: one sweep moves each by (2/3 - 0.2) / 2."""
     start = StartNumbers(2, 8.0, 10.0, 0.3, 0.2, "own_basal", 3.0, 3.0, 1.5, 0.3)
-    cells, _, parted = started(start, preset("thesis").numbers(), 1)
+    cells, _, separation = started(start, preset("thesis").numbers(), 1)
     assert (cells.radius == 1 / 3).all()
     np.testing.assert_allclose(cells.x, [-1 / 3, 1 / 3], rtol=1e-14)
-    assert parted.sweeps == 1
-    assert parted.moved == pytest.approx(1 / 3 - 0.1, rel=1e-14)
+    assert separation.sweeps == 1
+    assert separation.moved == pytest.approx(1 / 3 - 0.1, rel=1e-14)
 
 
 def test_parting_moves_only_as_far_as_it_says():
     """Compared with the same draws for nuclei without extent."""
     start, numbers = preset("thesis").start_numbers(), preset("thesis").numbers()
     drawn, _, _ = started(start, POINTS, 5)
-    cells, _, parted = started(start, numbers, 5)
+    cells, _, separation = started(start, numbers, 5)
     np.testing.assert_array_equal(cells.cycle, drawn.cycle)
-    assert parted.moved == np.hypot(cells.x - drawn.x, cells.y - drawn.y).max()
-    assert 0.1 < parted.moved < 2.0
+    assert separation.moved == np.hypot(cells.x - drawn.x, cells.y - drawn.y).max()
+    assert 0.1 < separation.moved < 2.0
 
 
 def test_parting_is_not_counted_as_work_of_the_run():
-    held, parted = first_state(THESIS, preset("thesis").numbers(), np.random.default_rng(0))
-    assert parted.sweeps > 0
+    held, separation = first_state(THESIS, preset("thesis").numbers(), np.random.default_rng(0))
+    assert separation.sweeps > 0
     assert dict(zip(COUNTERS, held.counts.tolist(), strict=True)) == dict.fromkeys(COUNTERS, 0)
 
 

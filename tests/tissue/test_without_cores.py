@@ -30,7 +30,7 @@ def test_no_pair_is_corrected(name):
     for run in runs:
         assert run.status
         assert run.stats["corrections"] == 0
-        assert run.parted.sweeps == 0
+        assert run.separation.sweeps == 0
         assert same_bits(run, simulate(given, run.seed))
     hard = simulate(preset(name).changed(SHORT), 0).final
     assert gaps(runs[0].final.cells, slice(None)) < 0.5 * gaps(hard.cells, slice(None))

@@ -19,7 +19,7 @@ from dincl.files import replacing
 from tissue.events.known import events as known
 from tissue.state.basal_curve import ORDER, BasalCurve
 from tissue.state.cells import COORDINATES, DEPTHS, KINDS, NAMED, CellLayers, Cells, Emt
-from tissue.state.checkpoint import DRAWN, WORDS, Parted, TissueCheckpoint
+from tissue.state.checkpoint import DRAWN, WORDS, Separation, TissueCheckpoint
 from tissue.state.mesh import Mesh, Sheets, as_arrays, of_arrays, wrong_mesh
 from tissue.state.network import GHOSTS
 from tissue.state.store import COUNTERS
@@ -84,7 +84,7 @@ def _arrays(parts: Parts) -> Arrays:
     arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": f"{past.seed:x}", "next_id": past.next_id}
     arrays |= {"events": _events(), "types": " ".join(past.types)}
     arrays |= {"counts": past.counts, "generators": past.generators}
-    arrays |= {"parted_sweeps": past.parted.sweeps, "parted_moved": past.parted.moved}
+    arrays |= {"parted_sweeps": past.separation.sweeps, "parted_moved": past.separation.moved}
     arrays |= {f"curve.{name}": value for name, value in vars(curve).items()}
     arrays |= {f"sheets.{name}": array for name, array in as_arrays(sheets).items()}
     for group, fields in (("cells", cells), ("layers", layers), ("emt", past.emt)):
@@ -115,10 +115,10 @@ def _parts(arrays: Arrays) -> Parts:
     cells = Cells(**{name: arrays[f"cells.{name}"] for name in Cells._fields})
     layers = CellLayers(arrays["layers.apical"], arrays["layers.basal"])
     emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})
-    parted = Parted(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
+    separation = Separation(int(arrays["parted_sweeps"]), float(arrays["parted_moved"]))
     seed, next_id = int(str(arrays["seed"]), 16), int(arrays["next_id"])
     types = tuple(str(arrays["types"]).split())
-    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], parted, types)
+    checkpoint = TissueCheckpoint(seed, next_id, emt, arrays["counts"], arrays["generators"], separation, types)
     table, (length, origin), (around, ring) = (
         arrays["curve.table"],
         (float(arrays[f"curve.{name}"]) for name in ("length", "origin")),

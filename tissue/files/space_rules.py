@@ -11,9 +11,9 @@ from tissue.events.division import BESIDE
 from tissue.files.rule import Rule, show
 from tissue.files.timing import Timing
 from tissue.files.units import Measure, reduced
+from tissue.kernels.surface_workspace import SHORTEST_PERIOD
 from tissue.model.lattice import ROW, rows_of
 from tissue.state.space import FLAT
-from tissue.step.space_board import SHORTEST_PERIOD
 
 IN_SPACE = "in three dimensions"
 # Two descriptions of one length differ by rounding.
@@ -61,7 +61,7 @@ def _calm(noise: Measure, dimension: int, rows: int) -> str | None:
 
 
 def _wide(cells: int, dimension: int, shape: str, boundary: str, rows: int, *lengths: Measure) -> str | None:
-    """In a period nuclei meet one image of each other; see ``tissue.step.space_board.period``."""
+    """In a period nuclei meet one image of each other; see ``tissue.kernels.surface_workspace.period``."""
     if dimension == FLAT or shape == "sphere" or boundary == "open":
         return None
     around, spacing = (reduced(length, lengths[-1]) for length in lengths[:-1])

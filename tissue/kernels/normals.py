@@ -11,8 +11,8 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.compiled.generators import threefry
-from dincl.compiled.lanes import binary_parts, either, fma, load, store, twice_rsqrt
-from tissue.state.cells import Floats, Integers
+from dincl.compiled.lanes import binary_parts, either, fma, twice_rsqrt
+from tissue.state.cells import Integers
 
 WORDS = 2.0**32
 # Taylor coefficients in x^2 of sin(x)/x and cos x, for |x| <= pi/4, and of artanh(x)/x, for |x| <= 3 - 2 sqrt 2: what
@@ -50,12 +50,3 @@ def normals(key: Integers, counter: Integers, place: int, number: int) -> tuple[
     sine, cosine = quarter * _series(SINE, quarter * quarter), _series(COSINE, quarter * quarter)
     sine, cosine = 2.0 * sine * cosine, fma(-2.0 * sine, sine, 1.0)  # of half the angle
     return radius * fma(-2.0 * sine, sine, 1.0), radius * (2.0 * sine * cosine)
-
-
-@inner
-def shake(x: Floats, y: Floats, ids: Integers, n: int, deviation: float, key: Integers, number: int) -> None:
-    """Add N(0, deviation^2) to each coordinate of n nuclei: a function of key, id of the cell and ``number`` alone."""
-    for i in range(n):
-        along_x, along_y = normals(key, ids, i, number)
-        store(x, i, fma(deviation, along_x, load(x, i)))
-        store(y, i, fma(deviation, along_y, load(y, i)))

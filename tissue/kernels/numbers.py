@@ -17,7 +17,7 @@ numbers_at = reader(_EXAMPLE)
 numbers_of = struct_after
 
 
-def handed_numbers(numbers: Numbers, named: Sequence[Numbers] = ()) -> Any:
+def numbers_pointer(numbers: Numbers, named: Sequence[Numbers] = ()) -> Any:
     """Make the struct of the numbers of a run: for kernels it is ``Numbers``, those of control cells.
 
     Behind these lie those of EMT cells, the same, and of the named types, so that ``Cells.kind`` says where.

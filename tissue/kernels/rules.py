@@ -41,7 +41,7 @@ RULES = struct_type(_EXAMPLE)
 rules_at = reader(_EXAMPLE)
 # The rule split(store, splits, numbers, rules), which makes all daughters of one dt.
 SPLIT: Any = signature(None, STORE, int, NUMBERS, RULES)
-# substeps(flat, wide, n): all substeps of one dt for n cells on the board.
+# substeps(flat, wide, n): all substeps of one dt for n cells in the workspace.
 SUBSTEPS: Any = signature(int, int, int, int)
 # Calls of these functions by their addresses, with the arguments above.
 call_begin, call_last, call_splits, call_place = call(BEGIN), call(LAST), call(SPLITS), call(PLACE)

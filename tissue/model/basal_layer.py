@@ -7,16 +7,16 @@ from __future__ import annotations
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import either, fma, load, maximum, spread, store, where_positive
-from tissue.kernels.board import Board
 from tissue.kernels.curve import course
 from tissue.kernels.layers import at_ends, move_ends
+from tissue.kernels.workspace import Workspace
 
 # Where there is no neighbour.
 NOWHERE = 1e300
 
 
 @inner
-def order_basal(board: Board, n: int) -> None:
+def order_basal(work: Workspace, n: int) -> None:
     """0 <= b_{k+1} - b_k (C4) for all neighbours from left to right, then b_{k+1} - b_k <= max_basal (C2) likewise.
 
     Each sweep is a chain in which one correction waits for the one before: the second follows one neighbour behind the
@@ -24,7 +24,7 @@ def order_basal(board: Board, n: int) -> None:
     known, and kept there, until it is brought back to its own place from right to left. In a ring both ends of the
     layer are neighbours, and come last.
     """
-    x, inside_at, ends = board.along, board.in_basal, board.ends
+    x, inside_at, ends = work.along, work.held, work.ends
     reach, reach_before = spread(x, 0.0), spread(x, 0.0)  # of the same two
     first, second, joined = spread(x, -NOWHERE), spread(x, NOWHERE), spread(x, 0.0)  # of the two before
     made, corrections = spread(x, 1.0), spread(x, 0.0)
@@ -36,7 +36,7 @@ def order_basal(board: Board, n: int) -> None:
         store(ends, i, second + pull)
         corrections = corrections + where_positive(inside * push, made) + where_positive(inside * pull, made)
         first, second = either(inside, at + push, first), either(inside * joined, ordered - pull, second)
-        reach_before, reach = either(inside, reach, reach_before), either(inside, load(board.reach, i), reach)
+        reach_before, reach = either(inside, reach, reach_before), either(inside, load(work.reach, i), reach)
         joined = maximum(inside, joined)
     pull = maximum(fma(0.5, first - second, -0.25 * (reach_before + reach)), 0.0)
     end_before, end = second + pull, first - pull
@@ -44,31 +44,31 @@ def order_basal(board: Board, n: int) -> None:
         inside = load(inside_at, i)
         store(x, i, either(inside, end, load(x, i)))
         end, end_before = either(inside, end_before, end), either(inside, load(ends, i), end_before)
-    store(board.counts, 1, load(board.counts, 1) + corrections + where_positive(pull, made))
-    if board.curve.ring > 0.0:
-        _close(board, n)
+    store(work.counts, 1, load(work.counts, 1) + corrections + where_positive(pull, made))
+    if work.curve.ring > 0.0:
+        _close(work, n)
 
 
 @inner
-def _close(board: Board, n: int) -> None:
+def _close(work: Workspace, n: int) -> None:
     """(C4), then (C2), for the last and the first cell of a ring."""
-    first, last = at_ends(board.in_basal, board.along, n)
-    reach, reach_before = at_ends(board.in_basal, board.reach, n)
-    gap = first + board.curve.ring - last
+    first, last = at_ends(work.held, work.along, n)
+    reach, reach_before = at_ends(work.held, work.reach, n)
+    gap = first + work.curve.ring - last
     push = maximum(-0.5 * gap, 0.0)
     pull = maximum(0.5 * (gap + 2.0 * push - 0.5 * (reach_before + reach)), 0.0)
-    move_ends(board.in_basal, board.along, n, push - pull, pull - push)
-    made = spread(board.along, 1.0)
-    store(board.counts, 1, load(board.counts, 1) + where_positive(push, made) + where_positive(pull, made))
+    move_ends(work.held, work.along, n, push - pull, pull - push)
+    made = spread(work.along, 1.0)
+    store(work.counts, 1, load(work.counts, 1) + where_positive(push, made) + where_positive(pull, made))
 
 
 @inner
-def lay(board: Board, rows: int) -> None:
+def lay(work: Workspace, rows: int) -> None:
     """Put the basal points that a bent layer holds where they are along it."""
     for i in range(rows):
-        inside = load(board.in_basal, i)
-        x, y, along_x, along_y = course(board.curve, load(board.along, i))
-        store(board.bx, i, either(inside, x, load(board.bx, i)))
-        store(board.by, i, either(inside, y, load(board.by, i)))
-        store(board.tangent_x, i, along_x)
-        store(board.tangent_y, i, along_y)
+        inside = load(work.held, i)
+        x, y, along_x, along_y = course(work.curve, load(work.along, i))
+        store(work.bx, i, either(inside, x, load(work.bx, i)))
+        store(work.by, i, either(inside, y, load(work.by, i)))
+        store(work.tangent_x, i, along_x)
+        store(work.tangent_y, i, along_y)

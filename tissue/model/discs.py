@@ -8,8 +8,8 @@ from typing import Any
 from dincl.compiled import inner
 from dincl.compiled.lanes import load, maximum, positive_bits, root, spread, store, where_positive
 from tissue.kernels import kernel
-from tissue.kernels.board import LOST, Board
 from tissue.kernels.near import find_near, list_before, list_ranges
+from tissue.kernels.workspace import LOST, Workspace
 
 # Pairs with a larger gap before the sweep are not looked at in it at first [R_soft].
 MARGIN = 0.3
@@ -22,19 +22,19 @@ Plane = tuple[Any, Any]
 
 
 @inner
-def separate(board: Board, n: int) -> None:
+def separate(work: Workspace, n: int) -> None:
     """|X_i - X_j| >= R_i + R_j (C1) for all pairs in the order i, then j < i.
 
     Overlapping discs are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that others than
     those near it may have met it, the sweep begins again with a larger margin. A pair that does not overlap changes
     nothing, so the result is that of all pairs.
     """
-    x, y, before_x, before_y = board.x, board.y, board.before_x, board.before_y
-    find_near(board, n, 1.0, 0.5 * MARGIN)
+    x, y, before_x, before_y = work.x, work.y, work.before_x, work.before_y
+    find_near(work, n, 1.0, 0.5 * MARGIN)
     for i in range(n):
         store(before_x, i, load(x, i))
         store(before_y, i, load(y, i))
-    pushed, corrections = _push_apart(board, n, board.bent)
+    pushed, corrections = _push_apart(work, n, work.bent)
     margin, whole = MARGIN, False
     while not whole and positive_bits(pushed - HALF * margin * (HALF * margin)):
         margin *= WIDER
@@ -44,34 +44,34 @@ def separate(board: Board, n: int) -> None:
             store(y, i, load(before_y, i))
         if whole:
             for i in range(n):
-                board.first[i] = 0
-            pushed, corrections = _push_apart(board, n, 0)
+                work.first[i] = 0
+            pushed, corrections = _push_apart(work, n, 0)
         else:
-            find_near(board, n, 1.0, 0.5 * margin)
-            pushed, corrections = _push_apart(board, n, board.bent)
-    store(board.counts, 0, load(board.counts, 0) + corrections)
+            find_near(work, n, 1.0, 0.5 * margin)
+            pushed, corrections = _push_apart(work, n, work.bent)
+    store(work.counts, 0, load(work.counts, 0) + corrections)
 
 
 @inner
-def _push_apart(board: Board, n: int, bent: int) -> tuple[Any, Any]:
+def _push_apart(work: Workspace, n: int, bent: int) -> tuple[Any, Any]:
     """Sweep; the square of the longest way of a nucleus, and how many pairs were corrected."""
-    done = spread(board.x, 0.0), spread(board.x, 0.0)
+    done = spread(work.x, 0.0), spread(work.x, 0.0)
     for i in range(n):
-        at = load(board.x, i), load(board.y, i)
+        at = load(work.x, i), load(work.y, i)
         if bent:
-            for k in range(list_before(board, i)):
-                at, done = _part_from(board, i, board.begin[k], min(board.end[k], i), at, done)
+            for k in range(list_before(work, i)):
+                at, done = _part_from(work, i, work.begin[k], min(work.end[k], i), at, done)
         else:
-            at, done = _part_from(board, i, board.first[i], i, at, done)
-        store(board.x, i, at[0])
-        store(board.y, i, at[1])
+            at, done = _part_from(work, i, work.first[i], i, at, done)
+        store(work.x, i, at[0])
+        store(work.y, i, at[1])
     return done
 
 
 @inner
-def _part_from(board: Board, i: int, begin: int, end: int, at: Plane, done: Plane) -> tuple[Plane, Plane]:
+def _part_from(work: Workspace, i: int, begin: int, end: int, at: Plane, done: Plane) -> tuple[Plane, Plane]:
     """Part nucleus i from those from ``begin`` to ``end``: where it is then; ``done`` as of ``_push_apart``."""
-    x, y, radius, (x_i, y_i), (pushed, corrections) = board.x, board.y, board.radius, at, done
+    x, y, radius, (x_i, y_i), (pushed, corrections) = work.x, work.y, work.radius, at, done
     radius_i, one = load(radius, i), spread(x, 1.0)
     for j in range(begin, end):
         dx, dy, reach = x_i - load(x, j), y_i - load(y, j), radius_i + load(radius, j)
@@ -83,8 +83,8 @@ def _part_from(board: Board, i: int, begin: int, end: int, at: Plane, done: Plan
             x_j, y_j = load(x, j) - part * dx, load(y, j) - part * dy
             store(x, j, x_j)
             store(y, j, y_j)
-            way_i = _square(x_i - load(board.before_x, i), y_i - load(board.before_y, i))
-            way_j = _square(x_j - load(board.before_x, j), y_j - load(board.before_y, j))
+            way_i = _square(x_i - load(work.before_x, i), y_i - load(work.before_y, i))
+            way_j = _square(x_j - load(work.before_x, j), y_j - load(work.before_y, j))
             pushed = maximum(pushed, maximum(way_i, way_j))
             corrections = corrections + where_positive(overlap, one)
     return (x_i, y_i), (pushed, corrections)
@@ -96,28 +96,28 @@ def _square(x: Any, y: Any) -> Any:
 
 
 @kernel
-def part(board: Board, n: int, touching: float, most: int) -> int:
+def part(work: Workspace, n: int, touching: float, most: int) -> int:
     """Sweep until no overlap is larger than ``touching``: how many sweeps that took, -1 if ``most`` were too few.
 
     Nor can nuclei be parted that lie in one point.
     """
     for made in range(most):
         for i in range(n):
-            if not abs(board.x[i]) + abs(board.y[i]) < LOST:  # nor if it is NaN
+            if not abs(work.x[i]) + abs(work.y[i]) < LOST:  # nor if it is NaN
                 return -1
-        if largest_overlap(board, n) <= touching:
+        if largest_overlap(work, n) <= touching:
             return made
-        separate(board, n)
+        separate(work, n)
     return -1
 
 
 @inner
-def largest_overlap(board: Board, n: int) -> float:
+def largest_overlap(work: Workspace, n: int) -> float:
     """max R_i + R_j - |X_i - X_j| of one tissue, 0 if no discs overlap."""
-    x, y, radius, largest = board.x, board.y, board.radius, 0.0
-    find_near(board, n, 1.0, 0.0)
+    x, y, radius, largest = work.x, work.y, work.radius, 0.0
+    find_near(work, n, 1.0, 0.0)
     for i in range(n):
-        for k in range(list_ranges(board, i)):
-            for j in range(board.begin[k], min(board.end[k], i)):
+        for k in range(list_ranges(work, i)):
+            for j in range(work.begin[k], min(work.end[k], i)):
                 largest = max(largest, radius[i] + radius[j] - math.hypot(x[i] - x[j], y[i] - y[j]))
     return largest

@@ -1,4 +1,4 @@
-"""The displacement of a substep by the forces: explicit Euler, Z - (h / mu) grad W(Z)."""
+"""The displacement of a substep by the forces: explicit Euler, Z - (h / mu) grad W(Z); in a slice all z are 0."""
 
 from __future__ import annotations
 
@@ -6,51 +6,88 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import fma, load, store, twice_rsqrt
-from tissue.kernels.board import Board
-from tissue.model.bending import turned
 from tissue.model.springs import stretched
+from tissue.state.surface import PLANE, SPHERE
 
 Lane = Any  # a double, or eight
-Plane = tuple[Lane, Lane]
+Arrow = tuple[Lane, Lane, Lane]
 Spring = tuple[Lane, Lane]
 
 
 @inner
-def pulls(u: Plane, v: Plane, ax: Spring, bx: Spring, bending: Lane) -> tuple[Plane, Plane, Plane]:
-    """Displacements of A and of B by the springs and the bending energy of a cell; that of X is minus their sum.
-
-    u = A - X, v = B - X; a spring is (k, l), see ``Board``. Third is v / |v|, the direction of a basal point that moves
-    by itself (4.1).
-    """
-    (ux, uy), (vx, vy) = u, v
-    by_u, by_v = 0.5 * twice_rsqrt(fma(ux, ux, uy * uy)), 0.5 * twice_rsqrt(fma(vx, vx, vy * vy))
-    along_u, along_v, across = turned(u, v, by_u, by_v, bending)
-    along_u, along_v = stretched(ax[0], ax[1], by_u, along_u), stretched(bx[0], bx[1], by_v, along_v)
-    a = fma(along_u, ux, across * vx), fma(along_u, uy, across * vy)
-    b = fma(along_v, vx, across * ux), fma(along_v, vy, across * uy)
-    return a, b, (by_v * vx, by_v * vy)
+def dot(u: Arrow, v: Arrow) -> Lane:
+    """Compute u . v."""
+    return fma(u[0], v[0], fma(u[1], v[1], u[2] * v[2]))
 
 
 @inner
-def move(board: Board, rows: int) -> None:
+def combined(u: Arrow, p: Lane, v: Arrow, q: Lane) -> Arrow:
+    """Compute p u + q v."""
+    return fma(p, u[0], q * v[0]), fma(p, u[1], q * v[1]), fma(p, u[2], q * v[2])
+
+
+@inner
+def pulls(u: Arrow, v: Arrow, ax: Spring, bx: Spring, bending: Lane) -> tuple[Arrow, Arrow, Arrow]:
+    """Compute displacements of A and B by the springs and the bending energy of a cell; that of X is minus their sum.
+
+    u = A - X, v = B - X; a spring is (k, l), see ``Workspace``. Third is v / |v|, the direction of a basal point that
+    moves by itself (4.1). With c = u . v / (|u| |v|) the bending energy alpha (c + 1) displaces A by
+    alpha (c u / |u|^2 - v / (|u| |v|)), and B likewise.
+    """
+    by_u, by_v = 0.5 * twice_rsqrt(dot(u, u)), 0.5 * twice_rsqrt(dot(v, v))
+    across = bending * by_u * by_v
+    turn = across * dot(u, v)
+    along_u = stretched(ax[0], ax[1], by_u, turn * by_u * by_u)
+    along_v = stretched(bx[0], bx[1], by_v, turn * by_v * by_v)
+    on_a, on_b = combined(u, along_u, v, 0.0 - across), combined(v, along_v, u, 0.0 - across)
+    return on_a, on_b, (by_v * v[0], by_v * v[1], by_v * v[2])
+
+
+@inner
+def tangential(work: Any, held: Lane, at: Arrow, force: Arrow) -> Arrow:
+    """Compute the part of a displacement along the basal layer where it holds the point, else all of it.
+
+    A slice whose layer bends moves these points along it by themselves.
+    """
+    bends = work.surface.bends
+    if bends == PLANE:
+        return force[0], fma(0.0 - held, force[1], force[1]), force[2]
+    x, y, z = at
+    if bends != SPHERE:
+        z = 0.0 * z
+    inverse = 0.5 * twice_rsqrt(dot((x, y, z), (x, y, z)))
+    out = 0.0 - held * inverse * inverse * dot((x, y, z), force)
+    return fma(out, x, force[0]), fma(out, y, force[1]), fma(out, z, force[2])
+
+
+@inner
+def move(work: Any, rows: int) -> None:
     """Move the points of each cell by its springs, its bending energy, its junctions and the pushes of soft discs.
 
-    Where the layer bends, it moves a basal point that it holds by the part of its force that is along the curve.
+    The workspace is that of a slice or of a surface, seen in rows. Where the layer of a slice bends, it moves a basal
+    point that it holds by the part of its force that is along the curve. Cells are whole: their own points need no
+    nearest image.
     """
-    strength = board.repulsion
+    strength = work.repulsion
     for i in range(rows):
-        x, y = load(board.x, i), load(board.y, i)
-        ax, ay = load(board.ax, i), load(board.ay, i)
-        bx, by = load(board.bx, i), load(board.by, i)
-        of_ax, of_bx = (load(board.k_ax, i), load(board.l_ax, i)), (load(board.k_bx, i), load(board.l_bx, i))
-        a, b, ahead = pulls((ax - x, ay - y), (bx - x, by - y), of_ax, of_bx, load(board.k_axb, i))
-        if board.bent:
-            along = fma(b[0], load(board.tangent_x, i), b[1] * load(board.tangent_y, i))
-            store(board.along, i, fma(load(board.in_basal, i), along, load(board.along, i)))
-        runs = load(board.runs, i)
-        store(board.x, i, fma(strength, load(board.push_x, i), x - (a[0] + b[0])))
-        store(board.y, i, fma(strength, load(board.push_y, i), y - (a[1] + b[1])))
-        store(board.ax, i, ax + a[0] + load(board.drag_x, i))
-        store(board.ay, i, ay + a[1] + load(board.drag_y, i))
-        store(board.bx, i, fma(runs, ahead[0], fma(load(board.bx_moves, i), b[0], bx)))
-        store(board.by, i, fma(runs, ahead[1], fma(load(board.by_moves, i), b[1], by)))
+        x = load(work.x, i), load(work.y, i), load(work.z, i)
+        a = load(work.ax, i), load(work.ay, i), load(work.az, i)
+        b = load(work.bx, i), load(work.by, i), load(work.bz, i)
+        of_ax, of_bx = (load(work.k_ax, i), load(work.l_ax, i)), (load(work.k_bx, i), load(work.l_bx, i))
+        u, v = (a[0] - x[0], a[1] - x[1], a[2] - x[2]), (b[0] - x[0], b[1] - x[1], b[2] - x[2])
+        on_a, on_b, ahead = pulls(u, v, of_ax, of_bx, load(work.k_axb, i))
+        held = load(work.held, i)
+        if work.bent:
+            along = fma(on_b[0], load(work.tangent_x, i), on_b[1] * load(work.tangent_y, i))
+            store(work.along, i, fma(held, along, load(work.along, i)))
+        store(work.x, i, fma(strength, load(work.push_x, i), x[0] - (on_a[0] + on_b[0])))
+        store(work.y, i, fma(strength, load(work.push_y, i), x[1] - (on_a[1] + on_b[1])))
+        store(work.z, i, fma(strength, load(work.push_z, i), x[2] - (on_a[2] + on_b[2])))
+        store(work.ax, i, a[0] + on_a[0] + load(work.drag_x, i))
+        store(work.ay, i, a[1] + on_a[1] + load(work.drag_y, i))
+        store(work.az, i, a[2] + on_a[2] + load(work.drag_z, i))
+        moves, runs = load(work.moves, i), load(work.runs, i)
+        on_b = tangential(work, held, b, on_b)
+        store(work.bx, i, fma(runs, ahead[0], fma(moves, on_b[0], b[0])))
+        store(work.by, i, fma(runs, ahead[1], fma(moves, on_b[1], b[1])))
+        store(work.bz, i, fma(runs, ahead[2], fma(moves, on_b[2], b[2])))

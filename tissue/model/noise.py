@@ -1,16 +1,22 @@
-"""What the noise of a step draws from its generator."""
+"""The noise of the nuclei: once per dt from a generator, or in each substep as a function of a key."""
 
 from __future__ import annotations
 
 import math
+from typing import Any
 
 from numpy.random import Generator
 
 from dincl.compiled import inner
-from tissue.kernels.normals import WORDS
+from dincl.compiled.lanes import fma, load
+from dincl.compiled.lanes import store as store_at
+from tissue.kernels.normals import WORDS, normals
 from tissue.state.cells import Integers
 from tissue.state.space import SPATIAL
 from tissue.state.store import CELLS, Store
+
+# Added to the number of a substep where the depth is drawn: along x and y the noise is that of the section z = 0.
+DEPTH = 1 << 31
 
 
 @inner
@@ -30,3 +36,19 @@ def add_noise(store: Store, variance: float, noise: Generator) -> None:
 def draw_key(noise: Generator, key: Integers) -> None:
     """The two words of the key of the noise in substeps."""
     key[0], key[1] = int(WORDS * noise.random()), int(WORDS * noise.random())
+
+
+@inner
+def add_substep_noise(work: Any, rows: int, number: int) -> None:
+    """Add N(0, deviation^2) to each coordinate of the nuclei, if noise comes in substeps; the workspace is in rows.
+
+    It is a function of the key, the id of the cell and the number of the substep alone.
+    """
+    deviation, x, y, z = work.deviation, work.x, work.y, work.z
+    if deviation > 0.0:
+        for i in range(rows):
+            along_x, along_y = normals(work.noise_key, work.id, i, number)
+            along_z, _ = normals(work.noise_key, work.id, i, DEPTH + number)
+            store_at(x, i, fma(deviation, along_x, load(x, i)))
+            store_at(y, i, fma(deviation, along_y, load(y, i)))
+            store_at(z, i, fma(deviation, along_z, load(z, i)))

@@ -13,8 +13,8 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
-from tissue.kernels.board import Board
 from tissue.kernels.near import find_near, find_near_rows, list_around, list_before, window_around
+from tissue.kernels.workspace import Workspace
 
 # Distance below which two nuclei repel each other.
 SOFT = 2.0
@@ -34,7 +34,7 @@ def tension(d: Any, k: Any) -> Any:
 
 
 @inner
-def push_in_rows(board: Board, n: int, wide: Board, rows: int) -> None:
+def push_in_rows(work: Workspace, n: int, wide: Workspace, rows: int) -> None:
     """Push of the soft discs on each nucleus of one tissue, the sum of (2 / d - 1) (X_i - X_j) over j.
 
     Where soft discs differ it has the strength of each pair.
@@ -42,39 +42,39 @@ def push_in_rows(board: Board, n: int, wide: Board, rows: int) -> None:
     at.
     """
     push, pairs = (spread(wide.x, 0.0), spread(wide.x, 0.0)), 0
-    if board.repulsion != 0.0:
-        find_near_rows(board, n, 0.0, board.soft_end)
+    if work.repulsion != 0.0:
+        find_near_rows(work, n, 0.0, work.soft_end)
     for row in range(rows):
         total = push
-        if board.repulsion == 0.0:
+        if work.repulsion == 0.0:
             pass
-        elif board.bent:
-            for k in range(list_around(board, row, rows)):
-                total = _push_row(board, wide, row, board.begin[k], min(board.end[k], n), total)
-                pairs += WIDTH * (min(board.end[k], n) - board.begin[k])
+        elif work.bent:
+            for k in range(list_around(work, row, rows)):
+                total = _push_row(work, wide, row, work.begin[k], min(work.end[k], n), total)
+                pairs += WIDTH * (min(work.end[k], n) - work.begin[k])
         else:
-            begin, end = window_around(board, row, n)
-            total = _push_row(board, wide, row, begin, end, total)
+            begin, end = window_around(work, row, n)
+            total = _push_row(work, wide, row, begin, end, total)
             pairs += WIDTH * (end - begin)
         store(wide.push_x, row, total[0])
         store(wide.push_y, row, total[1])
-    board.pairs[0] += pairs // 2  # each twice
+    work.pairs[0] += pairs // 2  # each twice
 
 
 @inner
-def _push_row(board: Board, wide: Board, row: int, begin: int, end: int, push: Plane) -> Plane:
+def _push_row(work: Workspace, wide: Workspace, row: int, begin: int, end: int, push: Plane) -> Plane:
     """Add what cells ``begin`` to ``end`` do to a row, without a branch.
 
     One that is beyond the range adds exact zeros, as a nucleus does to itself.
     """
     x_i, y_i, (push_x, push_y) = load(wide.x, row), load(wide.y, row), push
     for j in range(begin, end):
-        dx, dy = x_i - load_wide(board.x, j), y_i - load_wide(board.y, j)
+        dx, dy = x_i - load_wide(work.x, j), y_i - load_wide(work.y, j)
         square = fma(dx, dx, dy * dy)
-        if board.mixed:
-            reach = load(wide.soft, row) + load_wide(board.soft, j)
-            k = load(wide.stiff_xx, row) + load_wide(board.stiff_xx, j)
-            weight = where_positive(square, repelling_within(square, reach, k, board.mixed))
+        if work.mixed:
+            reach = load(wide.soft, row) + load_wide(work.soft, j)
+            k = load(wide.stiff_xx, row) + load_wide(work.stiff_xx, j)
+            weight = where_positive(square, repelling_within(square, reach, k, work.mixed))
         else:
             weight = where_positive(square, repelling(square))
         push_x, push_y = fma(weight, dx, push_x), fma(weight, dy, push_y)
@@ -82,38 +82,38 @@ def _push_row(board: Board, wide: Board, row: int, begin: int, end: int, push: P
 
 
 @inner
-def push_in_pairs(board: Board, n: int) -> None:
+def push_in_pairs(work: Workspace, n: int) -> None:
     """The same in eight tissues, where each pair is looked at once. The sums are added up in the same order."""
-    none, pairs = spread(board.x, 0.0), 0
-    if board.repulsion != 0.0:
-        find_near(board, n, 0.0, board.soft_end)
+    none, pairs = spread(work.x, 0.0), 0
+    if work.repulsion != 0.0:
+        find_near(work, n, 0.0, work.soft_end)
     for i in range(n):
         sum_x, sum_y = none, none
-        if board.repulsion == 0.0:
+        if work.repulsion == 0.0:
             pass
-        elif board.bent:
-            for k in range(list_before(board, i)):
-                sum_x, sum_y = _push_pairs(board, i, board.begin[k], min(board.end[k], i), (sum_x, sum_y))
-                pairs += max(0, min(board.end[k], i) - board.begin[k])
+        elif work.bent:
+            for k in range(list_before(work, i)):
+                sum_x, sum_y = _push_pairs(work, i, work.begin[k], min(work.end[k], i), (sum_x, sum_y))
+                pairs += max(0, min(work.end[k], i) - work.begin[k])
         else:
-            sum_x, sum_y = _push_pairs(board, i, board.first[i], i, (sum_x, sum_y))
-            pairs += i - board.first[i]
-        store(board.push_x, i, 0.0 - sum_x)
-        store(board.push_y, i, 0.0 - sum_y)
-    board.pairs[0] += pairs
+            sum_x, sum_y = _push_pairs(work, i, work.first[i], i, (sum_x, sum_y))
+            pairs += i - work.first[i]
+        store(work.push_x, i, 0.0 - sum_x)
+        store(work.push_y, i, 0.0 - sum_y)
+    work.pairs[0] += pairs
 
 
 @inner
-def _push_pairs(board: Board, i: int, begin: int, end: int, push: Plane) -> Plane:
+def _push_pairs(work: Workspace, i: int, begin: int, end: int, push: Plane) -> Plane:
     """Add what nucleus i does to those from ``begin`` to ``end``, and collect what they do to it, with other sign."""
-    push_x, push_y, x_i, y_i = board.push_x, board.push_y, load(board.x, i), load(board.y, i)
+    push_x, push_y, x_i, y_i = work.push_x, work.push_y, load(work.x, i), load(work.y, i)
     sum_x, sum_y = push
     for j in range(begin, end):
-        dx, dy = load(board.x, j) - x_i, load(board.y, j) - y_i
+        dx, dy = load(work.x, j) - x_i, load(work.y, j) - y_i
         square = fma(dx, dx, dy * dy)
-        if board.mixed:
-            reach, k = load(board.soft, i) + load(board.soft, j), load(board.stiff_xx, i) + load(board.stiff_xx, j)
-            weight = repelling_within(square, reach, k, board.mixed)
+        if work.mixed:
+            reach, k = load(work.soft, i) + load(work.soft, j), load(work.stiff_xx, i) + load(work.stiff_xx, j)
+            weight = repelling_within(square, reach, k, work.mixed)
         else:
             weight = repelling(square)
         sum_x, sum_y = fma(weight, dx, sum_x), fma(weight, dy, sum_y)

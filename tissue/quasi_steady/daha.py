@@ -13,10 +13,10 @@ from dincl.checks import instance, integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
-from tissue.quasi_steady.iteration import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, boards_for, iterate, memory_for
+from tissue.quasi_steady.iteration import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, iterate, memory_for, workspaces_for
 from tissue.rules.slice import in_plane
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.numbers import Daha, Numbers
@@ -99,10 +99,16 @@ class TissueArrowHurwicz:
         if not size < TOO_FAR:
             raise InvalidProblem(f"|z|^2 = {size:g}: must be below {TOO_FAR:g} R_soft^2, z all coordinates")
         held = stored(cells, layers, capacity=len(cells.x), space=in_plane())
-        boards = boards_for(len(held.cells.x), numbers, self.numbers)
+        workspaces = workspaces_for(len(held.cells.x), numbers, self.numbers)
         place, running = np.array([held.address]), np.zeros(1, np.int64)
         made, end = iterate(
-            place, running, boards.flat, boards.wide, handed_numbers(numbers), self.numbers, memory_for(boards)
+            place,
+            running,
+            workspaces.flat,
+            workspaces.wide,
+            numbers_pointer(numbers),
+            self.numbers,
+            memory_for(workspaces),
         )
         found = contents(held)[0]
         reached = math.inf, math.inf

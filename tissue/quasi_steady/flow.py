@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from dincl.compiled.lanes import twice_rsqrt
 from tissue.kernels import kernel
+from tissue.model.junctions import pulling
+from tissue.model.motion import pulls
 from tissue.model.repulsion import SOFT, repelling
 from tissue.state.cells import Floats, Integers
-from tissue.step.space_motion import pulls_on_ends
 
 
 class Rates(NamedTuple):
-    """What the velocity depends on beside the points: coefficients as those of ``SpaceBoard``, for h = 1 hour."""
+    """What the velocity depends on beside the points: coefficients as those of ``SurfaceWorkspace``, for h = 1 hour."""
 
     k_ax: Floats  # (n,)
     k_bx: Floats
@@ -38,7 +38,7 @@ def flow(x: Floats, rates: Rates, velocity: Floats) -> None:
         u = x[n + i, 0] - x[i, 0], x[n + i, 1] - x[i, 1], x[n + i, 2] - x[i, 2]
         v = x[2 * n + i, 0] - x[i, 0], x[2 * n + i, 1] - x[i, 1], x[2 * n + i, 2] - x[i, 2]
         ax, bx = (rates.k_ax[i], rates.l_ax[i]), (rates.k_bx[i], rates.l_bx[i])
-        on_a, on_b, _ = pulls_on_ends(u, v, ax, bx, rates.k_axb[i])
+        on_a, on_b, _ = pulls(u, v, ax, bx, rates.k_axb[i])
         for c in range(3):
             velocity[i, c] -= on_a[c] + on_b[c]
             velocity[n + i, c], velocity[2 * n + i, c] = on_a[c], on_b[c]
@@ -55,7 +55,7 @@ def flow(x: Floats, rates: Rates, velocity: Floats) -> None:
         dx, dy, dz = x[j, 0] - x[i, 0], x[j, 1] - x[i, 1], x[j, 2] - x[i, 2]
         square = dx * dx + dy * dy + dz * dz
         if square > 0.0:
-            pull = k - 0.5 * k * rates.rest[edge] * twice_rsqrt(square)
+            pull = pulling(square, rates.rest[edge], k)
             for c in range(3):
                 velocity[i, c] += pull * (x[j, c] - x[i, c])
                 velocity[j, c] -= pull * (x[j, c] - x[i, c])

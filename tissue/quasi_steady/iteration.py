@@ -9,7 +9,7 @@ import numpy as np
 from dincl.compiled import StructPointer, inner, struct_type
 from dincl.compiled.lanes import WIDTH
 from tissue.kernels import kernel
-from tissue.kernels.board import LOST, Board, Boards
+from tissue.kernels.workspace import LOST, Workspace, Workspaces
 from tissue.model.junctions import pull_junctions
 from tissue.model.motion import move
 from tissue.model.repulsion import push_in_rows
@@ -31,31 +31,31 @@ class Memory(NamedTuple):
     """What the iteration remembers beside the positions, by coordinate (COORDINATES, capacity)."""
 
     multipliers: Multipliers
-    points: Floats  # the coordinates of the board
+    points: Floats  # the coordinates of the workspace
     before: Floats  # z_{n-1}, or z_n while it moves on
     change: Floats  # z_{n+1} - z_n without the part of the forces
 
 
-def boards_for(capacity: int, numbers: Numbers, daha: Daha) -> Boards:
-    """Boards for so many cells, whose displacements are those of one iteration."""
-    return Boards(capacity, 1, numbers, daha.dtau**2 / (1 + daha.c * daha.dtau / 2) * daha.alpha, STRAIGHT)
+def workspaces_for(capacity: int, numbers: Numbers, daha: Daha) -> Workspaces:
+    """Workspaces for so many cells, whose displacements are those of one iteration."""
+    return Workspaces(capacity, 1, numbers, daha.dtau**2 / (1 + daha.c * daha.dtau / 2) * daha.alpha, STRAIGHT)
 
 
-def memory_for(boards: Boards) -> Any:
-    """Make room for what is on a board: for kernels it is ``Memory``. All multipliers are zero."""
-    points = boards.block[: len(COORDINATES)]
+def memory_for(workspaces: Workspaces) -> Any:
+    """Make room for what is on a workspace: for kernels it is ``Memory``. All multipliers are zero."""
+    points = workspaces.block[: len(COORDINATES)]
     parts = Memory(multipliers_for(points.shape[1]), points, np.zeros(points.shape), np.zeros(points.shape))
     return StructPointer(parts, struct_type(parts))
 
 
 @kernel
 def iterate(
-    stores: Integers, ended: Integers, flat: Board, wide: Board, numbers: Numbers, daha: Daha, memory: Memory
+    stores: Integers, ended: Integers, flat: Workspace, wide: Workspace, numbers: Numbers, daha: Daha, memory: Memory
 ) -> tuple[int, int]:
     """Move the cells until |z_{n+1} - z_n| <= dtau eps |z_n| (3.24): the number of iterations, and how the call ended.
 
     z_{n+1} = z_n + ((1 - a) (z_n - z_{n-1}) - dtau^2 p_n) / (1 + a) with a = c dtau / 2 is (3.25), solved. It begins
-    with the multipliers in ``memory``; the boards are those of ``boards_for``.
+    with the multipliers in ``memory``; the workspaces are those of ``boards_for``.
     """
     store, half = store_at(stores[0]), daha.c * daha.dtau / 2
     weight, inertia = daha.dtau**2 / (1 + half), (1 - half) / (1 + half)

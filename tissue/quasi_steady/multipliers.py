@@ -13,8 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dincl.compiled import inner
-from tissue.kernels.board import Board
 from tissue.kernels.near import find_near, list_ranges
+from tissue.kernels.workspace import Workspace
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Daha
 
@@ -51,9 +51,9 @@ def multipliers_for(capacity: int) -> Multipliers:
 
 
 @inner
-def hold_discs(board: Board, daha: Daha, weight: float, multipliers: Multipliers, change: Floats) -> None:
+def hold_discs(work: Workspace, daha: Daha, weight: float, multipliers: Multipliers, change: Floats) -> None:
     """(C1): change += weight lambda (alpha - gamma g) grad g, then lambda <- max(0, lambda - dtau beta g)."""
-    x, y, discs = board.x, board.y, multipliers.discs
+    x, y, discs = work.x, work.y, multipliers.discs
     for k in range(multipliers.pairs[0]):
         i, j, multiplier = multipliers.i[k], multipliers.j[k], discs[k]
         dx, dy = x[i] - x[j], y[i] - y[j]
@@ -69,10 +69,10 @@ def hold_discs(board: Board, daha: Daha, weight: float, multipliers: Multipliers
 
 @inner
 def hold_basal(
-    board: Board, layer: Integers, basal: int, daha: Daha, weight: float, multipliers: Multipliers, change: Floats
+    work: Workspace, layer: Integers, basal: int, daha: Daha, weight: float, multipliers: Multipliers, change: Floats
 ) -> None:
     """(C4) and (C2): the same for the basal points."""
-    order, distance, bx, largest = multipliers.order, multipliers.distance, board.bx, board.max_basal
+    order, distance, bx, largest = multipliers.order, multipliers.distance, work.bx, work.max_basal
     before = 0.0
     for k in range(basal - 1):
         i = layer[k]
@@ -88,23 +88,23 @@ def hold_basal(
 
 
 @inner
-def list_pairs(board: Board, n: int, multipliers: Multipliers) -> bool:
+def list_pairs(work: Workspace, n: int, multipliers: Multipliers) -> bool:
     """Hold the pairs that have a multiplier or a gap of at most REACH; False if they have no room.
 
     Until a nucleus moves by REACH / 2 no other pair can overlap, so that its multiplier stays zero.
     """
-    x, y, radius = board.x, board.y, board.radius
-    find_near(board, n, 1.0, 0.5 * REACH)
+    x, y, radius = work.x, work.y, work.radius
+    find_near(work, n, 1.0, 0.5 * REACH)
     for i in range(n):
-        board.before_x[i], board.before_y[i] = x[i], y[i]
+        work.before_x[i], work.before_y[i] = x[i], y[i]
         multipliers.last[i] = -1
     old, multipliers.pairs[0] = multipliers.pairs[0], 0
     for k in range(old):
         if multipliers.discs[k] > 0.0:
             _add(multipliers, multipliers.i[k], multipliers.j[k], multipliers.square[k], multipliers.discs[k])
     for i in range(n):
-        for k in range(list_ranges(board, i)):
-            for j in range(board.begin[k], min(board.end[k], i)):
+        for k in range(list_ranges(work, i)):
+            for j in range(work.begin[k], min(work.end[k], i)):
                 reach = radius[i] + radius[j]
                 near = math.hypot(x[i] - x[j], y[i] - y[j]) <= reach + REACH
                 if near and not _is_held(multipliers, i, j):
@@ -115,10 +115,10 @@ def list_pairs(board: Board, n: int, multipliers: Multipliers) -> bool:
 
 
 @inner
-def is_stale(board: Board, n: int) -> bool:
+def is_stale(work: Workspace, n: int) -> bool:
     """Whether a nucleus moved by more than REACH / 2 since it was listed."""
     for i in range(n):
-        dx, dy = board.x[i] - board.before_x[i], board.y[i] - board.before_y[i]
+        dx, dy = work.x[i] - work.before_x[i], work.y[i] - work.before_y[i]
         if dx * dx + dy * dy > 0.25 * REACH * REACH:
             return True
     return False

@@ -13,11 +13,11 @@ from dincl.status import Status
 from tissue.files.cell_types import PAIR_KEYS
 from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import TissueMinimiser
 from tissue.runs.batch import WATCH, checkpoint_at, kept_steps
-from tissue.runs.compiled_rules import answered, handed_rules
+from tissue.runs.compiled_rules import answered, rules_pointer
 from tissue.runs.run import Run, RunFailed
 from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
@@ -118,7 +118,7 @@ class _Steps:
     def __init__(self, parameters: Parameters, seed: int, minimiser: TissueMinimiser) -> None:
         self._parameters, self._seed, self._minimiser = parameters, seed, minimiser
         self._random = streams(seed)
-        self._held, self._parted = started(parameters, self._random)
+        self._held, self._separation = started(parameters, self._random)
         self._found: list[tuple[int, bool, float, float]] = []
 
     def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
@@ -135,7 +135,7 @@ class _Steps:
             if not status:
                 break
         stats = dict(zip(COUNTERS, self._held.counts.tolist(), strict=True))
-        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, self._parted)
+        run = Run(self._parameters, self._seed, tuple(frames), status, detail, stats, self._separation)
         iterations, terminated, energy, violation = (np.array(column) for column in zip(*self._found, strict=True))
         return QuasiSteadyRun(
             **vars(run), iterations=iterations, terminated=terminated, energy=energy, violation=violation
@@ -143,7 +143,7 @@ class _Steps:
 
     def _frame(self, t: float) -> Frame:
         """A copy of the present state."""
-        checkpoint = checkpoint_at(self._held, self._seed, self._random, self._parted, self._parameters)
+        checkpoint = checkpoint_at(self._held, self._seed, self._random, self._separation, self._parameters)
         return Frame(t, *contents(self._held), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:
@@ -151,9 +151,9 @@ class _Steps:
         numbers, named = self._parameters.numbers(), self._parameters.named_numbers()
         if is_full(self._held, t):
             self._held = grown(self._held)
-        rules = handed_rules([self._held], self._parameters.division_rule())
+        rules = rules_pointer([self._held], self._parameters.division_rule())
         with answered():
-            apply_rules(self._held, t, handed_numbers(numbers, named), rules, self._random.cycle, self._random.noise)
+            apply_rules(self._held, t, numbers_pointer(numbers, named), rules, self._random.cycle, self._random.noise)
         found = self._minimiser.minimise(*contents(self._held), numbers)
         self._found.append((found.iterations, bool(found.status), found.energy, found.violation))
         _place(self._held, found.cells)

@@ -31,13 +31,13 @@ def split(store: Store, splits: int, numbers: Numbers, rules: Rules) -> None:
     daughters = store.daughters
     for i in range(store.sizes[CELLS]):
         if daughters.cycle[i] > 0.0:
-            _split(store, i, daughters.turn[i], numbers_of(numbers, store.cells.kind[i]))
+            split_cell(store, i, daughters.turn[i], numbers_of(numbers, store.cells.kind[i]))
             store.cells.cycle[store.sizes[CELLS] - 1] = daughters.cycle[i]
             daughters.cycle[i] = 0.0
 
 
 @inner
-def _split(store: Store, i: int, turn: float, numbers: Numbers) -> None:
+def split_cell(store: Store, i: int, turn: float, numbers: Numbers) -> None:
     """Part cell i from a daughter, the last cell of the arrays, each by the offset (3.7) along the basal surface.
 
     ``turn`` is the direction, as a part of a whole turn; in a row of cells the daughter is along it. ``torn`` of the

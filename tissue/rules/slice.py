@@ -172,6 +172,7 @@ def slice_rules() -> TissueRules:
 _COMPILED: list[Any] = []
 
 
+@cache
 def in_plane() -> Space:
     """Return the dimension and the rules of a slice."""
     return no_space(slice_rules())

@@ -13,15 +13,15 @@ from dincl.errors import FunctionFailed
 from dincl.status import Status
 from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.kernels.board import LOST, RUNNING
+from tissue.kernels.workspace import LOST, RUNNING
 from tissue.plugins import DivisionRule, EmtEvent, Force, registered
-from tissue.runs.group import Group, SpaceGroup
+from tissue.runs.group import Group
 from tissue.runs.resume import checkpoint_of, resumed, steps_made
 from tissue.runs.run import Run
 from tissue.runs.start import started
 from tissue.runs.start_in_space import started_in_space
 from tissue.state.cells import COORDINATES, DEPTHS, KINDS, Cells
-from tissue.state.checkpoint import Parted, Streams, TissueCheckpoint, generator_states, streams
+from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
 from tissue.state.mesh import kept
 from tissue.state.store import CELLS, COUNTERS, NEXT_ID, Store, contents, copied
 from tissue.step.advance import find_lost
@@ -34,7 +34,7 @@ ASKED = 10_000
 LASTING = tuple(name for name in Cells._fields if name not in (*COORDINATES, *DEPTHS, *KINDS))
 
 
-class Lot:
+class Batch:
     """Runs of the same parameters and of up to WIDTH seeds, from t = 0 or from kept states of one time."""
 
     def __init__(self, parameters: Parameters, seeds: Sequence[int], starts: Sequence[Frame] = ()) -> None:
@@ -44,17 +44,16 @@ class Lot:
         self._begin = steps_made(parameters, starts[0]) if starts else 0
         if starts:
             held, random = zip(*map(resumed, repeat(parameters), starts, seeds), strict=True)
-            self._parted: Sequence[Parted] = [checkpoint_of(start).parted for start in starts]
+            self._separation: Sequence[Separation] = [checkpoint_of(start).separation for start in starts]
         else:
             random = tuple(streams(seed) for seed in seeds)
             begin = started_in_space if parameters.in_space else started
-            held, self._parted = zip(*map(begin, repeat(parameters), random), strict=True)
+            held, self._separation = zip(*map(begin, repeat(parameters), random), strict=True)
         self._random = random
         rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
-        # Of groups in space each has one tissue.
-        kind, size = (SpaceGroup, 1) if parameters.in_space else (Group, len(held))
+        size = 1 if parameters.in_space else len(held)  # in space they are not side by side
         parts = [slice(k, k + size) for k in range(0, len(held), size)]
-        self._groups = [kind(held[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
+        self._groups = [Group(held[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
 
     def times(self, ask: Callable[[], None] | None = None) -> Iterator[float]:
         """The kept times [h], the first that of the start; when one is given, the runs are there.
@@ -113,7 +112,7 @@ class Lot:
     def frame(self, k: int, t: float) -> Frame:
         """A copy of run k at the present time t, or of the state that failed, at its time."""
         held, random = self.store(k), self._random[k]
-        checkpoint = checkpoint_at(held, self.seeds[k], random, self._parted[k], self.parameters)
+        checkpoint = checkpoint_at(held, self.seeds[k], random, self._separation[k], self.parameters)
         time = t if self.goes_on(k) else self._stopped(k)
         sheets = kept(held.space, int(held.sizes[CELLS])) if self.parameters.in_space else None
         return Frame(time, *contents(held), self.parameters.curve(), checkpoint, sheets)
@@ -142,7 +141,7 @@ class Lot:
         """Run k with these frames."""
         stats = dict(zip(COUNTERS, self.store(k).counts.tolist(), strict=True))
         return Run(
-            self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._parted[k]
+            self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._separation[k]
         )
 
     def _advance(self, made: int, step: int) -> None:
@@ -183,10 +182,14 @@ class Lot:
         return group, k % len(group.stores)
 
 
-def checkpoint_at(held: Store, seed: int, random: Streams, parted: Parted, parameters: Parameters) -> TissueCheckpoint:
+def checkpoint_at(
+    held: Store, seed: int, random: Streams, separation: Separation, parameters: Parameters
+) -> TissueCheckpoint:
     """A copy of what a run is besides its cells, at the present time."""
     states, types = generator_states(random), tuple(parameters.types.named())
-    return TissueCheckpoint(seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, parted, types)
+    return TissueCheckpoint(
+        seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, separation, types
+    )
 
 
 def kept_steps(parameters: Parameters) -> Iterator[int]:

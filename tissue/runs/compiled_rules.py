@@ -44,7 +44,7 @@ _PUSH = _Part("push", PUSH, ("store", "on", "strength", "numbers"))
 _ENERGY = _Part("energy", ENERGY, ("store", "strength", "numbers"))
 
 
-def handed_rules(stores: Iterable[Store], division: DivisionRule = BESIDE) -> Any:
+def rules_pointer(stores: Iterable[Store], division: DivisionRule = BESIDE) -> Any:
     """The rules of tissues that are stepped together, as a struct; of the events those that begin in one of them."""
     emt = [held.emt for held in stores]
     wanted = [any(np.isfinite(one.at[k : k + 1]).any() for one in emt) for k in range(len(events()))]
@@ -57,7 +57,7 @@ def handed_rules(stores: Iterable[Store], division: DivisionRule = BESIDE) -> An
     )
 
 
-def handed_forces(forces: Sequence[tuple[Force, float]], stores: Integers, numbers: int, scale: float) -> Any:
+def forces_pointer(forces: Sequence[tuple[Force, float]], stores: Integers, numbers: int, scale: float) -> Any:
     """The forces of users with their strengths, for tissues and numbers at these addresses; ``scale`` = h / mu."""
     push = _addresses(_PUSH, [force for force, _ in forces])
     strengths = np.array([strength for _, strength in forces])

@@ -7,7 +7,7 @@ import numpy as np
 from dincl.checks import instance, number
 from dincl.errors import InvalidProblem
 from tissue.kernels import kernel
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
 from tissue.model.observables import measurable
 from tissue.plugins import Force
 from tissue.rules.slice import in_plane
@@ -55,7 +55,7 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     curve, n = curve_numbers(frame.curve), len(frame.cells.x)
     held = stored(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
     slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
-    code, numbers = push_and_energy(force), handed_numbers(run.parameters.numbers())
+    code, numbers = push_and_energy(force), numbers_pointer(run.parameters.numbers())
     with answered():
         _compare(code, held, strength, numbers, slopes, forces)
     if not np.isfinite([slopes, forces]).all():

@@ -12,19 +12,31 @@ from dincl.compiled import StructPointer
 from dincl.compiled.generators import GENERATOR, generator_words
 from dincl.compiled.lanes import WIDTH
 from tissue.events.division import BESIDE
-from tissue.kernels.board import EMPTY, RUNNING, Boards
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
+from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
+from tissue.kernels.workspace import EMPTY, RUNNING, Workspaces
 from tissue.plugins import DivisionRule, Force
-from tissue.runs.compiled_rules import answered, handed_forces, handed_rules
+from tissue.runs.compiled_rules import answered, forces_pointer, rules_pointer
 from tissue.state.cells import Integers
 from tissue.state.checkpoint import Streams
 from tissue.state.numbers import Numbers
+from tissue.state.space import FLAT
 from tissue.state.store import Store, grown
-from tissue.step.advance import FULL, advance, find_lost, make_substeps
-from tissue.step.space_advance import DESK, SpaceDesk, step_address
-from tissue.step.space_board import SpaceBoards, SpaceNumbers
-from tissue.step.space_substeps import space_substeps_address
-from tissue.step.substeps import substeps_address
+from tissue.step.advance import (
+    FULL,
+    STEP,
+    StepInput,
+    advance,
+    find_lost,
+    move_address,
+    move_all,
+    move_slices,
+    move_surface,
+)
+from tissue.step.substeps import SLICE, SLICES, SURFACE, substeps_address
+
+# A network of n vertices has 3 n edges at most.
+EDGES = 3
 
 
 class Group:
@@ -54,8 +66,8 @@ class Group:
         width = 1 if len(self.stores) == 1 else WIDTH
         self.ended: Integers = np.where(np.arange(width) < len(self.stores), RUNNING, EMPTY)
         self._numbers, self._named, self._keep = numbers, named, random
-        self._handed = handed_numbers(numbers, named)
-        self._rules = handed_rules(self.stores, division)
+        self._numbers_pointer = numbers_pointer(numbers, named)
+        self._rules = rules_pointer(self.stores, division)
         words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
         self._random = np.ascontiguousarray(np.array(words, np.int64).reshape(-1, 2, GENERATOR).transpose(1, 0, 2))
         self._place()
@@ -75,60 +87,53 @@ class Group:
         Raises FunctionFailed if a function of a user raised.
         """
         with answered():
-            made, end = advance(self._addresses, self._random, self.ended, made, steps, self._how)
+            made, end = advance(self._step, made, steps)
         return made, end
 
     def make_substeps(self) -> bool:
         """All substeps of one dt with rules that stand still; whether no cell of the first tissue is lost."""
         with answered():
-            make_substeps(self._addresses, self.ended, self._how)
+            move_all(self._step)
         return bool(find_lost(self.stores[0]) < 0)
 
     @property
     def pairs(self) -> int:
-        """How many pairs of cells were looked at for the repulsion; in a company those of all tissues at once."""
-        return int(self._board.pairs[0])
+        """How many pairs of cells were looked at for the repulsion; of tissues side by side those of all at once."""
+        return int(self._workspaces.pairs[0])
 
     def _place(self) -> None:
-        """Tell the kernel where everything is."""
-        width, numbers, named = len(self.ended), self._numbers, self._named
-        scale = numbers.dt / numbers.substeps / numbers.mu
+        """Make room for the substeps, and tell the kernel where everything is."""
+        width = len(self.ended)
         addresses = [held.address for held in self.stores]
-        self._addresses = np.array(addresses + addresses[-1:] * (width - len(addresses)))
-        own, capacity = 0, max(len(held.cells.x) for held in self.stores)
-        if self.forces:
-            self._own = handed_forces(self.forces, self._addresses, self._handed.address, scale)
-            own = self._own.address
-        self._board: Any = Boards(capacity, width, numbers, scale, self.stores[0].curve, own, named)
-        code, rules = substeps_address(width), self._rules.address
-        how = self._handed.address, self._board.flat.address, self._board.wide.address, code, rules
-        self._how = np.array(how, np.int64)
-
-
-# A network of n vertices has 3 n edges at most.
-EDGES = 3
-
-
-class SpaceGroup(Group):
-    """A group of one tissue in space."""
-
-    def _place(self) -> None:
-        """Tell the kernel where everything is."""
-        (held,), numbers = self.stores, self._numbers
-        scale, capacity = numbers.dt / numbers.substeps / numbers.mu, len(held.cells.x)
-        variance = numbers.variance * numbers.dt / numbers.substeps if numbers.noise_in_substeps else 0.0
-        of_board = SpaceNumbers(numbers.substeps, scale * numbers.repulsion, numbers.max_basal, math.sqrt(variance))
-        self._board = SpaceBoards(capacity, EDGES * capacity, of_board, held.space.surface)
-        self._desk = StructPointer(
-            SpaceDesk(
-                self._board.flat.address,
-                self._board.wide.address,
-                self._handed.address,
-                space_substeps_address(),
-                scale,
-            ),
-            DESK,
+        stores = np.array(addresses + addresses[-1:] * (width - len(addresses)))
+        in_plane = self.stores[0].space.dimension == FLAT
+        self._workspaces = self._of_slices(stores, width) if in_plane else self._of_surface()
+        kind = SURFACE if not in_plane else SLICE if width == 1 else SLICES
+        step = StepInput(
+            stores,
+            self.ended,
+            self._random,
+            numbers=self._numbers_pointer.address,
+            rules=self._rules.address,
+            flat=self._workspaces.flat.address,
+            wide=self._workspaces.wide.address,
+            substeps=substeps_address(kind),
+            move=move_address(move_slices if in_plane else move_surface),
+            scale=self._numbers.scale,
         )
-        self._addresses = np.array([held.address])
-        how = self._handed.address, self._desk.address, 0, step_address(), self._rules.address
-        self._how = np.array(how, np.int64)
+        self._step: Any = StructPointer(step, STEP)
+
+    def _of_slices(self, stores: Integers, width: int) -> Any:
+        """The workspace of slices side by side."""
+        numbers, forces, capacity = self._numbers, 0, max(len(held.cells.x) for held in self.stores)
+        if self.forces:
+            self._own = forces_pointer(self.forces, stores, self._numbers_pointer.address, numbers.scale)
+            forces = self._own.address
+        return Workspaces(capacity, width, numbers, numbers.scale, self.stores[0].curve, forces, self._named)
+
+    def _of_surface(self) -> Any:
+        """The workspace of a sheet or a closed surface."""
+        (held,), numbers = self.stores, self._numbers
+        strength, deviation = numbers.scale * numbers.repulsion, math.sqrt(numbers.substep_variance)
+        mine = SurfaceNumbers(numbers.substeps, strength, numbers.max_basal, deviation)
+        return SurfaceWorkspaces(len(held.cells.x), EDGES * len(held.cells.x), mine, held.space.surface)

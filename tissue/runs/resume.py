@@ -17,7 +17,7 @@ from tissue.files.frame import A_START, Frame
 from tissue.files.frame_files import checked
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_groups
-from tissue.kernels.board import LOST
+from tissue.kernels.workspace import LOST
 from tissue.model.lattice import Lattice
 from tissue.rules.slice import in_plane
 from tissue.runs.cell_groups import Crowd, Draws, control_cells, crowd_of, drawn_for, give

@@ -15,7 +15,7 @@ from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.frame import Frame
 from tissue.model.observables import measurable
-from tissue.state.checkpoint import Parted
+from tissue.state.checkpoint import Separation
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -52,7 +52,7 @@ class Run:
     status: Status
     detail: str
     stats: dict[str, int]
-    parted: Parted
+    separation: Separation
 
     @property
     def final(self) -> Frame:

@@ -12,7 +12,7 @@ from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tissue.files.frame import A_START, Frame
 from tissue.files.parameters import Parameters
-from tissue.runs.batch import Lot
+from tissue.runs.batch import Batch
 from tissue.runs.resume import checkpoint_of
 from tissue.runs.run import Run, RunFailed
 
@@ -59,10 +59,10 @@ def simulate(
         the error carries the Run up to then.
     """
     flag("throw", throw)
-    lot = Lot(parameters, [seed], [] if start is None else [start])
-    run = lot.runs(watch)[0]
+    batch = Batch(parameters, [seed], [] if start is None else [start])
+    run = batch.runs(watch)[0]
     if throw and not run.status:
-        raise RunFailed(run) from lot.fault
+        raise RunFailed(run) from batch.fault
     return run
 
 
@@ -98,11 +98,11 @@ def simulate_many(
     starts = _for_each(start, len(wanted))
     for begin in range(0, len(wanted), WIDTH):
         part = slice(begin, begin + WIDTH)
-        lot = Lot(parameters, wanted[part], starts[part])
-        found = lot.runs()
+        batch = Batch(parameters, wanted[part], starts[part])
+        found = batch.runs()
         for run in found:
             if throw and not run.status:
-                raise RunFailed(run) from lot.fault
+                raise RunFailed(run) from batch.fault
         runs += found
     return tuple(runs)
 

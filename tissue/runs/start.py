@@ -10,15 +10,15 @@ import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.kernels.board import Boards
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
+from tissue.kernels.workspace import Workspaces
 from tissue.model.cycle import set_phases
 from tissue.model.discs import part
 from tissue.rules.slice import in_plane
 from tissue.runs.cell_groups import Crowd, control_cells, crowd_of
 from tissue.state.basal_curve import LINE, BasalCurve, curve_numbers
 from tissue.state.cells import Cells, Floats, Integers, empty
-from tissue.state.checkpoint import Parted
+from tissue.state.checkpoint import Separation
 from tissue.state.numbers import Numbers, StartNumbers
 from tissue.state.store import Store, stored
 
@@ -31,7 +31,7 @@ TOUCHING = 1e-10
 MOST_SWEEPS = 10_000
 
 
-def started(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
+def started(parameters: Parameters, random: Streams) -> tuple[Store, Separation]:
     """The first state of a run: that of ``first_state``, with the cells of its types where the parameters have them."""
     start, groups = parameters.start_numbers(), parameters.groups()
     types = Types(
@@ -54,7 +54,7 @@ def first_state(
     draws: Generator,
     types: Types | None = None,
     curve: BasalCurve = LINE,
-) -> tuple[Store, Parted]:
+) -> tuple[Store, Separation]:
     """Draw a tissue and make it feasible; ``types``: of its cells, all control cells if it is None.
 
     Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle]. What
@@ -70,7 +70,7 @@ def first_state(
     types = types or Types(control_cells(start.cells))
     cells = _bent(drawn_cells(start, numbers, draws, types, partial(_points, start)), curve)
     held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve_numbers(curve), space=in_plane())
-    set_phases(held, 0.0, handed_numbers(numbers, types.numbers))
+    set_phases(held, 0.0, numbers_pointer(numbers, types.numbers))
     return held, _part(held, start.cells, numbers)
 
 
@@ -144,17 +144,17 @@ def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
     return np.sort(draws.uniform(-width / 2, width / 2, n))
 
 
-def _part(held: Store, n: int, numbers: Numbers) -> Parted:
+def _part(held: Store, n: int, numbers: Numbers) -> Separation:
     """Sweep over the pairs until none overlap."""
     cells = held.cells
     x, y = cells.x[:n].copy(), cells.y[:n].copy()
-    board = Boards(n, 1, numbers, 0.0, held.curve).flat
-    board.value.x[:n], board.value.y[:n], board.value.radius[:n] = x, y, cells.radius[:n]
-    sweeps = part(board, n, TOUCHING, MOST_SWEEPS)
+    work = Workspaces(n, 1, numbers, 0.0, held.curve).flat
+    work.value.x[:n], work.value.y[:n], work.value.radius[:n] = x, y, cells.radius[:n]
+    sweeps = part(work, n, TOUCHING, MOST_SWEEPS)
     if sweeps < 0:
         raise InvalidProblem(
             f"tissue.cells = {n}: more than fit: their hard discs could not be parted in {MOST_SWEEPS} sweeps; must be "
             "fewer cells, a larger box or smaller hard discs"
         )
-    cells.x[:n], cells.y[:n] = board.value.x[:n], board.value.y[:n]
-    return Parted(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))
+    cells.x[:n], cells.y[:n] = work.value.x[:n], work.value.y[:n]
+    return Separation(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))

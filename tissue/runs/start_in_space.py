@@ -9,7 +9,9 @@ import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
+from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
+from tissue.model.balls import part_balls
 from tissue.model.cycle import set_phases
 from tissue.model.lattice import Lattice
 from tissue.network.start import triangulated
@@ -17,22 +19,20 @@ from tissue.rules.sheet import sheet_rules
 from tissue.runs.cell_groups import crowd_of
 from tissue.runs.start import MOST_SWEEPS, TOUCHING, Types, drawn_cells
 from tissue.state.cells import Floats
-from tissue.state.checkpoint import Parted
+from tissue.state.checkpoint import Separation
 from tissue.state.mesh import Sheets, network_of
 from tissue.state.network import Network
 from tissue.state.numbers import StartNumbers
 from tissue.state.space import SPATIAL, Exchange, Space
 from tissue.state.store import Store, stored
 from tissue.state.surface import Surface
-from tissue.step.parting import part_balls
-from tissue.step.space_board import SpaceBoards, SpaceNumbers
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
     from tissue.state.checkpoint import Streams
 
 
-def started_in_space(parameters: Parameters, random: Streams) -> tuple[Store, Parted]:
+def started_in_space(parameters: Parameters, random: Streams) -> tuple[Store, Separation]:
     """The first state of a run in space.
 
     Basal points stand on a lattice on the surface, apical points above them; ages are uniform on [0, own cycle]. Drawn
@@ -59,7 +59,7 @@ def started_in_space(parameters: Parameters, random: Streams) -> tuple[Store, Pa
     )
     space = _space(lattice.surface, *networks, parameters.exchange())
     held = stored(cells, emt=types.crowd.emt(), capacity=capacity, space=space)
-    set_phases(held, 0.0, handed_numbers(numbers, types.numbers))
+    set_phases(held, 0.0, numbers_pointer(numbers, types.numbers))
     return held, _part(held, start.cells)
 
 
@@ -87,14 +87,14 @@ def _points(start: StartNumbers, lattice: Lattice, draws: Generator) -> Mapping[
     }
 
 
-def _part(held: Store, n: int) -> Parted:
+def _part(held: Store, n: int) -> Separation:
     """Sweep over the pairs until none overlap."""
     cells = held.cells
-    board = SpaceBoards(n, 1, SpaceNumbers(1, 0.0, 1.0), held.space.surface)
-    parts, before = board.flat.value, np.stack((cells.x[:n], cells.y[:n], cells.z[:n]))
+    work = SurfaceWorkspaces(n, 1, SurfaceNumbers(1, 0.0, 1.0), held.space.surface)
+    parts, before = work.flat.value, np.stack((cells.x[:n], cells.y[:n], cells.z[:n]))
     parts.x[:n], parts.y[:n], parts.z[:n] = before
     parts.radius[:n] = cells.radius[:n]
-    sweeps = part_balls(board.flat.address, board.wide.address, n, TOUCHING, MOST_SWEEPS)
+    sweeps = part_balls(work.flat.address, work.wide.address, n, TOUCHING, MOST_SWEEPS)
     if sweeps < 0:
         raise InvalidProblem(
             f"tissue.cells = {n}: more than fit: their hard balls could not be parted in {MOST_SWEEPS} sweeps; must be "
@@ -102,4 +102,4 @@ def _part(held: Store, n: int) -> Parted:
         )
     cells.x[:n], cells.y[:n], cells.z[:n] = parts.x[:n], parts.y[:n], parts.z[:n]
     moved = np.stack((cells.x[:n], cells.y[:n], cells.z[:n])) - before
-    return Parted(sweeps, float(np.linalg.norm(moved, axis=0).max()))
+    return Separation(sweeps, float(np.linalg.norm(moved, axis=0).max()))

@@ -40,7 +40,7 @@ WORDS = 6
 _LOW = (1 << 64) - 1
 
 
-class Parted(NamedTuple):
+class Separation(NamedTuple):
     """What was done to the drawn positions to make them feasible."""
 
     sweeps: int  # over all pairs
@@ -58,7 +58,7 @@ class TissueCheckpoint(NamedTuple):
     emt: Emt  # its arrays are copies
     counts: Integers  # one for each of ``tissue.state.store.COUNTERS``, since t = 0
     generators: Words  # (2, WORDS): where the streams DRAWN stand
-    parted: Parted  # at t = 0
+    separation: Separation  # at t = 0
     types: tuple[str, ...] = ()  # the names of the named types, by their numbers
 
 

@@ -53,6 +53,16 @@ class Numbers(NamedTuple):
     contraction: float  # time in which its rest length decreases to 1/e below the line [h]; 0: at once
     forced_below: bool  # at run_depth the point follows the forces, in place of staying where it is
 
+    @property
+    def scale(self) -> float:
+        """h / mu, the time step of a substep over the damping: a force moves a point by it."""
+        return self.dt / self.substeps / self.mu
+
+    @property
+    def substep_variance(self) -> float:
+        """The variance of the noise in a substep, 0 if noise comes once per dt."""
+        return self.variance * self.dt / self.substeps if self.noise_in_substeps else 0.0
+
 
 class StartNumbers(NamedTuple):
     """What the first state is made from; made from the parameters of a file by ``Parameters.start_numbers``.

@@ -2,48 +2,68 @@
 
 from __future__ import annotations
 
+from threading import Lock
+from typing import Any, NamedTuple
+
+import numpy as np
 from numpy.random import Generator
 
-from dincl.compiled.generators import generator_at
+from dincl.compiled import c_function, call, reader, signature, struct_type
+from dincl.compiled.generators import GENERATOR, generator_at
 from tissue.kernels import kernel
-from tissue.kernels.board import LOST, RUNNING, board_at
 from tissue.kernels.numbers import numbers_at
 from tissue.kernels.rules import Rules, call_substeps, rules_at
+from tissue.kernels.surface_workspace import surface_workspace_at
+from tissue.kernels.workspace import LOST, RUNNING, workspace_at
 from tissue.model.cycle import adapt_rest_lengths, set_phases
 from tissue.model.division import count_due, divide
 from tissue.model.emt import begin_events
 from tissue.model.extents import is_closed
 from tissue.model.noise import add_noise, draw_key
 from tissue.model.scale import watch_sides
+from tissue.network.exchange import relax
+from tissue.network.follow import STUCK, follow
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers
-from tissue.state.space import SPATIAL
 from tissue.state.store import CELLS, Store, store_at
-from tissue.step.copies import copy_in, copy_out
+from tissue.step.copies import copy_from_workspace, copy_in, copy_out, copy_to_workspace
 
 # How a call ended: all steps made; no room for the daughters that may come.
 DONE, FULL = range(2)
 
 
+class StepInput(NamedTuple):
+    """What steps dt of tissues side by side take: addresses of the tissues, of numbers, memory and machine code."""
+
+    stores: Integers  # (1,) or (WIDTH,)
+    ended: Integers  # of each RUNNING, or the step that failed
+    random: Integers  # (2, k, GENERATOR): the generators of draws and of noise
+    numbers: int
+    rules: int
+    flat: int  # the workspace seen flat, and as substeps see it
+    wide: int
+    substeps: int  # all substeps of one dt
+    move: int  # that, with what comes before and after: ``move_slices`` or ``move_surface``
+    scale: float  # h / mu
+
+
+_LINE = np.zeros(1, np.int64)
+_EXAMPLE = StepInput(_LINE, _LINE, np.zeros((2, 1, GENERATOR), np.int64), 0, 0, 0, 0, 0, 0, 0.0)
+STEP = struct_type(_EXAMPLE)
+step_at = reader(_EXAMPLE)
+# move(step): the largest number of cells of the tissues that run.
+MOVE: Any = signature(int, STEP)
+call_move = call(MOVE)
+
+
 @kernel
-def advance(
-    stores: Integers, random: Integers, ended: Integers, made: int, steps: int, how: Integers
-) -> tuple[int, int]:
+def advance(step: StepInput, made: int, steps: int) -> tuple[int, int]:
     """Make the steps ``made`` to ``steps``, the k-th to t = (k + 1) dt; how many are made then, and how the call ended.
 
     A tissue that is lost, or whose lumen is closed, stays as it is from then on: ``ended`` is set to the step that
     failed. After FULL nothing is lost: put the cells into larger stores and go on.
-
-    Parameters
-    ----------
-    stores, ended
-        (1,) or (WIDTH,): where the tissues are; RUNNING for those to go on with.
-    random
-        (2, k, GENERATOR): their generators of draws and of noise.
-    how
-        (5,): where the numbers and the board are, seen flat and as substeps see it, the substeps for it, and the rules.
     """
-    numbers, rules = numbers_at(how[0]), rules_at(how[4])
+    numbers, rules, stores, ended = numbers_at(step.numbers), rules_at(step.rules), step.stores, step.ended
     while made < steps:
         t = (made + 1) * numbers.dt
         for k in range(len(stores)):
@@ -51,9 +71,9 @@ def advance(
                 return made, FULL
         for k in range(len(stores)):
             if ended[k] == RUNNING:
-                draws, noise = generator_at(random[0], k), generator_at(random[1], k)
+                draws, noise = generator_at(step.random[0], k), generator_at(step.random[1], k)
                 apply_rules(store_at(stores[k]), t, numbers, rules, draws, noise)
-        if not make_substeps(stores, ended, how):  # nobody runs any more
+        if not call_move(step.move, step):  # nobody runs any more
             return steps, DONE
         for k in range(len(stores)):
             if ended[k] == RUNNING:
@@ -67,19 +87,56 @@ def advance(
 
 
 @kernel
-def make_substeps(stores: Integers, ended: Integers, how: Integers) -> int:
-    """All substeps of one dt, without the rules: the largest number of cells of the tissues that run.
+def move_all(step: StepInput) -> int:
+    """Make all substeps of one dt, without the rules: the largest number of cells of the tissues that run."""
+    cells: int = call_move(step.move, step)
+    return cells
 
-    In space they copy the tissue, which is alone, by themselves.
-    """
-    if store_at(stores[0]).space.dimension == SPATIAL:
-        return call_substeps(how[3], how[1], stores[0], 0) if ended[0] == RUNNING else 0
-    numbers, flat = numbers_at(how[0]), board_at(how[1])
-    n = copy_in(stores, ended, flat, numbers, numbers.dt / numbers.substeps / numbers.mu)
+
+def move_slices(step: StepInput) -> int:
+    """Copy slices to their workspace, make all substeps of one dt, and copy them back; the largest number of cells."""
+    flat = workspace_at(step.flat)
+    n = copy_in(step.stores, step.ended, flat, numbers_at(step.numbers), step.scale)
     if n > 0:
-        call_substeps(how[3], how[1], how[2], n)
-        copy_out(flat, stores)
-    return n
+        call_substeps(step.substeps, step.flat, step.wide, n)
+        copy_out(flat, step.stores)
+    return int(n)
+
+
+def move_surface(step: StepInput) -> int:
+    """Make all substeps of one dt for a sheet or a closed surface; then its networks follow its points and relax.
+
+    ``torn`` of the tissue is set if a network cannot follow its points.
+    """
+    if step.ended[0] != RUNNING:
+        return 0
+    store, work = store_at(step.stores[0]), surface_workspace_at(step.flat)
+    n = copy_to_workspace(store, work, numbers_at(step.numbers), step.scale)
+    call_substeps(step.substeps, step.flat, step.wide, n)
+    copy_from_workspace(work, store)
+    cells, space, how = store.cells, store.space, store.space.exchange
+    done = follow(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.new_rest)
+    if done != STUCK:
+        relax(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.margin, how.reach, how.new_rest)
+        done = follow(space.surface, space.basal, cells.bx, cells.by, cells.bz, how.new_rest)
+    if done != STUCK:
+        relax(space.surface, space.basal, cells.bx, cells.by, cells.bz, how.margin, how.reach, how.new_rest)
+    space.torn[0] = done == STUCK
+    return int(n)
+
+
+# By function, for the life of the process; threads come one at a time.
+_COMPILED: dict[Any, Any] = {}
+_COMPILING = Lock()
+
+
+def move_address(function: Any) -> int:
+    """Return the address of the machine code of ``move_slices`` or ``move_surface``, compiled on first use."""
+    with _COMPILING:
+        if function not in _COMPILED:
+            _COMPILED[function] = c_function(MOVE, function)
+    address: int = _COMPILED[function].address
+    return address
 
 
 @kernel

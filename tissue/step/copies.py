@@ -1,118 +1,192 @@
-"""Cells copied to the board, where substeps are made, and back."""
+"""Cells copied to the workspace, where substeps are made, and back."""
 
 from __future__ import annotations
 
+from typing import Any
+
 from dincl.compiled import inner
-from tissue.kernels.board import FAR, RUNNING, Board
+from dincl.compiled.lanes import store as put
+from tissue.kernels import surface_workspace as on_workspace
 from tissue.kernels.curve import course
 from tissue.kernels.layers import chained_before
 from tissue.kernels.numbers import numbers_of
+from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, ORDERED, SurfaceWorkspace
+from tissue.kernels.workspace import FAR, RUNNING, Workspace
 from tissue.model.springs import coefficient
-from tissue.state.cells import Integers
+from tissue.network.halfedges import LEFT, begins_edge, is_row, preceding
+from tissue.state.cells import Cells, Integers
+from tissue.state.network import Network
 from tissue.state.numbers import Numbers
-from tissue.state.store import APICAL, BASAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store, store_at
+from tissue.state.store import APICAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store, store_at
 
 
 @inner
-def copy_in(stores: Integers, ended: Integers, board: Board, numbers: Numbers, scale: float) -> int:
-    """Copy the tissues that run to the board, seen flat; ``scale`` = h / mu; the largest number of cells."""
+def copy_in(stores: Integers, ended: Integers, work: Workspace, numbers: Numbers, scale: float) -> int:
+    """Copy the tissues that run to the workspace, seen flat; ``scale`` = h / mu; the largest number of cells."""
     width, largest = len(ended), 0
-    board.links[0] = 0
+    work.links[0] = 0
     for k in range(width):
-        board.cells[k] = store_at(stores[k]).sizes[CELLS] if ended[k] == RUNNING else 0
-        largest = max(largest, board.cells[k])
+        work.cells[k] = store_at(stores[k]).sizes[CELLS] if ended[k] == RUNNING else 0
+        largest = max(largest, work.cells[k])
     for k in range(width):
-        for i in range(board.cells[k], largest):
-            _fill(board, i, width * i + k)
+        for i in range(work.cells[k], largest):
+            _fill(work, i, width * i + k)
         for i in range(largest):
-            board.in_apical[width * i + k] = board.in_basal[width * i + k] = board.joined[width * i + k] = 0.0
+            work.in_apical[width * i + k] = work.joined[width * i + k] = 0.0
         if ended[k] == RUNNING:
-            _copy(store_at(stores[k]), k, width, board, numbers, scale)
+            _copy(store_at(stores[k]), k, width, work, numbers, scale)
     return largest
 
 
 @inner
-def _copy(store: Store, k: int, width: int, board: Board, numbers: Numbers, scale: float) -> None:
-    """Copy a tissue to lane k."""
+def _copy_cell(store: Store, i: int, work: Any, place: int, own: Numbers, power: int, scale: float) -> None:
+    """Copy cell i of any tissue to a place, with the coefficients of its springs for the numbers ``own``."""
     cells, motion = store.cells, store.motion
-    for i in range(board.cells[k]):
-        place = width * i + k
-        board.x[place], board.y[place] = cells.x[i], cells.y[i]
-        board.ax[place], board.ay[place] = cells.ax[i], cells.ay[i]
-        board.bx[place], board.by[place] = cells.bx[i], cells.by[i]
-        if board.bent:
-            at = course(board.curve, cells.along[i])
-            board.along[place], board.tangent_x[place], board.tangent_y[place] = cells.along[i], at[2], at[3]
-        board.radius[place], board.id[place] = cells.radius[i], cells.id[i]
-        own = numbers_of(numbers, cells.kind[i])
-        board.soft[place], board.stiff_xx[place] = own.soft_radius, scale * own.repulsion
-        board.reach[place] = own.max_basal
-        l_ax, l_bx = own.soft_radius + cells.rest_ax[i], own.soft_radius + cells.rest_bx[i]
-        board.l_ax[place], board.l_bx[place] = l_ax, l_bx
-        board.k_ax[place] = coefficient(scale, cells.stiff_ax[i], l_ax, numbers.power)
-        board.k_bx[place] = coefficient(scale, cells.stiff_bx[i], l_bx, numbers.power)
-        board.k_axb[place] = scale * cells.stiff_axb[i]
-        board.bx_moves[place], board.by_moves[place] = motion.moves[i], motion.moves[i] * (1.0 - motion.held[i])
-        board.runs[place] = motion.runs[i]
-    for s in range(store.sizes[APICAL]):
-        i, place = store.layers.apical[s], width * store.layers.apical[s] + k
-        board.in_apical[place] = 1.0
-        if s > 0 or (board.curve.ring > 0.0 and store.sizes[APICAL] > 2):
-            before = store.layers.apical[s - 1 if s > 0 else store.sizes[APICAL] - 1]
-            board.joined[place], board.rest[place] = 1.0, cells.rest_aa[before]
-            board.k_aa[place] = scale * numbers.junction_factor * (0.5 * (cells.stiff_aa[before] + cells.stiff_aa[i]))
-    _copy_links(store, k, width, board, scale * numbers.junction_factor)
-    for s in range(store.sizes[BASAL]):
-        board.in_basal[width * store.layers.basal[s] + k] = 1.0
-    for word in range(2):
-        board.noise_key[width * word + k] = store.noise_key[word]
-        board.counts[width * word + k] = 0.0
+    work.x[place], work.y[place] = cells.x[i], cells.y[i]
+    work.ax[place], work.ay[place] = cells.ax[i], cells.ay[i]
+    work.bx[place], work.by[place] = cells.bx[i], cells.by[i]
+    put(work.z, place, cells.z[i])
+    put(work.az, place, cells.az[i])
+    put(work.bz, place, cells.bz[i])
+    work.radius[place], work.id[place] = cells.radius[i], cells.id[i]
+    l_ax, l_bx = own.soft_radius + cells.rest_ax[i], own.soft_radius + cells.rest_bx[i]
+    work.l_ax[place], work.l_bx[place] = l_ax, l_bx
+    work.k_ax[place] = coefficient(scale, cells.stiff_ax[i], l_ax, power)
+    work.k_bx[place] = coefficient(scale, cells.stiff_bx[i], l_bx, power)
+    work.k_axb[place] = scale * cells.stiff_axb[i]
+    work.moves[place], work.held[place], work.runs[place] = motion.moves[i], motion.held[i], motion.runs[i]
 
 
 @inner
-def _copy_links(store: Store, k: int, width: int, board: Board, scale: float) -> None:
+def _copy(store: Store, k: int, width: int, work: Workspace, numbers: Numbers, scale: float) -> None:
+    """Copy a tissue to lane k."""
+    cells = store.cells
+    for i in range(work.cells[k]):
+        place, own = width * i + k, numbers_of(numbers, cells.kind[i])
+        _copy_cell(store, i, work, place, own, numbers.power, scale)
+        work.soft[place], work.stiff_xx[place] = own.soft_radius, scale * own.repulsion
+        work.reach[place] = own.max_basal
+        if work.bent:
+            at = course(work.curve, cells.along[i])
+            work.along[place], work.tangent_x[place], work.tangent_y[place] = cells.along[i], at[2], at[3]
+    for s in range(store.sizes[APICAL]):
+        i, place = store.layers.apical[s], width * store.layers.apical[s] + k
+        work.in_apical[place] = 1.0
+        if s > 0 or (work.curve.ring > 0.0 and store.sizes[APICAL] > 2):
+            before = store.layers.apical[s - 1 if s > 0 else store.sizes[APICAL] - 1]
+            work.joined[place], work.rest[place] = 1.0, cells.rest_aa[before]
+            work.k_aa[place] = scale * numbers.junction_factor * (0.5 * (cells.stiff_aa[before] + cells.stiff_aa[i]))
+    _copy_links(store, k, width, work, scale * numbers.junction_factor)
+    for word in range(2):
+        work.noise_key[width * word + k] = store.noise_key[word]
+        work.counts[width * word + k] = 0.0
+
+
+@inner
+def _copy_links(store: Store, k: int, width: int, work: Workspace, scale: float) -> None:
     """Copy the junctions of a tissue that are apart from its layer; their cells have no other."""
-    cells, links = store.cells, board.links
-    for i in range(board.cells[k]):
+    cells, links = store.cells, work.links
+    for i in range(work.cells[k]):
         first = chained_before(cells, i)
         if first >= 0:
             place, number = width * i + k, links[0]
             links[1 + 2 * number], links[2 + 2 * number] = place, width * first + k
             links[0] += 1
-            board.rest[place] = cells.rest_aa[first]
-            board.k_aa[place] = scale * (0.5 * (cells.stiff_aa[first] + cells.stiff_aa[i]))
+            work.rest[place] = cells.rest_aa[first]
+            work.k_aa[place] = scale * (0.5 * (cells.stiff_aa[first] + cells.stiff_aa[i]))
 
 
 @inner
-def _fill(board: Board, i: int, place: int) -> None:
+def _fill(work: Workspace, i: int, place: int) -> None:
     """An empty place: a cell that stands upright, far from everything and from its like, without forces."""
-    board.x[place] = board.ax[place] = board.bx[place] = FAR * (1 + i)
-    board.y[place], board.ay[place], board.by[place] = 0.0, 1.0, -1.0
-    board.radius[place] = board.k_ax[place] = board.k_bx[place] = board.k_axb[place] = 0.0
-    board.bx_moves[place] = board.by_moves[place] = board.runs[place] = 0.0
+    work.x[place] = work.ax[place] = work.bx[place] = FAR * (1 + i)
+    work.y[place], work.ay[place], work.by[place] = 0.0, 1.0, -1.0
+    work.radius[place] = work.k_ax[place] = work.k_bx[place] = work.k_axb[place] = 0.0
+    work.moves[place] = work.held[place] = work.runs[place] = 0.0
 
 
 @inner
-def copy_out(board: Board, stores: Integers) -> None:
-    """Copy positions and counts back to the tissues on the board, seen flat."""
-    width = len(board.cells)
+def copy_out(work: Workspace, stores: Integers) -> None:
+    """Copy positions and counts back to the tissues in the workspace, seen flat."""
+    width = len(work.cells)
     for k in range(width):
-        if board.cells[k] > 0:
+        if work.cells[k] > 0:
             store = store_at(stores[k])
-            put_back(board, store, k)
-            store.counts[SUBSTEPS] += board.substeps
-            store.counts[CORRECTIONS] += int(board.counts[k])
-            store.counts[BASAL_CORRECTIONS] += int(board.counts[width + k])
+            put_back(work, store, k)
+            store.counts[SUBSTEPS] += work.substeps
+            store.counts[CORRECTIONS] += int(work.counts[k])
+            store.counts[BASAL_CORRECTIONS] += int(work.counts[width + k])
 
 
 @inner
-def put_back(board: Board, store: Store, k: int) -> None:
+def put_back(work: Workspace, store: Store, k: int) -> None:
     """Copy the positions of lane k back to its tissue."""
-    cells, width = store.cells, len(board.cells)
-    pairs = (cells.x, board.x), (cells.y, board.y), (cells.ax, board.ax), (cells.ay, board.ay)
-    for mine, theirs in (*pairs, (cells.bx, board.bx), (cells.by, board.by)):
-        for i in range(board.cells[k]):
+    cells, width, n = store.cells, len(work.cells), work.cells[k]
+    _put_back(work, cells, n, k, width)
+    if work.bent:
+        for i in range(n):
+            cells.along[i] = work.along[width * i + k]
+
+
+@inner
+def _put_back(work: Any, cells: Cells, n: int, k: int, width: int) -> None:
+    """Copy the positions of n cells back, of which the first one is at place k and the others ``width`` apart."""
+    pairs = (cells.x, work.x), (cells.y, work.y), (cells.ax, work.ax), (cells.ay, work.ay)
+    for mine, theirs in (*pairs, (cells.bx, work.bx), (cells.by, work.by)):
+        for i in range(n):
             mine[i] = theirs[width * i + k]
-    if board.bent:
-        for i in range(board.cells[k]):
-            cells.along[i] = board.along[width * i + k]
+
+
+@inner
+def copy_to_workspace(store: Store, work: SurfaceWorkspace, numbers: Numbers, scale: float) -> int:
+    """Copy a tissue to the workspace; ``scale`` = h / mu; how many cells it has."""
+    n = store.sizes[CELLS]
+    for i in range(n):
+        _copy_cell(store, i, work, i, numbers, numbers.power, scale)
+    for word in range(2):
+        work.noise_key[word] = store.noise_key[word]
+    for k in range(len(work.counts)):
+        work.counts[k] = 0
+    _list_junctions(store, work, scale * numbers.junction_factor)
+    _list_neighbours(store.space.basal, work)
+    copied: int = n
+    return copied
+
+
+@inner
+def _list_junctions(store: Store, work: SurfaceWorkspace, scale: float) -> None:
+    """The junctions of the apical network, each once, with k = scale (alpha_i + alpha_j) / 2."""
+    network, alpha, count = store.space.apical, store.cells.stiff_aa, 0
+    for h in range(3 * network.triangles[0]):
+        if begins_edge(network, h):
+            i, j = network.corner[h], network.corner[network.twin[h]]
+            work.junctions[count, 0], work.junctions[count, 1] = i, j
+            work.rest[count] = network.rest[h]
+            work.k_aa[count] = scale * (0.5 * (alpha[i] + alpha[j]))
+            count += 1
+    work.sizes[JUNCTIONS] = count
+
+
+@inner
+def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
+    """The edges of the basal network, each once; those of a row of cells forward, with its left side on the left."""
+    count, ordered = 0, is_row(network)
+    for h in range(3 * network.triangles[0]):
+        if begins_edge(network, h):
+            first = network.twin[h] if ordered and network.corner[preceding(h)] != LEFT else h
+            ends = network.corner[first], network.corner[network.twin[first]]
+            work.neighbours[count, 0], work.neighbours[count, 1] = ends
+            count += 1
+    work.sizes[NEIGHBOURS], work.sizes[ORDERED] = count, ordered
+
+
+@inner
+def copy_from_workspace(work: SurfaceWorkspace, store: Store) -> None:
+    """Copy positions and counts back."""
+    cells, n = store.cells, store.sizes[CELLS]
+    _put_back(work, cells, n, 0, 1)
+    for i in range(n):
+        cells.z[i], cells.az[i], cells.bz[i] = work.z[i], work.az[i], work.bz[i]
+    store.counts[SUBSTEPS] += work.counts[on_workspace.SUBSTEPS]
+    store.counts[CORRECTIONS] += work.counts[on_workspace.CORRECTIONS]
+    store.counts[BASAL_CORRECTIONS] += work.counts[on_workspace.BASAL_CORRECTIONS]

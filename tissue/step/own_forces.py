@@ -12,8 +12,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import call, inner, reader, signature, struct_type
-from tissue.kernels.board import FLAT, Board
 from tissue.kernels.numbers import NUMBERS, numbers_at
+from tissue.kernels.workspace import FLAT, Workspace
 from tissue.state.cells import Floats, Forces, Integers
 from tissue.state.store import CELLS, STORE, Store, store_at
 from tissue.step.copies import put_back
@@ -51,30 +51,32 @@ def clear(store: Store) -> None:
             forces[i] = 0.0
 
 
-def evaluate(own: OwnForces, board: Board) -> None:
-    """The sum of the forces where the points of each tissue on the board, seen flat, are now: ``Store.on``."""
-    for k in range(len(board.cells)):
-        if board.cells[k] > 0:
+def evaluate(own: OwnForces, work: Workspace) -> None:
+    """The sum of the forces where the points of each tissue in the workspace, seen flat, are now: ``Store.on``."""
+    for k in range(len(work.cells)):
+        if work.cells[k] > 0:
             store = store_at(own.stores[k])
-            put_back(board, store, k)
+            put_back(work, store, k)
             clear(store)
             for number in range(len(own.push)):
                 call_push(own.push[number], store, store.on, own.strength[number], numbers_at(own.numbers))
 
 
-def follow(own: OwnForces, board: Board) -> None:
+def follow(own: OwnForces, work: Workspace) -> None:
     """Move the points of each tissue by (h / mu) times these forces, a basal point as the others do, see ``move``."""
-    width, scale = len(board.cells), own.scale
+    width, scale = len(work.cells), own.scale
     for k in range(width):
         on = store_at(own.stores[k]).on
-        for points, force in ((board.x, on.x), (board.y, on.y), (board.ax, on.ax), (board.ay, on.ay)):
-            for i in range(board.cells[k]):
+        for points, force in ((work.x, on.x), (work.y, on.y), (work.ax, on.ax), (work.ay, on.ay)):
+            for i in range(work.cells[k]):
                 points[width * i + k] += scale * force[i]
-        if board.bent:
-            for i in range(board.cells[k]):
+        if work.bent:
+            for i in range(work.cells[k]):
                 place = width * i + k
-                along = scale * on.bx[i] * board.tangent_x[place] + scale * on.by[i] * board.tangent_y[place]
-                board.along[place] += board.in_basal[place] * along
-        for points, force, moves in ((board.bx, on.bx, board.bx_moves), (board.by, on.by, board.by_moves)):
-            for i in range(board.cells[k]):
-                points[width * i + k] += moves[width * i + k] * (scale * force[i])
+                along = scale * on.bx[i] * work.tangent_x[place] + scale * on.by[i] * work.tangent_y[place]
+                work.along[place] += work.held[place] * along
+        for i in range(work.cells[k]):
+            place = width * i + k
+            moves = work.moves[place]
+            work.bx[place] += moves * (scale * on.bx[i])
+            work.by[place] += moves * (1.0 - work.held[place]) * (scale * on.by[i])

@@ -1,6 +1,7 @@
 """The substeps of position based dynamics between two updates of the rules (Method 3.7, (3.34)).
 
-Written once, and compiled twice: for one tissue, with a double for each cell, and for eight, with eight.
+A substep adds noise, moves all points by the forces, and sweeps once over the constraints. That of a slice is written
+once, and compiled twice: for one tissue, with a double for each cell, and for eight, with eight.
 """
 
 from __future__ import annotations
@@ -8,35 +9,37 @@ from __future__ import annotations
 from threading import Lock
 from typing import Any
 
-from dincl.compiled import c_function, inner, signature
+from dincl.compiled import c_function, inner
 from dincl.compiled.lanes import WIDTH
-from tissue.kernels.board import Board, board_at, wide_board_at
-from tissue.kernels.normals import shake
+from tissue.kernels.pair_lists import refresh_lists
+from tissue.kernels.rules import SUBSTEPS
+from tissue.kernels.surface_workspace import FRESH, SurfaceWorkspace, surface_workspace_at, wide_surface_workspace_at
+from tissue.kernels.surface_workspace import SUBSTEPS as COUNTED
+from tissue.kernels.workspace import Workspace, wide_workspace_at, workspace_at
+from tissue.model.balls import separate_balls
 from tissue.model.basal_layer import lay, order_basal
+from tissue.model.basal_network import hold_together, keep_order, put_on_surface
 from tissue.model.discs import separate
-from tissue.model.junctions import pull_junctions, pull_links
+from tissue.model.junctions import pull_along_edges, pull_junctions, pull_links
 from tissue.model.motion import move
+from tissue.model.noise import add_substep_noise
 from tissue.model.repulsion import push_in_pairs, push_in_rows
+from tissue.model.soft_balls import push_nuclei
+from tissue.model.strays import push_strays
 from tissue.step.own_forces import call_own, own_at
 
-_SIGNATURE: Any = signature(int, int, int, int)
+# Kinds of tissues: one slice, eight slices side by side, one sheet or closed surface.
+SLICE, SLICES, SURFACE = range(3)
 
 
 @inner
-def shaken(wide: Board, rows: int, number: int) -> None:
-    """The noise of substep ``number``, if it comes in substeps."""
-    if wide.deviation > 0.0:
-        shake(wide.x, wide.y, wide.id, rows, wide.deviation, wide.noise_key, number)
+def make_substep(work: Workspace, n: int, wide: Workspace, rows: int, flat: Workspace) -> None:
+    """Make a substep of the n cells of slices when their nuclei know how they push: forces, one sweep of projections.
 
-
-@inner
-def make_substep(board: Board, n: int, wide: Board, rows: int, flat: Board) -> None:
-    """A substep of the n cells on the board when their nuclei know how they push: forces, one sweep of projections.
-
-    What a cell does by itself is done for eight at once: ``wide`` is the board in ``rows`` of eight cells, of one
-    tissue or of eight; ``flat`` is the board in single numbers.
+    What a cell does by itself is done for eight at once: ``wide`` is the workspace in ``rows`` of eight cells, of one
+    tissue or of eight; ``flat`` is the workspace in single numbers.
     """
-    pull_junctions(board, n, wide, rows)
+    pull_junctions(work, n, wide, rows)
     pull_links(flat)
     own = own_at(flat.forces)
     if flat.forces:
@@ -44,44 +47,79 @@ def make_substep(board: Board, n: int, wide: Board, rows: int, flat: Board) -> N
     move(wide, rows)
     if flat.forces:
         call_own(own.follow, own, flat)
-    separate(board, n)
-    order_basal(board, n)
-    if board.bent:
+    separate(work, n)
+    order_basal(work, n)
+    if work.bent:
         lay(wide, rows)
 
 
-def _alone(flat: int, wide: int, n: int) -> int:
-    """All substeps of one dt for a tissue of n cells, whose board has these addresses; 0."""
-    board, in_rows, rows = board_at(flat), wide_board_at(wide), (n + WIDTH - 1) // WIDTH
+@inner
+def make_surface_substep(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int, number: int) -> None:
+    """Make a substep of the n cells of a sheet or a closed surface; ``wide`` is its workspace in ``rows`` of eight."""
+    add_substep_noise(wide, rows, number)
+    refresh_lists(work, n, wide, rows)
+    push_nuclei(work, n)
+    push_strays(work, n, wide, rows)
+    pull_along_edges(work, n)
+    move(wide, rows)
+    separate_balls(work, n, wide, rows)
+    keep_order(work)
+    hold_together(work)
+    put_on_surface(wide, rows)
+
+
+@inner
+def _spread_key(work: Any, in_rows: Any) -> None:
+    """Give all lanes of a tissue alone its key of the noise."""
     for word in range(2):
         for lane in range(WIDTH):
-            in_rows.noise_key[word, lane] = board.noise_key[word]
-    for number in range(board.substeps):
-        shaken(in_rows, rows, number)
-        push_in_rows(board, n, in_rows, rows)
-        make_substep(board, n, in_rows, rows, board)
+            in_rows.noise_key[word, lane] = work.noise_key[word]
+
+
+def _alone(flat: int, wide: int, n: int) -> int:
+    """Make all substeps of one dt for a slice of n cells, whose workspace has these addresses; return 0."""
+    work, in_rows, rows = workspace_at(flat), wide_workspace_at(wide), (n + WIDTH - 1) // WIDTH
+    _spread_key(work, in_rows)
+    for number in range(work.substeps):
+        add_substep_noise(in_rows, rows, number)
+        push_in_rows(work, n, in_rows, rows)
+        make_substep(work, n, in_rows, rows, work)
     return 0
 
 
 def _abreast(flat: int, wide: int, n: int) -> int:
-    """The same for eight tissues of up to n cells."""
-    board = wide_board_at(wide)
-    for number in range(board.substeps):
-        shaken(board, n, number)
-        push_in_pairs(board, n)
-        make_substep(board, n, board, n, board_at(flat))
+    """Do the same for eight slices of up to n cells."""
+    work = wide_workspace_at(wide)
+    for number in range(work.substeps):
+        add_substep_noise(work, n, number)
+        push_in_pairs(work, n)
+        make_substep(work, n, work, n, workspace_at(flat))
     return 0
 
 
-# By width, for the life of the process; threads come one at a time.
+def _on_surface(flat: int, wide: int, n: int) -> int:
+    """Do the same for a sheet or a closed surface.
+
+    The lists are made anew: what a step does is a function of what is in the workspace.
+    """
+    work, in_rows, rows = surface_workspace_at(flat), wide_surface_workspace_at(wide), (n + WIDTH - 1) // WIDTH
+    _spread_key(work, in_rows)
+    work.state[FRESH] = 0
+    for number in range(work.substeps):
+        make_surface_substep(work, n, in_rows, rows, number)
+    work.counts[COUNTED] += work.substeps
+    return 0
+
+
+# By kind, for the life of the process; threads come one at a time.
 _COMPILED: dict[int, Any] = {}
 _COMPILING = Lock()
 
 
-def substeps_address(width: int) -> int:
-    """The machine code of all substeps of one dt for so many tissues, compiled on first use."""
+def substeps_address(kind: int) -> int:
+    """Return the address of the machine code of all substeps of one dt for a kind of tissues, compiled on first use."""
     with _COMPILING:
-        if width not in _COMPILED:
-            _COMPILED[width] = c_function(_SIGNATURE, _alone if width == 1 else _abreast)
-    address: int = _COMPILED[width].address
+        if kind not in _COMPILED:
+            _COMPILED[kind] = c_function(SUBSTEPS, (_alone, _abreast, _on_surface)[kind])
+    address: int = _COMPILED[kind].address
     return address

@@ -17,7 +17,7 @@ from tissue.files.parameters import Parameters
 from tissue.model.extents import measure_extents
 from tissue.model.scale import measure
 from tissue.plugins import Observable, registered
-from tissue.runs.batch import Lot
+from tissue.runs.batch import Batch
 from tissue.state.cells import Flags, Floats, Integers
 from tissue.state.store import CELLS, Store
 
@@ -81,45 +81,45 @@ def outcomes(
         If more cells are to start than fit.
     """
     parts = [
-        _lot(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], whole, ask)
+        _batch(parameters, replicates[begin : begin + WIDTH], seeds[begin : begin + WIDTH], whole, ask)
         for begin in range(0, len(seeds), WIDTH)
     ]
     tables = {name: table for part in parts for name, table in part.tables.items()}
     return Outcomes(pa.concat_tables(p.cells for p in parts), pa.concat_tables(p.runs for p in parts), tables)
 
 
-def _lot(
+def _batch(
     parameters: Parameters,
     replicates: Sequence[int],
     seeds: Sequence[int],
     whole: Collection[int],
     ask: Callable[[], None] | None,
 ) -> Outcomes:
-    lot = Lot(parameters, seeds)
+    batch = Batch(parameters, seeds)
     wanted: dict[int, list[Frame]] = {k: [] for k, name in enumerate(replicates) if name in whole}
     times, measured = [], []
-    for t in lot.times(ask):
+    for t in batch.times(ask):
         times.append(t)
-        measured.append((*_measured(lot), _own(lot, t)))
+        measured.append((*_measured(batch), _own(batch, t)))
         for k, frames in wanted.items():
-            frames.append(lot.frame(k, t))
+            frames.append(batch.frame(k, t))
     series = _Measured(times, *(np.array(parts) for parts in zip(*measured, strict=True)))
-    sound = np.array([lot.goes_on(k) for k in range(len(seeds))]) & np.isfinite(series.positions).all(axis=(0, 2))
-    tables = {replicates[k]: lot.run(k, frames).table() for k, frames in wanted.items()}
-    return Outcomes(_cells(lot, replicates, series, sound), _runs(lot, replicates, series, sound), tables)
+    sound = np.array([batch.goes_on(k) for k in range(len(seeds))]) & np.isfinite(series.positions).all(axis=(0, 2))
+    tables = {replicates[k]: batch.run(k, frames).table() for k, frames in wanted.items()}
+    return Outcomes(_cells(batch, replicates, series, sound), _runs(batch, replicates, series, sound), tables)
 
 
-def _followed(lot: Lot) -> int:
+def _followed(batch: Batch) -> int:
     """Return the number of EMT cells of the start: they come before their daughters in ``Emt``."""
-    return sum(group.scenario.cells for group in lot.parameters.groups() if group.may_leave)
+    return sum(group.scenario.cells for group in batch.parameters.groups() if group.may_leave)
 
 
-def _measured(lot: Lot) -> tuple[Floats, Floats, Floats]:
-    n, m = len(lot.seeds), _followed(lot)
+def _measured(batch: Batch) -> tuple[Floats, Floats, Floats]:
+    n, m = len(batch.seeds), _followed(batch)
     positions = np.zeros((n, m))
     controls, extents = np.full((n, 4), np.nan), np.full((n, len(EXTENTS)), np.nan)
-    for k in filter(lot.goes_on, range(n)):
-        held = lot.store(k)
+    for k in filter(batch.goes_on, range(n)):
+        held = batch.store(k)
         of_all = np.zeros(len(held.emt.side))
         measure(held, of_all, controls[k])
         measure_extents(held, extents[k])
@@ -127,38 +127,38 @@ def _measured(lot: Lot) -> tuple[Floats, Floats, Floats]:
     return positions, controls, extents
 
 
-def _own(lot: Lot, t: float) -> Floats:
+def _own(batch: Batch, t: float) -> Floats:
     """Return the observables that were registered, of each run; NaN for one that failed."""
     shown = registered(Observable)
-    found = np.full((len(lot.seeds), len(shown)), np.nan)
-    for k in filter(lot.goes_on, range(len(lot.seeds)) if shown else ()):
-        frame = lot.frame(k, t)
-        found[k] = [one.of(frame, lot.parameters) for one in shown]
+    found = np.full((len(batch.seeds), len(shown)), np.nan)
+    for k in filter(batch.goes_on, range(len(batch.seeds)) if shown else ()):
+        frame = batch.frame(k, t)
+        found[k] = [one.of(frame, batch.parameters) for one in shown]
     return found
 
 
-def _cells(lot: Lot, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
+def _cells(batch: Batch, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
     """Return one row for each EMT cell of the start of the sound runs."""
     kept = np.flatnonzero(sound)
-    stores, m = [lot.store(int(k)) for k in kept], _followed(lot)
+    stores, m = [batch.store(int(k)) for k in kept], _followed(batch)
     side, onset, since, since_x = (
         np.array([getattr(held.emt, name)[:m] for held in stores]).ravel()
         for name in ("side", "onset_ab", "since", "since_x")
     )
     at = np.array([held.emt.at[:, :m] for held in stores]).reshape(len(stores), len(events()), m)
     began = {events()[k].name: at[:, k].ravel() for k in acting()}
-    times = [group.scenario.times for group in lot.parameters.groups()]
+    times = [group.scenario.times for group in batch.parameters.groups()]
     shown = {*OF_THESIS, *(name for one in times for name, timing in one.items() if timing.ever)}
     mine = [_by_number(held)[:m] for held in stores]
     inm, kinds = (
         [getattr(held.cells, name)[of] for held, of in zip(stores, mine, strict=True)] for name in ("moves", "kind")
     )
-    scale = lot.parameters.cell.soft_radius.value
+    scale = batch.parameters.cell.soft_radius.value
     columns: dict[str, Any] = {
         "replicate": np.repeat(np.array(replicates, np.int64)[kept], m),
         "cell": np.tile(np.arange(m), len(kept)),
         "inm": np.array(inm, np.bool_).ravel(),
-        **(_types(lot, np.array(kinds, np.int8)) if lot.parameters.types.named() else {}),
+        **(_types(batch, np.array(kinds, np.int8)) if batch.parameters.types.named() else {}),
         **{f"t_{name}_h": times for name, times in began.items() if name in shown},
         "onset_h": np.minimum.reduce(list(began.values())),
         "onset_ab": pa.array(onset, mask=np.isinf(onset)),
@@ -179,20 +179,20 @@ def _by_number(held: Store) -> Integers:
     return found[np.argsort(number[found])]
 
 
-def _types(lot: Lot, kinds: NDArray[np.int8]) -> dict[str, Any]:
+def _types(batch: Batch, kinds: NDArray[np.int8]) -> dict[str, Any]:
     """Return the type of each EMT cell, where there are named ones."""
-    return {"type": pa.DictionaryArray.from_arrays(kinds.ravel(), list(lot.parameters.type_names))}
+    return {"type": pa.DictionaryArray.from_arrays(kinds.ravel(), list(batch.parameters.type_names))}
 
 
-def _runs(lot: Lot, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
+def _runs(batch: Batch, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
     """Return one row for each run; what was not measured, because it had failed, is null."""
-    n, scale = len(replicates), lot.parameters.cell.soft_radius.value
-    detail = [lot.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
+    n, scale = len(replicates), batch.parameters.cell.soft_radius.value
+    detail = [batch.failure(k) or ("" if sound[k] else "y_AB could not be measured") for k in range(n)]
     states = [Status.NON_FINITE, Status.SUCCESS, Status.LUMEN_CLOSED, Status.NETWORK_TORN]
-    ended = [lot.status(k) if sound[k] or not lot.goes_on(k) else Status.NON_FINITE for k in range(n)]
+    ended = [batch.status(k) if sound[k] or not batch.goes_on(k) else Status.NON_FINITE for k in range(n)]
     columns: dict[str, Any] = {
         "replicate": np.array(replicates, np.int64),
-        "seed": np.array(lot.seeds, np.int64),
+        "seed": np.array(batch.seeds, np.int64),
         "status": pa.DictionaryArray.from_arrays(
             np.array([states.index(one) for one in ended], np.int8), [state.name for state in states]
         ),

@@ -225,3 +225,21 @@ def test_places_of_each_lane(rng):
     gathered(a, places[:1], 2, one)
     np.testing.assert_array_equal(eight[0], a[places.astype(int) + 2])
     assert one[0] == eight[0, 0]
+
+
+@numba.njit(error_model="numpy")
+def along_an_axis(z, x, out):
+    """What is done with a coordinate that may not be there."""
+    for i in range(len(x)):
+        store(z, i, load(x, i) + 1.0)
+        store(out, i, fma(load(z, i), load(x, i), load(x, i)))
+
+
+def test_a_number_in_place_of_an_array_stands_for_zeros_that_nobody_writes():
+    """Whatever the number is, and for single numbers and rows."""
+    for shape in ((3,), (3, WIDTH)):
+        x, out, z = np.arange(1.0, 1.0 + np.prod(shape)).reshape(shape), np.zeros(shape), np.zeros(shape)
+        along_an_axis(7.0, x, out)
+        np.testing.assert_array_equal(out, x)
+        along_an_axis(z, x, out)
+        np.testing.assert_array_equal(out, (x + 1.0) * x + x)

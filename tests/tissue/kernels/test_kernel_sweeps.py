@@ -10,7 +10,7 @@ from tests.tissue.kernel_calls import heap
 from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
-from tissue.kernels.board import Boards
+from tissue.kernels.workspace import Workspaces
 from tissue.model.discs import part
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.store import STRAIGHT
@@ -64,20 +64,20 @@ def test_boxes_overlook_no_contact(seed, size, kind, width):
 def test_sweep_stays_in_its_arrays(n):
     """What lies behind the last cell is not looked at, and stays."""
     state = heap(np.random.default_rng(n), n, 0.6, "square")
-    boards = Boards(n + 1, 1, numbers(), 0.0, STRAIGHT)
-    boards.block[:] = np.nan
-    board = boards.flat.value
-    board.x[:n], board.y[:n], board.radius[:n], board.counts[:] = state.x, state.y, state.radius, 0.0
-    assert part(boards.flat, n, 0.0, 1) == -1
-    np.testing.assert_array_equal((board.x[:n], board.y[:n]), twins.separate(state.x, state.y, state.radius))
+    workspaces = Workspaces(n + 1, 1, numbers(), 0.0, STRAIGHT)
+    workspaces.block[:] = np.nan
+    work = workspaces.flat.value
+    work.x[:n], work.y[:n], work.radius[:n], work.counts[:] = state.x, state.y, state.radius, 0.0
+    assert part(workspaces.flat, n, 0.0, 1) == -1
+    np.testing.assert_array_equal((work.x[:n], work.y[:n]), twins.separate(state.x, state.y, state.radius))
     kept = [
         name
-        for name, line in board._asdict().items()
+        for name, line in work._asdict().items()
         if isinstance(line, np.ndarray) and len(line) > n + 1 and name != "links"
     ]
     assert "x" in kept
     for name in kept:
-        assert np.isnan(getattr(board, name)[n:].view(np.float64)).all(), name
+        assert np.isnan(getattr(work, name)[n:].view(np.float64)).all(), name
 
 
 @settings(max_examples=40)

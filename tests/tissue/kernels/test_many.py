@@ -44,7 +44,7 @@ def test_is_simulate(name, noise):
         alone = simulate(parameters, run.seed)
         assert same_bits(run, alone)
         assert run.status is Status.SUCCESS
-        assert run.parted == alone.parted
+        assert run.separation == alone.separation
         assert run.stats == alone.stats
         assert len(run.final.cells.x) > len(run.frames[0].cells.x) + 5
 

@@ -7,7 +7,7 @@ from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import COORDINATES, aged
 from tests.tissue.states import numbers
 from tissue.files.parameters import preset
-from tissue.kernels.board import LOST
+from tissue.kernels.workspace import LOST
 from tissue.runs.group import Group
 from tissue.state.store import CELLS
 from tissue.step import advance

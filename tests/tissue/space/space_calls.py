@@ -5,10 +5,10 @@ import ctypes
 import numpy as np
 
 from tests.twins.tissue.space.state import SpaceTissue, Steps
+from tissue.kernels.surface_workspace import SURFACE_COUNTERS, SurfaceNumbers, SurfaceWorkspaces
 from tissue.model.springs import coefficient
 from tissue.state.surface import PLANE, SPHERE, Surface
-from tissue.step.space_board import SPACE_COUNTERS, SpaceBoards, SpaceNumbers
-from tissue.step.space_substeps import space_substeps_address
+from tissue.step.substeps import SURFACE, substeps_address
 
 FREE = {"period_x": np.inf, "period_z": np.inf}
 SURFACES = {
@@ -23,60 +23,63 @@ SURFACES = {
 }
 
 
-# Addresses of a board and a number of cells; 0.
+# Addresses of a workspace and a number of cells; 0.
 SUBSTEPS = ctypes.CFUNCTYPE(*[ctypes.c_int64] * 4)
 
 
-def call_substeps(boards: SpaceBoards, n: int) -> None:
+def call_substeps(workspaces: SurfaceWorkspaces, n: int) -> None:
     """All substeps of one dt of n cells."""
-    assert SUBSTEPS(space_substeps_address())(boards.flat.address, boards.wide.address, n) == 0
+    assert SUBSTEPS(substeps_address(SURFACE))(workspaces.flat.address, workspaces.wide.address, n) == 0
 
 
-def board_of(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None) -> SpaceBoards:
-    """A board with the tissue on it, or that one with the tissue in its place."""
+def workspace_of(state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces | None = None) -> SurfaceWorkspaces:
+    """A workspace with the tissue on it, or that one with the tissue in its place."""
     n, scale = state.x.shape[1], steps.h / steps.mu
     deviation = float(np.sqrt(steps.variance * steps.h))
-    numbers = SpaceNumbers(steps.substeps, scale * steps.repulsion, steps.max_basal, deviation)
+    numbers = SurfaceNumbers(steps.substeps, scale * steps.repulsion, steps.max_basal, deviation)
     edges = max(len(state.junctions), len(state.neighbours), 1)
-    boards = boards or SpaceBoards(n, edges, numbers, steps.surface)
-    board = boards.flat.value
+    workspaces = workspaces or SurfaceWorkspaces(n, edges, numbers, steps.surface)
+    work = workspaces.flat.value
     for letter, points in (("", state.x), ("a", state.a), ("b", state.b)):
         for axis, line in zip("xyz", points, strict=True):
-            getattr(board, letter + axis)[:n] = line
-    for name in ("radius", "l_ax", "l_bx", "b_moves", "held"):
-        getattr(board, name)[:n] = getattr(state, name)
+            getattr(work, letter + axis)[:n] = line
+    for name in ("radius", "l_ax", "l_bx", "held"):
+        getattr(work, name)[:n] = getattr(state, name)
+    work.moves[:n] = state.b_moves
     for end in ("ax", "bx"):
         alphas, rests = getattr(state, f"stiff_{end}"), getattr(state, f"l_{end}")
         pairs = zip(alphas, rests, strict=True)
-        getattr(board, f"k_{end}")[:n] = [coefficient(scale, alpha, rest, steps.power) for alpha, rest in pairs]
-    board.k_axb[:n], board.runs[:n] = scale * state.stiff_axb, steps.h * state.runs
-    board.id[:n], board.noise_key[:] = np.arange(n), steps.key
+        getattr(work, f"k_{end}")[:n] = [coefficient(scale, alpha, rest, steps.power) for alpha, rest in pairs]
+    work.k_axb[:n], work.runs[:n] = scale * state.stiff_axb, steps.h * state.runs
+    work.id[:n], work.noise_key[:] = np.arange(n), steps.key
     for name, edges in (("junctions", state.junctions), ("neighbours", state.neighbours)):
-        getattr(board, name)[: len(edges)] = edges
-    board.rest[: len(state.rest)], board.k_aa[: len(state.rest)] = state.rest, scale * state.k_aa
-    board.sizes[:] = len(state.junctions), len(state.neighbours), steps.ordered
-    return boards
+        getattr(work, name)[: len(edges)] = edges
+    work.rest[: len(state.rest)], work.k_aa[: len(state.rest)] = state.rest, scale * state.k_aa
+    work.sizes[:] = len(state.junctions), len(state.neighbours), steps.ordered
+    return workspaces
 
 
-def taken(boards: SpaceBoards, state: SpaceTissue) -> SpaceTissue:
-    """The tissue with the points of the board."""
-    n, board = state.x.shape[1], boards.flat.value
-    x, a, b = (np.array([getattr(board, letter + axis)[:n] for axis in "xyz"]) for letter in ("", "a", "b"))
+def taken(workspaces: SurfaceWorkspaces, state: SpaceTissue) -> SpaceTissue:
+    """The tissue with the points of the workspace."""
+    n, work = state.x.shape[1], workspaces.flat.value
+    x, a, b = (np.array([getattr(work, letter + axis)[:n] for axis in "xyz"]) for letter in ("", "a", "b"))
     return state._replace(x=x, a=a, b=b)
 
 
-def make_substeps(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None) -> SpaceTissue:
+def make_substeps(state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces | None = None) -> SpaceTissue:
     """As ``twins.make_substeps``."""
-    return counted(state, steps, boards)[0]
+    return counted(state, steps, workspaces)[0]
 
 
-def counted(state: SpaceTissue, steps: Steps, boards: SpaceBoards | None = None) -> tuple[SpaceTissue, dict[str, int]]:
+def counted(
+    state: SpaceTissue, steps: Steps, workspaces: SurfaceWorkspaces | None = None
+) -> tuple[SpaceTissue, dict[str, int]]:
     """The same, and the counters."""
-    boards = board_of(state, steps, boards)
-    before = boards.flat.value.counts.copy()
-    call_substeps(boards, state.x.shape[1])
-    counts = dict(zip(SPACE_COUNTERS, (boards.flat.value.counts - before).tolist(), strict=True))
-    return taken(boards, state), counts
+    workspaces = workspace_of(state, steps, workspaces)
+    before = workspaces.flat.value.counts.copy()
+    call_substeps(workspaces, state.x.shape[1])
+    counts = dict(zip(SURFACE_COUNTERS, (workspaces.flat.value.counts - before).tolist(), strict=True))
+    return taken(workspaces, state), counts
 
 
 def edges_of(points, surface, near):

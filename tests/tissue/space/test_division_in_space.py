@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from tests.tissue.space.in_space import SURFACES, of_surface
-from tissue.rules.sheet import split
+from tissue.rules.sheet import split_cell
 from tissue.runs.start_in_space import started_in_space
 from tissue.state.checkpoint import streams
 from tissue.state.store import CELLS
@@ -20,7 +20,7 @@ def divided(name, cell, turn):
     given = of_surface(name)
     held, _ = started_in_space(given, streams(2))
     before = nuclei(held)
-    split(held, cell, turn, given.numbers()._replace(division_offset=OFFSET))
+    split_cell(held, cell, turn, given.numbers()._replace(division_offset=OFFSET))
     return before, held, given.lattice().surface
 
 

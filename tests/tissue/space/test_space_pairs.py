@@ -5,15 +5,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.tissue.space.space_calls import SURFACES, board_of, counted, make_substeps, random_tissue, taken
+from tests.tissue.space.space_calls import SURFACES, counted, make_substeps, random_tissue, taken, workspace_of
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps, distance, still
 from tissue.kernels import kernel
+from tissue.kernels.pair_lists import MOST_STRAYS, SKIN, make_lists, row_of
+from tissue.kernels.surface_workspace import ALL, FOUND, LISTS, WHOLE, surface_workspace_at, wide_surface_workspace_at
 from tissue.model.repulsion import SOFT
 from tissue.model.space_energy import nearest_image
-from tissue.step.lists import MOST_STRAYS, SKIN, make_lists, row_of
-from tissue.step.space_board import ALL, FOUND, LISTS, WHOLE, space_board_at, wide_space_board_at
-from tissue.step.space_substeps import make_space_substep
+from tissue.step.substeps import make_surface_substep
 
 seeds = st.integers(0, 2**32 - 1)
 surfaces = st.sampled_from(sorted(SURFACES))
@@ -30,18 +30,18 @@ def heap(seed, n, size, surface, radius=None):
 @kernel
 def _listed(flat, n, pairs):
     """Both lists: how many soft pairs, how many of hard balls; -1 if these found no room."""
-    board = space_board_at(flat)
-    make_lists(board, n)
+    work = surface_workspace_at(flat)
+    make_lists(work, n)
     soft = 0
     for p in range(n):
-        begin, end = row_of(board, p, n)
+        begin, end = row_of(work, p, n)
         for k in range(begin, end):
-            pairs[0, board.order[p], board.order[board.listed[k]]] += 1
+            pairs[0, work.order[p], work.order[work.listed[k]]] += 1
             soft += 1
     for i in range(n):
-        for k in range(board.hard_row[i], board.hard_row[i + 1]):
-            pairs[1, i, board.hard[k]] += 1
-    return soft, -1 if board.state[ALL] else board.state[FOUND]
+        for k in range(work.hard_row[i], work.hard_row[i + 1]):
+            pairs[1, i, work.hard[k]] += 1
+    return soft, -1 if work.state[ALL] else work.state[FOUND]
 
 
 @pytest.mark.slow
@@ -51,8 +51,8 @@ def test_lists_are_those_of_all_pairs(seed, n, size, name):
     """Each pair within range and skin once; no other."""
     surface = SURFACES[name]
     state = heap(seed, n, size, surface)
-    boards, pairs = board_of(state, Steps(surface=surface)), np.zeros((2, n, n), np.int64)
-    soft, hard = _listed(boards.flat.address, n, pairs)
+    workspaces, pairs = workspace_of(state, Steps(surface=surface)), np.zeros((2, n, n), np.int64)
+    soft, hard = _listed(workspaces.flat.address, n, pairs)
     i, j = np.tril_indices(n, -1)
     d = np.sqrt((nearest_image(state.x[:, i] - state.x[:, j], surface) ** 2).sum(axis=0))
     np.testing.assert_array_equal((pairs[0] + pairs[0].T)[i, j], d < SOFT + SKIN)
@@ -114,7 +114,7 @@ def test_nuclei_pushed_very_far_meet_those_they_are_pushed_to(radius, way, name)
 @kernel
 def _substep(flat, wide, n):
     """One substep with the lists that there are."""
-    make_space_substep(space_board_at(flat), n, wide_space_board_at(wide), (n + 7) // 8, 0)
+    make_surface_substep(surface_workspace_at(flat), n, wide_surface_workspace_at(wide), (n + 7) // 8, 0)
 
 
 @pytest.mark.slow
@@ -124,20 +124,20 @@ def test_strays_meet_all_others(seed, n, many, far, name, repulsion):
     """Some nuclei go anywhere after the lists were made: no other list is made unless they are too many."""
     rng, steps = np.random.default_rng(seed), Steps(surface=SURFACES[name], repulsion=repulsion)
     state = heap(seed, n, 3.0, SURFACES[name], radius=None if repulsion == 0.0 else 0.0)
-    boards = board_of(state, steps)
-    _substep(boards.flat.address, boards.wide.address, n)
-    state = taken(boards, state)
+    workspaces = workspace_of(state, steps)
+    _substep(workspaces.flat.address, workspaces.wide.address, n)
+    state = taken(workspaces, state)
     gone = rng.permutation(n)[:many]
     state.x[:, gone] += rng.uniform(-far, far, (3, len(gone)))
-    board_of(state, steps, boards)
-    lists = boards.flat.value.counts[LISTS]
-    _substep(boards.flat.address, boards.wide.address, n)
-    made, expected = taken(boards, state), twins.make_substeps(state, steps)
+    workspace_of(state, steps, workspaces)
+    lists = workspaces.flat.value.counts[LISTS]
+    _substep(workspaces.flat.address, workspaces.wide.address, n)
+    made, expected = taken(workspaces, state), twins.make_substeps(state, steps)
     if repulsion == 0.0:
         np.testing.assert_array_equal(made.x, expected.x)
     else:
         assert distance(made, expected) < 1e-13
-        assert boards.flat.value.counts[LISTS] == lists or many > MOST_STRAYS
+        assert workspaces.flat.value.counts[LISTS] == lists or many > MOST_STRAYS
 
 
 @pytest.mark.slow
@@ -147,14 +147,14 @@ def test_a_nucleus_that_goes_far_in_two_parts_meets_all(axis):
     surface, away = SURFACES["open plane"], np.array([[9.0], [4.0], [-7.0]])
     state, steps = heap(1, 3, 1.0, surface, radius=0.5), Steps(repulsion=0.0, surface=surface)
     state.x[:], state.x[axis] = away, away[axis] + [-0.7, 0.0, 1.0 + 1.05 * SKIN]
-    boards, pairs = board_of(state, steps), np.zeros((2, 3, 3), np.int64)
-    assert _listed(boards.flat.address, 3, pairs)[1] == 1
+    workspaces, pairs = workspace_of(state, steps), np.zeros((2, 3, 3), np.int64)
+    assert _listed(workspaces.flat.address, 3, pairs)[1] == 1
     state.x[axis] += np.array([0.375, 0.375, -0.375]) * SKIN
-    board_of(state, steps, boards)
-    _substep(boards.flat.address, boards.wide.address, 3)
+    workspace_of(state, steps, workspaces)
+    _substep(workspaces.flat.address, workspaces.wide.address, 3)
     expected = twins.separate(state.x, state.radius, surface)
     assert expected[axis, 2] > state.x[axis, 2]
-    np.testing.assert_array_equal(taken(boards, state).x, expected)
+    np.testing.assert_array_equal(taken(workspaces, state).x, expected)
 
 
 def test_rows_that_find_no_room_are_found_anew():
@@ -162,10 +162,10 @@ def test_rows_that_find_no_room_are_found_anew():
     n = 600
     state = heap(1, n, 0.7, SURFACES["tight plane"], radius=0.0)
     steps = Steps(1e-5, 2, repulsion=1.0, surface=SURFACES["tight plane"])
-    boards = board_of(state, steps)
-    made, counts = counted(state, steps, boards)
+    workspaces = workspace_of(state, steps)
+    made, counts = counted(state, steps, workspaces)
     assert counts["pairs"] == 2 * n * (n - 1) // 2
-    assert boards.flat.value.state[WHOLE] < n
+    assert workspaces.flat.value.state[WHOLE] < n
     assert distance(made, twins.make_substeps(state, steps)) < 1e-12
 
 

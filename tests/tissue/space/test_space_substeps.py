@@ -8,7 +8,7 @@ from tests.tissue.space import space_calls as kernels
 from tests.tissue.space.space_calls import SURFACES, counted, random_tissue
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps, distance, still
-from tissue.step.space_board import SpaceBoards, SpaceNumbers
+from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
 
 # Coordinates are about 10: one rounding is 1e-15. Roots are accurate to 2e-14, sums have some 50 terms.
 SUBSTEP = 1e-13
@@ -107,17 +107,17 @@ def test_noise_is_that_of_the_section_and_a_third_coordinate():
 
 
 def test_a_step_forgets_what_was_on_the_board():
-    """The same bits on a board that has been used, with other lists."""
+    """The same bits on a workspace that has been used, with other lists."""
     surface = SURFACES["periodic plane"]
     steps, (one, other) = Steps(0.0025, 10, surface=surface), (random_tissue(150, seed, surface) for seed in (1, 2))
     shorter = {name: getattr(other, name)[: len(one.junctions)] for name in ("junctions", "rest", "k_aa", "neighbours")}
-    boards = kernels.board_of(one, steps)
-    kernels.make_substeps(other._replace(**shorter), steps, boards)
-    assert distance(kernels.make_substeps(one, steps, boards), kernels.make_substeps(one, steps)) == 0.0
+    workspaces = kernels.workspace_of(one, steps)
+    kernels.make_substeps(other._replace(**shorter), steps, workspaces)
+    assert distance(kernels.make_substeps(one, steps, workspaces), kernels.make_substeps(one, steps)) == 0.0
 
 
 @pytest.mark.parametrize("period", [4.0, 0.0, np.nan])
 def test_a_period_in_which_nuclei_meet_twice_is_refused(period):
     surface = SURFACES["strip"]._replace(period_z=period)
     with pytest.raises(dincl.InvalidProblem, match=r"surface\.period_z = .*: must be above 4"):
-        SpaceBoards(8, 8, SpaceNumbers(1, 0.0, 0.0), surface)
+        SurfaceWorkspaces(8, 8, SurfaceNumbers(1, 0.0, 0.0), surface)

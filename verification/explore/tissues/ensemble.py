@@ -59,7 +59,7 @@ class Ensemble:
     def runs(self) -> int:
         """How many replicates there are, without a gap from the first one on."""
         with self._lock:
-            return sum(lot.runs.num_rows for lot in self._without_gap())
+            return sum(batch.runs.num_rows for batch in self._without_gap())
 
     @property
     def busy(self) -> int:
@@ -86,10 +86,10 @@ class Ensemble:
         import pyarrow as pa
 
         with self._lock:
-            lots = self._without_gap()
-        if not lots:
+            batches = self._without_gap()
+        if not batches:
             return None
-        cells, runs = (pa.concat_tables(tables) for tables in zip(*(lot[:2] for lot in lots), strict=True))
+        cells, runs = (pa.concat_tables(tables) for tables in zip(*(batch[:2] for batch in batches), strict=True))
         return PartialResults(cells.to_pandas(), runs.to_pandas())
 
     def _without_gap(self) -> list[Outcomes]:
@@ -103,11 +103,11 @@ class Ensemble:
         with self._lock:
             if self._stop.is_set() or self._next >= self.most or self.fault or self._busy >= cores():
                 return
-            lot = range(self._next, self._next + (1 if self._next < FIRST else WIDTH - self._next % WIDTH))
-            self._next, self._busy = lot.stop, self._busy + 1
-        self._pool.submit(self._lot, lot).add_done_callback(lambda made: self._keep(lot.start, made))
+            batch = range(self._next, self._next + (1 if self._next < FIRST else WIDTH - self._next % WIDTH))
+            self._next, self._busy = batch.stop, self._busy + 1
+        self._pool.submit(self._batch, batch).add_done_callback(lambda made: self._keep(batch.start, made))
 
-    def _lot(self, replicates: range) -> Outcomes:
+    def _batch(self, replicates: range) -> Outcomes:
         from tissue.study.outcomes import outcomes
 
         self._ask()
@@ -118,12 +118,12 @@ class Ensemble:
         if self._stop.is_set():
             raise Cancelled
 
-    def _keep(self, first: int, lot: Future[Outcomes]) -> None:
-        error = lot.exception()
+    def _keep(self, first: int, batch: Future[Outcomes]) -> None:
+        error = batch.exception()
         with self._lock:
             self._busy -= 1
             if error is None:
-                self._lots[first] = lot.result()
+                self._lots[first] = batch.result()
             elif not isinstance(error, Cancelled):
                 self.fault = str(error) if isinstance(error, InvalidProblem) else f"{type(error).__name__}: {error}"
         self._submit()

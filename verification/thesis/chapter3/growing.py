@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from dincl.status import Status
 from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
-from tissue.kernels.board import RUNNING
+from tissue.kernels.workspace import RUNNING
 from tissue.runs.group import Group
 from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells

@@ -13,7 +13,7 @@ from scipy.optimize import nnls
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
 from tissue.model.energy import energy, forces
 from tissue.model.observables import height
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
@@ -21,7 +21,7 @@ from tissue.quasi_steady.frozen import constraints, particles
 from tissue.quasi_steady.judge import local_minimum
 from tissue.quasi_steady.minimiser import Judge
 from tissue.quasi_steady.run import simulate_quasi_steady
-from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Cells
 from tissue.state.store import contents
@@ -78,8 +78,8 @@ def begun(parameters: Parameters, seed: int, t: float) -> Frozen:
     run.to(t)
     if run.status != SUCCESS:
         raise RuntimeError(f"seed {seed}: the tissue was lost before t = {t:g} h: {run.status}")
-    t, numbers = (run.made + 1) * run.numbers.dt, handed_numbers(run.numbers)
-    apply_rules(run.held, t, numbers, handed_rules([run.held]), run.random.cycle, run.random.noise)
+    t, numbers = (run.made + 1) * run.numbers.dt, numbers_pointer(run.numbers)
+    apply_rules(run.held, t, numbers, rules_pointer([run.held]), run.random.cycle, run.random.noise)
     return Frozen(*contents(run.held), run.numbers)
 
 

@@ -16,7 +16,7 @@ from dincl.compiled.lanes import WIDTH
 from dincl.study import progress
 from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
-from tissue.runs.batch import Lot
+from tissue.runs.batch import Batch
 from tissue.state.cells import Flags, Integers
 from tissue.statistics.proportions import wilson
 from tissue.study.outcomes import SIDES
@@ -113,11 +113,11 @@ def _ended(layer: Layer, events: str) -> tuple[Integers, float]:
     seeds, sides, spacings = run_seeds(SEED, name, range(layer.runs)), [], []
     with progress(name, layer.runs, "runs") as watch:
         for begin in range(0, layer.runs, WIDTH):
-            lot = _grown(parameters, seeds[begin : begin + WIDTH])
-            for k in filter(lot.goes_on, range(len(lot.seeds))):
-                sides.append(lot.store(k).emt.side.copy())
-                spacings.append(_spacing(lot.frame(k, parameters.t_end), parameters))
-            watch(begin + len(lot.seeds))
+            batch = _grown(parameters, seeds[begin : begin + WIDTH])
+            for k in filter(batch.goes_on, range(len(batch.seeds))):
+                sides.append(batch.store(k).emt.side.copy())
+                spacings.append(_spacing(batch.frame(k, parameters.t_end), parameters))
+            watch(begin + len(batch.seeds))
     return np.array(sides), float(np.mean(spacings))
 
 
@@ -133,14 +133,14 @@ def _interval(hits: Flags) -> tuple[float, float]:
     return max(found.low, 0.0), min(found.high, 1.0)
 
 
-def _grown(parameters: Parameters, seeds: Sequence[int]) -> Lot:
+def _grown(parameters: Parameters, seeds: Sequence[int]) -> Batch:
     """Runs to their ends, of which the EMT cells stand apart at the start and not side by side in the middle."""
-    first = Lot(parameters, seeds)
+    first = Batch(parameters, seeds)
     t = next(first.times())
-    lot = Lot(parameters, seeds, [_apart(first.frame(k, t)) for k in range(len(seeds))])
-    for _ in lot.times():
+    batch = Batch(parameters, seeds, [_apart(first.frame(k, t)) for k in range(len(seeds))])
+    for _ in batch.times():
         pass
-    return lot
+    return batch
 
 
 def _apart(frame: Frame) -> Frame:
@@ -167,7 +167,7 @@ def _lumina() -> Iterator[dict[str, object]]:
         seeds, times = run_seeds(SEED, f"lumen {perimeter}", range(LUMEN_RUNS)), []
         with progress(f"lumen {perimeter}", LUMEN_RUNS, "runs") as watch:
             for begin in range(0, LUMEN_RUNS, WIDTH):
-                times += _closed(Lot(parameters, seeds[begin : begin + WIDTH]))
+                times += _closed(Batch(parameters, seeds[begin : begin + WIDTH]))
                 watch(begin + WIDTH)
         low, high = wilson(len(times) / LUMEN_RUNS, LUMEN_RUNS)
         yield {
@@ -182,13 +182,13 @@ def _lumina() -> Iterator[dict[str, object]]:
         }
 
 
-def _closed(lot: Lot) -> list[float]:
+def _closed(batch: Batch) -> list[float]:
     """The times at which lumina close [h]."""
-    end = lot.parameters.t_end
-    for _ in lot.times():
-        if not any(map(lot.goes_on, range(len(lot.seeds)))):
+    end = batch.parameters.t_end
+    for _ in batch.times():
+        if not any(map(batch.goes_on, range(len(batch.seeds)))):
             break
-    return [lot.frame(k, end).t for k in range(len(lot.seeds)) if not lot.goes_on(k)]
+    return [batch.frame(k, end).t for k in range(len(batch.seeds)) if not batch.goes_on(k)]
 
 
 if __name__ == "__main__":

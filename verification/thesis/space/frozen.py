@@ -12,6 +12,7 @@ import dincl
 import tissue
 from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
+from tissue.kernels.surface_workspace import PAIRS, SurfaceNumbers, SurfaceWorkspaces
 from tissue.quasi_steady.space_frozen import (
     frozen_problem_in_space,
     made_feasible_in_space,
@@ -20,8 +21,7 @@ from tissue.quasi_steady.space_frozen import (
 )
 from tissue.state.cells import Floats
 from tissue.state.numbers import Numbers
-from tissue.step.space_board import PAIRS, SpaceBoards, SpaceNumbers
-from tissue.step.space_substeps import space_substeps_address
+from tissue.step.substeps import SURFACE, substeps_address
 
 # Explicit Euler is stable for h lambda below it.
 LIMIT = 2.0
@@ -56,32 +56,34 @@ def substepped_in_space(state: FrozenInSpace, steps: int) -> tuple[Floats, int]:
     """The particles (3n, 3) after dt in so many substeps without noise, by the kernel, and how many pairs it saw."""
     (frame, numbers), rates, n = state, rates_of(*state), len(state.frame.cells.x)
     scale = numbers.dt / steps
-    boards = _board(state, steps)
-    board = boards.flat.value
-    board.k_ax[:n], board.k_bx[:n], board.k_axb[:n] = scale * rates.k_ax, scale * rates.k_bx, scale * rates.k_axb
-    board.l_ax[:n], board.l_bx[:n] = rates.l_ax, rates.l_bx
-    board.b_moves[:n], board.radius[:n], board.id[:n] = 1.0, frame.cells.radius, np.arange(n)
-    board.held[rates.held] = 1.0
-    board.k_aa[: len(rates.rest)], board.rest[: len(rates.rest)] = scale * rates.k_aa, rates.rest
+    workspaces = _work(state, steps)
+    work = workspaces.flat.value
+    work.k_ax[:n], work.k_bx[:n], work.k_axb[:n] = scale * rates.k_ax, scale * rates.k_bx, scale * rates.k_axb
+    work.l_ax[:n], work.l_bx[:n] = rates.l_ax, rates.l_bx
+    work.moves[:n], work.radius[:n], work.id[:n] = 1.0, frame.cells.radius, np.arange(n)
+    work.held[rates.held] = 1.0
+    work.k_aa[: len(rates.rest)], work.rest[: len(rates.rest)] = scale * rates.k_aa, rates.rest
     for letter, axis in ((letter, axis) for letter in POINTS for axis in "xyz"):
-        getattr(board, letter + axis)[:n] = getattr(frame.cells, letter + axis)
-    _SUBSTEPS(space_substeps_address())(boards.flat.address, boards.wide.address, n)
-    moved = [np.column_stack([getattr(board, letter + axis)[:n] for axis in "xyz"]) for letter in POINTS]
-    return np.concatenate(moved), int(board.counts[PAIRS])
+        getattr(work, letter + axis)[:n] = getattr(frame.cells, letter + axis)
+    _SUBSTEPS(substeps_address(SURFACE))(workspaces.flat.address, workspaces.wide.address, n)
+    moved = [np.column_stack([getattr(work, letter + axis)[:n] for axis in "xyz"]) for letter in POINTS]
+    return np.concatenate(moved), int(work.counts[PAIRS])
 
 
-def _board(state: FrozenInSpace, steps: int) -> SpaceBoards:
-    """A board with the edges of both networks, and room for the cells."""
+def _work(state: FrozenInSpace, steps: int) -> SurfaceWorkspaces:
+    """A workspace with the edges of both networks, and room for the cells."""
     (frame, numbers), rates = state, rates_of(*state)
     if frame.sheets is None:
         raise RuntimeError("frame.sheets = None: must be those of a run in three dimensions")
     near = frame.sheets.basal.edges
-    of_board = SpaceNumbers(steps, numbers.dt / steps * rates.repulsion, numbers.max_basal)
-    boards = SpaceBoards(len(frame.cells.x), max(len(rates.rest), len(near)), of_board, frame.sheets.surface)
-    board = boards.flat.value
-    board.junctions[: len(rates.rest)], board.neighbours[: len(near)] = rates.junctions, near
-    board.sizes[:] = len(rates.rest), len(near), 0  # a sheet has no order
-    return boards
+    of_workspace = SurfaceNumbers(steps, numbers.dt / steps * rates.repulsion, numbers.max_basal)
+    workspaces = SurfaceWorkspaces(
+        len(frame.cells.x), max(len(rates.rest), len(near)), of_workspace, frame.sheets.surface
+    )
+    work = workspaces.flat.value
+    work.junctions[: len(rates.rest)], work.neighbours[: len(near)] = rates.junctions, near
+    work.sizes[:] = len(rates.rest), len(near), 0  # a sheet has no order
+    return workspaces
 
 
 def least_steps(state: FrozenInSpace) -> float:

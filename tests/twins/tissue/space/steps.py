@@ -12,10 +12,10 @@ import numpy as np
 from tests.twins.tissue.normals import normals
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.model import bending, junctions, repulsion, springs
+from tissue.model.basal_network import LEAST_GAP
 from tissue.model.space_energy import Elastic, nearest_image
 from tissue.state.cells import Floats, Integers
 from tissue.state.surface import CYLINDER, PLANE, Surface
-from tissue.step.basal import LEAST_GAP
 
 
 def make_substeps(state: SpaceTissue, steps: Steps) -> SpaceTissue:
@@ -26,7 +26,7 @@ def make_substeps(state: SpaceTissue, steps: Steps) -> SpaceTissue:
 
 
 def shaken(state: SpaceTissue, steps: Steps, number: int) -> SpaceTissue:
-    """Twin of ``noise.shake_nuclei``: along x and y as in two dimensions."""
+    """Twin of ``noise.add_substep_noise``: along x and y as in two dimensions."""
     if steps.variance == 0.0:
         return state
     ids = np.arange(state.x.shape[1])

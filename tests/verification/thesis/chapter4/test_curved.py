@@ -4,7 +4,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from tissue.runs.batch import Lot
+from tissue.runs.batch import Batch
 from verification.page.prose import fill
 from verification.thesis.chapter4 import curved, figures_curved, page_curved, tubes
 
@@ -88,8 +88,8 @@ def test_small_lumina_close_and_large_ones_do_not():
 
 def test_emt_cells_of_a_tube_stand_apart_and_never_divide():
     layer = tubes.tube("outside", 400, 30, 1)
-    lot = Lot(layer.parameters(**{"emt.a": "1 h", "numerics.t_end": "0.1 h"}), [3])
-    cells = tubes._apart(lot.frame(0, 0.0)).cells
+    batch = Batch(layer.parameters(**{"emt.a": "1 h", "numerics.t_end": "0.1 h"}), [3])
+    cells = tubes._apart(batch.frame(0, 0.0)).cells
     chosen = np.flatnonzero(cells.emt >= 0)
     assert len(chosen) == layer.emt == 8
     assert set(np.diff(chosen)) <= {30, 31}

@@ -10,10 +10,10 @@ import numpy as np
 
 from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
 from tissue.model.division import divide
 from tissue.rules.slice import in_plane
-from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.store import contents, stored
 from verification.claims import claim
@@ -220,7 +220,7 @@ def _division() -> Evidence:
         due = np.where(np.arange(n) == mother, 100.0, 0.0)
         cells = frame.cells._replace(birth=frame.t - due, cycle=np.full(n, 50.0), id=np.arange(n))
         held = stored(cells, frame.layers, capacity=n + 1, space=in_plane())
-        divide(held, frame.t, handed_numbers(numbers), handed_rules([held]), np.random.default_rng(0))
+        divide(held, frame.t, numbers_pointer(numbers), rules_pointer([held]), np.random.default_rng(0))
         after, layers = contents(held)
         chain = after.id[layers.apical].tolist()
         edges = printed_edges({(k, k + 1) for k in range(n - 1)}, mother, n)

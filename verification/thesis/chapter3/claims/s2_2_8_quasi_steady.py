@@ -8,12 +8,12 @@ from scipy.optimize import minimize_scalar
 
 from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.kernels.numbers import handed_numbers
+from tissue.kernels.numbers import numbers_pointer
 from tissue.model.cycle import adapt_rest_lengths
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
 from tissue.rules.slice import in_plane
-from tissue.runs.compiled_rules import handed_rules
+from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
@@ -35,7 +35,7 @@ def next_state(frame: Frame, rest: float) -> Cells:
     numbers = preset("thesis").numbers()._replace(variance=0.0)
     longer = frame.cells._replace(rest_ax=frame.cells.rest_ax + rest, rest_bx=frame.cells.rest_bx + rest)
     held = stored(longer, frame.layers, capacity=len(longer.x), space=in_plane())
-    adapt_rest_lengths(held, frame.t, handed_numbers(numbers), handed_rules([held]))
+    adapt_rest_lengths(held, frame.t, numbers_pointer(numbers), rules_pointer([held]))
     Group([held], numbers).make_substeps()
     return contents(held)[0]
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import floored
+from tissue.kernels.surface_workspace import MANY, SurfaceWorkspace
 from tissue.state.cells import Floats, Integers
-from tissue.step.space_board import MANY, SpaceBoard
 
 # How much wider than the reach a bin is, of rounding: coordinates are below 1e6.
 ROUNDING = 1e-9
@@ -20,15 +20,15 @@ Three = tuple[int, int, int]
 
 
 @inner
-def sort_in_bins(board: SpaceBoard, n: int, reach: float) -> Three:
+def sort_in_bins(work: SurfaceWorkspace, n: int, reach: float) -> Three:
     """Sort n nuclei by counting: whoever is nearer than ``reach`` is in bins beside each other. How many on each axis.
 
     Bins go on along y first, then along z; in a bin the cells keep their order.
     """
     reach *= 1.0 + ROUNDING
-    along_x, along_z = board.along_x.length, board.along_z.length
-    many_x, many_y = how_many(board.x, n, along_x, reach), how_many(board.y, n, 0.0, reach)
-    many_z = how_many(board.z, n, along_z, reach)
+    along_x, along_z = work.along_x.length, work.along_z.length
+    many_x, many_y = how_many(work.x, n, along_x, reach), how_many(work.y, n, 0.0, reach)
+    many_z = how_many(work.z, n, along_z, reach)
     while many_x * many_y * many_z > max(2 * n, 1):
         largest = max(many_x, many_y, many_z)
         if many_x == largest:
@@ -38,11 +38,11 @@ def sort_in_bins(board: SpaceBoard, n: int, reach: float) -> Three:
         else:
             many_z = (many_z + 1) // 2
     for i in range(n):
-        board.bin[i] = 0
-    _add_axis(board.bin, board.x, n, many_x, along_x / many_x if along_x > 0.0 else reach)
-    _add_axis(board.bin, board.z, n, many_z, along_z / many_z if along_z > 0.0 else reach)
-    _add_axis(board.bin, board.y, n, many_y, reach)
-    _count(board, n, many_x * many_y * many_z)
+        work.bin[i] = 0
+    _add_axis(work.bin, work.x, n, many_x, along_x / many_x if along_x > 0.0 else reach)
+    _add_axis(work.bin, work.z, n, many_z, along_z / many_z if along_z > 0.0 else reach)
+    _add_axis(work.bin, work.y, n, many_y, reach)
+    _count(work, n, many_x * many_y * many_z)
     return many_x, many_y, many_z
 
 
@@ -68,34 +68,34 @@ def _add_axis(bins: Integers, at: Floats, n: int, many: int, width: float) -> No
 
 
 @inner
-def _count(board: SpaceBoard, n: int, bins: int) -> None:
+def _count(work: SurfaceWorkspace, n: int, bins: int) -> None:
     """Sort by counting: ``order``, ``start`` and what lies at each place."""
-    start = board.start
+    start = work.start
     for b in range(bins + 1):
         start[b] = 0
     for i in range(n):
-        start[board.bin[i]] += 1
+        start[work.bin[i]] += 1
     total = 0
     for b in range(bins):
         start[b], total = total, total + start[b]
     for i in range(n):
-        place = start[board.bin[i]]
-        start[board.bin[i]] += 1
-        board.order[place] = i
-        board.place_x[place], board.place_y[place], board.place_z[place] = board.x[i], board.y[i], board.z[i]
-        board.place_radius[place] = board.radius[i]
+        place = start[work.bin[i]]
+        start[work.bin[i]] += 1
+        work.order[place] = i
+        work.place_x[place], work.place_y[place], work.place_z[place] = work.x[i], work.y[i], work.z[i]
+        work.place_radius[place] = work.radius[i]
     for b in range(bins, 0, -1):
         start[b] = start[b - 1]
     start[0] = 0
 
 
 @inner
-def find_beside(board: SpaceBoard, b: int) -> int:
+def find_beside(work: SurfaceWorkspace, b: int) -> int:
     """List the places of bin b and of those beside it, as far as they come before it: how many ranges.
 
     They are begin[k] to end[k].
     """
-    many_x, many_y, many_z = board.state[MANY], board.state[MANY + 1], board.state[MANY + 2]
+    many_x, many_y, many_z = work.state[MANY], work.state[MANY + 1], work.state[MANY + 2]
     in_x, in_z, in_y = b // (many_y * many_z), b // many_y % many_z, b % many_y
     k = 0
     for step_x in range(min(many_x, 3)):
@@ -104,11 +104,11 @@ def find_beside(board: SpaceBoard, b: int) -> int:
             column = many_z * at_x + _beside(in_z, step_z, many_z)
             for step_y in range(min(many_y, 3)):
                 other = many_y * column + _beside(in_y, step_y, many_y)
-                if other <= b and board.start[other] < board.start[other + 1]:
-                    if k == 0 or board.end[k - 1] != board.start[other]:
-                        board.begin[k] = board.start[other]
+                if other <= b and work.start[other] < work.start[other + 1]:
+                    if k == 0 or work.end[k - 1] != work.start[other]:
+                        work.begin[k] = work.start[other]
                         k += 1
-                    board.end[k - 1] = board.start[other + 1]
+                    work.end[k - 1] = work.start[other + 1]
     return k
 
 

@@ -6,22 +6,21 @@ import math
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import either, fma, load, root, store
+from tissue.kernels.surface_workspace import BASAL_CORRECTIONS, NEIGHBOURS, ORDERED, SurfaceWorkspace, nearest, periods
 from tissue.state.surface import PLANE, SPHERE
-from tissue.step.images import nearest, periods
-from tissue.step.space_board import BASAL_CORRECTIONS, NEIGHBOURS, ORDERED, SpaceBoard
 
 # How far apart basal points of a row are put that have passed each other [R_soft]: points that coincide have no order.
 LEAST_GAP = 1e-6
 
 
 @inner
-def keep_order(board: SpaceBoard) -> None:
+def keep_order(work: SurfaceWorkspace) -> None:
     """Around a cylinder B_i comes before B_j (C4), neighbours of a row, one after the other: each by half of the gap.
 
     Forward is the direction side (-y, x). Sheets have no order.
     """
-    x, y, ends, side, corrections = board.bx, board.by, board.neighbours, board.surface.side, 0
-    for edge in range(board.sizes[NEIGHBOURS] if board.sizes[ORDERED] > 0 else 0):
+    x, y, ends, side, corrections = work.bx, work.by, work.neighbours, work.surface.side, 0
+    for edge in range(work.sizes[NEIGHBOURS] if work.sizes[ORDERED] > 0 else 0):
         i, j = ends[edge, 0], ends[edge, 1]
         if side * (x[i] * y[j] - y[i] * x[j]) < 0.0:
             mx, my = 0.5 * (x[i] + x[j]), 0.5 * (y[i] + y[j])
@@ -29,15 +28,15 @@ def keep_order(board: SpaceBoard) -> None:
             x[i], y[i] = mx + part * my, my - part * mx
             x[j], y[j] = mx - part * my, my + part * mx
             corrections += 1
-    board.counts[BASAL_CORRECTIONS] += corrections
+    work.counts[BASAL_CORRECTIONS] += corrections
 
 
 @inner
-def hold_together(board: SpaceBoard) -> None:
+def hold_together(work: SurfaceWorkspace) -> None:
     """|B_i - B_j| <= max_basal (C2) for the basal neighbours, one edge after the other, each by half of the excess."""
-    x, y, z, ends, most, corrections = board.bx, board.by, board.bz, board.neighbours, board.max_basal, 0
-    length_x, by_x, length_z, by_z = periods(board)
-    for edge in range(board.sizes[NEIGHBOURS]):
+    x, y, z, ends, most, corrections = work.bx, work.by, work.bz, work.neighbours, work.max_basal, 0
+    length_x, by_x, length_z, by_z = periods(work)
+    for edge in range(work.sizes[NEIGHBOURS]):
         i, j = ends[edge, 0], ends[edge, 1]
         dx, dy, dz = nearest(x[j] - x[i], length_x, by_x), y[j] - y[i], nearest(z[j] - z[i], length_z, by_z)
         square = dx * dx + dy * dy + dz * dz
@@ -46,23 +45,23 @@ def hold_together(board: SpaceBoard) -> None:
             x[i], y[i], z[i] = x[i] + part * dx, y[i] + part * dy, z[i] + part * dz
             x[j], y[j], z[j] = x[j] - part * dx, y[j] - part * dy, z[j] - part * dz
             corrections += 1
-    board.counts[BASAL_CORRECTIONS] += corrections
+    work.counts[BASAL_CORRECTIONS] += corrections
 
 
 @inner
-def put_on_surface(board: SpaceBoard, rows: int) -> None:
-    """Bring the basal points that the surface holds to its nearest point: the board is in rows."""
-    bends, radius = board.surface.bends, board.surface.radius
+def put_on_surface(work: SurfaceWorkspace, rows: int) -> None:
+    """Bring the basal points that the surface holds to its nearest point: the workspace is in rows."""
+    bends, radius = work.surface.bends, work.surface.radius
     for i in range(rows):
-        held, x, y, z = load(board.held, i), load(board.bx, i), load(board.by, i), load(board.bz, i)
+        held, x, y, z = load(work.held, i), load(work.bx, i), load(work.by, i), load(work.bz, i)
         if bends == PLANE:
-            store(board.by, i, either(held, 0.0, y))
+            store(work.by, i, either(held, 0.0, y))
         else:
             square = fma(x, x, y * y)
             if bends == SPHERE:
                 square = fma(z, z, square)
             share = radius / root(square)
-            store(board.bx, i, either(held, share * x, x))
-            store(board.by, i, either(held, share * y, y))
+            store(work.bx, i, either(held, share * x, x))
+            store(work.by, i, either(held, share * y, y))
             if bends == SPHERE:
-                store(board.bz, i, either(held, share * z, z))
+                store(work.bz, i, either(held, share * z, z))

@@ -6,10 +6,8 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import floored, fma
-from tissue.kernels.board import FAR
-from tissue.step.images import periods
-from tissue.step.lists import row_of
-from tissue.step.quads import (
+from tissue.kernels.pair_lists import row_of
+from tissue.kernels.quads import (
     QUAD_WIDTH,
     Quad,
     each_of_quad,
@@ -20,39 +18,40 @@ from tissue.step.quads import (
     store_quad,
     turned_quads,
 )
-from tissue.step.space_board import PAIRS, SpaceBoard
+from tissue.kernels.surface_workspace import PAIRS, SurfaceWorkspace, periods
+from tissue.kernels.workspace import FAR
 
 
 @inner
-def push_nuclei(board: SpaceBoard, n: int) -> None:
+def push_nuclei(work: SurfaceWorkspace, n: int) -> None:
     """Push of the soft balls on each nucleus, the sum of (2 / d - 1) (X_i - X_j) over j. The lists must hold.
 
     Sums are added up in the order of the places, of those before p from first to last. Behind the last place is one
     that is far from all, with which rows are filled up to fours.
     """
-    at, pushed, order = board.at, board.pushed, board.order
+    at, pushed, order = work.at, work.pushed, work.order
     for p in range(n):
         i = order[p]
-        store_quad(at, 4 * p, quad_of(board.x[i], board.y[i], board.z[i]))
+        store_quad(at, 4 * p, quad_of(work.x[i], work.y[i], work.z[i]))
         store_quad(pushed, 4 * p, quad_of(0.0, 0.0, 0.0))
-    if board.repulsion != 0.0:
+    if work.repulsion != 0.0:
         store_quad(at, 4 * n, quad_of(0.0, FAR, 0.0))
         pairs = 0
         for p in range(n):
-            begin, end = row_of(board, p, n)
-            _push_from(board, p, begin, end)
+            begin, end = row_of(work, p, n)
+            _push_from(work, p, begin, end)
             pairs += end - begin
-        board.counts[PAIRS] += pairs
+        work.counts[PAIRS] += pairs
     for p in range(n):
         i = order[p]
-        board.push_x[i], board.push_y[i], board.push_z[i] = pushed[4 * p], pushed[4 * p + 1], pushed[4 * p + 2]
+        work.push_x[i], work.push_y[i], work.push_z[i] = pushed[4 * p], pushed[4 * p + 1], pushed[4 * p + 2]
 
 
 @inner
-def _push_from(board: SpaceBoard, p: int, begin: int, end: int) -> None:
+def _push_from(work: SurfaceWorkspace, p: int, begin: int, end: int) -> None:
     """Push place p and those listed from ``begin`` to ``end`` apart."""
-    at, pushed, listed = board.at, board.pushed, board.listed
-    length_x, by_x, length_z, by_z = periods(board)
+    at, pushed, listed = work.at, work.pushed, work.listed
+    length_x, by_x, length_z, by_z = periods(work)
     length, inverse = quad_of(length_x, 0.0, length_z), quad_of(by_x, 0.0, by_z)
     here, total = load_quad(at, 4 * p), quad_of(0.0, 0.0, 0.0)
     for k in range(begin, end, QUAD_WIDTH):

@@ -14,6 +14,7 @@ from tissue.state.basal_curve import CurveNumbers
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers
 from tissue.state.store import STRAIGHT
+from tissue.state.surface import FLAT_SURFACE, Surface
 
 # What ``ended`` says of a tissue, if not the number of the step that failed.
 RUNNING, EMPTY = 0, -1
@@ -26,7 +27,7 @@ SOFT_END = 1.0 + 1e-9
 LOST = FAR / 2
 
 
-class Board(NamedTuple):
+class Workspace(NamedTuple):
     """The cells of one tissue, (n,), or of eight side by side, (n, WIDTH).
 
     Tissues with fewer cells than others are filled up with cells that lie far from everything and never move. The
@@ -47,15 +48,13 @@ class Board(NamedTuple):
     k_axb: Floats
     l_ax: Floats
     l_bx: Floats
-    bx_moves: Floats
-    by_moves: Floats
-    runs: Floats
+    moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
+    held: Floats  # whether the basal layer holds it: 1 or 0
+    runs: Floats  # how far a basal point that moves by itself goes in a substep
     soft: Floats  # R_soft and strength of the repulsion, which matter where they differ
     stiff_xx: Floats
     reach: Floats  # max_basal of the cell: of two neighbours the mean
-    # Layers: whether a cell is inside, 1 or 0
-    in_apical: Floats
-    in_basal: Floats
+    in_apical: Floats  # whether a cell is in the apical layer: 1 or 0
     # Of the junction of a cell with the one before it in the apical layer: whether there is one, 1 or 0
     joined: Floats
     rest: Floats
@@ -99,9 +98,17 @@ class Board(NamedTuple):
     deviation: float  # of the noise in a substep
     bent: int  # whether the basal layer is not a straight line, 1 or 0
     curve: CurveNumbers
+    z: float  # third coordinates are not there, see ``dincl.compiled.lanes``
+    az: float
+    bz: float
+    push_z: float
+    drag_z: float
+    surface: Surface  # the plane
     forces: int  # where those of users are, see ``tissue.step.own_forces``; 0: there are none
 
 
+# What a slice does not have.
+ABSENT: dict[str, Any] = {**dict.fromkeys(("z", "az", "bz", "push_z", "drag_z"), 0.0), "surface": FLAT_SURFACE}
 # How long the arrays are that have no place for each cell.
 SHORT = {"noise_key": 2, "counts": 2}
 WHOLE = ("id", "noise_key")
@@ -109,8 +116,8 @@ WHOLE = ("id", "noise_key")
 SAME = ("first", "last", "begin", "end", "ranges", "cells", "pairs", "links")
 
 
-class Boards:
-    """A board of two forms, on the same memory: ``flat``, (m,) numbers, and ``wide``, (m / WIDTH, WIDTH).
+class Workspaces:
+    """A workspace of two forms, on the same memory: ``flat``, (m,) numbers, and ``wide``, (m / WIDTH, WIDTH).
 
     Cell i of a tissue alone is number i, that of tissue k of eight number WIDTH i + k. The ``noise_key`` of a tissue
     alone is apart in both: two words, and two for each lane. ``block`` has the arrays with a number for each cell.
@@ -127,7 +134,7 @@ class Boards:
         named: Sequence[Numbers] = (),
     ) -> None:
         m = -(-capacity * width // WIDTH) * WIDTH
-        names = Board._fields[: Board._fields.index("first")]
+        names = Workspace._fields[: Workspace._fields.index("first")]
         self.block = aligned(len(names), m)
         block = {name: line[:m] for name, line in zip(names, self.block, strict=True)}
         for name in WHOLE:
@@ -145,9 +152,9 @@ class Boards:
             wide |= {name: np.zeros((SHORT[name], WIDTH), line.dtype) for name, line in block.items() if name in SHORT}
         if not curve.bent:
             flat["along"], wide["along"] = flat["bx"], wide["bx"]
-        # For kernels these are ``Board``.
-        self.flat: Any = StructPointer(Board(**flat, **same), FLAT)
-        self.wide: Any = StructPointer(Board(**wide, **same), _WIDE)
+        # For kernels these are ``Workspace``.
+        self.flat: Any = StructPointer(Workspace(**flat, **same), FLAT)
+        self.wide: Any = StructPointer(Workspace(**wide, **same), _WIDE)
 
 
 def _common(capacity: int, width: int, kinds: Sequence[Numbers], scale: float) -> dict[str, Any]:
@@ -163,15 +170,14 @@ def _common(capacity: int, width: int, kinds: Sequence[Numbers], scale: float) -
         "pairs": 1,
         "links": 1 + 2 * capacity * width,
     }
-    variance = numbers.variance * numbers.dt / numbers.substeps if numbers.noise_in_substeps else 0.0
-    return {
+    return ABSENT | {
         **{name: np.zeros(length, np.int64) for name, length in lengths.items()},
         "substeps": int(numbers.substeps),
         "repulsion": 1.0 if mixed else float(scale * numbers.repulsion),
         "mixed": int(numbers.power) if mixed else 0,
         "soft_end": max(one.soft_radius for one in kinds) * SOFT_END,
         "max_basal": float(numbers.max_basal),
-        "deviation": float(np.sqrt(variance)),
+        "deviation": float(np.sqrt(numbers.substep_variance)),
     }
 
 
@@ -185,11 +191,11 @@ def aligned(lines: int, length: int) -> NDArray[np.float64]:
     return zeros[begin : begin + lines * (length + WIDTH)].reshape(lines, -1)
 
 
-def _example(*shape: int) -> Board:
-    """A board for its types."""
+def _example(*shape: int) -> Workspace:
+    """A workspace for its types."""
     whole = {*WHOLE, *SAME}
-    kinds = {name: np.int64 if name in whole else np.float64 for name in Board._fields}
-    plain: dict[str, Any] = {
+    kinds = {name: np.int64 if name in whole else np.float64 for name in Workspace._fields}
+    plain: dict[str, Any] = ABSENT | {
         "substeps": 0,
         "repulsion": 0.0,
         "mixed": 0,
@@ -199,8 +205,8 @@ def _example(*shape: int) -> Board:
     }
     plain |= {"bent": 0, "curve": STRAIGHT, "forces": 0}
     lines = dict.fromkeys(SAME, (1,))
-    return Board(**{name: plain.get(name, np.zeros(lines.get(name, shape), kind)) for name, kind in kinds.items()})
+    return Workspace(**{name: plain.get(name, np.zeros(lines.get(name, shape), kind)) for name, kind in kinds.items()})
 
 
 FLAT, _WIDE = struct_type(_example(1)), struct_type(_example(1, WIDTH))
-board_at, wide_board_at = reader(_example(1)), reader(_example(1, WIDTH))
+workspace_at, wide_workspace_at = reader(_example(1)), reader(_example(1, WIDTH))

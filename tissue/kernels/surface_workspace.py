@@ -8,21 +8,21 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dincl.compiled import StructPointer, reader, struct_type
-from dincl.compiled.lanes import WIDTH
+from dincl.compiled import StructPointer, inner, reader, struct_type
+from dincl.compiled.lanes import WIDTH, floored, fma
 from dincl.errors import InvalidProblem
-from tissue.kernels.board import aligned
+from tissue.kernels.quads import QUAD_WIDTH
+from tissue.kernels.workspace import aligned
 from tissue.model.repulsion import SOFT
 from tissue.state.cells import Floats, Integers
 from tissue.state.surface import FLAT_SURFACE, Surface
-from tissue.step.quads import QUAD_WIDTH
 
-# What is counted, and where in SpaceBoard.counts: pairs looked at for the repulsion, lists of pairs made.
-SPACE_COUNTERS = ("substeps", "corrections", "basal_corrections", "pairs", "lists")
-SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, PAIRS, LISTS = range(len(SPACE_COUNTERS))
-# Places in SpaceBoard.sizes: how many edges there are, and whether basal neighbours have an order: a row's.
+# What is counted, and where in SurfaceWorkspace.counts: pairs looked at for the repulsion, lists of pairs made.
+SURFACE_COUNTERS = ("substeps", "corrections", "basal_corrections", "pairs", "lists")
+SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, PAIRS, LISTS = range(len(SURFACE_COUNTERS))
+# Places in SurfaceWorkspace.sizes: how many edges there are, and whether basal neighbours have an order: a row's.
 JUNCTIONS, NEIGHBOURS, ORDERED = range(3)
-# Places in SpaceBoard.state. FRESH: whether there are lists; STRAYS: how many nuclei went farther than these allow;
+# Places in SurfaceWorkspace.state. FRESH: whether there are lists; STRAYS: how many nuclei went farther than allowed;
 # WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls were found for the list, then of
 # strays; ALL: whether these found no room, and each meets each; THROWN: how many nuclei meet all in a sweep; MANY: how
 # many bins there are along x, y and z.
@@ -44,10 +44,10 @@ class Period(NamedTuple):
     inverse: float
 
 
-class SpaceBoard(NamedTuple):
+class SurfaceWorkspace(NamedTuple):
     """The cells of one tissue, (n,), or in rows of eight, (n / WIDTH, WIDTH), and what substeps know beside them.
 
-    Coefficients are those of ``tissue.kernels.board.Board``: a spring moves X by -k (1 - l / d) (X - A),
+    Coefficients are those of ``tissue.kernels.workspace.Board``: a spring moves X by -k (1 - l / d) (X - A),
     k = 2 alpha (h / mu) / l^p; a junction has k = (h / mu) junction_factor (alpha_i + alpha_j) / 2.
     """
 
@@ -67,7 +67,7 @@ class SpaceBoard(NamedTuple):
     k_axb: Floats
     l_ax: Floats
     l_bx: Floats
-    b_moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
+    moves: Floats  # whether forces move the basal point: 1, or 0 for one that moves by itself (4.1)
     held: Floats  # whether the surface holds it: 1 or 0
     runs: Floats  # how far a basal point that moves by itself goes in a substep
     # What is computed on the way
@@ -121,13 +121,17 @@ class SpaceBoard(NamedTuple):
     repulsion: float
     max_basal: float
     deviation: float  # of the noise in a substep
+    bent: int  # 0: the surface is no curve
+    along: float
+    tangent_x: float
+    tangent_y: float
     surface: Surface
     along_x: Period
     along_z: Period
 
 
-class SpaceNumbers(NamedTuple):
-    """The numbers of a board."""
+class SurfaceNumbers(NamedTuple):
+    """The numbers of a workspace."""
 
     substeps: int
     repulsion: float  # k of the soft repulsion times h / mu
@@ -135,24 +139,27 @@ class SpaceNumbers(NamedTuple):
     deviation: float = 0.0
 
 
-class SpaceBoards:
-    """A board of two forms on the same memory: ``flat``, (n,) numbers, and ``wide``, (n / WIDTH, WIDTH).
+class SurfaceWorkspaces:
+    """A workspace of two forms on the same memory: ``flat``, (n,) numbers, and ``wide``, (n / WIDTH, WIDTH).
 
     There is room for ``capacity`` cells, ``edges`` junctions and as many basal neighbours. Raises InvalidProblem for a
     period that is not above SHORTEST_PERIOD.
     """
 
-    def __init__(self, capacity: int, edges: int, numbers: SpaceNumbers, surface: Surface = FLAT_SURFACE) -> None:
+    def __init__(self, capacity: int, edges: int, numbers: SurfaceNumbers, surface: Surface = FLAT_SURFACE) -> None:
         m = -(-capacity // WIDTH) * WIDTH
-        names = SpaceBoard._fields[: SpaceBoard._fields.index("noise_key")]
+        names = SurfaceWorkspace._fields[: SurfaceWorkspace._fields.index("noise_key")]
         block = dict(zip(names, (line[:m] for line in aligned(len(names), m)), strict=True))
         block["id"] = block["id"].view(np.int64)
         rows = {name: line.reshape(-1, WIDTH) for name, line in block.items()}
         periods = {f"along_{axis}": period(f"period_{axis}", getattr(surface, f"period_{axis}")) for axis in "xz"}
         same = _common(m, edges) | numbers._asdict() | {"surface": surface} | periods
-        # For kernels these are ``SpaceBoard``.
-        self.flat: Any = StructPointer(SpaceBoard(**block, noise_key=np.zeros(2, np.int64), **same), SPACE_FLAT)
-        self.wide: Any = StructPointer(SpaceBoard(**rows, noise_key=np.zeros((2, WIDTH), np.int64), **same), _WIDE)
+        self.pairs: Integers = same["counts"][PAIRS:]
+        # For kernels these are ``SurfaceWorkspace``.
+        self.flat: Any = StructPointer(SurfaceWorkspace(**block, noise_key=np.zeros(2, np.int64), **same), SURFACE_FLAT)
+        self.wide: Any = StructPointer(
+            SurfaceWorkspace(**rows, noise_key=np.zeros((2, WIDTH), np.int64), **same), _WIDE
+        )
 
 
 def period(name: str, length: float) -> Period:
@@ -169,21 +176,38 @@ def _common(m: int, edges: int) -> dict[str, Any]:
     pairs, soft = HARD_ROOM * m, (SOFT_ROOM + 1) * m + 2 * QUAD_WIDTH
     whole = {"junctions": (edges, 2), "neighbours": (edges, 2), "sizes": 3, "order": m, "bin": m, "start": 2 * m + 1}
     whole |= {"begin": NEAR, "end": NEAR, "row": m, "row_end": m, "found": (pairs, 2), "hard_row": m + 1, "hard": pairs}
-    whole |= {"strays": m, "far": m, "thrown": m, "state": MANY + 3, "counts": len(SPACE_COUNTERS)}
+    whole |= {"strays": m, "far": m, "thrown": m, "state": MANY + 3, "counts": len(SURFACE_COUNTERS)}
     floats = {"rest": edges, "k_aa": edges, "reach": 1, "at": 4 * (m + 1), "pushed": 4 * (m + 1)}
     floats |= dict.fromkeys(("place_x", "place_y", "place_z", "place_radius"), m + WIDTH)
-    made: dict[str, Any] = {name: np.zeros(shape, np.int64) for name, shape in whole.items()}
+    curve: dict[str, Any] = {"bent": 0, "along": 0.0, "tangent_x": 0.0, "tangent_y": 0.0}
+    made: dict[str, Any] = curve | {name: np.zeros(shape, np.int64) for name, shape in whole.items()}
     return made | {name: np.zeros(shape) for name, shape in floats.items()} | {"listed": np.zeros(soft, np.int32)}
 
 
-def _example(*shape: int) -> SpaceBoard:
-    """A board for its types."""
-    names = SpaceBoard._fields[: SpaceBoard._fields.index("id")]
+def _example(*shape: int) -> SurfaceWorkspace:
+    """A workspace for its types."""
+    names = SurfaceWorkspace._fields[: SurfaceWorkspace._fields.index("id")]
     block: dict[str, Any] = {name: np.zeros(shape) for name in names}
     block |= {name: np.zeros(shape, np.int64) for name in ("id", "noise_key")}
     none: dict[str, Any] = {"surface": FLAT_SURFACE, "along_x": Period(0.0, 0.0), "along_z": Period(0.0, 0.0)}
-    return SpaceBoard(**block, **_common(1, 1), **SpaceNumbers(0, 0.0, 0.0)._asdict(), **none)
+    return SurfaceWorkspace(**block, **_common(1, 1), **SurfaceNumbers(0, 0.0, 0.0)._asdict(), **none)
 
 
-SPACE_FLAT, _WIDE = struct_type(_example(1)), struct_type(_example(1, WIDTH))
-space_board_at, wide_space_board_at = reader(_example(1)), reader(_example(1, WIDTH))
+SURFACE_FLAT, _WIDE = struct_type(_example(1)), struct_type(_example(1, WIDTH))
+surface_workspace_at, wide_surface_workspace_at = reader(_example(1)), reader(_example(1, WIDTH))
+
+
+Lane = Any  # a double, or eight
+
+
+@inner
+def nearest(d: Lane, length: float, inverse: float) -> Lane:
+    """d - length floor(d / length + 1/2), at most half a period in magnitude; d where both numbers are 0."""
+    return d - length * floored(fma(d, inverse, 0.5))
+
+
+@inner
+def periods(work: SurfaceWorkspace) -> tuple[float, float, float, float]:
+    """The period along x and its inverse, then along z."""
+    along_x, along_z = work.along_x, work.along_z
+    return along_x.length, along_x.inverse, along_z.length, along_z.inverse

@@ -1,0 +1,202 @@
+"""Lists of the pairs of nuclei that may act on each other, which hold until one has gone too far (Verlet, 1967).
+
+A pair is listed if it is nearer than the range and a skin. As long as both nuclei have moved by less than half of the
+skin since, a pair that is not listed is beyond the range. A few nuclei may stray farther: they meet all others.
+"""
+
+from __future__ import annotations
+
+from dincl.compiled import inner
+from dincl.compiled.lanes import WIDTH, fma, load, load_from, lowest_bit, positive_bits, where_positive
+from tissue.kernels.bins import find_beside, sort_in_bins
+from tissue.kernels.quads import QUAD_WIDTH
+from tissue.kernels.surface_workspace import (
+    ALL,
+    FOUND,
+    FRESH,
+    LISTS,
+    MANY,
+    STRAYS,
+    WHOLE,
+    SurfaceWorkspace,
+    nearest,
+    periods,
+)
+from tissue.model.repulsion import SOFT
+
+
+@inner
+def begin_hard(work: SurfaceWorkspace, n: int) -> None:
+    """None is found."""
+    work.state[FOUND] = work.state[ALL] = 0
+    for i in range(n + 1):
+        work.hard_row[i] = 0
+
+
+@inner
+def add_hard(work: SurfaceWorkspace, i: int, j: int) -> None:
+    """Cells i and j are found, if there is room."""
+    number = work.state[FOUND]
+    if number == len(work.found):
+        work.state[ALL] = 1
+    else:
+        work.found[number, 0], work.found[number, 1] = max(i, j), min(i, j)
+        work.hard_row[max(i, j)] += 1
+        work.state[FOUND] = number + 1
+
+
+@inner
+def end_hard(work: SurfaceWorkspace, n: int) -> None:
+    """Sort the pairs that are found: by counting, then those of a cell, which are few, by insertion."""
+    row, hard, total = work.hard_row, work.hard, 0
+    for i in range(n + 1):
+        row[i], total = total, total + row[i]
+    for number in range(work.state[FOUND]):
+        i = work.found[number, 0]
+        hard[row[i]] = work.found[number, 1]
+        row[i] += 1
+    for i in range(n, 0, -1):
+        row[i] = row[i - 1]
+    row[0] = 0
+    for i in range(n):
+        for k in range(row[i] + 1, row[i + 1]):
+            j, at = hard[k], k
+            while at > row[i] and hard[at - 1] > j:
+                hard[at] = hard[at - 1]
+                at -= 1
+            hard[at] = j
+
+
+# Thicker ones make longer lists, thinner ones more of them [R_soft].
+SKIN = 0.4
+# How far a nucleus may move, less some rounding.
+HALF_SKIN = 0.499 * SKIN
+# With more strays than these it is time for new lists.
+MOST_STRAYS = 16
+# A margin that finds none.
+NO_BALLS = -1e300
+# load_eight(a, k): entries k to k + 7 of a flat array.
+load_eight = load_from(WIDTH)
+
+
+@inner
+def find_strays(work: SurfaceWorkspace, rows: int, n: int) -> int:
+    """List the cells whose nuclei have moved by half of the skin since the lists were made: how many.
+
+    The workspace is in rows, of n cells.
+    """
+    x, y, z, made_x, made_y, made_z = work.x, work.y, work.z, work.made_x, work.made_y, work.made_z
+    number = 0
+    for i in range(rows):
+        dx, dy = load(x, i) - load(made_x, i), load(y, i) - load(made_y, i)
+        dz = load(z, i) - load(made_z, i)
+        far = positive_bits(fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN)
+        while far:
+            work.strays[number] = WIDTH * i + lowest_bit(far)
+            number += 1 if work.strays[number] < n else 0
+            far &= far - 1
+    return number
+
+
+@inner
+def refresh_lists(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
+    """Make the lists anew if it is time; else STRAYS are the nuclei that may meet others than those listed."""
+    strays = find_strays(wide, rows, n)
+    if work.state[FRESH] == 0 or strays > MOST_STRAYS:
+        make_lists(work, n)
+        strays = 0
+    work.state[STRAYS] = strays
+
+
+@inner
+def make_lists(work: SurfaceWorkspace, n: int) -> None:
+    """Both lists, from where the nuclei are now."""
+    soft, hard = SOFT + SKIN, 2.0 * largest_radius(work, n) + SKIN
+    work.reach[0] = max(soft, hard) if work.repulsion != 0.0 else hard
+    list_pairs(work, n, work.reach[0])
+    for i in range(n):
+        work.made_x[i], work.made_y[i], work.made_z[i] = work.x[i], work.y[i], work.z[i]
+    work.state[FRESH] = 1
+
+
+@inner
+def largest_radius(work: SurfaceWorkspace, n: int) -> float:
+    """The radius of the largest hard ball."""
+    largest = 0.0
+    for i in range(n):
+        largest = max(largest, work.radius[i])
+    return largest
+
+
+@inner
+def list_pairs(work: SurfaceWorkspace, n: int, reach: float) -> None:
+    """List the nuclei that are nearer than ``reach``, and of these the hard balls whose gap is below the skin.
+
+    Rows that may find no room are left out: they are found when they are asked for.
+    """
+    work.state[FRESH] = 0
+    work.state[MANY], work.state[MANY + 1], work.state[MANY + 2] = sort_in_bins(work, n, reach)
+    begin_hard(work, n)
+    whole, end, room = 0, 0, len(work.listed) - n - QUAD_WIDTH
+    for b in range(work.state[MANY] * work.state[MANY + 1] * work.state[MANY + 2]):
+        if work.start[b] < work.start[b + 1]:
+            ranges = find_beside(work, b)
+            for p in range(work.start[b], work.start[b + 1]):
+                fits = end + p <= room - QUAD_WIDTH
+                into = end if fits else room
+                last = _list_row(work, p, ranges, reach, into, SKIN)
+                if fits:
+                    work.row[p], work.row_end[p], whole = into, last, p + 1
+                    end = fill_up(work, last, n)
+    work.state[WHOLE] = whole
+    work.counts[LISTS] += 1
+    end_hard(work, n)
+
+
+@inner
+def row_of(work: SurfaceWorkspace, p: int, n: int) -> tuple[int, int]:
+    """Where the soft pairs of place p begin and end among those listed."""
+    if p < work.state[WHOLE]:
+        return work.row[p], work.row_end[p]
+    into = len(work.listed) - n - QUAD_WIDTH
+    end = _list_row(work, p, find_beside(work, work.bin[work.order[p]]), work.reach[0], into, NO_BALLS)
+    fill_up(work, end, n)
+    return into, end
+
+
+@inner
+def fill_up(work: SurfaceWorkspace, end: int, n: int) -> int:
+    """Fill a row that ends there up to fours by the place behind the last: where the next one begins."""
+    while end % QUAD_WIDTH != 0:
+        work.listed[end] = n
+        end += 1
+    return end
+
+
+@inner
+def _list_row(work: SurfaceWorkspace, p: int, ranges: int, reach: float, into: int, margin: float) -> int:
+    """List the places before p that are nearer than ``reach``, from ``into`` on: where they end.
+
+    Of these find the hard balls whose gap is below the margin.
+    """
+    x, y, z, radius, listed = work.place_x, work.place_y, work.place_z, work.place_radius, work.listed
+    length_x, by_x, length_z, by_z = periods(work)
+    for k in range(ranges):
+        end = min(work.end[k], p)
+        for q in range(work.begin[k], end, WIDTH):
+            dx, dy = nearest(load_eight(x, q) - x[p], length_x, by_x), load_eight(y, q) - y[p]
+            dz = nearest(load_eight(z, q) - z[p], length_z, by_z)
+            square = fma(dx, dx, fma(dy, dy, dz * dz))
+            near = positive_bits(reach * reach - square)
+            if end - q < WIDTH:
+                near &= (1 << (end - q)) - 1
+            if near:
+                balls = load_eight(radius, q) + (radius[p] + margin)
+                touch = near & positive_bits(where_positive(balls, balls * balls) - square)
+                for lane in range(WIDTH):
+                    listed[into] = q + lane
+                    into += near >> lane & 1
+                while touch:
+                    add_hard(work, work.order[p], work.order[q + lowest_bit(touch)])
+                    touch &= touch - 1
+    return into
