@@ -9,7 +9,7 @@ from dincl.compiled import inner
 from dincl.compiled.lanes import load, maximum, positive_bits, root, spread, store, where_positive
 from tissue.kernels import kernel
 from tissue.kernels.near import find_near, list_before, list_ranges
-from tissue.kernels.workspace import LOST, Workspace
+from tissue.kernels.workspace import LOST, Workspace, workspace_at
 
 # Pairs with a larger gap before the sweep are not looked at in it at first [R_soft].
 MARGIN = 0.3
@@ -96,11 +96,12 @@ def _square(x: Any, y: Any) -> Any:
 
 
 @kernel
-def part(work: Workspace, n: int, touching: float, most: int) -> int:
+def part(flat: int, wide: int, n: int, touching: float, most: int) -> int:
     """Sweep until no overlap is larger than ``touching``: how many sweeps that took, -1 if ``most`` were too few.
 
-    Nor can nuclei be parted that lie in one point.
+    ``flat`` and ``wide`` are addresses of a workspace. Nuclei that lie in one point cannot be separated either.
     """
+    work = workspace_at(flat)
     for made in range(most):
         for i in range(n):
             if not abs(work.x[i]) + abs(work.y[i]) < LOST:  # nor if it is NaN

@@ -6,6 +6,7 @@ without conjugation, and comparisons look at the real part.
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +20,22 @@ from tissue.model.repulsion import SOFT
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import CellLayers, Cells, Floats, Forces, Integers
 from tissue.state.numbers import Numbers
+from tissue.state.surface import FLAT_SURFACE, Surface
+
+
+class Elastic(NamedTuple):
+    """What the energy depends on beside the points: n cells, m junctions."""
+
+    stiff_ax: Floats  # (n,): alpha of the springs and of the bending energy
+    stiff_bx: Floats
+    stiff_axb: Floats
+    l_ax: Floats  # (n,): lengths of the springs at rest, above 0
+    l_bx: Floats
+    junctions: Integers  # (m, 2): the cells i and j of each
+    rest: Floats  # (m,)
+    k_aa: Floats  # (m,): junction_factor (alpha_i + alpha_j) / 2
+    power: int  # p of the springs
+    repulsion: float  # k of the soft repulsion
 
 
 class Parts(NamedTuple):
@@ -32,7 +49,7 @@ class Parts(NamedTuple):
 
 
 def energy(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> float:
-    """W = sum_i (W_i^ax + W_i^bx + W_i^axb) + sum_{(i, j) in A} W_ij^aa + sum_{j < i} W_ij^xx  (3.14).
+    """Compute W = sum_i (W_i^ax + W_i^bx + W_i^axb) + sum_{(i, j) in A} W_ij^aa + sum_{j < i} W_ij^xx  (3.14).
 
     Arguments and errors are those of ``parts``; complex for complex coordinates.
     """
@@ -40,7 +57,7 @@ def energy(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve
 
 
 def parts(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> Parts:
-    """The terms of W, each as in the file of its name: ``springs``, ``junctions``, ``bending``, ``repulsion``.
+    """Compute the terms of W of a slice, each as in the file of its name: ``springs``, ``junctions``, ``bending``, ...
 
     Parameters
     ----------
@@ -58,43 +75,92 @@ def parts(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve 
     InvalidProblem
         For coordinates that are not finite, two points that act on each other in one place, a spring with l <= 0.
     """
-    arrows = _arrows(cells, layers, curve)
+    return parts_of(*_points(cells), elastic_of(cells, layers, numbers, curve))
+
+
+def elastic_of(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> Elastic:
+    """Collect what the energy of a slice depends on beside its points; arguments are those of ``parts``."""
+    i, j = junctions.pairs(cells, layers, curve.ring)
+    stiff = cells.stiff_ax, cells.stiff_bx, cells.stiff_axb
     l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
-    ends = arrows.aa.start, arrows.aa.end
+    k_aa = np.asarray(junctions.stiffness(cells, (i, j), numbers.junction_factor))
+    joined = np.stack((i, j), axis=1)
+    return Elastic(*stiff, l_ax, l_bx, joined, cells.rest_aa[i], k_aa, numbers.power, numbers.repulsion)
+
+
+def energy_of(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface = FLAT_SURFACE) -> float:
+    """Compute W, the sum of ``parts_of``, with its arguments and errors; complex for complex coordinates."""
+    return sum(parts_of(x, a, b, elastic, surface))
+
+
+def parts_of(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface = FLAT_SURFACE) -> Parts:
+    """Compute the terms of W in two dimensions or three.
+
+    Parameters
+    ----------
+    x, a, b
+        (2, n) or (3, n): nuclei, apical and basal points; may be complex.
+    elastic
+        Stiffnesses and lengths.
+    surface
+        Its periods: junctions and repulsion act between the nearest images.
+
+    Raises
+    ------
+    InvalidProblem
+        For coordinates that are not finite, and for two points that act on each other in one place.
+    """
+    arrows, e = _arrows(x, a, b, elastic, surface), elastic
     return Parts(
-        ax=np.sum(springs.energy(arrows.xa.length, l_ax, cells.stiff_ax, numbers.power)),
-        bx=np.sum(springs.energy(arrows.xb.length, l_bx, cells.stiff_bx, numbers.power)),
-        aa=np.sum(junctions.energy(arrows.aa.length, cells.rest_aa[ends[0]], _stiffness(cells, arrows.aa, numbers))),
-        axb=np.sum(bending.energy(_cosine(arrows), cells.stiff_axb)),
-        xx=np.sum(repulsion.energy(arrows.xx.length, numbers.repulsion)),
+        ax=np.sum(springs.energy(arrows.xa.length, e.l_ax, e.stiff_ax, e.power)),
+        bx=np.sum(springs.energy(arrows.xb.length, e.l_bx, e.stiff_bx, e.power)),
+        aa=np.sum(junctions.energy(arrows.aa.length, e.rest, e.k_aa)),
+        axb=np.sum(bending.energy(_cosine(arrows), e.stiff_axb)),
+        xx=np.sum(repulsion.energy(arrows.xx.length, e.repulsion)),
     )
 
 
 def forces(cells: Cells, layers: CellLayers, numbers: Numbers, curve: BasalCurve = LINE) -> Forces:
-    r"""-grad W, with u = (A - X)/|A - X|, v = (B - X)/|B - X|, c = u . v = cos gamma.
+    """Compute -grad W of a slice, see ``forces_of``; arguments and errors are those of ``parts``."""
+    on_x, on_a, on_b = forces_of(*_points(cells), elastic_of(cells, layers, numbers, curve))
+    return Forces(*on_x, *on_a, *on_b)
+
+
+def forces_of(
+    x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface = FLAT_SURFACE
+) -> tuple[Floats, Floats, Floats]:
+    r"""Compute -grad W, with u = (A - X)/|A - X|, v = (B - X)/|B - X|, c = u . v = cos gamma.
 
         on A_i  -2 alpha^ax (|A - X| - l)/l^p u - alpha^axb (v - c u)/|A - X|  + junctions
         on B_i  -2 alpha^bx (|B - X| - l)/l^p v - alpha^axb (u - c v)/|B - X|
         on X_i  the opposite of both sums                                      + repulsion
 
     A junction pulls A_i towards A_j with k_ij (|A_j - A_i| - eta_i^aa), and A_j the opposite way; the repulsion pulls
-    X_i towards X_j with k_xx (|X_i - X_j| - 2) < 0. Arguments and errors are those of ``parts``.
+    X_i towards X_j with k_xx (|X_i - X_j| - 2) < 0. Arguments and errors are those of ``parts_of``.
     """
-    arrows = _arrows(cells, layers, curve)
-    xa, xb, aa, cosine = arrows.xa, arrows.xb, arrows.aa, _cosine(arrows)
-    l_ax, l_bx = _spring_lengths("rest_ax", cells.rest_ax), _spring_lengths("rest_bx", cells.rest_bx)
-    on_a = -springs.tension(xa.length, l_ax, cells.stiff_ax, numbers.power) * xa.unit
-    on_b = -springs.tension(xb.length, l_bx, cells.stiff_bx, numbers.power) * xb.unit
-    on_a += bending.force(xa.unit, xb.unit, xa.length, cosine, cells.stiff_axb)
-    on_b += bending.force(xb.unit, xa.unit, xb.length, cosine, cells.stiff_axb)
+    arrows, e = _arrows(x, a, b, elastic, surface), elastic
+    xa, xb, cosine = arrows.xa, arrows.xb, _cosine(arrows)
+    on_a = -springs.tension(xa.length, e.l_ax, e.stiff_ax, e.power) * xa.unit
+    on_b = -springs.tension(xb.length, e.l_bx, e.stiff_bx, e.power) * xb.unit
+    on_a += bending.force(xa.unit, xb.unit, xa.length, cosine, e.stiff_axb)
+    on_b += bending.force(xb.unit, xa.unit, xb.length, cosine, e.stiff_axb)
     on_x = -(on_a + on_b)
-    _pull(on_a, aa, junctions.tension(aa.length, cells.rest_aa[aa.start], _stiffness(cells, aa, numbers)))
-    _pull(on_x, arrows.xx, repulsion.tension(arrows.xx.length, numbers.repulsion))
-    return Forces(*on_x, *on_a, *on_b)
+    _pull(on_a, arrows.aa, junctions.tension(arrows.aa.length, e.rest, e.k_aa))
+    _pull(on_x, arrows.xx, repulsion.tension(arrows.xx.length, e.repulsion))
+    return on_x, on_a, on_b
+
+
+def nearest_image(d: Floats, surface: Surface) -> Floats:
+    """Compute differences (2, m) or (3, m) to the nearest image: d - period floor(d / period + 1/2) along x and z."""
+    d = d.copy()
+    for axis, period in ((0, surface.period_x), (2, surface.period_z)):
+        if math.isfinite(period):
+            d[axis] -= period * np.floor(d[axis].real / period + 0.5)
+    return d
 
 
 class _Bundle(NamedTuple):
-    """Arrows from points of the cells ``start`` to points of the cells ``end``: length (m,), unit vector (2, m)."""
+    """Arrows from points of the cells ``start`` to points of the cells ``end``: length (m,), unit vector (d, m)."""
 
     start: Integers
     end: Integers
@@ -111,14 +177,17 @@ class _Arrows(NamedTuple):
     xx: _Bundle  # from X_i to X_j, j < i, closer than 2
 
 
-def _arrows(cells: Cells, layers: CellLayers, curve: BasalCurve) -> _Arrows:
-    x, a, b = _points(cells)
-    each = np.arange(len(cells.x))
+def _arrows(x: Floats, a: Floats, b: Floats, elastic: Elastic, surface: Surface) -> _Arrows:
+    for name, points in (("x", x), ("a", a), ("b", b)):
+        if not bounded(points.real):
+            raise InvalidProblem(f"{name} has coordinates that are not finite, or beyond {LARGEST:g} in magnitude")
+    each, (i, j) = np.arange(x.shape[1]), elastic.junctions.T
+    soft_i, soft_j = _soft_pairs(x, surface)
     return _Arrows(
         xa=_bundle("nucleus and apical point", x, a, each, each),
         xb=_bundle("nucleus and basal point", x, b, each, each),
-        aa=_bundle("apical points", a, a, *junctions.pairs(cells, layers, curve.ring)),
-        xx=_bundle("nuclei", x, x, *_soft_pairs(x)),
+        aa=_bundle("apical points", a, a, i, j, surface),
+        xx=_bundle("nuclei", x, x, soft_i, soft_j, surface),
     )
 
 
@@ -132,16 +201,24 @@ def _points(cells: Cells) -> tuple[Floats, Floats, Floats]:
     return np.stack((cells.x, cells.y)), np.stack((cells.ax, cells.ay)), np.stack((cells.bx, cells.by))
 
 
-def _soft_pairs(x: Floats) -> tuple[Integers, Integers]:
-    """The pairs (i, j < i) of nuclei (2, n) at most 2 apart: at 2 the repulsion begins from zero."""
+def _soft_pairs(x: Floats, surface: Surface) -> tuple[Integers, Integers]:
+    """Find the pairs (i, j < i) of nuclei (d, n) at most 2 apart: at 2 the repulsion begins from zero.
+
+    With a period all pairs are compared.
+    """
     centres = np.ascontiguousarray(x.real.T)
+    if math.isfinite(surface.period_x) or math.isfinite(surface.period_z):
+        i, j = np.tril_indices(len(centres), -1)
+        close = (nearest_image((centres[j] - centres[i]).T, surface) ** 2).sum(axis=0) < SOFT**2
+        return i[close], j[close]
     start, partner = neighbour_pairs(centres, np.full(len(centres), SOFT / 2))
-    i, j = np.repeat(np.arange(len(centres)), np.diff(start)), partner.astype(np.int64)
-    return i, j
+    return np.repeat(np.arange(len(centres)), np.diff(start)), partner.astype(np.int64)
 
 
-def _bundle(what: str, tails: Floats, heads: Floats, start: Integers, end: Integers) -> _Bundle:
-    arrows = heads[:, end] - tails[:, start]
+def _bundle(
+    what: str, tails: Floats, heads: Floats, start: Integers, end: Integers, surface: Surface = FLAT_SURFACE
+) -> _Bundle:
+    arrows = nearest_image(heads[:, end] - tails[:, start], surface)
     length = np.sqrt((arrows * arrows).sum(axis=0))
     met = np.flatnonzero(length.real == 0)
     if met.size:
@@ -160,11 +237,6 @@ def _spring_lengths(name: str, rest: Floats) -> Floats:
     return length
 
 
-def _stiffness(cells: Cells, arrows: _Bundle, numbers: Numbers) -> Floats:
-    """k of the junctions, shape (m,)."""
-    return np.asarray(junctions.stiffness(cells, (arrows.start, arrows.end), numbers.junction_factor))
-
-
 def _cosine(arrows: _Arrows) -> Floats:
     """cos gamma, shape (n,)."""
     cosine: Floats = (arrows.xa.unit * arrows.xb.unit).sum(axis=0)
@@ -172,7 +244,7 @@ def _cosine(arrows: _Arrows) -> Floats:
 
 
 def _pull(on: Floats, arrows: _Bundle, tension: Floats) -> None:
-    """Add to the forces ``on`` (2, n) that each arrow pulls its ends together with ``tension`` (m,)."""
+    """Add to the forces ``on`` (d, n) that each arrow pulls its ends together with ``tension`` (m,)."""
     for along, direction in zip(on, arrows.unit, strict=True):
         np.add.at(along, arrows.start, tension * direction)
         np.add.at(along, arrows.end, -tension * direction)

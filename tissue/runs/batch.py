@@ -19,7 +19,6 @@ from tissue.runs.group import Group
 from tissue.runs.resume import checkpoint_of, resumed, steps_made
 from tissue.runs.run import Run
 from tissue.runs.start import started
-from tissue.runs.start_in_space import started_in_space
 from tissue.state.cells import COORDINATES, DEPTHS, KINDS, Cells
 from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
 from tissue.state.mesh import kept
@@ -47,8 +46,7 @@ class Batch:
             self._separation: Sequence[Separation] = [checkpoint_of(start).separation for start in starts]
         else:
             random = tuple(streams(seed) for seed in seeds)
-            begin = started_in_space if parameters.in_space else started
-            held, self._separation = zip(*map(begin, repeat(parameters), random), strict=True)
+            held, self._separation = zip(*map(started, repeat(parameters), random), strict=True)
         self._random = random
         rule, forces, named = parameters.division_rule(), parameters.forces.acting(), parameters.named_numbers()
         size = 1 if parameters.in_space else len(held)  # in space they are not side by side

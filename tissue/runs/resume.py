@@ -21,8 +21,7 @@ from tissue.kernels.workspace import LOST
 from tissue.model.lattice import Lattice
 from tissue.rules.slice import in_plane
 from tissue.runs.cell_groups import Crowd, Draws, control_cells, crowd_of, drawn_for, give
-from tissue.runs.start import of_kinds
-from tissue.runs.start_in_space import space_of
+from tissue.runs.start import of_kinds, space_of
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import CONTROL, EMT, Cells, Emt, Flags, Integers, emt_cells
 from tissue.state.checkpoint import TissueCheckpoint, resumed_streams, streams

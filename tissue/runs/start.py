@@ -1,9 +1,9 @@
-"""The first state of a tissue: points as the parameters say, and nuclei pushed apart until none overlap."""
+"""The first state of a tissue: points as the parameters say, networks, and nuclei pushed apart until none overlap."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from functools import partial, reduce
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -11,16 +11,25 @@ from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
 from tissue.kernels.numbers import numbers_pointer
+from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
 from tissue.kernels.workspace import Workspaces
+from tissue.model.balls import part_balls
 from tissue.model.cycle import set_phases
 from tissue.model.discs import part
+from tissue.model.lattice import Lattice
+from tissue.network.start import triangulated
+from tissue.rules.sheet import sheet_rules
 from tissue.rules.slice import in_plane
 from tissue.runs.cell_groups import Crowd, control_cells, crowd_of
-from tissue.state.basal_curve import LINE, BasalCurve, curve_numbers
+from tissue.state.basal_curve import LINE, BasalCurve, CurveNumbers, curve_numbers
 from tissue.state.cells import Cells, Floats, Integers, empty
 from tissue.state.checkpoint import Separation
+from tissue.state.mesh import Sheets, network_of
+from tissue.state.network import Network
 from tissue.state.numbers import Numbers, StartNumbers
-from tissue.state.store import Store, stored
+from tissue.state.space import FLAT, SPATIAL, Exchange, Space
+from tissue.state.store import STRAIGHT, Store, stored
+from tissue.state.surface import Surface
 
 if TYPE_CHECKING:
     from tissue.files.parameters import Parameters
@@ -29,15 +38,25 @@ if TYPE_CHECKING:
 # Overlap that counts as none [R_soft], and the sweeps that are spent on reaching it.
 TOUCHING = 1e-10
 MOST_SWEEPS = 10_000
+# Of a workspace in which nuclei are separated and nothing else is done.
+IDLE = SurfaceNumbers(1, 0.0, 1.0)
 
 
 def started(parameters: Parameters, random: Streams) -> tuple[Store, Separation]:
-    """The first state of a run: that of ``first_state``, with the cells of its types where the parameters have them."""
+    """Make the first state of a run, with the cells of its types where the parameters have them.
+
+    Raises
+    ------
+    InvalidProblem
+        If the cells make no lattice, or the nuclei could not be separated: more cells than fit.
+    """
     start, groups = parameters.start_numbers(), parameters.groups()
-    types = Types(
-        crowd_of(groups, start.cells, random), parameters.named_numbers(), [one.rest_length for one in groups]
-    )
-    return first_state(start, parameters.numbers(), random.start, types, parameters.curve())
+    lattice = parameters.lattice() if parameters.in_space else None
+    crowd = crowd_of(groups, start.cells, random, lattice)
+    types = Types(crowd, parameters.named_numbers(), [one.rest_length for one in groups])
+    if lattice is None:
+        return first_state(start, parameters.numbers(), random.start, types, parameters.curve())
+    return first_sheet(start, parameters.numbers(), random.start, types, lattice, parameters.exchange())
 
 
 class Types(NamedTuple):
@@ -69,9 +88,35 @@ def first_state(
     """
     types = types or Types(control_cells(start.cells))
     cells = _bent(drawn_cells(start, numbers, draws, types, partial(_points, start)), curve)
-    held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve_numbers(curve), space=in_plane())
-    set_phases(held, 0.0, numbers_pointer(numbers, types.numbers))
-    return held, _part(held, start.cells, numbers)
+    return _separated(cells, start, numbers, types, curve_numbers(curve), in_plane())
+
+
+def first_sheet(
+    start: StartNumbers, numbers: Numbers, draws: Generator, types: Types, lattice: Lattice, exchange: Exchange
+) -> tuple[Store, Separation]:
+    """Draw a tissue on a surface and make it feasible.
+
+    Basal points stand on a lattice on the surface, apical points above them; all else is as of ``first_state``.
+    """
+    cells = drawn_cells(start, numbers, draws, types, partial(_points_above, start, lattice))
+    apical, basal = np.stack((cells.ax, cells.ay, cells.az), axis=1), np.stack((cells.bx, cells.by, cells.bz), axis=1)
+    capacity = 2 * start.cells
+    networks = (
+        triangulated(lattice.surface, apical, lambda d: np.full(len(d), start.junction), capacity),
+        triangulated(lattice.surface, basal, np.zeros_like, capacity),
+    )
+    space = _space(lattice.surface, *networks, exchange)
+    return _separated(cells, start, numbers, types, STRAIGHT, space)
+
+
+def space_of(sheets: Sheets, exchange: Exchange, capacity: int) -> Space:
+    """Make what a tissue in space goes on with from kept networks."""
+    apical, basal = network_of(sheets.apical, capacity), network_of(sheets.basal, capacity)
+    return _space(sheets.surface, apical, basal, exchange)
+
+
+def _space(surface: Surface, apical: Network, basal: Network, exchange: Exchange) -> Space:
+    return Space(SPATIAL, surface, apical, basal, exchange, sheet_rules(), np.zeros(1, np.int64))
 
 
 def drawn_cells(
@@ -118,6 +163,15 @@ def _points(start: StartNumbers, draws: Generator) -> Mapping[str, Floats]:
     return {"x": x, "y": y, "ax": apical, "ay": np.full(n, start.height), "bx": basal}
 
 
+def _points_above(start: StartNumbers, lattice: Lattice, draws: Generator) -> Mapping[str, Floats]:
+    """Compute the coordinates of all points above a lattice, by the names of their arrays."""
+    nuclei = lattice.nuclei(start.nuclei, draws.uniform(start.nuclei_low, start.nuclei_high, start.cells), draws)
+    level = np.full(start.cells, start.height)
+    apical, basal = lattice.above(level), lattice.above(0.0 * level)
+    points = (("", nuclei), ("a", apical), ("b", basal))
+    return {letter + axis: line for letter, at in points for axis, line in zip("xyz", at, strict=True)}
+
+
 def of_kinds(kind: Integers, kinds: Sequence[Numbers], name: str) -> Floats:
     """A number of each cell, that of its kind."""
     return np.array([getattr(one, name) for one in kinds])[kind]
@@ -144,17 +198,29 @@ def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
     return np.sort(draws.uniform(-width / 2, width / 2, n))
 
 
-def _part(held: Store, n: int, numbers: Numbers) -> Separation:
-    """Sweep over the pairs until none overlap."""
-    cells = held.cells
-    x, y = cells.x[:n].copy(), cells.y[:n].copy()
-    work = Workspaces(n, 1, numbers, 0.0, held.curve).flat
-    work.value.x[:n], work.value.y[:n], work.value.radius[:n] = x, y, cells.radius[:n]
-    sweeps = part(work, n, TOUCHING, MOST_SWEEPS)
+def _separated(
+    cells: Cells, start: StartNumbers, numbers: Numbers, types: Types, curve: CurveNumbers, space: Space
+) -> tuple[Store, Separation]:
+    """Store the cells and sweep over their pairs until no nuclei overlap."""
+    held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
+    set_phases(held, 0.0, numbers_pointer(numbers, types.numbers))
+    n, in_plane = start.cells, space.dimension == FLAT
+    sweep, axes = (part, "xy") if in_plane else (part_balls, "xyz")
+    workspaces: Any = Workspaces(n, 1, numbers, 0.0, curve)
+    if not in_plane:
+        workspaces = SurfaceWorkspaces(n, 1, IDLE, space.surface)
+    work = workspaces.flat.value
+    before = np.stack([getattr(held.cells, axis)[:n] for axis in axes])
+    for axis, line in zip(axes, before, strict=True):
+        getattr(work, axis)[:n] = line
+    work.radius[:n] = held.cells.radius[:n]
+    sweeps = sweep(workspaces.flat.address, workspaces.wide.address, n, TOUCHING, MOST_SWEEPS)
     if sweeps < 0:
         raise InvalidProblem(
-            f"tissue.cells = {n}: more than fit: their hard discs could not be parted in {MOST_SWEEPS} sweeps; must be "
-            "fewer cells, a larger box or smaller hard discs"
+            f"tissue.cells = {n}: more than fit: their hard discs could not be separated in {MOST_SWEEPS} sweeps; must "
+            "be fewer cells, a larger box or smaller hard discs"
         )
-    cells.x[:n], cells.y[:n] = work.value.x[:n], work.value.y[:n]
-    return Separation(sweeps, float(np.hypot(cells.x[:n] - x, cells.y[:n] - y).max()))
+    after = np.stack([getattr(work, axis)[:n] for axis in axes])
+    for axis, line in zip(axes, after, strict=True):
+        getattr(held.cells, axis)[:n] = line
+    return held, Separation(sweeps, float(reduce(np.hypot, after - before).max()))

@@ -68,7 +68,7 @@ def test_sweep_stays_in_its_arrays(n):
     workspaces.block[:] = np.nan
     work = workspaces.flat.value
     work.x[:n], work.y[:n], work.radius[:n], work.counts[:] = state.x, state.y, state.radius, 0.0
-    assert part(workspaces.flat, n, 0.0, 1) == -1
+    assert part(workspaces.flat.address, workspaces.wide.address, n, 0.0, 1) == -1
     np.testing.assert_array_equal((work.x[:n], work.y[:n]), twins.separate(state.x, state.y, state.radius))
     kept = [
         name

@@ -1,5 +1,7 @@
 """The noise in substeps: words of Threefry as published, normal numbers, and the same alone and in company."""
 
+from typing import Any, NamedTuple
+
 import numpy as np
 import pytest
 from scipy import stats
@@ -11,8 +13,8 @@ from tests.twins.tissue import normals as twins_normals
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.kernels import kernel
-from tissue.kernels.normals import normals, shake, threefry
-from tissue.model.noise import draw_key
+from tissue.kernels.normals import normals, threefry
+from tissue.model.noise import add_substep_noise, draw_key
 
 RARE = 1e-3
 ALL = 0xFFFFFFFF
@@ -45,9 +47,24 @@ def drawn(noise, key):
     draw_key(noise, key)
 
 
+class Nuclei(NamedTuple):
+    """What the noise of a substep takes of a workspace, in the plane."""
+
+    x: Any
+    y: Any
+    id: Any
+    noise_key: Any
+    deviation: float
+    z: float = 0.0
+
+
 @kernel
+def add_noise(nuclei, n, number):
+    add_substep_noise(nuclei, n, number)
+
+
 def shaken(x, y, ids, deviation, key, number):
-    shake(x, y, ids, len(x), deviation, key, number)
+    add_noise(Nuclei(x, y, ids, key, deviation), len(x), number)
 
 
 def found(fill, key, counter, number):

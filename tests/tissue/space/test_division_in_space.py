@@ -7,7 +7,7 @@ import pytest
 
 from tests.tissue.space.in_space import SURFACES, of_surface
 from tissue.rules.sheet import split_cell
-from tissue.runs.start_in_space import started_in_space
+from tissue.runs.start import started
 from tissue.state.checkpoint import streams
 from tissue.state.store import CELLS
 from tissue.state.surface import normals
@@ -18,7 +18,7 @@ OFFSET = 0.05
 def divided(name, cell, turn):
     """Nuclei of a tissue before, and the tissue after a division; the surface."""
     given = of_surface(name)
-    held, _ = started_in_space(given, streams(2))
+    held, _ = started(given, streams(2))
     before = nuclei(held)
     split_cell(held, cell, turn, given.numbers()._replace(division_offset=OFFSET))
     return before, held, given.lattice().surface
@@ -26,7 +26,7 @@ def divided(name, cell, turn):
 
 def basal_of_mother(name, cell):
     """B of a cell of this tissue before she divides."""
-    cells = started_in_space(of_surface(name), streams(2))[0].cells
+    cells = started(of_surface(name), streams(2))[0].cells
     return np.array([getattr(cells, axis)[cell] for axis in ("bx", "by", "bz")])
 
 

@@ -10,7 +10,7 @@ import tissue
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.space.space_calls import make_substeps
 from tests.twins.tissue.space.state import SpaceTissue, Steps
-from tissue.model.space_energy import Elastic, space_energy
+from tissue.model.energy import Elastic, energy_of
 from tissue.quasi_steady.space_frozen import (
     cells_in_space_at,
     constraints_in_space,
@@ -84,7 +84,7 @@ def test_drift_is_the_gradient_over_damping():
     for place in np.ndindex(slope.shape):
         x = problem.x0.astype(complex)
         x[place] += 1j * STEP
-        slope[place] = space_energy(*thirds(x), of).imag / STEP
+        slope[place] = energy_of(*thirds(x), of).imag / STEP
     held = 2 * len(frame.cells.x) + frame.layers.basal
     assert abs(slope[held, 1]).max() > 0
     slope[held, 1] = 0.0

@@ -13,7 +13,7 @@ from tests.twins.tissue.normals import normals
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.basal_network import LEAST_GAP
-from tissue.model.space_energy import Elastic, nearest_image
+from tissue.model.energy import Elastic, nearest_image
 from tissue.state.cells import Floats, Integers
 from tissue.state.surface import CYLINDER, PLANE, Surface
 
