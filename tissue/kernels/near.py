@@ -18,19 +18,27 @@ BLOCK = 4
 
 
 @inner
-def find_near(work: Workspace, n: int, share: float, extra: float) -> None:
-    """Prepare ``list_before`` for discs of the radii r_i = share R_i + extra: it misses no pair that overlaps."""
-    if work.bent:
+def find_near(work: Workspace, n: int, share: float, extra: float) -> bool:
+    """Prepare ``list_ranges`` for discs of the radii r_i = share R_i + extra: it misses no pair that overlaps.
+
+    Returns
+    -------
+    bool
+        Whether there are boxes, and ``list_before`` is to be asked; else there is one range, from first[i] to i.
+    """
+    boxes = work.bent > 0
+    if boxes:
         find_boxes(work, n, BLOCK, share, extra)
     else:
         find_windows(work, n, share, extra)
+    return boxes
 
 
 @inner
 def list_before(work: Workspace, i: int) -> int:
-    """On a bent layer: how many ranges begin[k] to end[k] have the cells before cell i that may be near it, and others.
+    """With boxes: how many ranges begin[k] to end[k] have the cells before cell i that may be near it, and others.
 
-    To be asked for in the order of the cells. On a straight layer there is one range, from first[i] to i.
+    To be asked for in the order of the cells.
     """
     if i % BLOCK == 0:
         work.ranges[0] = _list(work, i // BLOCK, i // BLOCK + 1, BLOCK)
@@ -39,37 +47,42 @@ def list_before(work: Workspace, i: int) -> int:
 
 
 @inner
-def list_ranges(work: Workspace, i: int) -> int:
-    """The same on any layer, for those who do not count nanoseconds."""
-    if work.bent:
+def list_ranges(work: Workspace, i: int, boxes: bool) -> int:
+    """The same with boxes or without, where speed does not matter."""
+    if boxes:
         return list_before(work, i)
     work.begin[0], work.end[0] = work.first[i], i
     return 1
 
 
 @inner
-def find_near_rows(work: Workspace, n: int, share: float, extra: float) -> None:
-    """Prepare ``list_around`` or ``window_around`` likewise."""
-    if work.bent:
+def find_near_rows(work: Workspace, n: int, share: float, extra: float) -> bool:
+    """Prepare ``list_around`` or ``window_around`` likewise; whether there are boxes."""
+    boxes = work.bent > 0
+    if boxes:
         find_boxes(work, n, WIDTH, share, extra)
+        _find_ends(work, (n + WIDTH - 1) // WIDTH)
     else:
         find_windows(work, n, share, extra)
-        _find_ends(work, n)
+    return boxes
 
 
 @inner
-def list_around(work: Workspace, row: int, rows: int) -> int:
-    """On a bent layer: how many ranges have the cells that may be near one of the eight cells of a row."""
-    return _list(work, row, rows, WIDTH)
+def list_around(work: Workspace, row: int) -> int:
+    """With boxes: how many ranges have the cells that may be near one of the eight cells of a row."""
+    return _list(work, row, work.last[row], WIDTH)
 
 
 @inner
-def window_around(work: Workspace, row: int, n: int) -> tuple[int, int]:
-    """On a straight layer: the one range of the cells that may be near one of the eight cells of a row."""
-    begin, end = work.first[row * WIDTH], min(row * WIDTH + WIDTH, n)
-    for i in range(row * WIDTH + 1, end):
-        begin = min(begin, work.first[i])
-    return begin, work.last[end - 1]
+def window_around(work: Workspace, row: int, n: int, end: int) -> tuple[int, int]:
+    """Without boxes: the one range of the cells that may be near one of the eight cells of a row.
+
+    ``end`` is the end of the range of the row before, 0 for the first one.
+    """
+    begin = work.first[row * WIDTH]
+    for i in range(row * WIDTH, min(row * WIDTH + WIDTH, n)):
+        begin, end = min(begin, work.first[i]), max(end, work.last[i])
+    return begin, end
 
 
 @inner
@@ -87,21 +100,26 @@ def _list(work: Workspace, p: int, blocks: int, size: int) -> int:
 
 @inner
 def find_windows(work: Workspace, n: int, share: float, extra: float) -> None:
-    """first[i]: the first cell j <= i such that, in some tissue, the discs 0 to j reach as far as to disc i.
+    """Find first[i] by ``next_window``, and last[i]: the end of the last window that begins with cell i."""
+    ahead, j = spread(work.x, -1e300), 0
+    for i in range(n):
+        j, ahead = next_window(work, i, j, ahead, share, extra)
+        work.first[i], work.last[i] = j, i + 1
+        work.last[j] = i + 1
+
+
+@inner
+def next_window(work: Workspace, i: int, j: int, ahead: Any, share: float, extra: float) -> tuple[int, Any]:
+    """Find the first cell j <= i such that, in some tissue, the discs 0 to j reach as far as to disc i.
 
     With the rightmost end F_j of the discs 0 to j, a cell j with F_j <= x_i - r_i is too far to the left, and all
     before it: so each pair whose discs overlap is in the windows. One cell out of order makes windows longer, never
-    wrong.
+    wrong. ``j`` and ``ahead``, F_i, are those of the cell before, 0 and -1e300 for the first one.
     """
-    x, radius, front = work.x, work.radius, work.front
-    ahead = spread(x, -1e300)
-    j = 0
-    for i in range(n):
-        x_i, reach = load(x, i), share * load(radius, i) + extra
-        ahead = maximum(ahead, x_i + reach)
-        store(front, i, ahead)
-        j = _first_beyond(front, x_i - reach, j, i)
-        work.first[i] = j
+    x, reach = load(work.x, i), share * load(work.radius, i) + extra
+    ahead = maximum(ahead, x + reach)
+    store(work.front, i, ahead)
+    return _first_beyond(work.front, x - reach, j, i), ahead
 
 
 @inner
@@ -116,7 +134,7 @@ def _first_beyond(front: Floats, left: Any, j: int, most: int) -> int:
 
 @inner
 def _find_ends(work: Workspace, n: int) -> None:
-    """last[i]: behind the last cell whose window has cell i or one before it, at least behind cell i itself."""
+    """last[i]: behind the last cell, or block, whose window has i or one before it, at least behind i itself."""
     first, last = work.first, work.last
     for i in range(n):
         last[i] = i + 1

@@ -8,7 +8,7 @@ from typing import Any
 from dincl.compiled import inner
 from dincl.compiled.lanes import load, maximum, positive_bits, root, spread, store, where_positive
 from tissue.kernels import kernel
-from tissue.kernels.near import find_near, list_before, list_ranges
+from tissue.kernels.near import BLOCK, find_boxes, find_near, list_before, list_ranges, next_window
 from tissue.kernels.workspace import LOST, Workspace, workspace_at
 
 # Pairs with a larger gap before the sweep are not looked at in it at first [R_soft].
@@ -29,40 +29,38 @@ def separate(work: Workspace, n: int) -> None:
     those near it may have met it, the sweep begins again with a larger margin. A pair that does not overlap changes
     nothing, so the result is that of all pairs.
     """
-    x, y, before_x, before_y = work.x, work.y, work.before_x, work.before_y
-    find_near(work, n, 1.0, 0.5 * MARGIN)
-    for i in range(n):
-        store(before_x, i, load(x, i))
-        store(before_y, i, load(y, i))
-    pushed, corrections = _push_apart(work, n, work.bent)
-    margin, whole = MARGIN, False
-    while not whole and positive_bits(pushed - HALF * margin * (HALF * margin)):
-        margin *= WIDER
-        whole = margin > WIDEST
+    margin = MARGIN
+    pushed, corrections = _push_apart(work, n, margin)
+    while positive_bits(pushed - HALF * margin * (HALF * margin)):
+        margin = margin * WIDER if margin < WIDEST else math.inf
         for i in range(n):
-            store(x, i, load(before_x, i))
-            store(y, i, load(before_y, i))
-        if whole:
-            for i in range(n):
-                work.first[i] = 0
-            pushed, corrections = _push_apart(work, n, 0)
-        else:
-            find_near(work, n, 1.0, 0.5 * margin)
-            pushed, corrections = _push_apart(work, n, work.bent)
+            store(work.x, i, load(work.before_x, i))
+            store(work.y, i, load(work.before_y, i))
+        pushed, corrections = _push_apart(work, n, margin)
     store(work.counts, 0, load(work.counts, 0) + corrections)
 
 
 @inner
-def _push_apart(work: Workspace, n: int, bent: int) -> tuple[Any, Any]:
-    """Sweep; the square of the longest way of a nucleus, and how many pairs were corrected."""
+def _push_apart(work: Workspace, n: int, margin: float) -> tuple[Any, Any]:
+    """Sweep over all pairs with gaps below a margin; the square of the longest way of a nucleus, and the corrections.
+
+    A nucleus is moved by none before its own turn, so where it was before the sweep, and which cells may be near it, is
+    found then.
+    """
     done = spread(work.x, 0.0), spread(work.x, 0.0)
+    boxes, ahead, first = work.bent > 0 and margin < math.inf, spread(work.x, -1e300), 0
+    if boxes:
+        find_boxes(work, n, BLOCK, 1.0, 0.5 * margin)
     for i in range(n):
         at = load(work.x, i), load(work.y, i)
-        if bent:
+        store(work.before_x, i, at[0])
+        store(work.before_y, i, at[1])
+        if boxes:
             for k in range(list_before(work, i)):
                 at, done = _part_from(work, i, work.begin[k], min(work.end[k], i), at, done)
         else:
-            at, done = _part_from(work, i, work.first[i], i, at, done)
+            first, ahead = next_window(work, i, first, ahead, 1.0, 0.5 * margin)
+            at, done = _part_from(work, i, first, i, at, done)
         store(work.x, i, at[0])
         store(work.y, i, at[1])
     return done
@@ -116,9 +114,9 @@ def part(flat: int, wide: int, n: int, touching: float, most: int) -> int:
 def largest_overlap(work: Workspace, n: int) -> float:
     """max R_i + R_j - |X_i - X_j| of one tissue, 0 if no discs overlap."""
     x, y, radius, largest = work.x, work.y, work.radius, 0.0
-    find_near(work, n, 1.0, 0.0)
+    boxes = find_near(work, n, 1.0, 0.0)
     for i in range(n):
-        for k in range(list_ranges(work, i)):
+        for k in range(list_ranges(work, i, boxes)):
             for j in range(work.begin[k], min(work.end[k], i)):
                 largest = max(largest, radius[i] + radius[j] - math.hypot(x[i] - x[j], y[i] - y[j]))
     return largest

@@ -13,7 +13,7 @@ from typing import Any
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
-from tissue.kernels.near import find_near, find_near_rows, list_around, list_before, window_around
+from tissue.kernels.near import BLOCK, find_boxes, find_near_rows, list_around, list_before, next_window, window_around
 from tissue.kernels.workspace import Workspace
 
 # Distance below which two nuclei repel each other.
@@ -41,19 +41,18 @@ def push_in_rows(work: Workspace, n: int, wide: Workspace, rows: int) -> None:
     Eight nuclei in a row meet all that are near one of them, one after the other. Without strength no pair is looked
     at.
     """
-    push, pairs = (spread(wide.x, 0.0), spread(wide.x, 0.0)), 0
-    if work.repulsion != 0.0:
-        find_near_rows(work, n, 0.0, work.soft_end)
+    push, pairs, end = (spread(wide.x, 0.0), spread(wide.x, 0.0)), 0, 0
+    boxes = work.repulsion != 0.0 and find_near_rows(work, n, 0.0, work.soft_end)
     for row in range(rows):
         total = push
         if work.repulsion == 0.0:
             pass
-        elif work.bent:
-            for k in range(list_around(work, row, rows)):
+        elif boxes:
+            for k in range(list_around(work, row)):
                 total = _push_row(work, wide, row, work.begin[k], min(work.end[k], n), total)
                 pairs += WIDTH * (min(work.end[k], n) - work.begin[k])
         else:
-            begin, end = window_around(work, row, n)
+            begin, end = window_around(work, row, n, end)
             total = _push_row(work, wide, row, begin, end, total)
             pairs += WIDTH * (end - begin)
         store(wide.push_x, row, total[0])
@@ -84,20 +83,22 @@ def _push_row(work: Workspace, wide: Workspace, row: int, begin: int, end: int, 
 @inner
 def push_in_pairs(work: Workspace, n: int) -> None:
     """The same in eight tissues, where each pair is looked at once. The sums are added up in the same order."""
-    none, pairs = spread(work.x, 0.0), 0
-    if work.repulsion != 0.0:
-        find_near(work, n, 0.0, work.soft_end)
+    none, pairs, first, ahead = spread(work.x, 0.0), 0, 0, spread(work.x, -1e300)
+    boxes = work.bent > 0
+    if boxes and work.repulsion != 0.0:
+        find_boxes(work, n, BLOCK, 0.0, work.soft_end)
     for i in range(n):
         sum_x, sum_y = none, none
         if work.repulsion == 0.0:
             pass
-        elif work.bent:
+        elif boxes:
             for k in range(list_before(work, i)):
                 sum_x, sum_y = _push_pairs(work, i, work.begin[k], min(work.end[k], i), (sum_x, sum_y))
                 pairs += max(0, min(work.end[k], i) - work.begin[k])
         else:
-            sum_x, sum_y = _push_pairs(work, i, work.first[i], i, (sum_x, sum_y))
-            pairs += i - work.first[i]
+            first, ahead = next_window(work, i, first, ahead, 0.0, work.soft_end)
+            sum_x, sum_y = _push_pairs(work, i, first, i, (sum_x, sum_y))
+            pairs += i - first
         store(work.push_x, i, 0.0 - sum_x)
         store(work.push_y, i, 0.0 - sum_y)
     work.pairs[0] += pairs

@@ -94,7 +94,7 @@ def list_pairs(work: Workspace, n: int, multipliers: Multipliers) -> bool:
     Until a nucleus moves by REACH / 2 no other pair can overlap, so that its multiplier stays zero.
     """
     x, y, radius = work.x, work.y, work.radius
-    find_near(work, n, 1.0, 0.5 * REACH)
+    boxes = find_near(work, n, 1.0, 0.5 * REACH)
     for i in range(n):
         work.before_x[i], work.before_y[i] = x[i], y[i]
         multipliers.last[i] = -1
@@ -103,7 +103,7 @@ def list_pairs(work: Workspace, n: int, multipliers: Multipliers) -> bool:
         if multipliers.discs[k] > 0.0:
             _add(multipliers, multipliers.i[k], multipliers.j[k], multipliers.square[k], multipliers.discs[k])
     for i in range(n):
-        for k in range(list_ranges(work, i)):
+        for k in range(list_ranges(work, i, boxes)):
             for j in range(work.begin[k], min(work.end[k], i)):
                 reach = radius[i] + radius[j]
                 near = math.hypot(x[i] - x[j], y[i] - y[j]) <= reach + REACH
