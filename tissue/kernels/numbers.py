@@ -13,7 +13,7 @@ from tissue.state.numbers import Numbers
 _EXAMPLE: Any = Numbers._make(0.0 if kind is float else 0 for kind in get_type_hints(Numbers).values())
 NUMBERS = struct_type(_EXAMPLE)
 numbers_at = reader(_EXAMPLE)
-# numbers_of(numbers, kind): the numbers of the cells of a kind, from those that ``handed_numbers`` passes to kernels.
+# numbers_of(numbers, kind): the numbers of the cells of a kind, from those that ``numbers_pointer`` passes to kernels.
 numbers_of = struct_after
 
 

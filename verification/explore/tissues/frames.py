@@ -21,7 +21,7 @@ from tissue.pictures.emt import chains, colours_of, free_points
 from tissue.pictures.picture import box_of
 from tissue.pictures.scaled import scaled
 from tissue.pictures.sheet import COLOURS, GREY, TYPE_COLOURS
-from tissue.runs.batch import Lot, kept_steps
+from tissue.runs.batch import Batch, kept_steps
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.mesh import Sheets
 from tissue.state.store import APICAL, BASAL, CELLS
@@ -120,15 +120,15 @@ def stream(parameters: Parameters, seed: int, stopped: Callable[[], bool] = lamb
     run = kind(finely_kept(parameters), seed)
     joined, begun = [run.head()], perf_counter()
     with suppress(Cancelled):
-        for t in run.lot.times(ask):
+        for t in run.batch.times(ask):
             ask()
             joined.append(run.picture(t))
             if t == 0 or perf_counter() - begun > CHUNK:
                 yield b"".join(joined)
                 joined, begun = [], perf_counter()
-            if not run.lot.goes_on(0):
+            if not run.batch.goes_on(0):
                 break
-        yield b"".join((*joined, ending(run.lot.status(0), run.lot.failure(0))))
+        yield b"".join((*joined, ending(run.batch.status(0), run.batch.failure(0))))
 
 
 def finely_kept(parameters: Parameters) -> Parameters:
@@ -146,10 +146,14 @@ class _Pictures:
     lengths: tuple[str, ...] = ("x", "y", "ax", "ay", "bx", "by", "radius")
 
     def __init__(self, parameters: Parameters, seed: int) -> None:
-        self.lot, self._parameters, self._um = Lot(parameters, [seed]), parameters, parameters.cell.soft_radius.value
+        self.batch, self._parameters, self._um = (
+            Batch(parameters, [seed]),
+            parameters,
+            parameters.cell.soft_radius.value,
+        )
         self._curve, self._numbers, self._named = parameters.curve(), parameters.numbers(), parameters.named_numbers()
         kept = np.array([0, *kept_steps(parameters)]) * parameters.numerics.dt.value
-        self._looks, self._places = looks_of(events_to_come(self.lot.store(0).emt, kept))
+        self._looks, self._places = looks_of(events_to_come(self.batch.store(0).emt, kept))
 
     def head(self) -> bytes:
         """Return what holds for the whole run."""
@@ -161,9 +165,9 @@ class _Pictures:
     def picture(self, t: float) -> bytes:
         """Return the present state, at time t; none of a state that is not finite."""
         frame = self._seen(t)
-        if not self.lot.goes_on(0):
-            frame = self.lot.frame(0, t)
-            if self.lot.status(0) is Status.NON_FINITE or not is_measurable(frame):
+        if not self.batch.goes_on(0):
+            frame = self.batch.frame(0, t)
+            if self.batch.status(0) is Status.NON_FINITE or not is_measurable(frame):
                 return b""
         columns = np.empty((len(self.lengths) + OTHERS, len(frame.cells.x)), "<f4")
         height = self._scaled(frame, columns[-1])
@@ -184,14 +188,14 @@ class _Pictures:
 
     def _seen(self, t: float) -> Frame:
         """Return the present state where it is, without a copy: as long as the run does not go on."""
-        store = self.lot.store(0)
+        store = self.batch.store(0)
         n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
         layers = CellLayers(store.layers.apical[:apical], store.layers.basal[:basal])
         return Frame(t, Cells._make(array[:n] for array in store.cells), layers, self._curve)
 
     def _scaled(self, frame: Frame, positions: Any) -> Any:
         """Write y_AB; the height [um], or None and zeros where there is no apical layer to measure by."""
-        height = self._um * scaled(self.lot.store(0), positions) if len(frame.layers.apical) else None
+        height = self._um * scaled(self.batch.store(0), positions) if len(frame.layers.apical) else None
         if height is None or not np.isfinite(positions).all():
             positions[:] = 0.0
             return None
@@ -241,7 +245,7 @@ class _SheetPictures(_Pictures):
 
     def _seen(self, t: float) -> Frame:
         """Return a copy of the present state: the networks are read where nothing changes them."""
-        return self.lot.frame(0, t)
+        return self.batch.frame(0, t)
 
     def _scaled(self, frame: Frame, positions: Any) -> Any:
         try:
