@@ -6,8 +6,8 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters, load, preset
+    from tissue.frames.frame import Frame
     from tissue.plugins import DivisionRule, EmtEvent, Force, Observable
     from tissue.runs.force_error import force_error
     from tissue.runs.registration import register
@@ -37,7 +37,7 @@ _HOMES = {
     "DivisionRule": "plugins",
     "EmtEvent": "plugins",
     "Force": "plugins",
-    "Frame": "files.frame",
+    "Frame": "frames.frame",
     "Observable": "plugins",
     "Parameters": "files.parameters",
     "Run": "runs.run",

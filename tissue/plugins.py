@@ -15,8 +15,8 @@ from dincl.errors import InvalidProblem
 from dincl.status import Status
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters
+    from tissue.frames.frame import Frame
 
 # Names of events, of forces and observables, of rules of divisions; units of observables.
 _LETTERS, _NAME = re.compile("[a-z][a-z0-9]*"), re.compile("[a-z][a-z0-9_]*")

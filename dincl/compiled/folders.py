@@ -37,6 +37,7 @@ FOLDERS = (
     "dincl.system.arrays",
     "meanfield.solvers.grid.finite_volume",
     "tissue.events",
+    "tissue.frames.observables",
     "tissue.pictures.scaled",
     "tissue.kernels",
     "tissue.model",

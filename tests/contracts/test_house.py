@@ -27,7 +27,7 @@ ORDER = {
         "errors weights plotting density model forces transport solvers solvers.grid",
     ),
     "tissue": (
-        "plugins state kernels network model rules step events files statistics pictures runs quasi_steady",
+        "plugins state kernels network model rules step events frames files statistics pictures runs quasi_steady",
         "study study.figures cli",
     ),
     "verification": (

@@ -8,7 +8,7 @@ import pandas as pd
 from scipy.stats import fisher_exact, norm
 
 from tissue.files.parameters import load
-from tissue.model.observables import ab_positions
+from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
 
 FOLDER = Path(__file__).parent

@@ -11,7 +11,6 @@ from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import settled
 from tissue.kernels import kernel
-from tissue.kernels.numbers import numbers_pointer
 from tissue.kernels.workspace import Workspaces
 from tissue.model import scale
 from tissue.model.basal_layer import order_basal
@@ -21,6 +20,7 @@ from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.group import Group
 from tissue.state import store
 from tissue.state.cells import Emt, Forces, emt_cells
+from tissue.state.numbers import numbers_pointer
 from tissue.step import advance
 from tissue.step.copies import copy_in, copy_out
 

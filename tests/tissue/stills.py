@@ -7,8 +7,8 @@ from matplotlib.colors import to_rgb
 
 from tests.tissue.states import layers, tissue
 from tissue.events.known import EVENTS
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.pictures.picture import stills
 from tissue.runs.simulate import simulate
 

@@ -10,10 +10,9 @@ from dincl.errors import InvalidProblem
 from tests.tissue import kernel_calls as kernels
 from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upright, with_emt
 from tissue.events.known import bit, row, settled
-from tissue.files.frame import Frame
 from tissue.files.parameters import load, preset
-from tissue.kernels.numbers import numbers_pointer
-from tissue.model.observables import ab_positions
+from tissue.frames.frame import Frame
+from tissue.frames.observables import ab_positions
 from tissue.quasi_steady.frozen import frozen_problem
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
@@ -21,6 +20,7 @@ from tissue.runs.start import started
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import emt_cells
 from tissue.state.checkpoint import streams
+from tissue.state.numbers import numbers_pointer
 from tissue.step.advance import apply_rules
 
 NEVER = np.inf

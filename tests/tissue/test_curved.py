@@ -10,9 +10,9 @@ from dincl.status import Status
 from tests.tissue import states
 from tests.twins.tissue import steps as twins
 from tissue.files.parameters import preset
+from tissue.frames.observables import ab_positions, areas, height, nucleus_height
 from tissue.model.energy import forces
 from tissue.model.extents import measure_extents
-from tissue.model.observables import ab_positions, areas, height, nucleus_height
 from tissue.model.scale import measure
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.rules.slice import in_plane

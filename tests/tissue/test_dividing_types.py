@@ -11,8 +11,8 @@ from tests.tissue.space.in_space import of_surface
 from tests.tissue.states import layers, numbers
 from tests.tissue.test_resume import same
 from tissue.events.known import bit
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate, simulate_many
 from tissue.study.outcomes import outcomes
 

@@ -11,9 +11,9 @@ from tests.tissue.kernel_calls import STILL, aged, both, compared, together, upr
 from tests.tissue.states import layers
 from tests.twins.tissue import steps as twins
 from tissue.events.known import bit, row, settled
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.model.observables import ab_positions
+from tissue.frames.frame import Frame
+from tissue.frames.observables import ab_positions
 from tissue.state.cells import emt_cells
 
 NEVER = math.inf

@@ -8,8 +8,8 @@ import pytest
 import tissue
 from dincl.errors import InvalidProblem
 from tissue.events.known import bit, row
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate, simulate_many
 
 # Every cell divides in these hours; one event after the other begins, some before and some after each kept state.

@@ -10,7 +10,7 @@ import pytest
 from dincl.status import Status
 from tissue.events.known import EVENTS, bit, events
 from tissue.files.parameters import preset
-from tissue.model.observables import PHASES, height, nuclear_layers, phases
+from tissue.frames.observables import PHASES, height, nuclear_layers, phases
 from tissue.runs.run import Run
 from tissue.runs.simulate import simulate
 from tissue.runs.tables import DEPTH_LENGTHS, cell_table, summary_table

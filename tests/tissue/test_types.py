@@ -15,7 +15,7 @@ from tests.tissue.test_resume import same
 from tissue.events.known import row
 from tissue.files.cell_types import OWN_KEYS
 from tissue.files.parameters import preset
-from tissue.model.observables import PHASES, phases
+from tissue.frames.observables import PHASES, phases
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate, simulate_many
 from tissue.runs.start import started

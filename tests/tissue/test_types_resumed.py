@@ -8,7 +8,7 @@ from tests.tissue.kernels.test_many import same_cells
 from tests.tissue.test_resume import same
 from tests.tissue.test_types import LIVELY, MIXED, SHORT
 from tissue.events.known import bit
-from tissue.files.frame import Frame
+from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
 from tissue.state.cells import NAMED
 

@@ -6,7 +6,7 @@ import pytest
 import tissue
 from tests.pages import ROOT, play
 from tissue.files.parameters import load
-from tissue.model.observables import basal_area
+from tissue.frames.observables import basal_area
 
 PAGE = ROOT / "docs" / "tutorials" / "space.md"
 

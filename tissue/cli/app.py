@@ -19,8 +19,8 @@ from tissue.cli.parameters import list_parameters
 from tissue.cli.studies import figures, study, summarise
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters
+    from tissue.frames.frame import Frame
     from tissue.runs.run import Run
 
 MAKES_NO_NUMBERS = True
@@ -50,7 +50,7 @@ def run(
 
     The first run on a machine takes longer: the kernels are compiled.
     """
-    from tissue.files.frame import Frame
+    from tissue.frames.frame import Frame
 
     with messages():
         parameters = _parameters(file)
@@ -75,7 +75,7 @@ def movie(
     ] = False,
 ) -> None:
     """Simulate, and write an animation of the kept states."""
-    from tissue.model.observables import measurable
+    from tissue.frames.observables import measurable
     from tissue.pictures import movie as film
     from tissue.pictures.view import check_space, view
 
@@ -133,7 +133,7 @@ def _simulated(parameters: Parameters, seed: int, first: Frame | None = None) ->
 
 
 def _write_results(grown: Run, folder: Path) -> None:
-    from tissue.model.observables import measurable
+    from tissue.frames.observables import measurable
     from tissue.pictures.picture import picture
 
     with replacing(folder / "table.parquet") as partial:

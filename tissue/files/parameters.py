@@ -24,7 +24,7 @@ from tissue.files.layer import curve_of
 from tissue.files.messages import known_keys, known_only, problems, refuse, unknown
 from tissue.files.own_modules import bring, imported, placed
 from tissue.files.parameter_files import FOLDER, merged, nested, read, written
-from tissue.files.plain_numbers import to_numbers, to_start_numbers
+from tissue.files.plain_numbers import to_exchange, to_lattice, to_numbers, to_start_numbers
 from tissue.files.scenario import CellGroup, Scenario
 from tissue.files.sections import (
     CellSection,
@@ -38,7 +38,6 @@ from tissue.files.sections import (
     StartSection,
     TissueSection,
 )
-from tissue.files.space_numbers import to_exchange, to_lattice
 from tissue.files.space_rules import becomes_space, fewest_cells
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_types, wrong_names

@@ -8,14 +8,19 @@ from tissue.files.emt_sections import EventsSection
 from tissue.files.sections import (
     CellSection,
     DivisionSection,
+    LayerSection,
     NumericsSection,
     RulesSection,
+    SpaceSection,
     StartSection,
     TissueSection,
 )
 from tissue.files.units import Measure, reduced
+from tissue.kernels.workspace import SOFT
+from tissue.model.lattice import Lattice, ball_lattice, flat_lattice, round_lattice, rows_of
 from tissue.state.basal_curve import BasalCurve
 from tissue.state.numbers import Numbers, StartNumbers
+from tissue.state.space import MEAN, PRESENT, Exchange
 
 
 def to_numbers(
@@ -90,4 +95,36 @@ def to_start_numbers(
         nuclei_high=high * height,
         rest_length=reduced(cell.initial_rest_length, soft_radius),
         junction=reduced(division.new_junction, soft_radius),
+    )
+
+
+# At the boundary of an open sheet neighbours are apart by the range of nuclei at most, or by twice the largest distance
+# of basal points. With 2/3 R_soft the edge of a sheet frays into fingers: its junctions grow longer than that.
+LEAST_REACH, REACH = SOFT, 2.0
+
+
+def to_lattice(tissue: TissueSection, layer: LayerSection, space: SpaceSection, soft_radius: Measure) -> Lattice:
+    """The basal points at the start.
+
+    Raises
+    ------
+    InvalidProblem
+        If the cells do not fill their rows.
+    """
+    cells, inside, periodic = tissue.cells, layer.side == "inside", space.boundary == "periodic"
+    around = reduced(layer.perimeter, soft_radius)
+    if layer.shape == "sphere":
+        return ball_lattice(cells, around, inside=inside)
+    rows = rows_of(cells, space.rows, strip=layer.shape == "circle" and not periodic)
+    if layer.shape == "circle":
+        return round_lattice(cells, rows, around, inside=inside, periodic=periodic)
+    return flat_lattice(cells, rows, reduced(tissue.basal_spacing, soft_radius), periodic=periodic)
+
+
+def to_exchange(tissue: TissueSection, space: SpaceSection, events: EventsSection, soft_radius: Measure) -> Exchange:
+    """How cells exchange neighbours."""
+    return Exchange(
+        margin=space.flip_margin,
+        reach=max(LEAST_REACH, REACH * reduced(tissue.max_basal_distance, soft_radius)),
+        new_rest=MEAN if space.new_rest == "mean" else PRESENT,
     )

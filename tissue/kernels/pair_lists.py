@@ -22,7 +22,7 @@ from tissue.kernels.surface_workspace import (
     nearest,
     periods,
 )
-from tissue.model.repulsion import SOFT
+from tissue.kernels.workspace import SOFT
 
 
 @inner

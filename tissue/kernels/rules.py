@@ -7,8 +7,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import call, reader, signature, struct_type
-from tissue.kernels.numbers import NUMBERS
 from tissue.state.cells import Integers
+from tissue.state.numbers import NUMBERS
 from tissue.state.store import STORE
 
 # begin(store, i, bit, numbers) and last(store, i, rest_ax, rest_bx, numbers) of an event.

@@ -12,8 +12,7 @@ from dincl.compiled import StructPointer, inner, reader, struct_type
 from dincl.compiled.lanes import WIDTH, floored, fma
 from dincl.errors import InvalidProblem
 from tissue.kernels.quads import QUAD_WIDTH
-from tissue.kernels.workspace import aligned
-from tissue.model.repulsion import SOFT
+from tissue.kernels.workspace import SOFT, aligned
 from tissue.state.cells import Floats, Integers
 from tissue.state.surface import FLAT_SURFACE, Surface
 

@@ -20,6 +20,8 @@ from tissue.state.surface import FLAT_SURFACE, Surface
 RUNNING, EMPTY = 0, -1
 # Far from every cell, and from each other: the places that are empty.
 FAR = 1e6
+# Distance below which two nuclei repel each other [R_soft].
+SOFT = 2.0
 # Radius of the soft discs, a little more than 1: a pair at the end of the range, of which rounding decides
 # whether it repels, is looked at in every company.
 SOFT_END = 1.0 + 1e-9

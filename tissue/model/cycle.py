@@ -11,12 +11,11 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels import kernel
-from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import Rules, call_shrink
 from tissue.model.emt import last_events
 from tissue.model.springs import apical_length, basal_length, cell_length
 from tissue.state.cells import Cells
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.store import CELLS, Store
 
 

@@ -6,11 +6,10 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from tissue.kernels import kernel
-from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import Rules, call_split, call_splits
 from tissue.model.cycle import draw_cycle
 from tissue.state.cells import Cells
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.space import SPATIAL
 from tissue.state.store import CELLS, Store
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dincl.compiled import inner
-from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import Rules, call_begin, call_last
 from tissue.model.scale import ab_position
 from tissue.state.cells import Emt
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.store import CELLS, EMT_CELLS, Store
 
 

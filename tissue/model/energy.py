@@ -15,8 +15,8 @@ from dincl.checks import bounded
 from dincl.constants import LARGEST
 from dincl.errors import InvalidProblem
 from dincl.neighbours.search import neighbour_pairs
+from tissue.kernels.workspace import SOFT
 from tissue.model import bending, junctions, repulsion, springs
-from tissue.model.repulsion import SOFT
 from tissue.state.basal_curve import LINE, BasalCurve
 from tissue.state.cells import CellLayers, Cells, Floats, Forces, Integers
 from tissue.state.numbers import Numbers

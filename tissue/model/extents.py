@@ -65,7 +65,7 @@ def _side(cells: Cells, i: int, j: int, k: int) -> float:
 def measure_extents(store: Store, extents: Floats) -> None:
     """Mean height of the apical layer and of the nuclei; extent in x of the apical layer, the basal layer, the nuclei.
 
-    As ``height``, ``nucleus_height`` and ``widths`` of ``tissue.model.observables``; (5,).
+    As ``height``, ``nucleus_height`` and ``widths`` of ``tissue.frames.observables``; (5,).
     """
     cells, layers, n = store.cells, store.layers, store.sizes[CELLS]
     low, high, total = math.inf, -math.inf, 0.0

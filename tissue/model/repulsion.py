@@ -14,10 +14,7 @@ from typing import Any
 from dincl.compiled import inner
 from dincl.compiled.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
 from tissue.kernels.near import BLOCK, find_boxes, find_near_rows, list_around, list_before, next_window, window_around
-from tissue.kernels.workspace import Workspace
-
-# Distance below which two nuclei repel each other.
-SOFT = 2.0
+from tissue.kernels.workspace import SOFT, Workspace
 
 Lane = Any  # a double, or eight
 Plane = tuple[Lane, Lane]

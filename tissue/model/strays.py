@@ -6,7 +6,8 @@ from dincl.compiled import inner
 from dincl.compiled.lanes import WIDTH, fma, load, lowest_bit, positive_bits
 from tissue.kernels.pair_lists import HALF_SKIN, SKIN, find_strays
 from tissue.kernels.surface_workspace import ALL, FOUND, PAIRS, STRAYS, SurfaceWorkspace, nearest, periods
-from tissue.model.repulsion import SOFT, repelling
+from tissue.kernels.workspace import SOFT
+from tissue.model.repulsion import repelling
 
 
 @inner

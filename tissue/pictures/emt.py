@@ -10,7 +10,7 @@ import numpy as np
 from tissue.events.known import EVENTS
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
+    from tissue.frames.frame import Frame
     from tissue.state.cells import Flags, Integers
 
 MAKES_NO_NUMBERS = True

@@ -19,8 +19,8 @@ from tissue.pictures.sheet import COLOURS as PHASE_COLOURS
 from tissue.pictures.sheet import shades
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters
+    from tissue.frames.frame import Frame
 
 MAKES_NO_NUMBERS = True
 

@@ -15,11 +15,11 @@ from numpy.typing import NDArray
 from dincl.checks import instance, items
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.model.observables import height, is_measurable
+from tissue.frames.frame import Frame
+from tissue.frames.observables import height, is_measurable
+from tissue.frames.section import cut_of, section
 from tissue.pictures.emt import EmtLook, chains, free_points, look_of
-from tissue.pictures.section import cut_of, section
 from tissue.pictures.sheet import (
     APICAL,
     BASAL,

@@ -13,10 +13,10 @@ from numpy.typing import NDArray
 
 from dincl.errors import InvalidProblem
 from dincl.extras import needs
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
+from tissue.frames.frame import Frame
+from tissue.frames.section import cut
 from tissue.pictures.emt import EmtLook
-from tissue.pictures.section import cut
 from tissue.pictures.sheet import APICAL, BASAL, colours_of_cells, shades
 from tissue.state.cells import Flags, Floats, Integers
 from tissue.state.mesh import Mesh, Sheets

@@ -24,9 +24,9 @@ from numpy.typing import NDArray
 
 from dincl.files import replacing
 from tissue.events.known import EVENTS
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.model.observables import PHASES, phases
+from tissue.frames.frame import Frame
+from tissue.frames.observables import PHASES, phases
 from tissue.pictures.emt import EmtLook
 
 MAKES_NO_NUMBERS = True

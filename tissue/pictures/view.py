@@ -11,9 +11,9 @@ import numpy as np
 from dincl.checks import instance, items
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.model.observables import is_measurable
+from tissue.frames.frame import Frame
+from tissue.frames.observables import is_measurable
 from tissue.pictures.emt import look_of
 from tissue.pictures.movie import write_images
 from tissue.pictures.picture import draw_frame

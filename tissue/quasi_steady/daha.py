@@ -13,13 +13,12 @@ from dincl.checks import instance, integer, number
 from dincl.constraints import Constraint
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.kernels.numbers import numbers_pointer
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
 from tissue.quasi_steady.iteration import CROWDED, NON_FINITE, TOO_FAR, UNFINISHED, iterate, memory_for, workspaces_for
 from tissue.rules.slice import in_plane
 from tissue.state.cells import CellLayers, Cells
-from tissue.state.numbers import Daha, Numbers
+from tissue.state.numbers import Daha, Numbers, numbers_pointer
 from tissue.state.store import contents, stored
 from tissue.step.advance import DONE
 

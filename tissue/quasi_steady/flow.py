@@ -5,9 +5,10 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from tissue.kernels import kernel
+from tissue.kernels.workspace import SOFT
 from tissue.model.junctions import pulling
 from tissue.model.motion import pulls
-from tissue.model.repulsion import SOFT, repelling
+from tissue.model.repulsion import repelling
 from tissue.state.cells import Floats, Integers
 
 

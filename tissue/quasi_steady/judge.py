@@ -14,9 +14,9 @@ from dincl.neighbours.search import neighbour_pairs
 from dincl.rows.base import StackedRows
 from dincl.rows.distance import DistanceRows
 from dincl.status import Status
+from tissue.kernels.workspace import SOFT
 from tissue.model import bending, junctions, repulsion, springs
 from tissue.model.energy import energy, forces
-from tissue.model.repulsion import SOFT
 from tissue.quasi_steady.frozen import cells_at, constraints, of_a_frame, particles
 from tissue.state.cells import CellLayers, Cells, Floats, Integers
 from tissue.state.numbers import Numbers

@@ -11,9 +11,8 @@ from dincl.checks import flag, function, instance
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.files.cell_types import PAIR_KEYS
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
-from tissue.kernels.numbers import numbers_pointer
+from tissue.frames.frame import Frame
 from tissue.quasi_steady.daha import TissueArrowHurwicz
 from tissue.quasi_steady.minimiser import TissueMinimiser
 from tissue.runs.batch import WATCH, checkpoint_at, kept_steps
@@ -22,6 +21,7 @@ from tissue.runs.run import Run, RunFailed
 from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
 from tissue.state.checkpoint import streams
+from tissue.state.numbers import numbers_pointer
 from tissue.state.store import COUNTERS, Store, contents, grown
 from tissue.step.advance import apply_rules, is_full
 

@@ -12,7 +12,7 @@ from dincl.errors import InvalidProblem
 from dincl.problem import Problem
 from dincl.projection import Projection
 from dincl.projection.project import project
-from tissue.files.frame import Frame
+from tissue.frames.frame import Frame
 from tissue.quasi_steady.flow import Rates, flow
 from tissue.state.cells import Cells, Floats
 from tissue.state.mesh import Sheets

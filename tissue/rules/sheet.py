@@ -8,7 +8,6 @@ from typing import Any
 
 from dincl.compiled import c_function, inner
 from tissue.kernels.layers import find, remove_from
-from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import LEAVE, POSITION, SHRINK, SPLIT, Rules
 from tissue.model.emt import inherit_events
 from tissue.model.scale import position_in_space
@@ -17,7 +16,7 @@ from tissue.network.insert import insert
 from tissue.network.remove import remove
 from tissue.state.cells import Floats, Integers
 from tissue.state.network import Network
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.space import TissueRules
 from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.state.surface import PLANE, Surface, normal, onto

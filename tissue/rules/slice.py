@@ -8,12 +8,11 @@ from typing import Any
 
 from dincl.compiled import c_function, inner
 from tissue.kernels.layers import chained_before, chained_behind, find, remove_from
-from tissue.kernels.numbers import numbers_of
 from tissue.kernels.rules import LEAVE, POSITION, SHRINK, SPLIT, Rules, call_place
 from tissue.model.emt import inherit_events
 from tissue.model.scale import position_in_slice
 from tissue.state.cells import Floats, Integers
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.space import SUM, Space, TissueRules, no_space
 from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 

@@ -11,8 +11,8 @@ from dincl.callables import UserFunction
 from dincl.checks import function, instance
 from dincl.errors import FunctionFailed
 from dincl.status import Status
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
+from tissue.frames.frame import Frame
 from tissue.kernels.workspace import LOST, RUNNING
 from tissue.plugins import DivisionRule, EmtEvent, Force, registered
 from tissue.runs.group import Group

@@ -6,16 +6,15 @@ import numpy as np
 
 from dincl.checks import instance, number
 from dincl.errors import InvalidProblem
+from tissue.frames.observables import measurable
 from tissue.kernels import kernel
-from tissue.kernels.numbers import numbers_pointer
-from tissue.model.observables import measurable
 from tissue.plugins import Force
 from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import answered, push_and_energy
 from tissue.runs.run import Run
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import Floats
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_pointer
 from tissue.state.store import CELLS, Store, stored
 from tissue.step.own_forces import call_energy, call_push, clear
 

@@ -12,14 +12,13 @@ from dincl.compiled import StructPointer
 from dincl.compiled.generators import GENERATOR, generator_words
 from dincl.compiled.lanes import WIDTH
 from tissue.events.division import BESIDE
-from tissue.kernels.numbers import numbers_pointer
 from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
 from tissue.kernels.workspace import EMPTY, RUNNING, Workspaces
 from tissue.plugins import DivisionRule, Force
 from tissue.runs.compiled_rules import answered, forces_pointer, rules_pointer
 from tissue.state.cells import Integers
 from tissue.state.checkpoint import Streams
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_pointer
 from tissue.state.space import FLAT
 from tissue.state.store import Store, grown
 from tissue.step.advance import (

@@ -13,10 +13,10 @@ from dincl.errors import InvalidProblem
 from tissue.events.known import bit, events, row
 from tissue.files.cell_types import UNNAMED
 from tissue.files.combinations import ROUNDING
-from tissue.files.frame import A_START, Frame
-from tissue.files.frame_files import checked
 from tissue.files.timing import Timing
 from tissue.files.type_rules import broken_groups
+from tissue.frames.frame import A_START, Frame
+from tissue.frames.frame_files import checked
 from tissue.kernels.workspace import LOST
 from tissue.model.lattice import Lattice
 from tissue.rules.slice import in_plane
@@ -29,8 +29,8 @@ from tissue.state.store import Store, stored
 from tissue.step.advance import find_lost
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters
+    from tissue.frames.frame import Frame
     from tissue.state.checkpoint import Streams, TissueCheckpoint
 
 

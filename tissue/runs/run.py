@@ -13,8 +13,8 @@ import numpy as np
 from dincl.checks import describe, instance, number
 from dincl.errors import InvalidProblem
 from dincl.status import Status
-from tissue.files.frame import Frame
-from tissue.model.observables import measurable
+from tissue.frames.frame import Frame
+from tissue.frames.observables import measurable
 from tissue.state.checkpoint import Separation
 
 if TYPE_CHECKING:

@@ -10,8 +10,8 @@ from dincl.checks import flag, items
 from dincl.checks import seed as checked_seed
 from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
-from tissue.files.frame import A_START, Frame
 from tissue.files.parameters import Parameters
+from tissue.frames.frame import A_START, Frame
 from tissue.runs.batch import Batch
 from tissue.runs.resume import checkpoint_of
 from tissue.runs.run import Run, RunFailed

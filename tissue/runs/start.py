@@ -10,7 +10,6 @@ import numpy as np
 from numpy.random import Generator
 
 from dincl.errors import InvalidProblem
-from tissue.kernels.numbers import numbers_pointer
 from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
 from tissue.kernels.workspace import Workspaces
 from tissue.model.balls import part_balls
@@ -26,7 +25,7 @@ from tissue.state.cells import Cells, Floats, Integers, empty
 from tissue.state.checkpoint import Separation
 from tissue.state.mesh import Sheets, network_of
 from tissue.state.network import Network
-from tissue.state.numbers import Numbers, StartNumbers
+from tissue.state.numbers import Numbers, StartNumbers, numbers_pointer
 from tissue.state.space import FLAT, SPATIAL, Exchange, Space
 from tissue.state.store import STRAIGHT, Store, stored
 from tissue.state.surface import Surface

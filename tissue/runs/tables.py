@@ -9,13 +9,13 @@ import numpy as np
 import pandas as pd
 
 from tissue.events.known import EVENTS
-from tissue.model import observables
-from tissue.model.observables import PHASES, ab_positions, areas, extruded, measurable, phases, widths
+from tissue.frames import observables
+from tissue.frames.observables import PHASES, ab_positions, areas, extruded, measurable, phases, widths
 from tissue.plugins import Observable, registered
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
     from tissue.files.parameters import Parameters
+    from tissue.frames.frame import Frame
     from tissue.state.cells import Integers
 
 

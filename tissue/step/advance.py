@@ -11,7 +11,6 @@ from numpy.random import Generator
 from dincl.compiled import c_function, call, reader, signature, struct_type
 from dincl.compiled.generators import GENERATOR, generator_at
 from tissue.kernels import kernel
-from tissue.kernels.numbers import numbers_at
 from tissue.kernels.rules import Rules, call_substeps, rules_at
 from tissue.kernels.surface_workspace import surface_workspace_at
 from tissue.kernels.workspace import LOST, RUNNING, workspace_at
@@ -24,7 +23,7 @@ from tissue.model.scale import watch_sides
 from tissue.network.exchange import relax
 from tissue.network.follow import STUCK, follow
 from tissue.state.cells import Integers
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_at
 from tissue.state.store import CELLS, Store, store_at
 from tissue.step.copies import copy_from_workspace, copy_in, copy_out, copy_to_workspace
 

@@ -9,14 +9,13 @@ from dincl.compiled.lanes import store as put
 from tissue.kernels import surface_workspace as on_workspace
 from tissue.kernels.curve import course
 from tissue.kernels.layers import chained_before
-from tissue.kernels.numbers import numbers_of
 from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, ORDERED, SurfaceWorkspace
 from tissue.kernels.workspace import FAR, RUNNING, Workspace
 from tissue.model.springs import coefficient
 from tissue.network.halfedges import LEFT, begins_edge, is_row, preceding
 from tissue.state.cells import Cells, Integers
 from tissue.state.network import Network
-from tissue.state.numbers import Numbers
+from tissue.state.numbers import Numbers, numbers_of
 from tissue.state.store import APICAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store, store_at
 
 

@@ -12,9 +12,9 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from dincl.compiled import call, inner, reader, signature, struct_type
-from tissue.kernels.numbers import NUMBERS, numbers_at
 from tissue.kernels.workspace import FLAT, Workspace
 from tissue.state.cells import Floats, Forces, Integers
+from tissue.state.numbers import NUMBERS, numbers_at
 from tissue.state.store import CELLS, STORE, Store, store_at
 from tissue.step.copies import put_back
 

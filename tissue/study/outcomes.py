@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from dincl.compiled.lanes import WIDTH
 from dincl.status import Status
 from tissue.events.known import OF_THESIS, acting, events
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters
+from tissue.frames.frame import Frame
 from tissue.model.extents import measure_extents
 from tissue.model.scale import measure
 from tissue.plugins import Observable, registered

@@ -7,8 +7,8 @@ import pytest
 
 from dincl.errors import InvalidProblem
 from tests.tissue.test_resume import arrays, same
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
 
 SMALL = {

@@ -14,7 +14,7 @@ from tissue.files.parameters import load, preset
 from tissue.files.scenario import Scenario, drawn
 from tissue.files.timing import Timing, timing
 from tissue.files.units import Measure
-from tissue.model.observables import ab_positions
+from tissue.frames.observables import ab_positions
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate
 from tissue.runs.start import started

@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-import tissue.model.observables
+import tissue.frames.observables
 from dincl.errors import InvalidProblem
 from tests.tissue.states import HEIGHT, cells, layers, numbers
 from tests.tissue.states import tissue as cells_at
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.model.observables import (
+from tissue.frames.frame import Frame
+from tissue.frames.observables import (
     PHASES,
     Extruded,
     Widths,
@@ -92,7 +92,7 @@ def test_points_in_one_place_and_a_layer_of_one_cell():
 @pytest.mark.parametrize("block", [1, 100, 333])
 def test_blocks_change_nothing(monkeypatch, block):
     whole = ab_positions(random_frame(1))
-    monkeypatch.setattr(tissue.model.observables, "BLOCK", block)
+    monkeypatch.setattr(tissue.frames.observables, "BLOCK", block)
     assert ab_positions(random_frame(1)).tolist() == whole.tolist()
 
 

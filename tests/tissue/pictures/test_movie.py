@@ -7,7 +7,7 @@ from PIL import Image
 from dincl.errors import InvalidProblem
 from tests.tissue.stills import THESIS, coloured, pair, two_hours
 from tissue.events.known import EVENTS
-from tissue.model.observables import PHASES
+from tissue.frames.observables import PHASES
 from tissue.pictures import movie as film
 from tissue.pictures.emt import EMT_COLOURS
 from tissue.pictures.picture import stills

@@ -11,7 +11,7 @@ from dincl.errors import InvalidProblem
 from tests.contracts.test_imports import imported, sources
 from tests.tissue.states import layers
 from tests.tissue.stills import THESIS, UM, coloured, drawn, pair, trio, two_hours
-from tissue.model.observables import PHASES
+from tissue.frames.observables import PHASES
 from tissue.pictures import picture as drawing
 from tissue.pictures.picture import picture, stills
 from tissue.pictures.sheet import COLOURS

@@ -7,7 +7,7 @@ from tests.tissue.states import layers
 from tests.tissue.stills import THESIS, trio
 from tissue.events.known import EVENTS
 from tissue.files.cell_types import MOST_TYPES
-from tissue.model.observables import PHASES
+from tissue.frames.observables import PHASES
 from tissue.pictures.emt import EMT_COLOURS, OTHER_COLOURS, look_of
 from tissue.pictures.picture import picture
 from tissue.pictures.sheet import APICAL, BASAL, COLOURS, TYPE_COLOURS

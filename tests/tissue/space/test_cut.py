@@ -5,9 +5,9 @@ import pytest
 
 from tests.tissue.space.in_space import of_surface
 from tests.tissue.space.tissues import KINDS, spread_points
+from tissue.frames.section import cut, cut_of
 from tissue.network.start import triangulated
 from tissue.pictures.scene import polygons
-from tissue.pictures.section import cut, cut_of
 from tissue.runs.simulate import simulate
 from tissue.state import surface as s
 from tissue.state.mesh import kept

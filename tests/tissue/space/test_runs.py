@@ -5,8 +5,8 @@ import pytest
 
 import tissue
 from tests.tissue.space.in_space import SURFACES, of_surface, parameters, same
-from tissue.files.frame import Frame
-from tissue.model.observables import ab_positions, basal_area, height, nuclear_layers
+from tissue.frames.frame import Frame
+from tissue.frames.observables import ab_positions, basal_area, height, nuclear_layers
 from tissue.runs.simulate import simulate
 
 FREE = {

@@ -11,8 +11,8 @@ from tests.twins.tissue.space.state import Steps, distance, still
 from tissue.kernels import kernel
 from tissue.kernels.pair_lists import MOST_STRAYS, SKIN, make_lists, row_of
 from tissue.kernels.surface_workspace import ALL, FOUND, LISTS, WHOLE, surface_workspace_at, wide_surface_workspace_at
+from tissue.kernels.workspace import SOFT
 from tissue.model.energy import nearest_image
-from tissue.model.repulsion import SOFT
 from tissue.step.substeps import make_surface_substep
 
 seeds = st.integers(0, 2**32 - 1)

@@ -5,7 +5,7 @@ import pytest
 
 import tissue
 from dincl import InvalidProblem
-from tissue.model.observables import nuclear_layers
+from tissue.frames.observables import nuclear_layers
 
 COMMON = {
     "layer.shape": "circle",

@@ -21,7 +21,7 @@ from tests.tissue.study.figures_stand_in import (
     whole,
 )
 from tissue.files.parameters import preset
-from tissue.model.observables import phases
+from tissue.frames.observables import phases
 from tissue.pictures.charts import CHECK, CHECKED, ENVIRONMENTS, OUTCOMES, ratios_in_time
 from tissue.runs.simulate import simulate
 from tissue.statistics.ratios import over_time

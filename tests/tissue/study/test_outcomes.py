@@ -5,7 +5,7 @@ import pytest
 
 from tissue.events.known import bit
 from tissue.files.parameters import preset
-from tissue.model.observables import ab_positions
+from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate_many
 from tissue.study.outcomes import EXTENTS, SIDES, outcomes
 

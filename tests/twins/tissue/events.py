@@ -13,8 +13,8 @@ import numpy as np
 from tests.twins.tissue.state import Tissue
 from tests.twins.tissue.types import Named, of_cell
 from tissue.events.known import bit, events
-from tissue.files.frame import Frame
-from tissue.model.observables import ab_positions
+from tissue.frames.frame import Frame
+from tissue.frames.observables import ab_positions
 from tissue.state.cells import CellLayers, Cells, Emt, Flags, Floats
 from tissue.state.numbers import Numbers
 

@@ -16,7 +16,7 @@ from typing import Any
 from mpmath import mp
 from numpy.random import Generator
 
-from tissue.files.frame import Frame
+from tissue.frames.frame import Frame
 from tissue.state.numbers import Numbers
 
 # The point of the basal layer at arclength s, and the unit tangent there.

@@ -10,7 +10,7 @@ from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tests.verification.explore.small import SMALL
 from tissue.events.known import EVENTS
-from tissue.model.observables import ab_positions, height
+from tissue.frames.observables import ab_positions, height
 from tissue.pictures.emt import EMT_COLOURS
 from verification.explore.common.streams import SIZES, told
 from verification.explore.tissues import frames

@@ -7,8 +7,8 @@ from tests.browser import launched, visit
 from tests.tissue.space.in_space import SURFACES, of_surface
 from tests.verification.explore.site import interval, numbers, served, wait_for_runs, write_base
 from tests.verification.explore.test_frames import parsed
-from tissue.model.observables import ab_positions, height
-from tissue.pictures.section import section
+from tissue.frames.observables import ab_positions, height
+from tissue.frames.section import section
 from tissue.runs.simulate import simulate
 from tissue.study.plan import run_seeds
 from verification.explore.tissues.frames import finely_kept, stream

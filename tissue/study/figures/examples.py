@@ -10,10 +10,10 @@ import pandas as pd
 
 from dincl.errors import InvalidProblem
 from tissue.events.known import EVENTS
-from tissue.files.frame import Frame
+from tissue.frames.frame import Frame
+from tissue.frames.section import section_on
 from tissue.pictures.charts import POSITION, caption, verbatim
 from tissue.pictures.picture import Box, drawing
-from tissue.pictures.section import section_on
 from tissue.pictures.sheet import Figure
 from tissue.pictures.view import surface_figure
 from tissue.runs.simulate import simulate

@@ -13,10 +13,10 @@ import numpy as np
 from dincl.errors import InvalidProblem
 from dincl.status import Status
 from tissue.events.known import EVENTS
-from tissue.files.frame import Frame
 from tissue.files.units import Measure
-from tissue.model.observables import ab_positions, is_measurable, phases
-from tissue.model.observables import height as mean_height
+from tissue.frames.frame import Frame
+from tissue.frames.observables import ab_positions, is_measurable, phases
+from tissue.frames.observables import height as mean_height
 from tissue.pictures.emt import chains, colours_of, free_points
 from tissue.pictures.picture import box_of
 from tissue.pictures.scaled import scaled

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Key, Row, Study
-from tissue.files.frame import Frame
+from tissue.frames.frame import Frame
 from tissue.state.numbers import Numbers
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.growing import growing

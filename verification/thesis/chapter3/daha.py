@@ -12,9 +12,9 @@ import pandas as pd
 from scipy.stats import binomtest
 
 from dincl.study import Key, Row, Study
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
-from tissue.model.observables import height, widths
+from tissue.frames.frame import Frame
+from tissue.frames.observables import height, widths
 from tissue.quasi_steady.run import QuasiSteadyRun, simulate_quasi_steady
 from tissue.state.cells import Cells
 from verification.thesis.chapter3 import linear

@@ -10,8 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dincl.status import Status
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
+from tissue.frames.frame import Frame
 from tissue.kernels.workspace import RUNNING
 from tissue.runs.group import Group
 from tissue.runs.start import started

@@ -10,7 +10,7 @@ import pandas as pd
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import preset
-from tissue.model.observables import height
+from tissue.frames.observables import height
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, growing
 from verification.thesis.chapter3.intervals import over_seeds
 

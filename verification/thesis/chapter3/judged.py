@@ -13,9 +13,8 @@ from scipy.optimize import nnls
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
-from tissue.kernels.numbers import numbers_pointer
+from tissue.frames.observables import height
 from tissue.model.energy import energy, forces
-from tissue.model.observables import height
 from tissue.quasi_steady.daha import TissueArrowHurwicz, violation
 from tissue.quasi_steady.frozen import constraints, particles
 from tissue.quasi_steady.judge import local_minimum
@@ -24,6 +23,7 @@ from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Cells
+from tissue.state.numbers import numbers_pointer
 from tissue.state.store import contents
 from tissue.step.advance import apply_rules
 from verification.thesis.chapter3.frozen import Frozen

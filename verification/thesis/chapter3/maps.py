@@ -12,8 +12,8 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Study
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.state.numbers import Numbers
 from verification.thesis.chapter2.stability.plane import Axis, Plane, geometric
 from verification.thesis.chapter3 import frozen, linear

@@ -14,8 +14,8 @@ import pandas as pd
 
 from dincl.compiled.lanes import WIDTH
 from dincl.study import progress
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
+from tissue.frames.frame import Frame
 from tissue.runs.batch import Batch
 from tissue.state.cells import Flags, Integers
 from tissue.statistics.proportions import wilson

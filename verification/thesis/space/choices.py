@@ -10,7 +10,7 @@ import pandas as pd
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
-from tissue.model.observables import height
+from tissue.frames.observables import height
 from tissue.runs.simulate import simulate
 from tissue.study.outcomes import SIDES
 from verification.thesis.chapter3.intervals import over_seeds

@@ -10,8 +10,8 @@ import numpy as np
 
 import dincl
 import tissue
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
+from tissue.frames.frame import Frame
 from tissue.kernels.surface_workspace import PAIRS, SurfaceNumbers, SurfaceWorkspaces
 from tissue.quasi_steady.space_frozen import (
     frozen_problem_in_space,

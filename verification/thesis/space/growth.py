@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 
 from dincl.study import Key, Row, Study
-from tissue.files.frame import Frame
 from tissue.files.parameters import Parameters, preset
-from tissue.model.observables import basal_area, height
-from tissue.pictures.section import section
+from tissue.frames.frame import Frame
+from tissue.frames.observables import basal_area, height
+from tissue.frames.section import section
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats, Integers
 

@@ -10,7 +10,7 @@ import pandas as pd
 
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
-from tissue.model.observables import ab_positions, height, nucleus_height
+from tissue.frames.observables import ab_positions, height, nucleus_height
 from tissue.runs.simulate import simulate
 from verification.thesis.chapter3.intervals import over_seeds
 from verification.thesis.space.growth import roughness

@@ -13,9 +13,9 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Key, Row, Study
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.model.observables import height
+from tissue.frames.frame import Frame
+from tissue.frames.observables import height
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
 from verification.order import estimate, order_text

@@ -9,7 +9,7 @@ from scipy.stats import t as student
 
 from tests.tissue.states import tissue
 from tests.verification.thesis.shortened_tissue import simulated
-from tissue.model.observables import height
+from tissue.frames.observables import height
 from verification.thesis.chapter2 import large_steps
 from verification.thesis.chapter3 import bench, disturbed, growing, growth, substeps
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, THROWN

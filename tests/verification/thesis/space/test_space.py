@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 
 import tissue
-from tissue.pictures.section import section
+from tissue.frames.section import section
 from tissue.state.cells import CONTROL
 from tissue.study.plan import load_study
 from verification.thesis.space import choices, growth, isolated

@@ -11,7 +11,7 @@ import pandas as pd
 from scipy.special import stdtrit
 
 from tissue.files.parameters import preset
-from tissue.model.observables import ab_positions
+from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.statistics.ratios import Ratio
 from verification.claims import claim

@@ -8,13 +8,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.kernels.numbers import numbers_pointer
+from tissue.frames.frame import Frame
 from tissue.model.division import divide
 from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
+from tissue.state.numbers import numbers_pointer
 from tissue.state.store import contents, stored
 from verification.claims import claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved

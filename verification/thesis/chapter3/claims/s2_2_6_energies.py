@@ -8,10 +8,10 @@ from itertools import combinations, pairwise
 
 import numpy as np
 
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
+from tissue.frames.observables import height
 from tissue.model.energy import forces
-from tissue.model.observables import height
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
 from verification.claims import Correction, Effect, claim

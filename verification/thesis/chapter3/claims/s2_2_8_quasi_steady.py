@@ -6,9 +6,8 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
-from tissue.kernels.numbers import numbers_pointer
+from tissue.frames.frame import Frame
 from tissue.model.cycle import adapt_rest_lengths
 from tissue.model.energy import energy
 from tissue.quasi_steady.frozen import constraints, particles
@@ -17,6 +16,7 @@ from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
+from tissue.state.numbers import numbers_pointer
 from tissue.state.store import contents, stored
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most

@@ -6,7 +6,7 @@ from __future__ import annotations
 from itertools import pairwise
 
 from tissue.files.parameters import preset
-from tissue.model.observables import nuclear_layers
+from tissue.frames.observables import nuclear_layers
 from tissue.runs.simulate import simulate
 from verification.claims import claim
 from verification.evidence import Evidence, Kind, at_least, proved

@@ -9,7 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.model.observables import widths
+from tissue.frames.observables import widths
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, equal

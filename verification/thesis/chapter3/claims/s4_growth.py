@@ -8,7 +8,7 @@ import math
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.model.observables import ab_positions
+from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from verification.claims import Tables, claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal

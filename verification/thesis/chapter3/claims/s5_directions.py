@@ -6,8 +6,8 @@ from __future__ import annotations
 import numpy as np
 import pandas as pd
 
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_least, equal

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from tissue.files.frame import Frame
 from tissue.files.parameters import preset
+from tissue.frames.frame import Frame
 from tissue.runs.run import Run
 from tissue.runs.simulate import simulate
 from verification.claims import Correction, Effect, claim

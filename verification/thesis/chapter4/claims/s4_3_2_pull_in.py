@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 from tissue.files.parameters import preset
-from tissue.model.observables import ab_positions
+from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
 from verification.claims import claim

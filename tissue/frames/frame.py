@@ -56,7 +56,7 @@ class Frame(NamedTuple):
         InvalidProblem
             If no run has made this frame, or the file cannot be written.
         """
-        from tissue.files.frame_files import save
+        from tissue.frames.frame_files import save
 
         save((self.t, self.cells, self.layers, self.curve, self.past, self.sheets), path)
 
@@ -69,6 +69,6 @@ class Frame(NamedTuple):
         InvalidProblem
             If there is no such file, it is damaged, or no state of a tissue.
         """
-        from tissue.files.frame_files import load
+        from tissue.frames.frame_files import load
 
         return Frame(*load(path))

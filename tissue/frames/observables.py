@@ -18,7 +18,7 @@ from tissue.state.space import SPATIAL, no_space
 from tissue.state.store import CELLS, Store, stored
 
 if TYPE_CHECKING:
-    from tissue.files.frame import Frame
+    from tissue.frames.frame import Frame
     from tissue.state.numbers import Numbers
 
 

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from tissue.files.frame import Frame
+from tissue.frames.frame import Frame
 from tissue.state.basal_curve import LINE, ellipse
 from tissue.state.cells import CellLayers, Cells, Floats
 from tissue.state.mesh import Mesh
