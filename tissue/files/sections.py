@@ -203,7 +203,7 @@ class SpaceSection(ParameterSection):
     tissue.cells          columns times rows, such as 182, 196, 400, 784
     space.boundary        "open": a patch with a free edge, which may spread
     layer.shape           "line": a plane; "circle": a cylinder; "sphere"
-    emt.ac                "never": apical constriction is of a slice alone
+    emt.ac                "never": chains of cells are of a slice alone
     """
 
     rows: Annotated[int, PlainValidator(Count(MOST_CELLS, least=0))] = key(
