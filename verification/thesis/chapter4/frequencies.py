@@ -8,11 +8,12 @@ from typing import TypeVar
 
 import numpy as np
 
-from tissue.statistics.comparisons import CLAIM_LEVEL, Difference, runs_needed
+from tissue.statistics.comparisons import Difference, runs_needed
 from tissue.statistics.proportions import POWER, quantile, sample_size
 from tissue.statistics.ratios import Ratio, as_ratio
 from verification.claims import Tables
 from verification.evidence import Comparison, Interval
+from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
 
 Found = TypeVar("Found")

@@ -8,9 +8,9 @@ from typing import Any, NamedTuple
 import pandas as pd
 
 from tissue.statistics.categories import Rule, What, kept_times, outcome
-from tissue.statistics.comparisons import PRINTED_LEVEL, against_printed, agrees
 from tissue.statistics.ratios import ratio
 from tissue.study.read import Results
+from verification.thesis.chapter4.ratio_claims import PRINTED_LEVEL, against_printed, agrees
 from verification.thesis.chapter4.studies import PRESETS
 
 # Runs of each scenario of Figures 10 and 12; the end of the runs of the thesis [h].

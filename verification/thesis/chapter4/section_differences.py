@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Section, Text
@@ -16,6 +16,7 @@ from verification.thesis.chapter4 import differences_in_words as words
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter4.differences import AS_PRINTED, PUBLISHED, ROWS
 from verification.thesis.chapter4.effects import COUNTING
+from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 
 PROSE = Path(__file__).parent / "prose"
 AGREES = " ✓"

@@ -7,7 +7,7 @@ from typing import Any
 
 import pandas as pd
 
-from tissue.statistics.comparisons import PRINTED_LEVEL, Difference
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.proportions import corrected
 from tissue.statistics.ratios import as_ratio
 from verification.page.context import Context
@@ -16,6 +16,7 @@ from verification.page.prose import fill
 from verification.thesis.chapter4 import follows, headings, kept, section_differences, sensitivity
 from verification.thesis.chapter4.beside import beside, comparisons, printed, ranked, with_ratios
 from verification.thesis.chapter4.figures import Pictures
+from verification.thesis.chapter4.ratio_claims import PRINTED_LEVEL
 
 POSITIONS = "Position at the onset, timing, and what matters most"
 PROSE = Path(__file__).parent / "prose"

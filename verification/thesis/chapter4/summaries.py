@@ -11,9 +11,9 @@ import pandas as pd
 from tissue.statistics.categories import What, by_order, happened, kept_times, outcome
 from tissue.statistics.ranking import by_importance
 from tissue.statistics.ratios import given, ratio, ratios
-from tissue.study.questions import answers
 from tissue.study.read import Results
 from verification.thesis.chapter3.intervals import over_seeds
+from verification.thesis.chapter4.questions import answers
 from verification.thesis.chapter4.studies import FURTHER, PRESETS, QUESTIONED
 
 POPULATIONS = ("table5_63", "table5_35", "table5_7")

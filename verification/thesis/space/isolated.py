@@ -15,12 +15,13 @@ import pandas as pd
 
 from dincl.study import read_sealed, workers
 from tissue.statistics.categories import What, kept_times, outcome
-from tissue.statistics.comparisons import Difference, more
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import as_ratio
 from tissue.study.plan import load_study
 from tissue.study.read import Results
 from tissue.study.run import run_study
 from verification.thesis.chapter4.kept import read
+from verification.thesis.chapter4.ratio_claims import more
 from verification.thesis.kept import DATA, keep
 from verification.thesis.space.counted import counted, with_intervals
 from verification.thesis.space.edge import INNER, are_inner

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from functools import partial
 
-from tissue.statistics.comparisons import ALIKE, CLAIM_LEVEL, Difference
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Kind, at_most
@@ -26,6 +26,7 @@ from verification.thesis.chapter4.frequencies import (
     shares,
     told,
 )
+from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
 
 PRINTED, SINCE = "emt_complete_printed", "emt_complete_since"
 # Of Table 3 those with the longest delays.

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from functools import partial
 
-from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind
@@ -23,6 +23,7 @@ from verification.thesis.chapter4.frequencies import (
     runs_for_margin,
     told,
 )
+from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
 
 # By so much [S] may change a ratio if it is 'mostly irrelevant'; the evidence says which limits decide alike.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 
-from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Evidence, Interval, Kind, at_least, at_most
@@ -20,6 +20,7 @@ from verification.thesis.chapter4.frequencies import (
     ratio_of,
     told,
 )
+from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 
 # The middle row of Table 5, whose cells Figure 22 shows.
 MIDDLE = "table5_35"

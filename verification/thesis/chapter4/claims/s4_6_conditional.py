@@ -7,7 +7,7 @@ from functools import partial
 
 import pandas as pd
 
-from tissue.statistics.comparisons import ALIKE, CLAIM_LEVEL, Difference
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.proportions import LEVEL
 from tissue.statistics.ratios import Ratio, as_ratio
 from verification.claims import Tables, claim
@@ -27,6 +27,7 @@ from verification.thesis.chapter4.frequencies import (
     runs_for_margin,
     shares,
 )
+from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
 from verification.thesis.chapter4.summaries import POPULATIONS
 

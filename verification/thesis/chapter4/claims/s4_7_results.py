@@ -8,9 +8,8 @@ from functools import partial
 
 import pandas as pd
 
-from tissue.statistics.comparisons import CLAIM_LEVEL, Difference
+from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
-from tissue.study.questions import QUESTIONS
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind
 from verification.thesis.chapter4.frequencies import (
@@ -27,6 +26,8 @@ from verification.thesis.chapter4.frequencies import (
     shares,
     told,
 )
+from verification.thesis.chapter4.questions import QUESTIONS
+from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.chapter4.summaries import POPULATIONS
 
 ANSWERS = "emt_complete_answers"

@@ -8,7 +8,7 @@ from itertools import product
 import numpy as np
 
 import dincl
-from tissue.statistics.comparisons import ALIKE, CLAIM_LEVEL, Difference, runs_needed
+from tissue.statistics.comparisons import Difference, runs_needed
 from verification.claims import Correction, Effect, Tables, claim
 from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal, proved
 from verification.thesis.chapter1.sets import Floats
@@ -24,6 +24,7 @@ from verification.thesis.chapter4.frequencies import (
     ratio_of,
     runs_for_margin,
 )
+from verification.thesis.chapter4.ratio_claims import ALIKE, CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
 from verification.thesis.chapter5.claims.s1_introduction import mass_rates
 

@@ -13,9 +13,10 @@ from typing import NamedTuple
 import pandas as pd
 
 from tissue.statistics.categories import NO_INM, by_order, by_selection, happened, kept_times, outcome, time_column
-from tissue.statistics.comparisons import CLAIM_LEVEL, Difference, RatioClaim, Verdict, alike, more, within
+from tissue.statistics.comparisons import Difference, within
 from tissue.statistics.ranking import FEWEST, by_importance
 from tissue.statistics.ratios import Ratio, ratio
+from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL, RatioClaim, Verdict, alike, more
 
 POPULATIONS = ("63 % [P]", "35 % [P]", "7 % [P]")
 GROUP = ", 10 cells"
