@@ -86,6 +86,7 @@ def _lagrangian() -> Evidence:
     "The matrix of (A.1) is in general not symmetric positive definite.",
     source="appendix 1.1",
     quote="this linear system is often not symmetric and positive definite",
+    chosen="read as: not both at once",
     recorded=Kind.PROVED,
 )
 def _indefinite() -> Evidence:

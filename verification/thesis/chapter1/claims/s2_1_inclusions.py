@@ -129,6 +129,7 @@ def _monotone_maps() -> Evidence:
     "The right-hand side of the model of discs fulfils neither assumption of the classical theorems.",
     source="after Remark 1.15",
     quote="the multi-functions F considered will neither be upper semicontinuous nor one-sided Lipschitz continuous.",
+    chosen="F = 0 and two discs",
     recorded=Kind.PROVED,
 )
 def _neither() -> Evidence:

@@ -95,6 +95,7 @@ def _monotone() -> Evidence:
     "Solutions that only the normals of a convex set move do not come apart.",
     source="after (1.15)",
     quote="in the case F = 0, Theorem 1.13 implies uniqueness of solutions of (1.15).",
+    chosen="a set that moves, as in (1.16): in one that stands still nothing moves without F",
     recorded=Kind.PROVED,
 )
 def _convex_unique() -> Evidence:

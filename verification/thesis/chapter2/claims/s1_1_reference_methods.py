@@ -76,6 +76,7 @@ def _event_driven() -> Evidence:
     "A damping other than 1 changes the time scale of a solution, and nothing else.",
     source="(2.1)",
     quote="the physically correct equation is μẋ ∈ F(x) − N(S, x) but … we set μ = 1",
+    chosen="a force that does not depend on time",
     recorded=Kind.PROVED,
 )
 def _damping() -> Evidence:

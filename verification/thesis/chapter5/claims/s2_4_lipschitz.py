@@ -71,6 +71,7 @@ def _global() -> Evidence:
     "Effective mass and force have bounds and Lipschitz constants that do not depend on N.",
     source="Lemma 5.6",
     quote="m_eff and F_eff are bounded and Lipschitz continuous … The derived bounds do not depend on N",
+    chosen="distance of positions: the largest over the particles",
     recorded=Kind.PROVED,
 )
 def _any_number() -> Evidence:

@@ -32,6 +32,7 @@ ATOMS, SHARES = np.array([120, 190, 215, 260]), np.array([0.1, 0.4, 0.3, 0.2])
     "The flow stays in the space Y in which its equation is solved.",
     source="section 3.3",
     quote="We pick the function space of continuous and at most linearly growing functions",
+    chosen="‖Xᵗ(x)‖ ≤ ‖x‖ + M_Φ M_v t, with M_v = √(2E)",
     recorded=Kind.PROVED,
 )
 def _linear_growth() -> Evidence:

@@ -53,6 +53,7 @@ def _energy() -> Evidence:
         "for N → ∞ the behaviour of the ODE model (5.11a) and (5.11b) is well-approximated by the mean-field "
         "characteristic flow"
     ),
+    chosen="an even 𝒱, as (A2a) needs it",
     recorded=Kind.PROVED,
 )
 def _limit() -> Evidence:

@@ -168,6 +168,7 @@ def _push_forward() -> Evidence:
     "How far two solutions and their flows move apart.",
     source="(5.64)",
     quote="‖y₁ − y₂‖ + ‖ẏ₁ − ẏ₂‖ + ‖X₁ᵗ − X₂ᵗ‖_X ≤ ϱ e^{tL_{f1}} + L_μ W₁(μ₁ⁱⁿⁱᵗ, μ₂ⁱⁿⁱᵗ)/Lip(h₁) (e^{tLip(h₁)} − 1)",
+    chosen="the letters of c5.flow-norm and c5.flow-constant",
     recorded=Kind.PROVED,
 )
 def _flow_estimate() -> Evidence:
