@@ -96,6 +96,12 @@ def test_a_bound_is_above_all_values_and_near_one() -> None:
     assert 0.25 <= bound <= 0.25 + 1e-6
 
 
+def test_boxes_are_cut_where_it_helps() -> None:
+    """Cuts of y, on which the function hardly depends, would never end."""
+    bound = least_upper_bound(lambda x, y: x * (1 - x) + y * 1e-3, [(0.0, 1.0), (0.0, 1.0)], 1e-6)
+    assert 0.251 <= bound <= 0.251 + 1e-6
+
+
 def test_a_ball_that_is_not_finite_bounds_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     """Where 1/x is not finite the search goes on, and gives up."""
     monkeypatch.setattr(enclosures, "LARGEST", 500)

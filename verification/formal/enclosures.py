@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from heapq import heappop, heappush
 from itertools import product
 from math import inf, nextafter
@@ -50,7 +50,7 @@ def not_negative(
     true, boxes = _decided(lambda *x: function(1.0, *x), box)
     refuse_unless_refuted(_decided(lambda *x: function(factor, *x), box)[0] is False, statement, wrong)
     tool = f"python-flint {balls().__version__}"
-    return FormalProof(statement, Technique.ENCLOSURE, tool, true, wrong, f"{boxes} boxes")
+    return FormalProof(statement, Technique.ENCLOSURE, tool, true, wrong, f"{boxes} boxes" if box else "")
 
 
 def least_upper_bound(function: Callable[..., Any], box: Box, slack: float = 1e-6) -> float:
@@ -63,10 +63,10 @@ def least_upper_bound(function: Callable[..., Any], box: Box, slack: float = 1e-
         negative, sides = heappop(waiting)
         if -negative - reached <= slack:
             return -negative
-        for part in _halves(sides, [(low + high) / 2 for low, high in sides]):
-            value = function(*map(balls().arb, (low for low, _ in part)))
-            reached = max(reached, -_above(-value))
-            heappush(waiting, (-_above(_over(function, part)), part))
+        options = [[(_above(_over(function, part)), part) for part in cut] for cut in _cuts(sides)]
+        for above, part in min(options, key=lambda parts: parts[0][0] + parts[1][0]):
+            reached = max(reached, -_above(-function(*(balls().arb(low) for low, _ in part))))
+            heappush(waiting, (-above, part))
     raise ArithmeticError(f"no bound within {slack:g} after {LARGEST} boxes")
 
 
@@ -94,6 +94,14 @@ def _decided(function: Callable[..., Any], box: Box) -> tuple[bool | None, int]:
         if not _over(function, sides) >= 0:
             waiting += _halves(sides, middle)
     return (None if waiting else True), seen
+
+
+def _cuts(sides: Sequence[tuple[float, float]]) -> Iterator[list[tuple[tuple[float, float], ...]]]:
+    """The two parts of a box that is cut at its middle, for each direction that is not a point."""
+    for k, (low, high) in enumerate(sides):
+        if low < high:
+            middle = (low + high) / 2
+            yield [(*sides[:k], ends, *sides[k + 1 :]) for ends in ((low, middle), (middle, high))]
 
 
 def _halves(sides: Sequence[tuple[float, float]], middle: Sequence[float]) -> list[tuple[tuple[float, float], ...]]:

@@ -160,7 +160,6 @@ CHANGES: dict[str, Wrong] = {
     "c5.no-pairs": Wrong(PARTICLES, "velocity", lambda f: lambda X: f(X) + X.mean()),
     "c5.bounded-flow": Wrong(SPACE, "M_PHI", replaced(0.5)),
     "c5.lipschitz-constants": Wrong(SPACE, "DISTANCE", replaced(2.0), TRUE),
-    "c5.dual": Wrong(STABILITY, "linear_sum_assignment", replaced(lambda _: (np.arange(6), np.arange(6)))),
     "c5.push-forward": Wrong(STABILITY, "soft", replaced(np.ones_like), TRUE),
     "c5.stability-constants": Wrong(ESTIMATE, "amplified", replaced(lambda force, y, v: 1.0), TRUE),
     "c5.future-interaction": Wrong(ESTIMATE, "force", replaced(lambda at: float(at.w @ at.X)), TRUE),

@@ -3,6 +3,7 @@
 import numpy as np
 import pandas as pd
 import pytest
+from flint import arb
 
 from meanfield import Density, State, push_forward, solve_ode, w1
 from meanfield.solvers.push_forward import origins
@@ -154,7 +155,7 @@ def test_random_starts_have_repeats_of_their_own(monkeypatch):
 def test_the_bound_of_the_linear_fibre_is_known():
     """Phi = 1 and a = F with slopes k1 = 0.5 in X and k0 = 1 in y, m_eff constant: L = max(0.5, 1, 1 + 1)."""
     reach = _reach(level=(-0.2, 0.2), X=(0.5, 1.0))
-    assert stability_constant.lipschitz(cases.model("linear"), pd.DataFrame([reach])) == pytest.approx(2.0)
+    assert stability_constant.lipschitz("linear", pd.DataFrame([reach])) == pytest.approx(2.0)
 
 
 def _reach(**others):
@@ -168,7 +169,29 @@ def test_the_bound_of_the_straight_fibre_is_known():
     |F| <= 1.5; with X fixed |Phi_y| = c/y <= 4, |m_y| = 2 c^2/y <= 16, |F_y| = |c^2/2 - 1| <= 1: L = 4 + 1 + 1.5 16.
     """
     reach = _reach(level=(1.0, 2.0), X=(0.5, 2.0))
-    assert stability_constant.lipschitz(cases.model("straight"), pd.DataFrame([reach])) == pytest.approx(29)
+    assert stability_constant.lipschitz("straight", pd.DataFrame([reach])) == pytest.approx(29)
+
+
+@pytest.mark.parametrize("name", stability_constant.SHARES)
+def test_the_shares_are_those_of_the_models(name):
+    """Values by the model, slopes by differences of balls."""
+    h, first, y = 1e-6, 0.8, 1.3
+    model, position = cases.model(name), {"straight": first * y, "linear": first + y, "wavy": first}[name]
+
+    def shares(X, y):
+        own = {"straight": X / y, "linear": X - y, "wavy": X}[name]
+        return [float(each.mid()) for each in stability_constant.SHARES[name](arb(own), arb(y))]
+
+    phi, phi_x, phi_y, bend, bend_x, force, force_x, force_y = shares(position, y)
+    X = np.array([[position]])
+    assert phi == pytest.approx(model.phi(X, [y]).item())
+    assert bend == pytest.approx((model.phi(X, [y])[:, 0, 0] * model.omega(X, [y], [1.0])[:, 0]).item())
+    assert force == pytest.approx((model.F0([y]) + phi * model.F1(X)[:, 0]).item())
+    in_x, in_y = (
+        (np.subtract(shares(position + a, y + b), shares(position - a, y - b))) / (2 * h) for a, b in ((h, 0), (0, h))
+    )
+    assert [phi_x, bend_x, force_x] == pytest.approx(in_x[[0, 3, 5]], abs=1e-8)
+    assert [phi_y, force_y] == pytest.approx(in_y[[0, 5]], abs=1e-8)
 
 
 def test_the_bound_holds_and_the_ratio_is_measured():
