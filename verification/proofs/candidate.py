@@ -7,19 +7,24 @@ Nothing here needs to be right: the checker bounds the error of whatever comes o
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from operator import mul
-from typing import Any
 
-from flint import arb, arb_mat, arb_series, ctx, fmpz_poly
+import numpy as np
+from flint import arb, arb_mat, ctx, fmpz_poly
 
-from verification.proofs.certificate import Certificate, Dyadic, ExactRow, PolynomialPiece
+from verification.proofs import contacts
+from verification.proofs.certificate import Certificate, Dyadic, PolynomialPiece
 from verification.proofs.description import dyadic
-from verification.proofs.enclosures import ExactProblem
+from verification.proofs.fixed_point import FixedPointSystem, Series, fixed, rounded
 
-Series = list[int]
 # Bits beyond the digits; terms of a series for each digit, which makes steps of about a tenth of a turn; part of the
 # longest step that is taken.
 GUARD, TERMS, SAFE = 40, 0.75, 0.9
+
+
+# Time, whether a row closes, the row.
+Event = tuple[float, bool, int]
 
 
 class Expansion:
@@ -52,7 +57,7 @@ class Expansion:
         gram = [[sum(v * b[c] for c, v in a.items() if c in b) for b in entries] for a in entries]
         with ctx.workprec(bits + 60):
             inverse = arb_mat([[arb((v, -2 * bits)) for v in row] for row in gram]).inv()
-            return [[_fixed(inverse[i, j], bits) for j in range(size)] for i in range(size)]
+            return [[rounded(inverse[i, j], bits) for j in range(size)] for i in range(size)]
 
     def _advance(self, n: int) -> None:
         """Compute p_n and x_{n+1}."""
@@ -104,100 +109,6 @@ class Expansion:
         return tuple([int(c) for c in fmpz_poly(scaled)(fmpz_poly([1, 1])).coeffs()])
 
 
-class FixedRow:
-    """A row with whole numbers times 2^-bits."""
-
-    def __init__(self, row: ExactRow, d: int, bits: int) -> None:
-        self.affine, self.sign, self.d, self.pair = row.kind == "affine", row.sign, d, len(row.places) == 2
-        self.columns = list(row.places) if self.affine else [d * i + c for i in row.places for c in range(d)]
-        self.weights = [fixed(w, bits) for w in row.weights]
-        self.anchor = [fixed(a, bits) for a in row.anchor]
-        self.length, self.bits, self.path = fixed(row.length, bits), bits, row.path
-
-    def moved(self, paths: dict[str, list[Series]], n: int) -> list[int]:
-        """Return coefficient n of the displacement of the set, empty if it rests."""
-        return [c[n] for c in paths[self.path]] if self.path else []
-
-    def arrow(self, x: list[Series], paths: dict[str, list[Series]], n: int) -> list[Series]:
-        """Return coefficient n of X_i - X_j, or of X_i - anchor - path, each in a list of its own."""
-        if self.affine:
-            return []
-        own = [x[c][n] for c in self.columns[: self.d]]
-        other = [x[c][n] for c in self.columns[self.d :]] if self.pair else self.anchor if n == 0 else [0] * self.d
-        shift = self.moved(paths, n) or [0] * self.d
-        return [[p - o - c] for p, o, c in zip(own, other, shift, strict=True)]
-
-    def spread(self, arrow: list[int]) -> list[int]:
-        """Return b for an arrow."""
-        own = [self.sign * a for a in arrow]
-        return own + [-a for a in own] if self.pair else own
-
-    def add(self, velocity: list[int], arrow: list[int]) -> None:
-        """Add b to the velocities of the columns."""
-        for c, v in zip(self.columns, self.spread(arrow), strict=True):
-            velocity[c] += v
-
-    def gap(self, x: list[int], shift: list[int]) -> int:
-        """Return sign (|d|^2 - length^2), or g, for a displacement of the set."""
-        paths = {self.path: [[c] for c in shift]}
-        if self.affine:
-            moved = shift or [0] * self.d
-            terms = [w * (x[c] - moved[c % self.d]) for w, c in zip(self.weights, self.columns, strict=True)]
-            return (sum(terms) >> self.bits) - self.length
-        arrow = [a[0] for a in self.arrow([[v] for v in x], paths, 0)]
-        return self.sign * ((sum(a * a for a in arrow) - self.length**2) >> self.bits)
-
-
-class FixedPointSystem:
-    """A problem in fixed-point numbers of so many bits."""
-
-    def __init__(self, of: Certificate, bits: int) -> None:
-        self.d, self.bits, self.start = of.dimension, bits, [fixed(v, bits) for v in of.start]
-        self.rows, self._of = [FixedRow(row, of.dimension, bits) for row in of.rows], ExactProblem(of)
-        self._numbers = {}
-        if self._of.function is None:
-            self._numbers = {name: [fixed(v, bits) for v in part] for name, part in of.drift.items()}
-
-    def paths(self, time: int, order: int) -> dict[str, list[Series]]:
-        """Return the Taylor series of the displacements of sets."""
-        ctx.cap = order + 1
-        with ctx.workprec(self.bits + 60):
-            now = arb_series([arb((time, -self.bits)), 1])
-            series = {name: self._of.displacement(name, now) for name in self._of.paths}
-            return {
-                name: [[_fixed(c[n], self.bits) for n in range(order + 1)] for c in s] for name, s in series.items()
-            }
-
-    def drift(self, time: int, x: list[Series], n: int) -> list[int]:
-        """Return coefficient n of F(x)."""
-        if not self._numbers:
-            ctx.cap = n + 1
-            with ctx.workprec(self.bits + 60):
-                states = [arb_series([arb((c, -self.bits)) for c in s]) for s in x]
-                found = self._of.field(arb_series([arb((time, -self.bits)), 1]), states)
-                return [_fixed(f[n], self.bits) for f in found]
-        velocity, stretch, turn = (self._numbers[name] for name in ("velocity", "stretch", "turn"))
-        values = [(stretch[k // self.d] * s[n]) >> self.bits for k, s in enumerate(x)]
-        if n == 0:
-            values = [f + c for f, c in zip(values, velocity, strict=True)]
-        for i, rate in enumerate(turn):
-            if rate:
-                values[2 * i] -= (rate * x[2 * i + 1][n]) >> self.bits
-                values[2 * i + 1] += (rate * x[2 * i][n]) >> self.bits
-        return values
-
-
-def fixed(value: Dyadic, bits: int) -> int:
-    """Return m 2^e times 2^bits, rounded down."""
-    shift = value[1] + bits
-    return value[0] << shift if shift >= 0 else value[0] >> -shift
-
-
-def _fixed(ball: Any, bits: int) -> int:
-    mantissa, exponent = ball.mid().man_exp()
-    return fixed((int(mantissa), int(exponent)), bits)
-
-
 def at(series: Series, time: int, bits: int) -> int:
     """Evaluate a Taylor series at a time, by Horner's rule."""
     value = 0
@@ -206,9 +117,7 @@ def at(series: Series, time: int, bits: int) -> int:
     return value
 
 
-def follow(
-    of: Certificate, events: list[tuple[float, bool, int]], end: float, digits: int
-) -> tuple[PolynomialPiece, ...]:
+def follow(of: Certificate, events: list[Event], end: float, digits: int) -> tuple[PolynomialPiece, ...]:
     """Return pieces from t = 0 to ``end`` whose terms fall below 10^-digits.
 
     ``events`` are (time, whether the row closes, row), in the order of time.
@@ -217,18 +126,16 @@ def follow(
     system = FixedPointSystem(of, bits)
     pieces: list[PolynomialPiece] = []
     x, now, waiting = system.start, 0, list(events)
-    active: list[int] = []
+    active, redundant, _ = _independent(system, 0, x, _held(system, 0, x, system.touching(0, x)), set())
     last, margin = fixed(dyadic(end), bits), 1 << (bits - 16)
     while now < last:
         expansion = Expansion(system, now, x, active, order)
         longest = int(SAFE * min(expansion.longest(digits), end) * 2**20) << (bits - 20)
-        step, changes = min(longest, last - now), []
+        step, changes = min(longest, last - now), list[Event]()
         if waiting and now + step >= fixed(dyadic(waiting[0][0]), bits) - margin:
-            # What happens at one time, as a contact and the releases that it causes, is done at once.
-            changes = [event for event in waiting if event[0] == waiting[0][0]]
-            waiting = waiting[len(changes) :]
-            first = min(changes, key=lambda event: not event[1])
-            step = min(_refined(expansion, first, active, fixed(dyadic(first[0]), bits) - now), last - now)
+            reached, changes = _next(expansion, waiting, active, now)
+            waiting = [event for event in waiting if event not in changes]
+            step = min(reached, last - now)
         if step > 0:
             half = max(step // 2, 1)
             coefficients, forces = expansion.centred(half)
@@ -236,10 +143,44 @@ def follow(
             x, now = [sum(c) for c in coefficients], now + 2 * half
         opened = {k for _, closes, k in changes if not closes}
         active = sorted(({k for _, closes, k in changes if closes} | set(active)) - opened)
+        if changes or redundant:
+            active, redundant, direction = _independent(system, now, x, active, opened)
+            if pieces and direction:
+                pieces[-1] = replace(pieces[-1], opening=direction)
     return tuple(pieces)
 
 
-def _refined(expansion: Expansion, event: tuple[float, bool, int], active: list[int], time: int) -> int:
+def _next(expansion: Expansion, waiting: list[Event], active: list[int], now: int) -> tuple[int, list[Event]]:
+    """Return the time until the next event, and the events then: a contact and the releases that it causes at once.
+
+    Contacts that double numbers do not tell apart are made one by one, each at its own time.
+    """
+    guess = fixed(dyadic(waiting[0][0]), expansion.bits) - now
+    together = [event for event in waiting if event[0] == waiting[0][0]]
+    closing = [(_refined(expansion, event, active, guess), event) for event in together if event[1]]
+    if not closing:
+        return _refined(expansion, together[0], active, guess), together
+    step, event = min(closing)
+    return step, [event] if len(closing) > 1 else together
+
+
+def _independent(
+    system: FixedPointSystem, now: int, x: list[int], active: list[int], opened: set[int]
+) -> tuple[list[int], bool, tuple[Dyadic, ...]]:
+    """Return the active rows, fewer if touching rows depend on each other; whether they do; a direction that opens all.
+
+    The rows left out stay closed if the others do, since they move together.
+    """
+    touching = sorted(set(active) | system.touching(now, x))
+    gradients = system.gradients(now, x, touching)
+    if not contacts.dependent(gradients):
+        return active, False, ()
+    active = _held(system, now, x, set(touching) - opened)
+    direction = contacts.opening(gradients)
+    return active, True, () if direction is None else tuple([dyadic(float(v)) for v in direction])
+
+
+def _refined(expansion: Expansion, event: Event, active: list[int], time: int) -> int:
     """Move the time of an event to the root of its gap, or of its force, by the secant rule; 0 if it is over."""
     _, closes, k = event
     bits, row = expansion.bits, expansion.system.rows[event[2]]
@@ -260,3 +201,10 @@ def _refined(expansion: Expansion, event: tuple[float, bool, int], active: list[
         before, t = t, t - new * (t - before) // (new - old)
         old, new = new, value(t)
     return t
+
+
+def _held(system: FixedPointSystem, now: int, x: list[int], touching: set[int]) -> list[int]:
+    """Return the touching rows that hold the state against the drift, which are independent."""
+    rows = sorted(touching)
+    velocity = np.array([float(v) for v in system.drift(now, [[c] for c in x], 0)]) / 2.0**system.bits
+    return [rows[k] for k in contacts.holding(system.gradients(now, x, rows), velocity)] if rows else []

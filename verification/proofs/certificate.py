@@ -44,7 +44,7 @@ class PolynomialPiece:
 
     ``x`` are the N d coordinates, ``force`` the forces p_k of the rows ``active``, which move x by p_k b_k: for a
     distance b_k is sign times the difference of its ends, so that the multiplier is p_k |X_i - X_j|; for an affine row
-    b_k are the weights.
+    b_k are the weights. ``opening``, where rows depend on each other, is a direction (N d) that opens them all.
     """
 
     half: Dyadic
@@ -52,6 +52,7 @@ class PolynomialPiece:
     x: tuple[tuple[int, ...], ...]
     active: tuple[int, ...]
     force: tuple[tuple[int, ...], ...]
+    opening: tuple[Dyadic, ...] = ()
 
 
 @dataclass(frozen=True)

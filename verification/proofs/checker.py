@@ -19,6 +19,7 @@ from verification.proofs.enclosures import (
     approximation,
     ball,
     constant,
+    directions,
     enclosed,
     largest_eigenvalue,
     length,
@@ -85,7 +86,8 @@ class PieceInBalls:
     """A piece of y: polynomials of s, the defect, the active rows, and how far all others are."""
 
     def __init__(self, piece: PolynomialPiece, problem: ExactProblem, begin: Any) -> None:
-        self.problem, self.begin, self.half, self.x = problem, begin, number(piece.half), []
+        self.problem, self.begin, self.half = problem, begin, number(piece.half)
+        self.opening = [number(v) for v in piece.opening]
         read = [arb_poly([arb((c, piece.exponent)) for c in row]) for row in (*piece.x, *piece.force)]
         self.x, forces = read[: problem.count], read[problem.count :]
         self.velocity, self.middle = [p.derivative() * (1 / self.half) for p in self.x], begin + self.half
@@ -164,16 +166,15 @@ def touched(piece: PieceInBalls, k: int, a: Any, b: Any, radius: Any, velocity: 
     return Near(row.columns, gradient, row.steep, turns, row.bends, off, speed, moves, m, m_bends, m_change), negative
 
 
-def dual_directions(near: list[Near], count: int, radius: Any) -> tuple[list[Any], list[Any], list[Any]]:
-    """Return |w_k|, the bounds of w_k . J^T m, and the row sums of N, for w = G^-1 J at the middle."""
+def dual_directions(near: list[Near], count: int, radius: Any, opening: Any) -> tuple[list[Any], list[Any], list[Any]]:
+    """Return |w_k|, the bounds of w_k . J^T m, and the row sums of N, for w = ``directions`` at the middle."""
     dense = [[ZERO] * count for _ in near]
     for line, row in zip(dense, near, strict=True):
         for c, g in zip(row.columns, row.gradient, strict=True):
             line[c] = g
     jacobian = arb_mat(dense)
-    middle = jacobian.mid()
     try:
-        w = (middle * middle.transpose()).mid().solve(middle, algorithm="approx").mid()
+        w = directions(jacobian.mid(), opening)
     except ZeroDivisionError:
         raise TooLong("the gradients of contacts depend on each other") from None
     products, norms, most, slack = (w * jacobian.transpose()).tolist(), [length(v) for v in w.tolist()], [], []
@@ -213,7 +214,7 @@ def grow(piece: PieceInBalls, a: Any, b: Any, start: tuple[Any, Any], radius: An
     rate, lipschitz = problem.rates(piece.middle + (a + b) / 2 * piece.half + arb(0, up(time / 2)), box)
     known, unknown, beta = ZERO, ZERO, ZERO
     if near:
-        norms, most, slack = dual_directions(near, problem.count, radius)
+        norms, most, slack = dual_directions(near, problem.count, radius, piece.opening)
         share = [s / (1 - max(slack)) for s in slack]
         lam = [up(v + s * max(most)) for v, s in zip(most, share, strict=True)]
         omega = [up(v + s * max(norms)) for v, s in zip(norms, share, strict=True)]

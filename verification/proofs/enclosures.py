@@ -16,6 +16,8 @@ from verification.proofs.certificate import BadCertificate, Certificate, Dyadic,
 
 # The bound of an eigenvalue is too large by a factor of at most n^(1/64).
 SQUARINGS = 6
+# Added to the Gram matrix of rows that depend on each other.
+RIDGE = 2.0**-20
 ZERO = arb(0)
 
 
@@ -92,6 +94,29 @@ def largest_eigenvalue(matrix: Any) -> Any:
         power = power * power
     trace = up(power.trace())
     return ZERO if trace <= 0 else up(trace.root(2**SQUARINGS))
+
+
+def directions(jacobian: Any, opening: list[Any]) -> Any:
+    """Return rows w_k with J w_k near or above the unit vector k, in approximate numbers: nothing depends on them.
+
+    G^-1 J, G = J J^T; with a direction that opens all rows G is regularised, and w_k is moved along the direction until
+    J w_k is above the unit vector.
+    """
+    gram, m = (jacobian * jacobian.transpose()).mid(), jacobian.nrows()
+    for k in range(m if opening else 0):
+        gram[k, k] = gram[k, k] + RIDGE
+    w = gram.solve(jacobian, algorithm="approx").mid()
+    if not opening:
+        return w
+    opens = [total(g * z for g, z in zip(line, opening, strict=True)) for line in jacobian.tolist()]
+    reached, least, moved = (w * jacobian.transpose()).tolist(), min(opens), w.tolist()
+    if not least > 0:
+        raise ZeroDivisionError("a direction opens not all rows")
+    for k, line in enumerate(reached):
+        missing = max([(1 if j == k else 0) - entry for j, entry in enumerate(line)])
+        if missing > 0:
+            moved[k] = [v + missing / least * z for v, z in zip(moved[k], opening, strict=True)]
+    return arb_mat(moved).mid()
 
 
 def called(name: str) -> Any:

@@ -16,7 +16,7 @@ import dincl
 from dincl import checks
 from dincl.checks import array, describe
 from verification.proofs import checker
-from verification.proofs.candidate import follow
+from verification.proofs.candidate import Event, follow
 from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ProvedBall
 from verification.proofs.description import drift_of, dyadic, rows_of
 from verification.proofs.enclosures import ZERO, ExactProblem, RowOnPiece, approximation, length, up
@@ -156,9 +156,7 @@ def prove(problem: dincl.Problem, t: ArrayLike, bound: float = 1e-12) -> Proof:
     return _proof(problem, times, certificate, verdict)
 
 
-def _search(
-    empty: Certificate, events: list[tuple[float, bool, int]], end: float, wanted: float
-) -> tuple[Certificate, checker.Verdict]:
+def _search(empty: Certificate, events: list[Event], end: float, wanted: float) -> tuple[Certificate, checker.Verdict]:
     """Take more digits until the bound is reached; eps enters by its root, so gaps need twice the digits."""
     best, reason = math.inf, ""
     digits = math.ceil(-2 * math.log10(wanted) + SPARE + OF_EVENT * len(events))

@@ -65,6 +65,17 @@ SETS = {
         attraction(0),
         [dincl.NonOverlap([0.5, 0.4, 0.5, 0.6])],
     ),
+    "floor twice": (
+        [[0.0, 1.0], [1.4, 1.2]],
+        constant([[0.3, -1.0], [-0.2, -1.0]]),
+        [dincl.NonOverlap(0.5), dincl.HalfSpace((0, 1), 0.0, 0.5), dincl.HalfSpace((0, 1), 0.0, 0.5)],
+    ),
+    "three walls for two coordinates": (
+        [[1.0, 0.9]],
+        constant([-1.0, -0.8]),
+        [dincl.HalfSpace((1, 0)), dincl.HalfSpace((0, 1)), dincl.HalfSpace((1, 1))],
+    ),
+    "contact at the start": ([[0.0, 0.0], [1.0, 0.0], [2.0, 0.5]], attraction(0), [dincl.NonOverlap(0.5)]),
     "three discs in a corner": (
         [[1.0, 0.7], [0.9, 2.0], [2.3, 0.8]],
         constant([-1.0, -0.8]),
