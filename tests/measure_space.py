@@ -17,7 +17,7 @@ from tissue.kernels.surface_workspace import LISTS, PAIRS, SUBSTEPS
 from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
-from tissue.state.store import stored
+from tissue.state.running import new_state
 from tissue.state.surface import PLANE, Surface
 
 TIMES, WARM = 12, 20
@@ -92,7 +92,7 @@ class InPlane:
         n = len(cells.x)
         kicks = KICK * self.rng.standard_normal((2, n))
         moved = cells._replace(x=cells.x + kicks[0], y=cells.y + kicks[1])
-        group = Group([stored(moved, self.frame.layers, capacity=n, space=in_plane())], self.numbers)
+        group = Group([new_state(moved, self.frame.layers, capacity=n, space=in_plane())], self.numbers)
         begin = time.process_time()
         group.make_substeps()
         return 1e9 * (time.process_time() - begin) / n / self.numbers.substeps

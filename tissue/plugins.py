@@ -29,12 +29,14 @@ _REGISTERED: dict[type, dict[str, Any]] = {}
 
 
 def registry(kind: type) -> dict[str, Any]:
-    """What was registered of a kind, by name, the first one first."""
+    """Return what was registered of a kind, by name, the first one first."""
     return _REGISTERED.setdefault(kind, {})
 
 
 def registered(kind: type[Thing]) -> tuple[Thing, ...]:
-    """The same in the order of the names: that in which modules are imported may be another one in another process."""
+    """Return the same in the order of the names: that in which modules are imported may be another one in another
+    process.
+    """
     return tuple(thing for _, thing in sorted(registry(kind).items()))
 
 
@@ -44,7 +46,7 @@ class EmtEvent:
 
     It fires in the step dt that ends at its time, or in which its time lies, and acts from the beginning of that step.
     Its functions are plain Python at top level of a file; numba compiles them, alone, when a run first needs them, and
-    any function that they call must be one of ``dincl.compiled.inner``. They change the store in place.
+    any function that they call must be one of ``dincl.compiled.inner``. They change the state in place.
 
     Attributes
     ----------
@@ -54,11 +56,11 @@ class EmtEvent:
     meaning, source
         One line each: what happens, and who says so.
     begin
-        ``begin(store, i, bit, numbers)``, called once, for cell i; ``numbers`` are those of its type. ``bit``: that of
-        this event, as in ``store.cells.events``, which does not have it yet; ``store.emt.new`` has the bits of all
+        ``begin(state, i, bit, numbers)``, called once, for cell i; ``numbers`` are those of its type. ``bit``: that of
+        this event, as in ``state.cells.events``, which does not have it yet; ``state.emt.new`` has the bits of all
         events that begin in the same step. None: nothing happens at once.
     last
-        ``last(store, i, rest_ax, rest_bx, numbers)``, called for each dt from then on, after the rest lengths of the
+        ``last(state, i, rest_ax, rest_bx, numbers)``, called for each dt from then on, after the rest lengths of the
         springs have relaxed as in other cells; given are those before. Built-in events are called first,
         then others by name.
     after
@@ -115,14 +117,14 @@ class Force:
         Its key in the section [forces] of parameter files, where its strength is, a number >= 0 without unit; 0, the
         default: it is not called. Lower-case letters, digits and "_".
     push
-        ``push(store, on, strength, numbers)`` adds to ``on``: ``on.x[i]``, ``on.y[i]`` on the nucleus of cell i,
+        ``push(state, on, strength, numbers)`` adds to ``on``: ``on.x[i]``, ``on.y[i]`` on the nucleus of cell i,
         ``on.ax[i]``, ``on.ay[i]`` on its apical and ``on.bx[i]``, ``on.by[i]`` on its basal point. These points are
-        now at ``store.cells.x[i]``, ..., ``store.cells.by[i]``, i < ``store.sizes[0]``; all else in the store is as the
+        now at ``state.cells.x[i]``, ..., ``state.cells.by[i]``, i < ``state.sizes[0]``; all else in the state is as the
         rules have left it, and stays so. A basal point that the basal layer holds follows the part along the layer.
     meaning, source
         One line each.
     energy
-        ``energy(store, strength, numbers)``, W of the whole tissue; with it ``tissue.force_error`` tests ``push``.
+        ``energy(state, strength, numbers)``, W of the whole tissue; with it ``tissue.force_error`` tests ``push``.
 
     Raises
     ------
@@ -181,7 +183,7 @@ class Observable:
         return f"{self.name}_{self.unit}" if self.unit else self.name
 
     def of(self, frame: Frame, parameters: Parameters) -> float:
-        """The number; raises FunctionFailed, an InvalidProblem, if it is none, or not finite."""
+        """Return the number; raises FunctionFailed, an InvalidProblem, if it is none, or not finite."""
         name = f"observable {self.name} at t = {frame.t:g} h: measure"
         known = UserFunction(name, ("frame", "parameters"), Status.FUNCTION_FAILED)
         value: Any = known.call(self.measure, frame, parameters)
@@ -204,10 +206,10 @@ class DivisionRule:
     meaning, source
         One line each.
     splits
-        ``splits(store, i, number, numbers)``: whether cell i gets a second daughter in the plane; ``number`` is random,
+        ``splits(state, i, number, numbers)``: whether cell i gets a second daughter in the plane; ``number`` is random,
         uniform in [0, 1).
     place
-        ``place(store, i, numbers)``: parts the daughters i and i + 1, which are copies of the mother in one place.
+        ``place(state, i, numbers)``: parts the daughters i and i + 1, which are copies of the mother in one place.
 
     Raises
     ------

@@ -50,11 +50,11 @@ def rule(splits=own.splits, place=own.place):
 
 FORCE, EVENT, RULE = (SMALL, "forces.mine", 1), (EMT, "emt.mine", "0.3 h"), (QUICK, "division.rule", "mine")
 RAISING = [
-    (tissue.Force("mine", own.push_raises, ""), FORCE, r"Force mine: push\(store, on, strength, numbers\) raised Val"),
-    (event(own.begin_raises), EVENT, r"EmtEvent mine: begin\(store, i, bit, numbers\) raised ValueError: no begin"),
-    (event(last=own.last_raises), EVENT, r"EmtEvent mine: last\(store, i, rest_ax, rest_bx, numbers\) raised Zero"),
-    (rule(own.splits_raises), RULE, r"DivisionRule mine: splits\(store, i, number, numbers\) raised Overflow"),
-    (rule(place=own.place_raises), RULE, r"DivisionRule mine: place\(store, i, numbers\) raised ValueError: no place"),
+    (tissue.Force("mine", own.push_raises, ""), FORCE, r"Force mine: push\(state, on, strength, numbers\) raised Val"),
+    (event(own.begin_raises), EVENT, r"EmtEvent mine: begin\(state, i, bit, numbers\) raised ValueError: no begin"),
+    (event(last=own.last_raises), EVENT, r"EmtEvent mine: last\(state, i, rest_ax, rest_bx, numbers\) raised Zero"),
+    (rule(own.splits_raises), RULE, r"DivisionRule mine: splits\(state, i, number, numbers\) raised Overflow"),
+    (rule(place=own.place_raises), RULE, r"DivisionRule mine: place\(state, i, numbers\) raised ValueError: no place"),
 ]
 
 
@@ -79,9 +79,9 @@ def test_what_compiled_functions_raise_ends_the_run(thing, how, message, capfd):
 @pytest.mark.parametrize(
     ("thing", "how", "message"),
     [
-        (tissue.Force("mine", own.few, ""), FORCE, r"Force mine: push\(store, on, strength, numbers\) cannot be comp"),
-        (event(own.unknown), EVENT, r"EmtEvent mine: begin\(store, i, bit, numbers\) cannot be compiled: TypeError"),
-        (rule(own.returns_text), RULE, r"DivisionRule mine: splits\(store, i, number, numbers\) cannot be compiled"),
+        (tissue.Force("mine", own.few, ""), FORCE, r"Force mine: push\(state, on, strength, numbers\) cannot be comp"),
+        (event(own.unknown), EVENT, r"EmtEvent mine: begin\(state, i, bit, numbers\) cannot be compiled: TypeError"),
+        (rule(own.returns_text), RULE, r"DivisionRule mine: splits\(state, i, number, numbers\) cannot be compiled"),
     ],
 )
 def test_what_does_not_compile_is_refused(thing, how, message):

@@ -18,7 +18,7 @@ from tissue.model.discs import separate
 from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.group import Group
-from tissue.state import store
+from tissue.state import running as store
 from tissue.state.cells import Emt, Forces, emt_cells
 from tissue.state.numbers import numbers_pointer
 from tissue.step import advance
@@ -47,7 +47,9 @@ def held(tissue, capacity=None, curve=store.STRAIGHT):
     """A store with the tissue in it, by default with room for each cell to divide."""
     room = 2 * len(tissue.cells.x) + ROOM if capacity is None else capacity
     emt = Emt(*(array.copy() for array in tissue.emt))
-    return store.stored(tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room, curve=curve, space=in_plane())
+    return store.new_state(
+        tissue.cells, tissue.layers, tissue.next_id, emt, capacity=room, curve=curve, space=in_plane()
+    )
 
 
 def taken(kept):
@@ -67,7 +69,7 @@ def make_substeps(cells, layers, numbers, noise):
     assert noise is None
     group = Group([held(Tissue(cells, layers, len(cells.x)))], numbers)
     assert group.make_substeps()
-    return taken(group.stores[0]).cells
+    return taken(group.states[0]).cells
 
 
 def steps(tissue, made, wanted, numbers, draws, noise, named=()):
@@ -75,7 +77,7 @@ def steps(tissue, made, wanted, numbers, draws, noise, named=()):
     group = Group([held(tissue, 4 * len(tissue.cells.x) + ROOM)], numbers, [Random(draws, noise)], named=named)
     assert group.call(made, wanted) == (wanted, advance.DONE)
     assert not group.ended.any()
-    return taken(group.stores[0])
+    return taken(group.states[0])
 
 
 def measure(tissue, positions, controls):
@@ -89,7 +91,7 @@ def together(states, wanted, given_numbers, seeds, named=()):
     random = [Random(*generators(seed)) for seed in seeds]
     group = Group([held(state, room) for state in states], given_numbers, random, named=named)
     assert group.call(0, wanted) == (wanted, advance.DONE)
-    return [taken(kept) for kept in group.stores], group.ended
+    return [taken(kept) for kept in group.states], group.ended
 
 
 @kernel

@@ -19,7 +19,7 @@ from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.runs.simulate import simulate, simulate_many
 from tissue.state.basal_curve import curve_numbers, ellipse
-from tissue.state.store import contents, stored
+from tissue.state.running import contents, new_state
 from tissue.study.outcomes import EXTENTS
 
 QUIET = {"tissue.diffusion": "0 um^2/h", "tissue.two_daughters": 0}
@@ -82,10 +82,10 @@ def test_substeps_on_a_circle(closed, seed):
     circle, expected = Circle(60.0), cells
     for _ in range(numbers.substeps):
         expected = substep(expected, layers, numbers, circle, closed)
-    held = stored(cells, layers, capacity=len(cells.x), curve=curve_numbers(parameters.curve()), space=in_plane())
+    held = new_state(cells, layers, capacity=len(cells.x), curve=curve_numbers(parameters.curve()), space=in_plane())
     group = Group([held], numbers)
     assert group.make_substeps()
-    assert distance(contents(group.stores[0])[0], expected) < 1e-10
+    assert distance(contents(group.states[0])[0], expected) < 1e-10
 
 
 @pytest.mark.slow
@@ -120,7 +120,7 @@ def _symmetric(n, perimeter, turned=0.0):
     s = turned + perimeter / n * np.arange(n)
     points = [np.column_stack(curve.above(s, np.full(n, height))) for height in (4.0, 8.0, 0.0)]
     cells = states.tissue(*points, along=s)
-    return stored(cells, capacity=n, curve=curve_numbers(curve), space=in_plane()), states.numbers(
+    return new_state(cells, capacity=n, curve=curve_numbers(curve), space=in_plane()), states.numbers(
         variance=0.0, max_basal=2.0
     )
 
@@ -138,7 +138,7 @@ def test_a_symmetric_tube_stays_symmetric():
     group = Group([held], numbers)
     for _ in range(50):
         assert group.make_substeps()
-    cells = contents(group.stores[0])[0]
+    cells = contents(group.states[0])[0]
     radius = perimeter / (2 * math.pi)
     for x, y in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by)):
         far = np.hypot(x, y - radius)
@@ -159,7 +159,7 @@ def test_turning_the_tube_turns_the_run():
         for _ in range(5):
             assert group.make_substeps()
         radius = perimeter / (2 * math.pi)
-        found.append(_turned_back(contents(group.stores[0])[0], turned / radius, radius))
+        found.append(_turned_back(contents(group.states[0])[0], turned / radius, radius))
     assert np.abs(found[0] - found[1]).max() < 1e-10
 
 
@@ -185,7 +185,9 @@ def test_kernels_measure_what_tables_do(side):
     run = simulate(published(**RING | emt | {"layer.side": side, "layer.perimeter": "100 R_soft", "tissue.cells": 300}))
     frame, past = run.final, run.final.past
     curve = curve_numbers(frame.curve)
-    held = stored(frame.cells, frame.layers, emt=past.emt, capacity=len(frame.cells.x), curve=curve, space=in_plane())
+    held = new_state(
+        frame.cells, frame.layers, emt=past.emt, capacity=len(frame.cells.x), curve=curve, space=in_plane()
+    )
     positions, controls, extents = np.zeros(3), np.zeros(4), np.zeros(len(EXTENTS))
     measure(held, positions, controls)
     measure_extents(held, extents)

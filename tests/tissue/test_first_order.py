@@ -18,7 +18,7 @@ from tissue.runs.simulate import simulate
 from tissue.runs.start import started
 from tissue.state.cells import Forces
 from tissue.state.checkpoint import streams
-from tissue.state.store import COUNTERS
+from tissue.state.running import COUNTERS
 from tissue.step.advance import DONE
 
 SHORT = {name: preset(name).changed({"numerics.t_end": "6 h"}) for name in ("thesis", "published")}

@@ -162,7 +162,7 @@ def run_of_ring(state, curve):
     group = Group([held], GIVEN, [kernels.Random(*generators(0))], named=NAMED_NUMBERS)
     group.advance(0, STEPS)
     assert not group.ended.any()
-    return kernels.taken(group.stores[0])
+    return kernels.taken(group.states[0])
 
 
 @pytest.mark.parametrize("seed", range(4))

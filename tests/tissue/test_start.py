@@ -8,7 +8,7 @@ import dincl
 from tissue.files.parameters import preset
 from tissue.runs.start import first_state
 from tissue.state.numbers import StartNumbers
-from tissue.state.store import COUNTERS, contents
+from tissue.state.running import COUNTERS, contents
 
 RARE = 1e-3
 TOUCHING = 1e-10

@@ -63,7 +63,7 @@ def test_pairs_of_different_soft_discs(power, bent):
         held = [kernels.held(one, **({"curve": curve} if bent else {})) for one in chosen]
         group = Group(held, given, named=named)
         group.make_substeps()
-        for one, kept in zip(chosen, group.stores, strict=True):
+        for one, kept in zip(chosen, group.states, strict=True):
             cells = kernels.taken(kept).cells
             expected = moved_by_pairs(one.cells, given, named)
             np.testing.assert_allclose((cells.x, cells.y), expected, atol=1e-11)
@@ -97,7 +97,7 @@ def test_basal_neighbours_are_at_most_the_mean_of_both_apart(closed):
         [kernels.held(state._replace(cells=cells), **({"curve": curve} if closed else {}))], given, named=named
     )
     group.make_substeps()
-    found = kernels.taken(group.stores[0]).cells
+    found = kernels.taken(group.states[0]).cells
     for k, most in enumerate(allowed):
         half = max(0.0, (b[k + 1] - b[k] - most) / 2)
         b[k : k + 2] += (half, -half)
@@ -133,7 +133,7 @@ def test_springs_and_rest_lengths_have_the_radius_of_the_type():
     group.make_substeps()
     rest = 1.6 + 0.5
     pull = 0.1 / once.mu * 2 * 2.0 * (3.0 - rest) / rest
-    np.testing.assert_allclose(kernels.taken(group.stores[0]).cells.ay, 8.0 - pull, rtol=1e-12)
+    np.testing.assert_allclose(kernels.taken(group.states[0]).cells.ay, 8.0 - pull, rtol=1e-12)
 
 
 # From files

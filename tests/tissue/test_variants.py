@@ -16,7 +16,7 @@ from tests.twins.tissue.state import Tissue
 from tissue.files.messages import known_keys
 from tissue.files.parameters import Parameters, preset
 from tissue.runs.start import first_state
-from tissue.state.store import contents
+from tissue.state.running import contents
 
 BASE = preset("published")
 MODELS = {"kernels": kernels, "twins": twins}

@@ -7,21 +7,21 @@ import math
 from tissue.kernels.rules import call_leave
 from tissue.plugins import EmtEvent
 from tissue.state.numbers import Numbers
+from tissue.state.running import TissueState
 from tissue.state.space import PRESENT, SUM
-from tissue.state.store import Store
 
 
-def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
+def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
     """The basal point of cell i leaves the layer and moves freely: (C2) to (C4) hold for its neighbours without it."""
     bridge = PRESENT if numbers.bridge_present else SUM
-    if call_leave(store.space.rules.leave_basal, store, i, bridge):
-        store.motion.held[i] = 0.0
-        store.cells.stiff_bx[i] = numbers.alpha_bx * numbers.freed_stiffness
+    if call_leave(state.space.rules.leave_basal, state, i, bridge):
+        state.motion.held[i] = 0.0
+        state.cells.stiff_bx[i] = numbers.alpha_bx * numbers.freed_stiffness
 
 
-def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
+def last(state: TissueState, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
     """The spring relaxes from its length before towards 0, and (3.3) holds no more."""
-    store.cells.rest_bx[i] = rest_bx * math.exp(-numbers.rate_bx * numbers.dt)
+    state.cells.rest_bx[i] = rest_bx * math.exp(-numbers.rate_bx * numbers.dt)
 
 
 EVENT = EmtEvent(

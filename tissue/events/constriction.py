@@ -6,11 +6,11 @@ from tissue.kernels.layers import find
 from tissue.kernels.rules import call_leave
 from tissue.plugins import EmtEvent
 from tissue.state.numbers import Numbers
+from tissue.state.running import APICAL, TissueState
 from tissue.state.space import PRESENT
-from tissue.state.store import APICAL, Store
 
 
-def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
+def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
     """The apical point of cell i leaves the layer, together with those beside it that constrict in the same step.
 
     The junctions between them stay, so they are a chain apart; those to other cells are cut. The cells on both sides of
@@ -18,16 +18,16 @@ def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
     and a chain does not go on where a ring begins.
     A cell that has lost its apical adhesion [A] has nothing to lose.
     """
-    cells, layer = store.cells, store.layers.apical
-    place = find(layer, store.sizes[APICAL], i)
+    cells, layer = state.cells, state.layers.apical
+    place = find(layer, state.sizes[APICAL], i)
     if place < 0:
         return
     before = layer[place - 1] if place > 0 else -1
-    call_leave(store.space.rules.leave_apical, store, i, PRESENT)
+    call_leave(state.space.rules.leave_apical, state, i, PRESENT)
     cells.chain[i] = cells.id[i] + 1
     for j in range(i - 1, before, -1):  # who stood there has left the layer, now or before
         k = cells.emt[j]
-        if k >= 0 and store.emt.new[k] & bit and cells.chain[j] > 0:
+        if k >= 0 and state.emt.new[k] & bit and cells.chain[j] > 0:
             cells.chain[i] = cells.chain[j]
             break
 

@@ -5,17 +5,17 @@ from __future__ import annotations
 from tissue.kernels.curve import course
 from tissue.plugins import DivisionRule, registered
 from tissue.state.numbers import Numbers
-from tissue.state.store import Store
+from tissue.state.running import TissueState
 
 
-def splits(store: Store, i: int, number: float, numbers: Numbers) -> bool:
+def splits(state: TissueState, i: int, number: float, numbers: Numbers) -> bool:
     """With the probability p^div."""
     return number < numbers.two_daughters
 
 
-def place(store: Store, i: int, numbers: Numbers) -> None:
+def place(state: TissueState, i: int, numbers: Numbers) -> None:
     """All three points apart by the offset, along the tissue  (3.7)."""
-    cells, curve, along_x, along_y = store.cells, store.curve, 1.0, 0.0
+    cells, curve, along_x, along_y = state.cells, state.curve, 1.0, 0.0
     if curve.bent:
         _, _, along_x, along_y = course(curve, cells.along[i])
     for k in range(2):
@@ -24,7 +24,7 @@ def place(store: Store, i: int, numbers: Numbers) -> None:
             x[i + k] += step * along_x
             if curve.bent:
                 y[i + k] += step * along_y
-        if curve.bent and store.motion.held[i + k] > 0.0:  # a point that the layer holds
+        if curve.bent and state.motion.held[i + k] > 0.0:  # a point that the layer holds
             cells.along[i + k] += step
             cells.bx[i + k], cells.by[i + k], _, _ = course(curve, cells.along[i + k])
 
@@ -39,5 +39,5 @@ BESIDE = DivisionRule(
 
 
 def division_rules() -> dict[str, DivisionRule]:
-    """All rules by name."""
+    """Return all rules by name."""
     return {rule.name: rule for rule in (BESIDE, *registered(DivisionRule))}

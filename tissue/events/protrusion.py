@@ -8,21 +8,21 @@ from tissue.model.extents import height_above
 from tissue.model.springs import basal_length
 from tissue.plugins import EmtEvent
 from tissue.state.numbers import Numbers
-from tissue.state.store import Store
+from tissue.state.running import TissueState
 
 # A point that is no farther above a layer is on it [R_soft]: where the layer bends, its height is 0 up to rounding.
 ON_LAYER = 1e-9
 
 
-def last(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
+def last(state: TissueState, i: int, rest_ax: float, rest_bx: float, numbers: Numbers) -> None:
     """How the basal point of cell i moves, and what its spring does, by where the point is now.
 
     Above the depth at which the run ends it moves by itself (4.1), below it rests, or follows the forces. There is
     nothing to hold on to above the basal line: the spring has no force, or gives way as fast as the point runs. Below
     the line its rest length tends from that before this dt to 0.
     """
-    cells, motion = store.cells, store.motion
-    height = height_above(store, cells.bx[i], cells.by[i], cells.bz[i])
+    cells, motion = state.cells, state.motion
+    height = height_above(state, cells.bx[i], cells.by[i], cells.bz[i])
     running = height > -numbers.run_depth
     moves = 1.0 if not running and numbers.forced_below else 0.0
     motion.moves[i] = moves

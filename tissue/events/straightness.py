@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from tissue.plugins import EmtEvent
 from tissue.state.numbers import Numbers
-from tissue.state.store import Store
+from tissue.state.running import TissueState
 
 
-def begin(store: Store, i: int, bit: int, numbers: Numbers) -> None:
+def begin(state: TissueState, i: int, bit: int, numbers: Numbers) -> None:
     """The bending spring of cell i weakens, to 0 in the thesis."""
-    store.cells.stiff_axb[i] = numbers.bent_stiffness
+    state.cells.stiff_axb[i] = numbers.bent_stiffness
 
 
 EVENT = EmtEvent(

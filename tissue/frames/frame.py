@@ -43,7 +43,9 @@ class Frame(NamedTuple):
         return self.checkpoint
 
     def heights(self, x: Floats, y: Floats, z: Floats) -> Floats:
-        """The distance of points (m,) from the basal layer, along its normal; below 0 on the side without tissue."""
+        """Return the distance of points (m,) from the basal layer, along its normal; below 0 on the side without
+        tissue.
+        """
         if self.sheets is None:
             return self.curve.heights(x, y)
         return heights(self.sheets.surface, np.column_stack((x, y, z)))
@@ -62,7 +64,7 @@ class Frame(NamedTuple):
 
     @staticmethod
     def load(path: str | PathLike[str]) -> Frame:
-        """The state that ``save`` wrote.
+        """Return the state that ``save`` wrote.
 
         Raises
         ------

@@ -22,7 +22,7 @@ from tissue.state.cells import COORDINATES, DEPTHS, KINDS, NAMED, CellLayers, Ce
 from tissue.state.checkpoint import DRAWN, WORDS, Separation, TissueCheckpoint
 from tissue.state.mesh import Mesh, Sheets, as_arrays, of_arrays, wrong_mesh
 from tissue.state.network import GHOSTS
-from tissue.state.store import COUNTERS
+from tissue.state.running import COUNTERS
 from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface
 
 # In each file; another number with other contents.
@@ -51,7 +51,7 @@ def save(parts: Parts, path: str | PathLike[str]) -> None:
 
 
 def checked(name: str, parts: Parts) -> Arrays:
-    """The fields of a frame as the arrays of a file; raises InvalidProblem where no run can have made them."""
+    """Return the fields of a frame as the arrays of a file; raises InvalidProblem where no run can have made them."""
     _, cells, layers, curve, past, sheets = parts
     number(f"{name}.t", parts[0], non_negative=True)
     kinds = (cells, Cells), (layers, CellLayers), (curve, BasalCurve), (past, TissueCheckpoint)
@@ -79,7 +79,7 @@ def _check_sheets(name: str, sheets: Any) -> None:
 
 
 def _arrays(parts: Parts) -> Arrays:
-    """What is in the file."""
+    """Return what is in the file."""
     t, cells, layers, curve, past, sheets = parts
     arrays: Arrays = {"format": FORMAT, "t": float(t), "seed": f"{past.seed:x}", "next_id": past.next_id}
     arrays |= {"events": _events(), "types": " ".join(past.types)}
@@ -106,12 +106,12 @@ def load(path: str | PathLike[str]) -> Parts:
 
 
 def _events() -> str:
-    """The events of this process, in the order of their bits."""
+    """Return the events of this process, in the order of their bits."""
     return ", ".join(event.name for event in known())
 
 
 def _parts(arrays: Arrays) -> Parts:
-    """The state that the arrays are."""
+    """Return the state that the arrays are."""
     cells = Cells(**{name: arrays[f"cells.{name}"] for name in Cells._fields})
     layers = CellLayers(arrays["layers.apical"], arrays["layers.basal"])
     emt = Emt(**{name: arrays[f"emt.{name}"] for name in Emt._fields})
@@ -135,7 +135,7 @@ def _parts(arrays: Arrays) -> Parts:
 
 
 def _sheets(arrays: Mapping[str, Any]) -> Sheets | None:
-    """The networks of a tissue in space."""
+    """Return the networks of a tissue in space."""
     return of_arrays({name.partition(".")[2]: array for name, array in arrays.items() if name.startswith("sheets.")})
 
 
@@ -175,7 +175,7 @@ def _shapes_in_space(arrays: Mapping[str, Any], n: int) -> dict[str, tuple[Any, 
 
 
 def _wrong(arrays: Arrays) -> Iterator[str]:
-    """What is wrong with the contents of a file; in words, the first of which is enough."""
+    """Yield what is wrong with the contents of a file; in words, the first of which is enough."""
     found = str(arrays.get("format", "missing"))
     if found != FORMAT:
         yield f'its format is "{found}" in place of "{FORMAT}"'
@@ -194,7 +194,9 @@ def _wrong(arrays: Arrays) -> Iterator[str]:
 
 
 def _impossible(arrays: Arrays) -> Iterator[str]:
-    """What no run can have made: kernels would read and write elsewhere. Coordinates may be those of a lost tissue."""
+    """Yield what no run can have made: kernels would read and write elsewhere. Coordinates may be those of a lost
+    tissue.
+    """
     n, m = arrays["cells.x"].size, arrays["emt.side"].size
     for name in (
         "t",

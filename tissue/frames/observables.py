@@ -14,8 +14,8 @@ from tissue.kernels import kernel
 from tissue.model.scale import position_in_space
 from tissue.state.cells import COORDINATES, DEPTHS, CellLayers, Cells, Floats, Integers
 from tissue.state.mesh import Sheets, network_of
+from tissue.state.running import CELLS, TissueState, new_state
 from tissue.state.space import SPATIAL, no_space
-from tissue.state.store import CELLS, Store, stored
 
 if TYPE_CHECKING:
     from tissue.frames.frame import Frame
@@ -23,22 +23,22 @@ if TYPE_CHECKING:
 
 
 def positions_in_space(cells: Cells, sheets: Sheets) -> Floats:
-    """y_AB of all cells, (n,); see ``tissue.model.scale``."""
+    """Compute y_AB of all cells, (n,); see ``tissue.model.scale``."""
     n = len(cells.x)
     space = no_space()._replace(dimension=SPATIAL, surface=sheets.surface, apical=network_of(sheets.apical, n))
     found = np.empty(n)
-    _measure_all(stored(cells, capacity=n, space=space), found)
+    _measure_all(new_state(cells, capacity=n, space=space), found)
     return found
 
 
 @kernel
-def _measure_all(store: Store, found: Floats) -> None:
-    for i in range(store.sizes[CELLS]):
-        found[i] = position_in_space(store, i)
+def _measure_all(state: TissueState, found: Floats) -> None:
+    for i in range(state.sizes[CELLS]):
+        found[i] = position_in_space(state, i)
 
 
 def basal_area(cells: Cells, sheets: Sheets) -> float:
-    """The area of all triangles of the basal network [R_soft^2]."""
+    """Return the area of all triangles of the basal network [R_soft^2]."""
     points = np.column_stack((cells.bx, cells.by, cells.bz))[sheets.basal.triangles]
     sides = points[:, 1:] - points[:, :1]
     for axis, period in ((0, sheets.surface.period_x), (2, sheets.surface.period_z)):
@@ -48,7 +48,7 @@ def basal_area(cells: Cells, sheets: Sheets) -> float:
 
 
 def basal_length(cells: Cells, sheets: Sheets) -> float:
-    """The length of all edges of the basal network of a strip, which has no periods [R_soft]."""
+    """Return the length of all edges of the basal network of a strip, which has no periods [R_soft]."""
     i, j = sheets.basal.edges.T
     points = np.column_stack((cells.bx, cells.by, cells.bz))
     return float(np.linalg.norm(points[j] - points[i], axis=1).sum())
@@ -84,18 +84,18 @@ class Extruded(NamedTuple):
 
 
 def is_measurable(frame: Frame) -> bool:
-    """Whether all coordinates are finite, and small enough for their squares to be so, too."""
+    """Return whether all coordinates are finite, and small enough for their squares to be so, too."""
     cells = frame.cells
     return all(bounded(getattr(cells, name)) for name in (*COORDINATES, *DEPTHS))
 
 
 def measurable(frames: Iterable[Frame]) -> list[Frame]:
-    """The frames that are: all but the last one of a run that left the finite numbers."""
+    """Return the frames that are: all but the last one of a run that left the finite numbers."""
     return [frame for frame in frames if is_measurable(frame)]
 
 
 def height(frame: Frame) -> float:
-    """Mean of h(A_i) over the cells of the apical layer, h the height above the basal layer: y above a line.
+    """Compute mean of h(A_i) over the cells of the apical layer, h the height above the basal layer: y above a line.
 
     The thesis plots the height (Figure 16 of chapter 3) without a definition; by this one it begins with the 8 R_soft
     of the figure.
@@ -106,12 +106,12 @@ def height(frame: Frame) -> float:
 
 
 def nucleus_height(frame: Frame) -> float:
-    """Mean of h(X_i) over all cells."""
+    """Compute mean of h(X_i) over all cells."""
     return float(frame.heights(frame.cells.x, frame.cells.y, frame.cells.z).mean())
 
 
 def widths(frame: Frame) -> Widths:
-    """max x - min x of the apical layer, of the basal layer and of the nuclei.
+    """Compute max x - min x of the apical layer, of the basal layer and of the nuclei.
 
     Raises InvalidProblem if a layer is empty.
     """
@@ -139,7 +139,7 @@ def nuclear_layers(frame: Frame) -> float:
 
 
 def areas(frame: Frame) -> Areas:
-    """The cross-sections of a tube: what the inner one of its two layers encloses, and what is between both.
+    """Return the cross-sections of a tube: what the inner one of its two layers encloses, and what is between both.
 
     The basal layer is the curve, the apical layer the polygon of its points. Raises InvalidProblem if the tissue is not
     closed.
@@ -198,7 +198,7 @@ def ab_positions(frame: Frame) -> Floats:
 
 
 def extruded(positions: Floats) -> Extruded:
-    """How many of the positions y_AB (n,) are above 1 and below 0  (4.3)."""
+    """Return how many of the positions y_AB (n,) are above 1 and below 0  (4.3)."""
     return Extruded(int((positions > 1).sum()), int((positions < 0).sum()))
 
 
@@ -210,7 +210,7 @@ def _inhabited(name: str, layers: CellLayers) -> Integers:
 
 
 def _nearest(x: Floats, y: Floats, path_x: Floats, path_y: Floats) -> Floats:
-    """The point of the path (m,) that is nearest to each point x, y (n,), the first one of several: (2, n)."""
+    """Return the point of the path (m,) that is nearest to each point x, y (n,), the first one of several: (2, n)."""
     if len(path_x) == 1:
         return np.stack((np.full(len(x), path_x[0]), np.full(len(x), path_y[0])))
     along_x, along_y = np.diff(path_x), np.diff(path_y)

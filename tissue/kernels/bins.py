@@ -48,7 +48,9 @@ def sort_in_bins(work: SurfaceWorkspace, n: int, reach: float) -> Three:
 
 @inner
 def how_many(at: Floats, n: int, length: float, reach: float) -> int:
-    """How many bins of this width an axis takes: those that fit into the period, or as far as there are nuclei."""
+    """Return how many bins of this width an axis takes: those that fit into the period, or as far as there are
+    nuclei.
+    """
     if length > 0.0:
         return max(1, int(min(length / reach, MOST_BINS)))
     low, high = 1e300, -1e300
@@ -114,7 +116,7 @@ def find_beside(work: SurfaceWorkspace, b: int) -> int:
 
 @inner
 def _beside(b: int, step: int, many: int) -> int:
-    """The bin before this one on its axis, itself, the one behind; of less than three bins each once."""
+    """Return the bin before this one on its axis, itself, the one behind; of less than three bins each once."""
     other = b + step - (1 if many > 2 else 0)
     if other < 0:
         return other + many

@@ -29,7 +29,7 @@ def course(curve: CurveNumbers, s: Any) -> tuple[Any, Any, Any, Any]:
 
 @inner
 def _polynomial(table: Floats, place: Any, k: int, u: Any) -> tuple[Any, Any]:
-    """The polynomial at this place and its derivative (Horner)."""
+    """Return the polynomial at this place and its derivative (Horner)."""
     value, slope = gather(table, place, k + 5), 0.0 * u
     for power in range(4, -1, -1):
         slope = fma(slope, u, value)
@@ -39,7 +39,7 @@ def _polynomial(table: Floats, place: Any, k: int, u: Any) -> tuple[Any, Any]:
 
 @inner
 def height_of(curve: CurveNumbers, x: float, y: float) -> float:
-    """The distance of a point from the curve, along its normal; below 0 on the side without tissue."""
+    """Return the distance of a point from the curve, along its normal; below 0 on the side without tissue."""
     if not curve.bent:
         return y
     at_x, at_y, along_x, along_y = course(curve, foot_of(curve, x, y))
@@ -49,7 +49,9 @@ def height_of(curve: CurveNumbers, x: float, y: float) -> float:
 
 @inner
 def foot_of(curve: CurveNumbers, x: float, y: float) -> float:
-    """The arclength of the point of a bent curve that is nearest to a point: from the nearest piece by Newton."""
+    """Return the arclength of the point of a bent curve that is nearest to a point: from the nearest piece by
+    Newton.
+    """
     nearest, node, ends = math.inf, 0, int(curve.pieces) + 1 - curve.around
     for k in range(ends):
         dx, dy = x - curve.table[12 * k], y - curve.table[12 * k + 6]

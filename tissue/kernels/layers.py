@@ -11,7 +11,7 @@ from tissue.state.cells import Cells, Floats, Integers
 
 @inner
 def chained_before(cells: Cells, i: int) -> int:
-    """The cell before cell i in its chain, -1 if it is the first one, or in none."""
+    """Return the cell before cell i in its chain, -1 if it is the first one, or in none."""
     if cells.chain[i] > 0:
         for j in range(i - 1, -1, -1):
             if cells.chain[j] == cells.chain[i]:
@@ -21,7 +21,7 @@ def chained_before(cells: Cells, i: int) -> int:
 
 @inner
 def chained_behind(cells: Cells, n: int, i: int) -> int:
-    """The cell behind it, -1 if it is the last one, or in none."""
+    """Return the cell behind it, -1 if it is the last one, or in none."""
     if cells.chain[i] > 0:
         for j in range(i + 1, n):
             if cells.chain[j] == cells.chain[i]:
@@ -31,7 +31,7 @@ def chained_behind(cells: Cells, n: int, i: int) -> int:
 
 @inner
 def at_ends(inside: Floats, values: Floats, n: int) -> tuple[Any, Any]:
-    """The values of the first and of the last cell of a layer, in each tissue; 0 if the layer is empty."""
+    """Return the values of the first and of the last cell of a layer, in each tissue; 0 if the layer is empty."""
     none = spread(values, 0.0)
     return _move_end(inside, values, 0, n, 1, none), _move_end(inside, values, n - 1, -1, -1, none)
 

@@ -48,7 +48,7 @@ def list_before(work: Workspace, i: int) -> int:
 
 @inner
 def list_ranges(work: Workspace, i: int, boxes: bool) -> int:
-    """The same with boxes or without, where speed does not matter."""
+    """Return the same with boxes or without, where speed does not matter."""
     if boxes:
         return list_before(work, i)
     work.begin[0], work.end[0] = work.first[i], i
@@ -124,7 +124,9 @@ def next_window(work: Workspace, i: int, j: int, ahead: Any, share: float, extra
 
 @inner
 def _first_beyond(front: Floats, left: Any, j: int, most: int) -> int:
-    """The first place whose ``front`` is beyond ``left`` in some tissue, ``most`` if none before is; from a guess j."""
+    """Return the first place whose ``front`` is beyond ``left`` in some tissue, ``most`` if none before is; from a
+    guess j.
+    """
     while j > 0 and positive_bits(load(front, j - 1) - left):
         j -= 1
     while j < most and not positive_bits(load(front, j) - left):
@@ -176,7 +178,7 @@ def _surround(work: Workspace, p: int, begin: int, end: int, share: float, extra
 
 @inner
 def are_near(work: Workspace, p: int, q: int) -> int:
-    """Whether the boxes of two blocks overlap in some tissue: not 0."""
+    """Return whether the boxes of two blocks overlap in some tissue: not 0."""
     along_x = maximum(0.0 - load(work.left, p) - load(work.right, q), 0.0 - load(work.left, q) - load(work.right, p))
     along_y = maximum(0.0 - load(work.bottom, p) - load(work.top, q), 0.0 - load(work.bottom, q) - load(work.top, p))
     near: int = positive_bits(0.0 - maximum(along_x, along_y))

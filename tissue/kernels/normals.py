@@ -35,7 +35,7 @@ def _series(c: tuple[float, ...], x: Any) -> Any:
 
 @inner
 def normals(key: Integers, counter: Integers, place: int, number: int) -> tuple[Any, Any]:
-    """Two independent N(0, 1), sqrt(-2 ln u) (cos, sin)(2 pi v - pi); arguments as of ``threefry``.
+    """Return two independent N(0, 1), sqrt(-2 ln u) (cos, sin)(2 pi v - pi); arguments as of ``threefry``.
 
     u and v lie in the middle of 2^32 equal parts of (0, 1), so that no number is beyond 6.8.
     """

@@ -121,7 +121,7 @@ def make_lists(work: SurfaceWorkspace, n: int) -> None:
 
 @inner
 def largest_radius(work: SurfaceWorkspace, n: int) -> float:
-    """The radius of the largest hard ball."""
+    """Return the radius of the largest hard ball."""
     largest = 0.0
     for i in range(n):
         largest = max(largest, work.radius[i])
@@ -155,7 +155,7 @@ def list_pairs(work: SurfaceWorkspace, n: int, reach: float) -> None:
 
 @inner
 def row_of(work: SurfaceWorkspace, p: int, n: int) -> tuple[int, int]:
-    """Where the soft pairs of place p begin and end among those listed."""
+    """Return where the soft pairs of place p begin and end among those listed."""
     if p < work.state[WHOLE]:
         return work.row[p], work.row_end[p]
     into = len(work.listed) - n - QUAD_WIDTH

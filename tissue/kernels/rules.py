@@ -9,19 +9,19 @@ import numpy as np
 from dincl.compiled import call, reader, signature, struct_type
 from tissue.state.cells import Integers
 from tissue.state.numbers import NUMBERS
-from tissue.state.store import STORE
+from tissue.state.running import STATE
 
-# begin(store, i, bit, numbers) and last(store, i, rest_ax, rest_bx, numbers) of an event.
-BEGIN: Any = signature(None, STORE, int, int, NUMBERS)
-LAST: Any = signature(None, STORE, int, float, float, NUMBERS)
-# splits(store, i, number, numbers) and place(store, i, numbers) of a rule of divisions.
-SPLITS: Any = signature(int, STORE, int, float, NUMBERS)
-PLACE: Any = signature(None, STORE, int, NUMBERS)
-# Rules of slices and of surfaces, see ``tissue.rules``: leave(store, i, bridge), position(store, i) and
-# shrink(store, numbers); SPLIT below.
-LEAVE: Any = signature(int, STORE, int, int)
-POSITION: Any = signature(float, STORE, int)
-SHRINK: Any = signature(None, STORE, NUMBERS)
+# begin(state, i, bit, numbers) and last(state, i, rest_ax, rest_bx, numbers) of an event.
+BEGIN: Any = signature(None, STATE, int, int, NUMBERS)
+LAST: Any = signature(None, STATE, int, float, float, NUMBERS)
+# splits(state, i, number, numbers) and place(state, i, numbers) of a rule of divisions.
+SPLITS: Any = signature(int, STATE, int, float, NUMBERS)
+PLACE: Any = signature(None, STATE, int, NUMBERS)
+# Rules of slices and of surfaces, see ``tissue.rules``: leave(state, i, bridge), position(state, i) and
+# shrink(state, numbers); SPLIT below.
+LEAVE: Any = signature(int, STATE, int, int)
+POSITION: Any = signature(float, STATE, int)
+SHRINK: Any = signature(None, STATE, NUMBERS)
 
 
 class Rules(NamedTuple):
@@ -39,8 +39,8 @@ class Rules(NamedTuple):
 _EXAMPLE = Rules(np.zeros(1, np.int64), np.zeros(1, np.int64), np.zeros(1, np.int64), 0, 0, 0, 0)
 RULES = struct_type(_EXAMPLE)
 rules_at = reader(_EXAMPLE)
-# The rule split(store, splits, numbers, rules), which makes all daughters of one dt.
-SPLIT: Any = signature(None, STORE, int, NUMBERS, RULES)
+# The rule split(state, splits, numbers, rules), which makes all daughters of one dt.
+SPLIT: Any = signature(None, STATE, int, NUMBERS, RULES)
 # substeps(flat, wide, n): all substeps of one dt for n cells in the workspace.
 SUBSTEPS: Any = signature(int, int, int, int)
 # Calls of these functions by their addresses, with the arguments above.

@@ -162,7 +162,9 @@ class SurfaceWorkspaces:
 
 
 def period(name: str, length: float) -> Period:
-    """What kernels know of a period; raises InvalidProblem for one in which a nucleus meets two images of another."""
+    """Return what kernels know of a period; raises InvalidProblem for one in which a nucleus meets two images of
+    another.
+    """
     if not length > SHORTEST_PERIOD:
         raise InvalidProblem(
             f"surface.{name} = {length}: must be above {SHORTEST_PERIOD:g}, twice the range of nuclei, or inf"
@@ -171,7 +173,7 @@ def period(name: str, length: float) -> Period:
 
 
 def _common(m: int, edges: int) -> dict[str, Any]:
-    """The arrays that are the same in both forms."""
+    """Return the arrays that are the same in both forms."""
     pairs, soft = HARD_ROOM * m, (SOFT_ROOM + 1) * m + 2 * QUAD_WIDTH
     whole = {"junctions": (edges, 2), "neighbours": (edges, 2), "sizes": 3, "order": m, "bin": m, "start": 2 * m + 1}
     whole |= {"begin": NEAR, "end": NEAR, "row": m, "row_end": m, "found": (pairs, 2), "hard_row": m + 1, "hard": pairs}
@@ -184,7 +186,7 @@ def _common(m: int, edges: int) -> dict[str, Any]:
 
 
 def _example(*shape: int) -> SurfaceWorkspace:
-    """A workspace for its types."""
+    """Return a workspace for its types."""
     names = SurfaceWorkspace._fields[: SurfaceWorkspace._fields.index("id")]
     block: dict[str, Any] = {name: np.zeros(shape) for name in names}
     block |= {name: np.zeros(shape, np.int64) for name in ("id", "noise_key")}
@@ -207,6 +209,6 @@ def nearest(d: Lane, length: float, inverse: float) -> Lane:
 
 @inner
 def periods(work: SurfaceWorkspace) -> tuple[float, float, float, float]:
-    """The period along x and its inverse, then along z."""
+    """Return the period along x and its inverse, then along z."""
     along_x, along_z = work.along_x, work.along_z
     return along_x.length, along_x.inverse, along_z.length, along_z.inverse

@@ -13,7 +13,7 @@ from dincl.compiled.lanes import WIDTH
 from tissue.state.basal_curve import CurveNumbers
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers
-from tissue.state.store import STRAIGHT
+from tissue.state.running import STRAIGHT
 from tissue.state.surface import FLAT_SURFACE, Surface
 
 # What ``ended`` says of a tissue, if not the number of the step that failed.
@@ -160,7 +160,7 @@ class Workspaces:
 
 
 def _common(capacity: int, width: int, kinds: Sequence[Numbers], scale: float) -> dict[str, Any]:
-    """What is the same in both forms; ``kinds``: the numbers of control cells, then those of the named types."""
+    """Return what is the same in both forms; ``kinds``: the numbers of control cells, then those of the named types."""
     numbers, mixed = kinds[0], len({(one.soft_radius, one.repulsion) for one in kinds}) > 1
     lengths = {
         "first": capacity,
@@ -194,7 +194,7 @@ def aligned(lines: int, length: int) -> NDArray[np.float64]:
 
 
 def _example(*shape: int) -> Workspace:
-    """A workspace for its types."""
+    """Return a workspace for its types."""
     whole = {*WHOLE, *SAME}
     kinds = {name: np.int64 if name in whole else np.float64 for name in Workspace._fields}
     plain: dict[str, Any] = ABSENT | {

@@ -78,7 +78,9 @@ def _sweep_listed(work: SurfaceWorkspace, n: int) -> tuple[int, bool]:
 
 @inner
 def _sweep_with_more(work: SurfaceWorkspace, n: int) -> tuple[int, bool]:
-    """The same over the pairs that are listed, those of strays, and all of nuclei that meet all, in the same order."""
+    """Return the same over the pairs that are listed, those of strays, and all of nuclei that meet all, in the same
+    order.
+    """
     hard, row, thrown, corrections, gone = work.hard, work.hard_row, work.thrown, 0, False
     begin = 0
     for i in range(n):
@@ -121,7 +123,7 @@ def _part(work: SurfaceWorkspace, i: int, j: int) -> bool:
 
 @inner
 def _went_far(work: SurfaceWorkspace, i: int) -> bool:
-    """Whether nucleus i has gone so far that it may meet others than those listed, but does not meet all yet.
+    """Return whether nucleus i has gone so far that it may meet others than those listed, but does not meet all yet.
 
     That is from where it was when the lists were made; strays from where they were before the sweep.
     """
@@ -152,7 +154,7 @@ def part_balls(flat: int, wide: int, n: int, touching: float, most: int) -> int:
 
 @inner
 def largest_overlap_of_balls(work: SurfaceWorkspace, n: int) -> float:
-    """max R_i + R_j - |X_i - X_j|, 0 if no balls overlap."""
+    """Compute max R_i + R_j - |X_i - X_j|, 0 if no balls overlap."""
     make_lists(work, n)
     length_x, by_x, length_z, by_z = periods(work)
     largest, listed = 0.0, work.state[ALL] == 0

@@ -12,7 +12,7 @@ from typing import Any
 
 
 def energy(cosine: Any, alpha: Any) -> Any:
-    """W of cells with these cosines, for numbers, arrays and symbols."""
+    """Compute W of cells with these cosines, for numbers, arrays and symbols."""
     return alpha * (cosine + 1)
 
 

@@ -16,7 +16,7 @@ from tissue.model.emt import last_events
 from tissue.model.springs import apical_length, basal_length, cell_length
 from tissue.state.cells import Cells
 from tissue.state.numbers import Numbers, numbers_of
-from tissue.state.store import CELLS, Store
+from tissue.state.running import CELLS, TissueState
 
 
 @inner
@@ -46,16 +46,16 @@ def draw_cycle(numbers: Numbers, draws: Generator) -> float:
 
 @inner
 def in_g2(cells: Cells, i: int, t: float, numbers: Numbers) -> bool:
-    """Whether t_age >= t_G2 = t_cycle - T_G2 - T_mitosis: the active part of G2, or mitosis."""
+    """Return whether t_age >= t_G2 = t_cycle - T_G2 - T_mitosis: the active part of G2, or mitosis."""
     late: bool = t - cells.birth[i] >= cells.cycle[i] - numbers.g2 - numbers.mitosis
     return late
 
 
 @kernel
-def set_phases(store: Store, t: float, numbers: Numbers) -> None:
+def set_phases(state: TissueState, t: float, numbers: Numbers) -> None:
     """Hard radius (3.4) and stiffness of the apical junctions at time t, from the phase and the type of each cell."""
-    cells = store.cells
-    for i in range(store.sizes[CELLS]):
+    cells = state.cells
+    for i in range(state.sizes[CELLS]):
         own = numbers_of(numbers, cells.kind[i])
         changes = cells.moves[i] or own.resting_enlarge
         late = in_g2(cells, i, t, own)
@@ -67,7 +67,7 @@ def set_phases(store: Store, t: float, numbers: Numbers) -> None:
 
 
 @kernel
-def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -> None:
+def adapt_rest_lengths(state: TissueState, t: float, numbers: Numbers, rules: Rules) -> None:
     """Relax each rest length towards what the phase wants, eta <- eta* + (eta - eta*) exp(-k dt)  (3.2), (3.3), (3.6).
 
     eta* is the present length d - R_soft of the spring, and from G2 on (section 2.2.3 of chapter 3) 0 for the apical
@@ -75,8 +75,8 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
     shrink towards 0. The sum of both eta* may have a cap, see ``tissue.model.cycle``. What has begun of the EMT
     takes the place of these.
     """
-    cells, n = store.cells, store.sizes[CELLS]
-    call_shrink(store.space.rules.shrink, store, numbers)
+    cells, n = state.cells, state.sizes[CELLS]
+    call_shrink(state.space.rules.shrink, state, numbers)
     kind, own, keep_ax, keep_bx = -1, numbers, 0.0, 0.0
     for i in range(n):
         if cells.kind[i] != kind:  # of neighbours it is mostly the same: two exponentials for many cells
@@ -96,4 +96,4 @@ def adapt_rest_lengths(store: Store, t: float, numbers: Numbers, rules: Rules) -
         cells.rest_ax[i] = wanted_ax + (rest_ax - wanted_ax) * keep_ax
         cells.rest_bx[i] = wanted_bx + (rest_bx - wanted_bx) * keep_bx
         if cells.events[i]:
-            last_events(store, i, rest_ax, rest_bx, own, rules)
+            last_events(state, i, rest_ax, rest_bx, own, rules)

@@ -112,7 +112,7 @@ def part(flat: int, wide: int, n: int, touching: float, most: int) -> int:
 
 @inner
 def largest_overlap(work: Workspace, n: int) -> float:
-    """max R_i + R_j - |X_i - X_j| of one tissue, 0 if no discs overlap."""
+    """Compute max R_i + R_j - |X_i - X_j| of one tissue, 0 if no discs overlap."""
     x, y, radius, largest = work.x, work.y, work.radius, 0.0
     boxes = find_near(work, n, 1.0, 0.0)
     for i in range(n):

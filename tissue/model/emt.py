@@ -7,49 +7,49 @@ from tissue.kernels.rules import Rules, call_begin, call_last
 from tissue.model.scale import ab_position
 from tissue.state.cells import Emt
 from tissue.state.numbers import Numbers, numbers_of
-from tissue.state.store import CELLS, EMT_CELLS, Store
+from tissue.state.running import CELLS, EMT_CELLS, TissueState
 
 
 @inner
-def begin_events(store: Store, t: float, numbers: Numbers, rules: Rules) -> None:
+def begin_events(state: TissueState, t: float, numbers: Numbers, rules: Rules) -> None:
     """Begin each event whose time has come; where it is the first one of a cell, keep its y_AB before it (4.8).
 
     One event after the other, each in all cells: so what a cell meets does not depend on which neighbour is before it.
     """
-    cells, emt = store.cells, store.emt
+    cells, emt = state.cells, state.emt
     if len(emt.new) == 0:
         return
     come = 0
-    for i in range(store.sizes[CELLS]):
+    for i in range(state.sizes[CELLS]):
         k = cells.emt[i]
         if k >= 0:
             emt.new[k] = _come(emt, k, t) & ~cells.events[i]
             come |= emt.new[k]
             if emt.new[k] != 0 and cells.events[i] == 0:
-                emt.onset_ab[k] = ab_position(store, i)
+                emt.onset_ab[k] = ab_position(state, i)
     if come == 0:
         return
     for event in rules.order:
         if (come >> event) & 1 and rules.begin[event] != 0:
-            _begin_in_all(store, event, numbers, rules)
-    for i in range(store.sizes[CELLS]):
+            _begin_in_all(state, event, numbers, rules)
+    for i in range(state.sizes[CELLS]):
         if cells.emt[i] >= 0:
             cells.events[i] |= emt.new[cells.emt[i]]
 
 
 @inner
-def _begin_in_all(store: Store, event: int, numbers: Numbers, rules: Rules) -> None:
+def _begin_in_all(state: TissueState, event: int, numbers: Numbers, rules: Rules) -> None:
     """Begin an event in all cells whose time for it has come."""
-    cells, emt = store.cells, store.emt
-    for i in range(store.sizes[CELLS]):
+    cells, emt = state.cells, state.emt
+    for i in range(state.sizes[CELLS]):
         k = cells.emt[i]
         if k >= 0 and (emt.new[k] >> event) & 1:
-            call_begin(rules.begin[event], store, i, 1 << event, numbers_of(numbers, cells.kind[i]))
+            call_begin(rules.begin[event], state, i, 1 << event, numbers_of(numbers, cells.kind[i]))
 
 
 @inner
 def _come(emt: Emt, k: int, t: float) -> int:
-    """The bits of the events of an EMT cell whose time has come."""
+    """Return the bits of the events of an EMT cell whose time has come."""
     come = 0
     for event in range(emt.at.shape[0]):
         if t >= emt.at[event, k]:
@@ -58,17 +58,17 @@ def _come(emt: Emt, k: int, t: float) -> int:
 
 
 @inner
-def last_events(store: Store, i: int, rest_ax: float, rest_bx: float, numbers: Numbers, rules: Rules) -> None:
+def last_events(state: TissueState, i: int, rest_ax: float, rest_bx: float, numbers: Numbers, rules: Rules) -> None:
     """For each dt what the events of cell i put in place of the rules; its rest lengths before these are given."""
     for event in rules.order:
-        if (store.cells.events[i] >> event) & 1 and rules.last[event] != 0:
-            call_last(rules.last[event], store, i, rest_ax, rest_bx, numbers)
+        if (state.cells.events[i] >> event) & 1 and rules.last[event] != 0:
+            call_last(rules.last[event], state, i, rest_ax, rest_bx, numbers)
 
 
 @inner
-def inherit_events(store: Store, i: int) -> None:
+def inherit_events(state: TissueState, i: int) -> None:
     """Give daughter i, a copy of her mother, an entry of her own among the EMT cells, if the mother has one."""
-    emt, k, number = store.emt, store.cells.emt[i], store.sizes[EMT_CELLS]
+    emt, k, number = state.emt, state.cells.emt[i], state.sizes[EMT_CELLS]
     if k < 0:
         return
     for event in range(emt.at.shape[0]):
@@ -76,5 +76,5 @@ def inherit_events(store: Store, i: int) -> None:
     emt.new[number] = emt.new[k]
     emt.onset_ab[number], emt.side[number] = emt.onset_ab[k], emt.side[k]
     emt.since[number], emt.since_x[number] = emt.since[k], emt.since_x[k]
-    store.cells.emt[i] = number
-    store.sizes[EMT_CELLS] += 1
+    state.cells.emt[i] = number
+    state.sizes[EMT_CELLS] += 1

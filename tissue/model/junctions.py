@@ -19,7 +19,7 @@ from tissue.state.cells import CellLayers, Cells, Integers
 
 
 def energy(d: Any, rest: Any, k: Any) -> Any:
-    """W of junctions of lengths d and rest lengths eta, for numbers, arrays and symbols."""
+    """Compute W of junctions of lengths d and rest lengths eta, for numbers, arrays and symbols."""
     return k / 2 * (d - rest) ** 2
 
 
@@ -29,12 +29,14 @@ def tension(d: Any, rest: Any, k: Any) -> Any:
 
 
 def stiffness(cells: Cells, ends: tuple[Integers, Integers], factor: float) -> Any:
-    """k of the junctions between these cells."""
+    """Compute k of the junctions between these cells."""
     return factor * (cells.stiff_aa[ends[0]] + cells.stiff_aa[ends[1]]) / 2
 
 
 def pairs(cells: Cells, layers: CellLayers, closed: bool) -> tuple[Integers, Integers]:
-    """The cells i and j that junctions join, eta being that of i: in the layer, in a tube its ends, and in chains."""
+    """Return the cells i and j that junctions join, eta being that of i: in the layer, in a tube its ends, and in
+    chains.
+    """
     apical, chained = layers.apical, np.flatnonzero(cells.chain)
     ring = closed and len(apical) > 2
     chained = chained[np.argsort(cells.chain[chained], kind="stable")]

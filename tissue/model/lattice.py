@@ -32,7 +32,7 @@ class Lattice:
     spacing: float  # of neighbours
 
     def above(self, heights: Floats) -> Floats:
-        """The points at these heights (n,) above the basal points, (3, n)."""
+        """Return the points at these heights (n,) above the basal points, (3, n)."""
         points: Floats = self.basal + heights * normals(self.surface, self.basal.T).T
         return points
 
@@ -53,7 +53,7 @@ class Lattice:
         return shifted
 
     def _tangents(self) -> tuple[Floats, Floats]:
-        """Two directions along the surface, at right angles, (3, n) each."""
+        """Return two directions along the surface, at right angles, (3, n) each."""
         n = normals(self.surface, self.basal.T).T
         if self.surface.bends != SPHERE:
             deep = np.zeros_like(n)
@@ -66,7 +66,9 @@ class Lattice:
         return across, np.cross(n, across, axis=0)
 
     def by_distance(self, place: float) -> Integers:
-        """The cells from the nearest to the farthest of a place: a part of the way across, in the middle of z."""
+        """Return the cells from the nearest to the farthest of a place: a part of the way across, in the middle
+        of z.
+        """
         at = self.basal
         if self.surface.bends == PLANE:
             x = at[0].min() + place * (at[0].max() - at[0].min())
@@ -97,7 +99,9 @@ class Lattice:
         return np.sort(among[chosen])
 
     def _folded(self) -> Floats:
-        """Points whose distances are those of the basal points, in the large over a half period, (n, 3 or more)."""
+        """Return points whose distances are those of the basal points, in the large over a half period, (n, 3
+        or more).
+        """
         axes: list[Floats] = []
         periods = (self.surface.period_x, math.inf, self.surface.period_z)
         for x, period in zip(self.basal, periods, strict=True):
@@ -107,7 +111,8 @@ class Lattice:
 
 
 def rows_of(cells: int, wanted: int, *, strip: bool = False) -> int:
-    """The number of rows of so many cells: the one that is wanted, or for 0 that of a sheet that is about square.
+    """Return the number of rows of so many cells: the one that is wanted, or for 0 that of a sheet that is about
+    square.
 
     Rows are shifted by half of the spacing in turn, so that a periodic sheet has an even number. Where a strip may be
     there can be one.
@@ -129,7 +134,7 @@ def rows_of(cells: int, wanted: int, *, strip: bool = False) -> int:
 
 
 def flat_lattice(cells: int, rows: int, spacing: float, *, periodic: bool) -> Lattice:
-    """A triangular lattice on the plane, in x and z."""
+    """Return a triangular lattice on the plane, in x and z."""
     s, z = _sheet(cells, rows, spacing)
     columns = cells // rows
     periods = (columns * spacing, rows * ROW * spacing) if periodic else (math.inf, math.inf)
@@ -138,7 +143,7 @@ def flat_lattice(cells: int, rows: int, spacing: float, *, periodic: bool) -> La
 
 
 def round_lattice(cells: int, rows: int, perimeter: float, *, inside: bool, periodic: bool) -> Lattice:
-    """A triangular lattice around a cylinder."""
+    """Return a triangular lattice around a cylinder."""
     spacing, radius = perimeter * rows / cells, perimeter / (2.0 * math.pi)
     s, z = _sheet(cells, rows, spacing)
     surface = cylinder(radius, inside=inside, period_z=rows * ROW * spacing if periodic else math.inf)
@@ -147,7 +152,7 @@ def round_lattice(cells: int, rows: int, perimeter: float, *, inside: bool, peri
 
 
 def ball_lattice(cells: int, perimeter: float, *, inside: bool) -> Lattice:
-    """Points spread over a sphere about evenly (a Fibonacci lattice)."""
+    """Return points spread over a sphere about evenly (a Fibonacci lattice)."""
     radius = perimeter / (2.0 * math.pi)
     k = np.arange(cells)
     height, turn = 1.0 - (2.0 * k + 1.0) / cells, math.pi * (1.0 + math.sqrt(5.0)) * k
@@ -157,7 +162,7 @@ def ball_lattice(cells: int, perimeter: float, *, inside: bool) -> Lattice:
 
 
 def _sheet(cells: int, rows: int, spacing: float) -> tuple[Floats, Floats]:
-    """A triangular lattice along s and z, centred, column by column."""
+    """Return a triangular lattice along s and z, centred, column by column."""
     columns = cells // rows
     column, row = (part.ravel() for part in np.meshgrid(np.arange(columns), np.arange(rows), indexing="ij"))
     s: Floats = np.asarray(spacing * (column - (columns - 1) / 2 + 0.5 * (row % 2) - 0.25), np.float64)

@@ -9,26 +9,26 @@ from numpy.random import Generator
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import fma, load
-from dincl.compiled.lanes import store as store_at
+from dincl.compiled.lanes import store as put
 from tissue.kernels.normals import WORDS, normals
 from tissue.state.cells import Integers
+from tissue.state.running import CELLS, TissueState
 from tissue.state.space import SPATIAL
-from tissue.state.store import CELLS, Store
 
 # Added to the number of a substep where the depth is drawn: along x and y the noise is that of the section z = 0.
 DEPTH = 1 << 31
 
 
 @inner
-def add_noise(store: Store, variance: float, noise: Generator) -> None:
+def add_noise(state: TissueState, variance: float, noise: Generator) -> None:
     """Add N(0, variance) to each coordinate of the nuclei, (3.35); draw nothing if there is no variance."""
     if variance == 0.0:
         return
-    deviation, x, y, z = math.sqrt(variance), store.cells.x, store.cells.y, store.cells.z
-    for i in range(store.sizes[CELLS]):
+    deviation, x, y, z = math.sqrt(variance), state.cells.x, state.cells.y, state.cells.z
+    for i in range(state.sizes[CELLS]):
         x[i] += deviation * noise.standard_normal()
         y[i] += deviation * noise.standard_normal()
-        if store.space.dimension == SPATIAL:
+        if state.space.dimension == SPATIAL:
             z[i] += deviation * noise.standard_normal()
 
 
@@ -49,6 +49,6 @@ def add_substep_noise(work: Any, rows: int, number: int) -> None:
         for i in range(rows):
             along_x, along_y = normals(work.noise_key, work.id, i, number)
             along_z, _ = normals(work.noise_key, work.id, i, DEPTH + number)
-            store_at(x, i, fma(deviation, along_x, load(x, i)))
-            store_at(y, i, fma(deviation, along_y, load(y, i)))
-            store_at(z, i, fma(deviation, along_z, load(z, i)))
+            put(x, i, fma(deviation, along_x, load(x, i)))
+            put(y, i, fma(deviation, along_y, load(y, i)))
+            put(z, i, fma(deviation, along_z, load(z, i)))

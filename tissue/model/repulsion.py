@@ -21,7 +21,7 @@ Plane = tuple[Lane, Lane]
 
 
 def energy(d: Any, k: Any) -> Any:
-    """W of pairs at distances d <= 2, for numbers, arrays and symbols."""
+    """Compute W of pairs at distances d <= 2, for numbers, arrays and symbols."""
     return k / 2 * (d - SOFT) ** 2
 
 
@@ -128,7 +128,9 @@ def repelling(square: Lane) -> Lane:
 
 @inner
 def repelling_within(square: Lane, reach: Lane, both: Lane, power: int) -> Lane:
-    """k (R/d - 1) where two soft discs overlap, else 0, from d^2, R and k_i + k_j; with the power of the springs."""
+    """Compute k (R/d - 1) where two soft discs overlap, else 0, from d^2, R and k_i + k_j; with the power of the
+    springs.
+    """
     share = 2.0 / reach
     k = 0.5 * both * share
     if power == 2:

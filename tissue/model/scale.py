@@ -9,20 +9,20 @@ from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
 from tissue.kernels.rules import call_position
 from tissue.state.cells import Cells, Floats
-from tissue.state.store import APICAL, CELLS, Store
+from tissue.state.running import APICAL, CELLS, TissueState
 from tissue.state.surface import Surface, differences, height
 
 Point = tuple[float, float, float]
 
 
 @inner
-def position_in_space(store: Store, i: int) -> float:
+def position_in_space(state: TissueState, i: int) -> float:
     """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical surface nearest to X_i (section 3.3.1 of chapter 4).
 
     The apical surface is made of the triangles of the network; where there is none, in a row of cells, of its edges. h
     is the height above the basal surface.
     """
-    cells, network, surface = store.cells, store.space.apical, store.space.surface
+    cells, network, surface = state.cells, state.space.apical, state.space.surface
     x, y, z = cells.x[i], cells.y[i], cells.z[i]
     nearest, reference = math.inf, (math.nan, math.nan, math.nan)
     for t in range(network.triangles[0]):
@@ -37,15 +37,15 @@ def position_in_space(store: Store, i: int) -> float:
         if square < nearest:
             nearest, reference = square, p
     if nearest == math.inf:
-        reference = _nearest_of_row(store, (x, y, z))
+        reference = _nearest_of_row(state, (x, y, z))
     above = height(surface, x + reference[0], y + reference[1], z + reference[2])
     return height(surface, x, y, z) / above
 
 
 @inner
-def _nearest_of_row(store: Store, at: Point) -> Point:
-    """The arrow to the nearest point of the edges of the apical network."""
-    cells, network, surface = store.cells, store.space.apical, store.space.surface
+def _nearest_of_row(state: TissueState, at: Point) -> Point:
+    """Return the arrow to the nearest point of the edges of the apical network."""
+    cells, network, surface = state.cells, state.space.apical, state.space.surface
     nearest, reference = math.inf, (math.nan, math.nan, math.nan)
     for h in range(3 * network.triangles[0]):
         first, second = network.corner[h], network.corner[network.twin[h]]
@@ -59,13 +59,13 @@ def _nearest_of_row(store: Store, at: Point) -> Point:
 
 @inner
 def _from(surface: Surface, cells: Cells, at: Point, j: int) -> Point:
-    """The arrow from a point to the apical point of cell j, its nearest image."""
+    """Return the arrow from a point to the apical point of cell j, its nearest image."""
     return differences(surface, cells.ax[j] - at[0], cells.ay[j] - at[1], cells.az[j] - at[2])
 
 
 @inner
 def nearest_to_origin(a: Point, b: Point, c: Point) -> Point:
-    """The point of the triangle a, b, c that is nearest to the origin.
+    """Return the point of the triangle a, b, c that is nearest to the origin.
 
     It is the foot of the plane where that lies inside, else the nearest point of the three sides.
     """
@@ -86,7 +86,7 @@ def nearest_to_origin(a: Point, b: Point, c: Point) -> Point:
 
 @inner
 def _nearest_on(a: Point, b: Point) -> Point:
-    """The point of the line from a to b that is nearest to the origin."""
+    """Return the point of the line from a to b that is nearest to the origin."""
     u = _minus(b, a)
     square = _dot(u, u)
     part = min(max(-_dot(a, u) / square, 0.0), 1.0) if square > 0.0 else 0.0
@@ -110,22 +110,22 @@ def _dot(a: Point, b: Point) -> float:
 
 
 @inner
-def ab_position(store: Store, i: int) -> float:
+def ab_position(state: TissueState, i: int) -> float:
     """Compute y_AB(X_i), by the rule of the tissue."""
-    found: float = call_position(store.space.rules.position, store, i)
+    found: float = call_position(state.space.rules.position, state, i)
     return found
 
 
 @inner
-def position_in_slice(store: Store, i: int) -> float:
+def position_in_slice(state: TissueState, i: int) -> float:
     """y_AB(X_i) = h(X_i) / h(A^ref), A^ref the point of the apical path nearest to X_i; as ``ab_positions``.
 
     h is the height above the basal layer, y above a line.
     """
-    cells, layer = store.cells, store.layers.apical
+    cells, layer = state.cells, state.layers.apical
     x, y = cells.x[i], cells.y[i]
-    nearest, reference, size = math.inf, (cells.ax[layer[0]], cells.ay[layer[0]]), store.sizes[APICAL]
-    for k in range(size if store.curve.ring > 0.0 else size - 1):
+    nearest, reference, size = math.inf, (cells.ax[layer[0]], cells.ay[layer[0]]), state.sizes[APICAL]
+    for k in range(size if state.curve.ring > 0.0 else size - 1):
         end = layer[k + 1 if k + 1 < size else 0]
         from_x, from_y = cells.ax[layer[k]], cells.ay[layer[k]]
         along_x, along_y = cells.ax[end] - from_x, cells.ay[end] - from_y
@@ -137,63 +137,65 @@ def position_in_slice(store: Store, i: int) -> float:
         if away_x * away_x + away_y * away_y < nearest:
             nearest = away_x * away_x + away_y * away_y
             reference = from_x + part * along_x, from_y + part * along_y
-    position: float = height_of(store.curve, x, y) / height_of(store.curve, reference[0], reference[1])
+    position: float = height_of(state.curve, x, y) / height_of(state.curve, reference[0], reference[1])
     return position
 
 
 @inner
-def apical_range(store: Store) -> tuple[float, float]:
-    """The lowest and the highest y of the apical layer, between which A^ref lies; no bounds where the layer bends."""
+def apical_range(state: TissueState) -> tuple[float, float]:
+    """Return the lowest and the highest y of the apical layer, between which A^ref lies; no bounds where the layer
+    bends.
+    """
     low, high = math.inf, -math.inf
-    if store.curve.bent or store.space.surface.bends:
+    if state.curve.bent or state.space.surface.bends:
         return -math.inf, math.inf
-    for k in range(store.sizes[APICAL]):
-        i = store.layers.apical[k]
-        low, high = min(low, store.cells.ay[i]), max(high, store.cells.ay[i])
+    for k in range(state.sizes[APICAL]):
+        i = state.layers.apical[k]
+        low, high = min(low, state.cells.ay[i]), max(high, state.cells.ay[i])
     return low, high
 
 
 @inner
-def side_of(store: Store, i: int, low: float) -> int:
+def side_of(state: TissueState, i: int, low: float) -> int:
     """-1 for y_AB(X_i) < 0, 1 for y_AB(X_i) > 1, else 0 (4.3); ``low`` of ``apical_range``, above the basal line."""
-    y = store.cells.y[i]
+    y = state.cells.y[i]
     if 0.0 <= y <= low:
         return 0
-    position = ab_position(store, i)
+    position = ab_position(state, i)
     return (position > 1.0) - (position < 0.0)
 
 
 @inner
-def watch_sides(store: Store, t: float) -> None:
+def watch_sides(state: TissueState, t: float) -> None:
     """Keep since when and where each EMT cell is outside of the tissue."""
-    cells, emt = store.cells, store.emt
+    cells, emt = state.cells, state.emt
     if len(emt.side) == 0:
         return
-    low, _ = apical_range(store)
-    for i in range(store.sizes[CELLS]):
+    low, _ = apical_range(state)
+    for i in range(state.sizes[CELLS]):
         k = cells.emt[i]
         if k >= 0:
-            side = side_of(store, i, low)
+            side = side_of(state, i, low)
             if side != emt.side[k]:
                 emt.side[k], emt.since[k], emt.since_x[k] = side, t, cells.x[i]
 
 
 @kernel
-def measure(store: Store, positions: Floats, controls: Floats) -> None:
+def measure(state: TissueState, positions: Floats, controls: Floats) -> None:
     """y_AB of each EMT cell; of the control cells their number, how many are above 1 and below 0, and the lowest y_AB.
 
     Most need no look at the apical path: y_AB lies between y / high and y / low.
     """
-    cells, n, (low, high) = store.cells, store.sizes[CELLS], apical_range(store)
+    cells, n, (low, high) = state.cells, state.sizes[CELLS], apical_range(state)
     controls[0], controls[1], controls[2], controls[3] = 0.0, 0.0, 0.0, math.inf
     for i in range(n):
         k = cells.emt[i]
         if k >= 0:
-            positions[k] = ab_position(store, i)
+            positions[k] = ab_position(state, i)
             continue
         controls[0] += 1.0
         if not 0.0 <= cells.y[i] <= low or cells.y[i] < controls[3] * high:
-            position = ab_position(store, i)
+            position = ab_position(state, i)
             controls[1] += position > 1.0
             controls[2] += position < 0.0
             controls[3] = min(controls[3], position)

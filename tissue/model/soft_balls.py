@@ -69,7 +69,7 @@ def _push_from(work: SurfaceWorkspace, p: int, begin: int, end: int) -> None:
 
 @inner
 def _from_image(here: Quad, at: Any, q: int, length: Quad, inverse: Quad) -> Quad:
-    """The difference to the nearest image of a place."""
+    """Return the difference to the nearest image of a place."""
     d = here - load_quad(at, q)
     return fma(-length, floored(fma(d, inverse, quad_of(0.5, 0.5, 0.5))), d)
 

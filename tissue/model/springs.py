@@ -14,7 +14,7 @@ from tissue.state.cells import Cells
 
 
 def energy(d: Any, rest: Any, alpha: Any, power: int) -> Any:
-    """W of springs of lengths d and rest lengths l, for numbers, arrays and symbols."""
+    """Compute W of springs of lengths d and rest lengths l, for numbers, arrays and symbols."""
     return alpha * (d - rest) ** 2 / rest**power
 
 
@@ -25,13 +25,13 @@ def tension(d: Any, rest: Any, alpha: Any, power: int) -> Any:
 
 @inner
 def apical_length(cells: Cells, i: int) -> float:
-    """|X_i - A_i|."""
+    """Compute |X_i - A_i|."""
     return _length(cells.x[i] - cells.ax[i], cells.y[i] - cells.ay[i], cells.z[i] - cells.az[i])
 
 
 @inner
 def basal_length(cells: Cells, i: int) -> float:
-    """|X_i - B_i|."""
+    """Compute |X_i - B_i|."""
     return _length(cells.x[i] - cells.bx[i], cells.y[i] - cells.by[i], cells.z[i] - cells.bz[i])
 
 
@@ -43,14 +43,14 @@ def cell_length(cells: Cells, i: int) -> float:
 
 @inner
 def _length(dx: float, dy: float, dz: float) -> float:
-    """The length of a vector, which in the plane has no third coordinate."""
+    """Return the length of a vector, which in the plane has no third coordinate."""
     in_plane = math.hypot(dx, dy)
     return in_plane if dz == 0.0 else math.hypot(in_plane, dz)
 
 
 @inner
 def coefficient(scale: float, alpha: float, rest: float, power: int) -> float:
-    """k of a displacement -k (1 - l/d) (X - A), which is -``scale`` grad W."""
+    """Compute k of a displacement -k (1 - l/d) (X - A), which is -``scale`` grad W."""
     return 2.0 * scale * alpha / (rest * rest if power == 2 else rest)
 
 

@@ -31,7 +31,7 @@ def push_strays(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: in
 
 @inner
 def _is_listed(work: SurfaceWorkspace, i: int, j: int) -> bool:
-    """Whether two nuclei are a pair of the list: as it is decided where the list is made, to the last bit."""
+    """Return whether two nuclei are a pair of the list: as it is decided where the list is made, to the last bit."""
     length_x, by_x, length_z, by_z = periods(work)
     x, y, z = work.made_x, work.made_y, work.made_z
     dx, dy, dz = nearest(x[i] - x[j], length_x, by_x), y[i] - y[j], nearest(z[i] - z[j], length_z, by_z)
@@ -41,7 +41,7 @@ def _is_listed(work: SurfaceWorkspace, i: int, j: int) -> bool:
 
 @inner
 def _has_strayed(work: SurfaceWorkspace, i: int) -> bool:
-    """Whether cell i is among the strays."""
+    """Return whether cell i is among the strays."""
     dx, dy, dz = work.x[i] - work.made_x[i], work.y[i] - work.made_y[i], work.z[i] - work.made_z[i]
     strayed: bool = fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN > 0.0
     return strayed
@@ -102,7 +102,7 @@ def _insert(work: SurfaceWorkspace, i: int, j: int) -> None:
 
 @inner
 def has_strayed_before(work: SurfaceWorkspace, i: int) -> bool:
-    """Whether cell i was among the strays before the sweep."""
+    """Return whether cell i was among the strays before the sweep."""
     dx, dy = work.before_x[i] - work.made_x[i], work.before_y[i] - work.made_y[i]
     dz = work.before_z[i] - work.made_z[i]
     strayed: bool = fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN > 0.0

@@ -50,7 +50,8 @@ def carry(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats
 
 @inner
 def _first_to_turn(surface: Surface, network: Network, i: int, begin: Place, end: Place) -> tuple[int, float]:
-    """Which triangle of vertex i has its vertices on a line first on the way, as a half-edge, and when: from 0 to 1.
+    """Return which triangle of vertex i has its vertices on a line first on the way, as a half-edge, and when: from 0
+    to 1.
 
     -1 if all turn left at the end of the way, where the vertex is then.
     """

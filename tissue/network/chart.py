@@ -18,7 +18,7 @@ from tissue.state.surface import CYLINDER, PLANE, SPHERE, Surface, nearest_image
 
 @inner
 def chart_of(surface: Surface, x: float, y: float, z: float) -> Place:
-    """The place of a point in the chart."""
+    """Return the place of a point in the chart."""
     if surface.bends == PLANE:
         return z, x, 0.0
     if surface.bends == CYLINDER:
@@ -28,7 +28,7 @@ def chart_of(surface: Surface, x: float, y: float, z: float) -> Place:
 
 @inner
 def place_of(network: Network, i: int) -> Place:
-    """Where vertex i is on the chart."""
+    """Return where vertex i is on the chart."""
     return network.u[i], network.v[i], network.w[i]
 
 
@@ -40,7 +40,7 @@ def put(network: Network, i: int, place: Place) -> None:
 
 @inner
 def on_the_way(begin: Place, end: Place, part: float) -> Place:
-    """The place after a part of a straight way."""
+    """Return the place after a part of a straight way."""
     return (
         begin[0] + part * (end[0] - begin[0]),
         begin[1] + part * (end[1] - begin[1]),
@@ -50,13 +50,13 @@ def on_the_way(begin: Place, end: Place, part: float) -> Place:
 
 @inner
 def period_u(surface: Surface) -> float:
-    """The period of the first coordinate of the chart."""
+    """Return the period of the first coordinate of the chart."""
     return surface.period_z if surface.bends == PLANE else 2.0 * math.pi * surface.radius
 
 
 @inner
 def period_v(surface: Surface) -> float:
-    """The period of the second one."""
+    """Return the period of the second one."""
     return surface.period_x if surface.bends == PLANE else surface.period_z
 
 
@@ -116,7 +116,7 @@ def _cross(surface: Surface, network: Network, i: int, j: int, k: int) -> float:
 
 @inner
 def _cross_ghost(surface: Surface, network: Network, i: int, j: int, ghost: int) -> float:
-    """The same with the direction to a ghost for c - a."""
+    """Return the same with the direction to a ghost for c - a."""
     eu, ev = between(surface, network, i, j)
     fu, fv = between(surface, network, i, ghost)
     # Of a patch, -f is the way to the middle, and the triangle with that must not go around either.
@@ -137,7 +137,9 @@ def between(surface: Surface, network: Network, i: int, j: int) -> tuple[float, 
 
 @inner
 def middle_of_patch(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> Place:
-    """What a patch is seen from: the mean of its points, on the chart; w = -1 as the ghost is on the other side."""
+    """Return what a patch is seen from: the mean of its points, on the chart; w = -1 as the ghost is on the
+    other side.
+    """
     n, x, y, z = 0, 0.0, 0.0, 0.0
     for i in range(network.out.size - 2):
         if network.out[i] >= 0:

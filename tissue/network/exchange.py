@@ -77,7 +77,7 @@ def _is_preferred(
     factor: float,
     reach: float,
 ) -> bool:
-    """Whether the judge prefers the other diagonal of h."""
+    """Return whether the judge prefers the other diagonal of h."""
     i, j = network.corner[h], network.corner[following(h)]
     left, right = other_diagonal(network, h)
     if judge == IN_SPACE:
@@ -94,7 +94,7 @@ def _is_preferred(
 
 @inner
 def _squared_in_chart(surface: Surface, network: Network, i: int, j: int) -> float:
-    """The square of the length of an edge in the chart; the same for (j, i) to the last bit."""
+    """Return the square of the length of an edge in the chart; the same for (j, i) to the last bit."""
     du, dv = network.u[j] - network.u[i], network.v[j] - network.v[i]
     dw = network.w[j] - network.w[i]
     if surface.bends != SPHERE:
@@ -105,7 +105,9 @@ def _squared_in_chart(surface: Surface, network: Network, i: int, j: int) -> flo
 
 @inner
 def _is_in_circle(surface: Surface, network: Network, i: int, j: int, left: int, right: int) -> bool:
-    """Whether the angles at ``left`` and ``right`` are more than pi together: each is in the circle of the other."""
+    """Return whether the angles at ``left`` and ``right`` are more than pi together: each is in the circle of the
+    other.
+    """
     cosine, sine = _product(surface, network, left, i, j), turn(surface, network, i, j, left)
     cosine_beyond, sine_beyond = _product(surface, network, right, i, j), turn(surface, network, j, i, right)
     size = abs(cosine * sine_beyond) + abs(cosine_beyond * sine)

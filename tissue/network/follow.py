@@ -90,8 +90,8 @@ def _put_row(network: Network) -> int:
 
 @inner
 def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats) -> bool:
-    """Where all vertices go: the chart of the points; whether all are numbers."""
-    desk = network.desk
+    """Return where all vertices go: the chart of the points; whether all are numbers."""
+    work = network.work
     for i in range(-GHOSTS, network.out.size - GHOSTS):
         if network.out[i] >= 0:
             end = place_of(network, i)
@@ -101,7 +101,7 @@ def _aim(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats)
                     return False
             elif end[2] != 0.0:
                 end = middle_of_patch(surface, network, px, py, pz)
-            desk.to_u[i], desk.to_v[i], desk.to_w[i] = end
+            work.to_u[i], work.to_v[i], work.to_w[i] = end
     return True
 
 
@@ -116,7 +116,7 @@ def _come_near(surface: Surface, network: Network) -> None:
 
 @inner
 def _nearest(surface: Surface, place: Place, other: Place) -> Place:
-    """The image of a place that is nearest to another one."""
+    """Return the image of a place that is nearest to another one."""
     if surface.bends == SPHERE:
         return place
     return (
@@ -129,9 +129,9 @@ def _nearest(surface: Surface, place: Place, other: Place) -> Place:
 @inner
 def _set_out(network: Network) -> None:
     """Vertices come from where they are."""
-    desk = network.desk
+    work = network.work
     for i in range(network.out.size):
-        desk.from_u[i], desk.from_v[i], desk.from_w[i] = place_of(network, i)
+        work.from_u[i], work.from_v[i], work.from_w[i] = place_of(network, i)
 
 
 @inner
@@ -143,14 +143,14 @@ def _put_back(network: Network) -> None:
 
 @inner
 def _origin(network: Network, i: int) -> Place:
-    """Where vertex i comes from."""
-    return network.desk.from_u[i], network.desk.from_v[i], network.desk.from_w[i]
+    """Return where vertex i comes from."""
+    return network.work.from_u[i], network.work.from_v[i], network.work.from_w[i]
 
 
 @inner
 def _goal(network: Network, i: int, part: float) -> Place:
-    """Where vertex i is after a part of its way; at the end of it to the last bit."""
-    end = network.desk.to_u[i], network.desk.to_v[i], network.desk.to_w[i]
+    """Return where vertex i is after a part of its way; at the end of it to the last bit."""
+    end = network.work.to_u[i], network.work.to_v[i], network.work.to_w[i]
     return end if part == 1.0 else on_the_way(_origin(network, i), end, part)
 
 
@@ -158,7 +158,7 @@ def _goal(network: Network, i: int, part: float) -> Place:
 def _put_all(surface: Surface, network: Network, part: float) -> int:
     """Put all vertices a part of the way on, but those near a triangle that would not turn left; these are queued."""
     for i in range(-GHOSTS, network.out.size - GHOSTS):
-        network.desk.waiting[i] = 0
+        network.work.waiting[i] = 0
         if network.out[i] >= 0:
             put(network, i, _goal(network, i, part))
     count = 0
@@ -166,7 +166,7 @@ def _put_all(surface: Surface, network: Network, part: float) -> int:
         count = _keep_back(surface, network, 3 * t, count)
     done = 0
     while done < count:
-        count = _keep_back_around(surface, network, network.desk.queue[done], count)
+        count = _keep_back_around(surface, network, network.work.queue[done], count)
         done += 1
     return count
 
@@ -185,14 +185,14 @@ def _keep_back_around(surface: Surface, network: Network, i: int, count: int) ->
 @inner
 def _keep_back(surface: Surface, network: Network, h: int, count: int) -> int:
     """Put the vertices of the triangle of h back and into the queue if it does not turn left; how many are in it."""
-    desk, corner = network.desk, network.corner
+    work, corner = network.work, network.corner
     i, j, k = corner[h], corner[following(h)], corner[preceding(h)]
     if turn(surface, network, i, j, k) > 0.0:
         return count
     for vertex in (i, j, k):
-        if not desk.waiting[vertex]:
-            desk.waiting[vertex] = 1
-            desk.queue[count] = vertex
+        if not work.waiting[vertex]:
+            work.waiting[vertex] = 1
+            work.queue[count] = vertex
             count += 1
             put(network, vertex, _origin(network, vertex))
     return count
@@ -207,11 +207,11 @@ def _move_alone(
     for attempt in range(ROUNDS):
         left = 0
         for place in range(count):
-            i = network.desk.queue[place]
+            i = network.work.queue[place]
             flips, arrived = _try(surface, network, px, py, pz, rule, i, attempt, _goal(network, i, part))
             work += 1 + flips
             if not arrived:
-                network.desk.queue[left] = i
+                network.work.queue[left] = i
                 left += 1
         count = left
         if count == 0:
@@ -255,10 +255,10 @@ def _aside(surface: Surface, begin: Place, end: Place, attempt: int) -> Place:
 
 @inner
 def _in_order(network: Network) -> int:
-    """The queue in the order of the numbers, ghosts first; how many are in it."""
+    """Return the queue in the order of the numbers, ghosts first; how many are in it."""
     count = 0
     for i in range(-GHOSTS, network.out.size - GHOSTS):
-        if network.desk.waiting[i]:
-            network.desk.queue[count] = i
+        if network.work.waiting[i]:
+            network.work.queue[count] = i
             count += 1
     return count

@@ -14,26 +14,28 @@ from tissue.state.surface import Surface
 
 @inner
 def following(h: int) -> int:
-    """The next half-edge of the triangle."""
+    """Return the next half-edge of the triangle."""
     return h - 2 if h % 3 == 2 else h + 1
 
 
 @inner
 def preceding(h: int) -> int:
-    """The half-edge before, of the same triangle."""
+    """Return the half-edge before, of the same triangle."""
     return h + 2 if h % 3 == 0 else h - 1
 
 
 @inner
 def around(network: Network, h: int) -> int:
-    """The half-edge that leaves the same vertex next, counterclockwise."""
+    """Return the half-edge that leaves the same vertex next, counterclockwise."""
     turned: int = network.twin[preceding(h)]
     return turned
 
 
 @inner
 def begins_edge(network: Network, h: int) -> bool:
-    """Whether h, of both half-edges of an edge that joins two cells, is the first: so loops meet each edge once."""
+    """Return whether h, of both half-edges of an edge that joins two cells, is the first: so loops meet each
+    edge once.
+    """
     g = network.twin[h]
     begins: bool = h < g and min(network.corner[h], network.corner[g]) >= 0
     return begins
@@ -41,7 +43,7 @@ def begins_edge(network: Network, h: int) -> bool:
 
 @inner
 def degree(network: Network, i: int) -> int:
-    """How many neighbours vertex i has, ghosts among them."""
+    """Return how many neighbours vertex i has, ghosts among them."""
     h, count = network.out[i], 1
     while around(network, h) != network.out[i]:
         h, count = around(network, h), count + 1
@@ -50,7 +52,7 @@ def degree(network: Network, i: int) -> int:
 
 @inner
 def find(network: Network, i: int, j: int) -> int:
-    """The half-edge from vertex i to j; -1 if they are not joined."""
+    """Return the half-edge from vertex i to j; -1 if they are not joined."""
     h: int = network.out[i]
     while network.corner[following(h)] != j:
         h = around(network, h)
@@ -61,13 +63,15 @@ def find(network: Network, i: int, j: int) -> int:
 
 @inner
 def other_diagonal(network: Network, h: int) -> tuple[int, int]:
-    """The vertices on the left and on the right of half-edge h."""
+    """Return the vertices on the left and on the right of half-edge h."""
     return network.corner[preceding(h)], network.corner[preceding(network.twin[h])]
 
 
 @inner
 def left_after_flip(surface: Surface, network: Network, h: int) -> float:
-    """The smaller ``turn`` of the two triangles that a flip would make; -1 if it is none that a network may make."""
+    """Return the smaller ``turn`` of the two triangles that a flip would make; -1 if it is none that a network may
+    make.
+    """
     i, j = network.corner[h], network.corner[following(h)]
     left, right = other_diagonal(network, h)
     if left == right or (left < 0 and right < 0):
@@ -80,7 +84,7 @@ def left_after_flip(surface: Surface, network: Network, h: int) -> float:
 
 @inner
 def is_flippable(surface: Surface, network: Network, h: int) -> bool:
-    """Whether the two triangles at h are a strictly convex quadrilateral whose other diagonal may be an edge."""
+    """Return whether the two triangles at h are a strictly convex quadrilateral whose other diagonal may be an edge."""
     return left_after_flip(surface, network, h) > 0.0
 
 
@@ -122,7 +126,7 @@ def set_rest(network: Network, h: int, length: float) -> None:
 
 @inner
 def rest_after_flip(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, h: int, rule: int) -> float:
-    """The rest length of the junction h that a flip has made, by a rule: PRESENT or MEAN."""
+    """Return the rest length of the junction h that a flip has made, by a rule: PRESENT or MEAN."""
     if rule == PRESENT:
         return distance_along(surface, network, px, py, pz, h)
     g = network.twin[h]
@@ -131,7 +135,7 @@ def rest_after_flip(surface: Surface, network: Network, px: Floats, py: Floats, 
 
 @inner
 def _mean_of_four(network: Network, first: int, second: int, third: int, fourth: int) -> float:
-    """The mean of the rest lengths of those that are junctions."""
+    """Return the mean of the rest lengths of those that are junctions."""
     total, count = 0.0, 0
     for h in (first, second, third, fourth):
         if min(network.corner[h], network.corner[following(h)]) >= 0:
@@ -141,7 +145,7 @@ def _mean_of_four(network: Network, first: int, second: int, third: int, fourth:
 
 @inner
 def distance_along(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, h: int) -> float:
-    """The distance of the ends of an edge in space; 0 if one is a ghost."""
+    """Return the distance of the ends of an edge in space; 0 if one is a ghost."""
     i, j = network.corner[h], network.corner[following(h)]
     return math.sqrt(squared_distance(surface, px, py, pz, i, j)) if min(i, j) >= 0 else 0.0
 
@@ -149,8 +153,8 @@ def distance_along(surface: Surface, network: Network, px: Floats, py: Floats, p
 @inner
 def take(network: Network, begin: int) -> int:
     """Take the first edge out of the ring."""
-    h: int = network.desk.edges[begin]
-    network.desk.listed[h] = 0
+    h: int = network.work.edges[begin]
+    network.work.listed[h] = 0
     return h
 
 
@@ -159,17 +163,17 @@ def list_around(network: Network, h: int, begin: int, waiting: int) -> int:
     """Add the four edges around h behind those that wait from ``begin`` on; how many wait then."""
     g = network.twin[h]
     for beside in (following(h), preceding(h), following(g), preceding(g)):
-        if not (network.desk.listed[beside] or network.desk.listed[network.twin[beside]]):
-            network.desk.listed[beside] = 1
-            network.desk.edges[beyond(network, begin + waiting)] = beside
+        if not (network.work.listed[beside] or network.work.listed[network.twin[beside]]):
+            network.work.listed[beside] = 1
+            network.work.edges[beyond(network, begin + waiting)] = beside
             waiting += 1
     return waiting
 
 
 @inner
 def beyond(network: Network, place: int) -> int:
-    """The place in the ring."""
-    return place - network.desk.edges.size if place >= network.desk.edges.size else place
+    """Return the place in the ring."""
+    return place - network.work.edges.size if place >= network.work.edges.size else place
 
 
 LEFT = -1  # the ghost on the left of a row
@@ -177,7 +181,7 @@ LEFT = -1  # the ghost on the left of a row
 
 @inner
 def is_row(network: Network) -> bool:
-    """Whether it is one."""
+    """Return whether it is one."""
     if network.out[-2] < 0:
         return False
     for t in range(network.triangles[0]):
@@ -189,17 +193,17 @@ def is_row(network: Network) -> bool:
 @inner
 def flip_noted(network: Network, h: int, place: int) -> int:
     """Flip edge h as number ``place`` of those that may be undone; where the new one is."""
-    network.desk.logged[place] = network.rest[h]
+    network.work.logged[place] = network.rest[h]
     h = flip(network, h)
-    network.desk.log[2 * place] = network.corner[h]
-    network.desk.log[2 * place + 1] = network.corner[following(h)]
+    network.work.log[2 * place] = network.corner[h]
+    network.work.log[2 * place + 1] = network.corner[following(h)]
     return h
 
 
 @inner
 def undo(network: Network, flips: int) -> None:
     """Undo so many flips, the last one first: edges and rest lengths are as before, triangles may be elsewhere."""
-    log = network.desk.log
+    log = network.work.log
     for place in range(flips - 1, -1, -1):
         h = flip(network, find(network, log[2 * place], log[2 * place + 1]))
-        set_rest(network, h, network.desk.logged[place])
+        set_rest(network, h, network.work.logged[place])

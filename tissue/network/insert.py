@@ -74,7 +74,7 @@ def insert(
 
 @inner
 def _along(surface: Surface, x: float, y: float, z: float, tx: float, ty: float, tz: float) -> Place:
-    """The direction t on the chart, at a point."""
+    """Return the direction t on the chart, at a point."""
     if surface.bends == SPHERE:
         return surface.side * tx, surface.side * ty, surface.side * tz
     if surface.bends == CYLINDER:
@@ -84,7 +84,9 @@ def _along(surface: Surface, x: float, y: float, z: float, tx: float, ty: float,
 
 @inner
 def _across(surface: Surface, network: Network, i: int, direction: Place) -> tuple[int, int]:
-    """The half-edges of vertex i that are most across a direction: to its right, and to its left; -1 for none."""
+    """Return the half-edges of vertex i that are most across a direction: to its right, and to its left; -1 for
+    none.
+    """
     right, left, most_right, most_left = -1, -1, 0.0, 0.0
     h = network.out[i]
     while True:
@@ -116,7 +118,7 @@ def _sine(surface: Surface, network: Network, i: int, j: int, direction: Place) 
 def _fits(
     surface: Surface, network: Network, mother: int, daughter: int, place: Place, ahead: int, behind: int
 ) -> bool:
-    """Whether all triangles turn left after the split with the mother at a place; she is put back."""
+    """Return whether all triangles turn left after the split with the mother at a place; she is put back."""
     before = place_of(network, mother)
     put(network, mother, place)
     right, left = network.corner[following(ahead)], network.corner[following(behind)]

@@ -58,7 +58,7 @@ def remove(surface: Surface, network: Network, px: Floats, py: Floats, pz: Float
 
 @inner
 def _shortest_ear(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats, i: int, ordered: bool) -> int:
-    """The half-edge from i to the tip of the ear with the shortest new edge; -1 if there is no ear."""
+    """Return the half-edge from i to the tip of the ear with the shortest new edge; -1 if there is no ear."""
     best, shortest, h = -1, math.inf, network.out[i]
     while True:
         before, after = _beside(network, h)
@@ -74,13 +74,13 @@ def _shortest_ear(surface: Surface, network: Network, px: Floats, py: Floats, pz
 
 @inner
 def _beside(network: Network, h: int) -> tuple[int, int]:
-    """The neighbours before and after the one at the end of h, counterclockwise."""
+    """Return the neighbours before and after the one at the end of h, counterclockwise."""
     return network.corner[preceding(network.twin[h])], network.corner[preceding(h)]
 
 
 @inner
 def _is_ear(surface: Surface, network: Network, h: int, ordered: bool) -> bool:
-    """Whether the neighbours at h and beside it are an ear of all neighbours, and may be joined."""
+    """Return whether the neighbours at h and beside it are an ear of all neighbours, and may be joined."""
     before, after = _beside(network, h)
     tip = network.corner[following(h)]
     if before == after or find(network, before, after) >= 0:
@@ -112,7 +112,7 @@ def _cut(surface: Surface, network: Network, px: Floats, py: Floats, pz: Floats,
 
 @inner
 def _leaves_a_triangle(surface: Surface, network: Network, i: int, ordered: bool) -> bool:
-    """Whether the three neighbours that i has by now turn left, or need not, and are not a triangle already."""
+    """Return whether the three neighbours that i has by now turn left, or need not, and are not a triangle already."""
     h = network.out[i]
     j, k, m = network.corner[following(h)], network.corner[preceding(h)], network.corner[preceding(network.twin[h])]
     beyond = network.twin[following(h)]

@@ -25,7 +25,7 @@ FLATTEST = 1e-6
 
 
 def band_triangles(surface: Surface, network: Network, n: int, along: int, period: float) -> Integers:
-    """All triangles of a band of n vertices, which are on the chart already, and of its ghosts -1 and -2.
+    """Return all triangles of a band of n vertices, which are on the chart already, and of its ghosts -1 and -2.
 
     The vertices in the order along the period are a closed line. On both sides its notches are filled, as in Graham's
     scan for a convex hull; what is left of the two sides are boundaries of which each point sees its ghost.
@@ -42,14 +42,16 @@ def band_triangles(surface: Surface, network: Network, n: int, along: int, perio
 
 
 def _pairs(line: list[int]) -> list[tuple[int, int]]:
-    """The edges of a closed line."""
+    """Return the edges of a closed line."""
     return list(zip(line, line[1:] + line[:1], strict=True))
 
 
 def _filled(
     surface: Surface, network: Network, line: list[int], along: int, limit: float
 ) -> tuple[list[int], list[tuple[int, int, int]]]:
-    """What is left of a closed line when all notches on its right are filled, and the triangles that fill them."""
+    """Return what is left of a closed line when all notches on its right are filled, and the triangles that
+    fill them.
+    """
     line, triangles, place, since = list(line), [], 0, 0
     while since < len(line) and len(line) > 3:
         before, tip, after = (line[(place + k) % len(line)] for k in range(3))
@@ -74,7 +76,7 @@ Triangles = Integers  # (m, 3)
 def triangulated(
     surface: Surface, points: ArrayLike, rest: Callable[[Floats], Floats], capacity: int | None = None
 ) -> Network:
-    """The network of points (n, 3).
+    """Return the network of points (n, 3).
 
     A plane with two periods and a cylinder with one have no boundary, nor has a sphere, which must have its middle
     inside of the points. A plane with one period, and a cylinder without that is surrounded by points, are bands with
@@ -113,7 +115,7 @@ def triangulated(
 
 
 def _triangles(surface: Surface, network: Network, chart: Floats) -> Triangles:
-    """All triangles, with ghosts, whose places are set."""
+    """Return all triangles, with ghosts, whose places are set."""
     if surface.bends == SPHERE:
         return _hull(chart)
     periods = (period_u(surface), period_v(surface))
@@ -133,7 +135,7 @@ def _triangles(surface: Surface, network: Network, chart: Floats) -> Triangles:
 
 
 def _hull(chart: Floats) -> Triangles:
-    """The convex hull of points on a sphere."""
+    """Return the convex hull of points on a sphere."""
     try:
         found = ConvexHull(chart.T).simplices.astype(np.int64)
     except (QhullError, ValueError):
@@ -145,14 +147,14 @@ def _hull(chart: Floats) -> Triangles:
 
 
 def _is_arc(surface: Surface, u: Floats) -> bool:
-    """Whether points leave half of a cylinder empty."""
+    """Return whether points leave half of a cylinder empty."""
     period = period_u(surface)
     ahead = np.sort(u)
     return bool(np.diff(np.append(ahead, ahead[0] + period)).max() >= 0.5 * period)
 
 
 def _nudged(flat: Floats, area: float) -> Floats:
-    """Points (2, n) in no special position, by fractions of the golden ratio and of the root of 2."""
+    """Return points (2, n) in no special position, by fractions of the golden ratio and of the root of 2."""
     k = np.arange(1, flat.shape[1] + 1)
     steps = np.stack((k * 0.6180339887498949 % 1.0, k * 0.4142135623730951 % 1.0)) - 0.5
     return flat + NUDGE * math.sqrt(area / flat.shape[1]) * steps
@@ -184,7 +186,7 @@ def _torus(flat: Floats, periods: tuple[float, float]) -> Triangles:
 
 
 def _patch(network: Network, chart: Floats, surface: Surface) -> Triangles:
-    """The convex hull without flat triangles, and a ghost behind its boundary."""
+    """Return the convex hull without flat triangles, and a ghost behind its boundary."""
     flat = chart[:2].copy()
     if surface.bends == CYLINDER:
         sine, cosine = (float(np.mean(f(flat[0] / surface.radius))) for f in (np.sin, np.cos))

@@ -7,20 +7,20 @@ from typing import Any
 from tissue.kernels import kernel
 from tissue.kernels.curve import height_of
 from tissue.model.scale import ab_position
-from tissue.state.store import APICAL, CELLS, Store
+from tissue.state.running import APICAL, CELLS, TissueState
 
 
 @kernel
-def scaled(store: Store, positions: Any) -> Any:
+def scaled(state: TissueState, positions: Any) -> Any:
     """Write y_AB of all cells as 32-bit numbers, shape (n,); return the mean height of the apical layer.
 
     The apical layer must have a cell. A position without a value, where the layer touches the basal one, is not finite.
     """
-    cells, n = store.cells, store.sizes[APICAL]
-    for i in range(store.sizes[CELLS]):
-        positions[i] = ab_position(store, i)
+    cells, n = state.cells, state.sizes[APICAL]
+    for i in range(state.sizes[CELLS]):
+        positions[i] = ab_position(state, i)
     total = 0.0
     for k in range(n):
-        i = store.layers.apical[k]
-        total += height_of(store.curve, cells.ax[i], cells.ay[i])
+        i = state.layers.apical[k]
+        total += height_of(state.curve, cells.ax[i], cells.ay[i])
     return total / n

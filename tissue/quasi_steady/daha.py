@@ -19,7 +19,7 @@ from tissue.quasi_steady.iteration import CROWDED, NON_FINITE, TOO_FAR, UNFINISH
 from tissue.rules.slice import in_plane
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.numbers import Daha, Numbers, numbers_pointer
-from tissue.state.store import contents, stored
+from tissue.state.running import contents, new_state
 from tissue.step.advance import DONE
 
 STATUS = {
@@ -87,7 +87,7 @@ class TissueArrowHurwicz:
         integer("most_iterations", self.numbers.most_iterations, least=1)
 
     def minimise(self, cells: Cells, layers: CellLayers, numbers: Numbers) -> Stopped:
-        """The state at which the rule (3.24) stops the iteration from ``cells``, which need not be in S.
+        """Return the state at which the rule (3.24) stops the iteration from ``cells``, which need not be in S.
 
         The status is NOT_CONVERGED if it does not in ``most_iterations``, NON_FINITE if coordinates grow beyond all
         bounds, CROWDED if too many discs are near each other. Raises InvalidProblem as ``energy`` and
@@ -97,7 +97,7 @@ class TissueArrowHurwicz:
         size = float(np.square(particles(cells)).sum())
         if not size < TOO_FAR:
             raise InvalidProblem(f"|z|^2 = {size:g}: must be below {TOO_FAR:g} R_soft^2, z all coordinates")
-        held = stored(cells, layers, capacity=len(cells.x), space=in_plane())
+        held = new_state(cells, layers, capacity=len(cells.x), space=in_plane())
         workspaces = workspaces_for(len(held.cells.x), numbers, self.numbers)
         place, running = np.array([held.address]), np.zeros(1, np.int64)
         made, end = iterate(

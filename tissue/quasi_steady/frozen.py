@@ -114,13 +114,13 @@ def made_feasible(cells: Cells, layers: CellLayers, numbers: Numbers, projection
 
 
 def particles(points: Cells | Forces) -> Floats:
-    """The coordinates of cells, or the forces on them, as (3n, 2): nuclei, apical points, basal points."""
+    """Return the coordinates of cells, or the forces on them, as (3n, 2): nuclei, apical points, basal points."""
     p = points
     return np.stack((np.concatenate((p.x, p.ax, p.bx)), np.concatenate((p.y, p.ay, p.by))), axis=1)
 
 
 def cells_at(x: Floats, cells: Cells, layers: CellLayers) -> Cells:
-    """The cells with the coordinates of the particles x (3n, 2); those of the basal layer stay on their line."""
+    """Return the cells with the coordinates of the particles x (3n, 2); those of the basal layer stay on their line."""
     n = len(cells.x)
     if x.shape != (3 * n, 2):
         raise InvalidProblem(f"x of shape {x.shape}: must have the shape (3n, 2) of {n} cells")

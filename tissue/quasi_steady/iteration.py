@@ -16,7 +16,7 @@ from tissue.model.repulsion import push_in_rows
 from tissue.quasi_steady.multipliers import Multipliers, hold_basal, hold_discs, is_stale, list_pairs, multipliers_for
 from tissue.state.cells import COORDINATES, Floats, Integers
 from tissue.state.numbers import Daha, Numbers
-from tissue.state.store import BASAL, STRAIGHT, store_at
+from tissue.state.running import BASAL, STRAIGHT, state_at
 from tissue.step.advance import DONE
 from tissue.step.copies import copy_in, copy_out
 
@@ -50,17 +50,17 @@ def memory_for(workspaces: Workspaces) -> Any:
 
 @kernel
 def iterate(
-    stores: Integers, ended: Integers, flat: Workspace, wide: Workspace, numbers: Numbers, daha: Daha, memory: Memory
+    states: Integers, ended: Integers, flat: Workspace, wide: Workspace, numbers: Numbers, daha: Daha, memory: Memory
 ) -> tuple[int, int]:
     """Move the cells until |z_{n+1} - z_n| <= dtau eps |z_n| (3.24): the number of iterations, and how the call ended.
 
     z_{n+1} = z_n + ((1 - a) (z_n - z_{n-1}) - dtau^2 p_n) / (1 + a) with a = c dtau / 2 is (3.25), solved. It begins
     with the multipliers in ``memory``; the workspaces are those of ``boards_for``.
     """
-    store, half = store_at(stores[0]), daha.c * daha.dtau / 2
+    state, half = state_at(states[0]), daha.c * daha.dtau / 2
     weight, inertia = daha.dtau**2 / (1 + half), (1 - half) / (1 + half)
-    n = copy_in(stores, ended, flat, numbers, weight * daha.alpha)
-    rows, layer, basal = (n + WIDTH - 1) // WIDTH, store.layers.basal, store.sizes[BASAL]
+    n = copy_in(states, ended, flat, numbers, weight * daha.alpha)
+    rows, layer, basal = (n + WIDTH - 1) // WIDTH, state.layers.basal, state.sizes[BASAL]
     made, end = 0, UNFINISHED if list_pairs(flat, n, memory.multipliers) else CROWDED
     _begin(memory, n)
     while made < daha.most_iterations and end == UNFINISHED:
@@ -78,7 +78,7 @@ def iterate(
             end = DONE
         elif is_stale(flat, n) and not list_pairs(flat, n, memory.multipliers):
             end = CROWDED
-    copy_out(flat, stores)
+    copy_out(flat, states)
     return made, end
 
 

@@ -98,7 +98,8 @@ class JudgedMinimum:
 
 
 def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float) -> JudgedMinimum:
-    r"""A local minimum of W over S near the given state:  argmin over Z in S of W(Z)  (section 2.2.8 of chapter 3).
+    r"""Return a local minimum of W over S near the given state:  argmin over Z in S of W(Z)  (section 2.2.8 of chapter
+    3).
 
     Unknown are all coordinates but the y of the basal layer. Moving a tissue along the line changes neither W nor S;
     the sum of all x is kept, as the motion (section 3.2 of chapter 3) keeps it. Pairs of nuclei enter when they are
@@ -186,7 +187,7 @@ def _search(cells: Cells, layers: CellLayers, numbers: Numbers) -> tuple[_Found,
 
 
 def _free(cells: Cells, layers: CellLayers) -> Integers:
-    """The coordinates of the particles (3n, 2), flattened, that may change: not y in the basal layer  (C3)."""
+    """Return the coordinates of the particles (3n, 2), flattened, that may change: not y in the basal layer  (C3)."""
     n = len(cells.x)
     return np.delete(np.arange(6 * n), 2 * (2 * n + layers.basal) + 1)
 
@@ -203,7 +204,7 @@ class _Pairs:
         self._codes = np.union1d(self._codes, self._near(x, REACH))
 
     def complete(self, x: Floats) -> bool:
-        """Whether all pairs that overlap at x (n, 2) are in the list."""
+        """Return whether all pairs that overlap at x (n, 2) are in the list."""
         return bool(np.isin(self._near(x, 0.0), self._codes).all())
 
     def ends(self) -> Ends:
@@ -240,7 +241,7 @@ class _Program:
         self._discs = gaps.numel()
 
     def best(self, start: _Found) -> _Found:
-        """The first search that succeeds, or all of them, each from where the one before ended."""
+        """Return the first search that succeeds, or all of them, each from where the one before ended."""
         found = start._replace(multipliers=np.zeros(2 * len(self._high) - self._discs))
         for barrier in BARRIERS:
             found = self._searched(found, barrier)

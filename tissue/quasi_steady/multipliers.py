@@ -116,7 +116,7 @@ def list_pairs(work: Workspace, n: int, multipliers: Multipliers) -> bool:
 
 @inner
 def is_stale(work: Workspace, n: int) -> bool:
-    """Whether a nucleus moved by more than REACH / 2 since it was listed."""
+    """Return whether a nucleus moved by more than REACH / 2 since it was listed."""
     for i in range(n):
         dx, dy = work.x[i] - work.before_x[i], work.y[i] - work.before_y[i]
         if dx * dx + dy * dy > 0.25 * REACH * REACH:
@@ -135,7 +135,7 @@ def _add(multipliers: Multipliers, i: int, j: int, square: float, multiplier: fl
 
 @inner
 def _is_held(multipliers: Multipliers, i: int, j: int) -> bool:
-    """Whether the pair is listed."""
+    """Return whether the pair is listed."""
     k: int = multipliers.last[i]
     while k >= 0 and multipliers.j[k] != j:
         k = multipliers.previous[k]

@@ -22,7 +22,7 @@ from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells, Flags, Floats, Integers
 from tissue.state.checkpoint import streams
 from tissue.state.numbers import numbers_pointer
-from tissue.state.store import COUNTERS, Store, contents, grown
+from tissue.state.running import COUNTERS, TissueState, contents, grown
 from tissue.step.advance import apply_rules, is_full
 
 
@@ -122,7 +122,7 @@ class _Steps:
         self._found: list[tuple[int, bool, float, float]] = []
 
     def run(self, watch: Callable[[float], None] | None) -> QuasiSteadyRun:
-        """All steps, and the states at the kept times."""
+        """Return all steps, and the states at the kept times."""
         frames, made, detail, status = [self._frame(0.0)], 0, "", Status.SUCCESS
         for wanted in kept_steps(self._parameters):
             while status and made < wanted:
@@ -142,12 +142,12 @@ class _Steps:
         )
 
     def _frame(self, t: float) -> Frame:
-        """A copy of the present state."""
+        """Return a copy of the present state."""
         checkpoint = checkpoint_at(self._held, self._seed, self._random, self._separation, self._parameters)
         return Frame(t, *contents(self._held), checkpoint=checkpoint)
 
     def _step(self, t: float) -> tuple[Status, str]:
-        """One step dt to time t, through a minimum; how it ended, and the particulars of a failure in words."""
+        """Return one step dt to time t, through a minimum; how it ended, and the particulars of a failure in words."""
         numbers, named = self._parameters.numbers(), self._parameters.named_numbers()
         if is_full(self._held, t):
             self._held = grown(self._held)
@@ -160,7 +160,7 @@ class _Steps:
         return found.status, "" if found.status else f"t = {t:g} h: {found.detail}"
 
 
-def _place(held: Store, cells: Cells) -> None:
+def _place(held: TissueState, cells: Cells) -> None:
     """Take over the positions."""
     for name in COORDINATES:
         getattr(held.cells, name)[: len(cells.x)] = getattr(cells, name)

@@ -66,7 +66,7 @@ def constraints_in_space(frame: Frame, numbers: Numbers) -> tuple[Constraint, ..
 
 
 def rates_of(frame: Frame, numbers: Numbers) -> Rates:
-    """The coefficients of the drift -grad W / mu; arguments and errors are those of ``constraints_in_space``."""
+    """Return the coefficients of the drift -grad W / mu; arguments and errors are those of ``constraints_in_space``."""
     sheets, cells = _on_open_plane(frame, numbers), frame.cells
     mu = number("mu", numbers.mu, positive=True)
     l_ax, l_bx = 1 + cells.rest_ax, 1 + cells.rest_bx
@@ -102,13 +102,15 @@ def made_feasible_in_space(frame: Frame, numbers: Numbers, projection: Projectio
 
 
 def particles_in_space(cells: Cells) -> Floats:
-    """The coordinates of cells as (3n, 3): nuclei, apical points, basal points."""
+    """Return the coordinates of cells as (3n, 3): nuclei, apical points, basal points."""
     c = cells
     return np.concatenate([np.column_stack(p) for p in ((c.x, c.y, c.z), (c.ax, c.ay, c.az), (c.bx, c.by, c.bz))])
 
 
 def cells_in_space_at(x: Floats, frame: Frame) -> Cells:
-    """The cells with the coordinates of the particles x (3n, 3); those of the basal layer stay on their plane."""
+    """Return the cells with the coordinates of the particles x (3n, 3); those of the basal layer stay on their
+    plane.
+    """
     n = len(frame.cells.x)
     if x.shape != (3 * n, 3):
         raise InvalidProblem(f"x of shape {x.shape}: must have the shape (3n, 3) of {n} cells")
@@ -122,7 +124,7 @@ def cells_in_space_at(x: Floats, frame: Frame) -> Cells:
 
 
 def _on_open_plane(frame: Frame, numbers: Numbers) -> Sheets:
-    """The surface and networks of a frame; refuse those for which dincl has no constraints."""
+    """Return the surface and networks of a frame; refuse those for which dincl has no constraints."""
     instance("frame", frame, Frame, "that of a run in three dimensions")
     instance("numbers", numbers, Numbers, "those of Parameters.numbers()")
     if frame.sheets is None:

@@ -17,38 +17,38 @@ from tissue.network.remove import remove
 from tissue.state.cells import Floats, Integers
 from tissue.state.network import Network
 from tissue.state.numbers import Numbers, numbers_of
+from tissue.state.running import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, TissueState
 from tissue.state.space import TissueRules
-from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 from tissue.state.surface import PLANE, Surface, normal, onto
 
 Vector = tuple[float, float, float]
 Points = tuple[Floats, Floats, Floats]
 
 
-def split(store: Store, splits: int, numbers: Numbers, rules: Rules) -> None:
+def split(state: TissueState, splits: int, numbers: Numbers, rules: Rules) -> None:
     """Part each cell that splits from a daughter behind all cells, one after the other."""
-    daughters = store.daughters
-    for i in range(store.sizes[CELLS]):
+    daughters = state.daughters
+    for i in range(state.sizes[CELLS]):
         if daughters.cycle[i] > 0.0:
-            split_cell(store, i, daughters.turn[i], numbers_of(numbers, store.cells.kind[i]))
-            store.cells.cycle[store.sizes[CELLS] - 1] = daughters.cycle[i]
+            split_cell(state, i, daughters.turn[i], numbers_of(numbers, state.cells.kind[i]))
+            state.cells.cycle[state.sizes[CELLS] - 1] = daughters.cycle[i]
             daughters.cycle[i] = 0.0
 
 
 @inner
-def split_cell(store: Store, i: int, turn: float, numbers: Numbers) -> None:
+def split_cell(state: TissueState, i: int, turn: float, numbers: Numbers) -> None:
     """Part cell i from a daughter, the last cell of the arrays, each by the offset (3.7) along the basal surface.
 
     ``turn`` is the direction, as a part of a whole turn; in a row of cells the daughter is along it. ``torn`` of the
     tissue is set if a network has no room.
     """
-    cells, space, j = store.cells, store.space, store.sizes[CELLS]
-    _copy(store, i, j)
+    cells, space, j = state.cells, state.space, state.sizes[CELLS]
+    _copy(state, i, j)
     t = direction(space.surface, 0.0 if is_row(space.apical) else turn, cells.bx[i], cells.by[i], cells.bz[i])
     distance = 2.0 * numbers.division_offset
     x, y, z = along(space.surface, t, cells.x[i], cells.y[i], cells.z[i])
-    _step(store, i, -numbers.division_offset, x, y, z)
-    _step(store, j, numbers.division_offset, x, y, z)
+    _step(state, i, -numbers.division_offset, x, y, z)
+    _step(state, j, numbers.division_offset, x, y, z)
     a, b = (cells.ax, cells.ay, cells.az), (cells.bx, cells.by, cells.bz)
     at_a = along(space.surface, t, cells.ax[i], cells.ay[i], cells.az[i])
     apical = _part(space.surface, space.apical, a, i, j, at_a, distance, numbers.new_junction)
@@ -77,21 +77,21 @@ def _part(
 
 
 @inner
-def _copy(store: Store, i: int, j: int) -> None:
+def _copy(state: TissueState, i: int, j: int) -> None:
     """Make cell j, behind all others, a copy of cell i, with a name of its own and in the same layers."""
-    cells, sizes = store.cells, store.sizes
-    _copy_lines(store.blocks.floats, i, j)
-    _copy_lines(store.blocks.flags, i, j)
-    _copy_lines(store.blocks.integers, i, j)
+    cells, sizes = state.cells, state.sizes
+    _copy_lines(state.blocks.floats, i, j)
+    _copy_lines(state.blocks.flags, i, j)
+    _copy_lines(state.blocks.integers, i, j)
     cells.id[j], cells.mother[j] = sizes[NEXT_ID], cells.id[i]
-    store.motion.moves[j], store.motion.held[j], store.motion.runs[j] = 1.0, store.motion.held[i], 0.0
+    state.motion.moves[j], state.motion.held[j], state.motion.runs[j] = 1.0, state.motion.held[i], 0.0
     sizes[NEXT_ID] += 1
     sizes[CELLS] = j + 1
     # A cell is in a layer if it is in its network.
-    sizes[APICAL] = _append(store.layers.apical, sizes[APICAL], store.space.apical.out[i] >= 0, j)
-    sizes[BASAL] = _append(store.layers.basal, sizes[BASAL], store.space.basal.out[i] >= 0, j)
-    inherit_events(store, j)
-    store.counts[DIVISIONS] += 1
+    sizes[APICAL] = _append(state.layers.apical, sizes[APICAL], state.space.apical.out[i] >= 0, j)
+    sizes[BASAL] = _append(state.layers.basal, sizes[BASAL], state.space.basal.out[i] >= 0, j)
+    inherit_events(state, j)
+    state.counts[DIVISIONS] += 1
 
 
 @inner
@@ -110,15 +110,15 @@ def _append(layer: Integers, size: int, inside: bool, j: int) -> int:
 
 
 @inner
-def _step(store: Store, i: int, way: float, x: float, y: float, z: float) -> None:
+def _step(state: TissueState, i: int, way: float, x: float, y: float, z: float) -> None:
     """Move nucleus i along a direction."""
-    cells = store.cells
+    cells = state.cells
     cells.x[i], cells.y[i], cells.z[i] = cells.x[i] + way * x, cells.y[i] + way * y, cells.z[i] + way * z
 
 
 @inner
 def direction(surface: Surface, turn: float, x: float, y: float, z: float) -> Vector:
-    """The direction along the surface at X that is a part of a whole turn from one across the z axis."""
+    """Return the direction along the surface at X that is a part of a whole turn from one across the z axis."""
     cosine, sine = math.cos(2.0 * math.pi * turn), math.sin(2.0 * math.pi * turn)
     if surface.bends == PLANE:
         return cosine, 0.0, sine
@@ -133,7 +133,7 @@ def direction(surface: Surface, turn: float, x: float, y: float, z: float) -> Ve
 
 @inner
 def along(surface: Surface, t: Vector, x: float, y: float, z: float) -> Vector:
-    """The direction t as it is along the surface that is parallel to the basal one through X."""
+    """Return the direction t as it is along the surface that is parallel to the basal one through X."""
     if surface.bends == PLANE:
         return t
     n = normal(surface, x, y, z)
@@ -143,40 +143,40 @@ def along(surface: Surface, t: Vector, x: float, y: float, z: float) -> Vector:
     return a / length, b / length, c / length
 
 
-def leave_apical(store: Store, i: int, bridge: int) -> int:
+def leave_apical(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the apical layer and its network of junctions; return whether it was in it."""
-    cells, space = store.cells, store.space
-    k = find(store.layers.apical, store.sizes[APICAL], i)
+    cells, space = state.cells, state.space
+    k = find(state.layers.apical, state.sizes[APICAL], i)
     if k >= 0:
-        store.sizes[APICAL] = remove_from(store.layers.apical, store.sizes[APICAL], k)
+        state.sizes[APICAL] = remove_from(state.layers.apical, state.sizes[APICAL], k)
         if remove(space.surface, space.apical, cells.ax, cells.ay, cells.az, i, bridge) < 0:
             space.torn[0] = 1
     return int(k >= 0)
 
 
-def leave_basal(store: Store, i: int, bridge: int) -> int:
+def leave_basal(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the basal layer and the network of its neighbours; return whether it was in it."""
-    cells, space = store.cells, store.space
-    k = find(store.layers.basal, store.sizes[BASAL], i)
+    cells, space = state.cells, state.space
+    k = find(state.layers.basal, state.sizes[BASAL], i)
     if k >= 0:
-        store.sizes[BASAL] = remove_from(store.layers.basal, store.sizes[BASAL], k)
+        state.sizes[BASAL] = remove_from(state.layers.basal, state.sizes[BASAL], k)
         if remove(space.surface, space.basal, cells.bx, cells.by, cells.bz, i, bridge) < 0:
             space.torn[0] = 1
     return int(k >= 0)
 
 
-def position(store: Store, i: int) -> float:
-    """y_AB of a cell."""
-    found: float = position_in_space(store, i)
+def position(state: TissueState, i: int) -> float:
+    """Compute y_AB of a cell."""
+    found: float = position_in_space(state, i)
     return found
 
 
-def shrink(store: Store, numbers: Numbers) -> None:
+def shrink(state: TissueState, numbers: Numbers) -> None:
     """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
-    network, kind = store.space.apical, store.cells.kind
+    network, kind = state.space.apical, state.cells.kind
     rate, kept = 0.0, 1.0
-    for i in range(store.sizes[CELLS]):  # those of cells are not used, but are in tables
-        store.cells.rest_aa[i] *= math.exp(-numbers_of(numbers, kind[i]).rate_aa * numbers.dt)
+    for i in range(state.sizes[CELLS]):  # those of cells are not used, but are in tables
+        state.cells.rest_aa[i] *= math.exp(-numbers_of(numbers, kind[i]).rate_aa * numbers.dt)
     for h in range(3 * network.triangles[0]):
         i, j = network.corner[h], network.corner[network.twin[h]]
         if 0 <= i < j:

@@ -13,20 +13,20 @@ from tissue.model.emt import inherit_events
 from tissue.model.scale import position_in_slice
 from tissue.state.cells import Floats, Integers
 from tissue.state.numbers import Numbers, numbers_of
+from tissue.state.running import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, TissueState
 from tissue.state.space import SUM, Space, TissueRules, no_space
-from tissue.state.store import APICAL, BASAL, CELLS, DIVISIONS, NEXT_ID, Store
 
 
-def split(store: Store, splits: int, numbers: Numbers, rules: Rules) -> None:
+def split(state: TissueState, splits: int, numbers: Numbers, rules: Rules) -> None:
     """Put a copy behind each of the cells that split, in the arrays and in the layers, and part both.
 
     All daughters get their places at once: to shift the arrays for one after the other would cost n^2.
     """
-    cells, layers, sizes, n = store.cells, store.layers, store.sizes, store.sizes[CELLS]
-    second = store.daughters.cycle
-    _spread_lines(store.blocks.floats, second, n, splits)
-    _spread_lines(store.blocks.flags, second, n, splits)
-    _spread_lines(store.blocks.integers, second, n, splits)
+    cells, layers, sizes, n = state.cells, state.layers, state.sizes, state.sizes[CELLS]
+    second = state.daughters.cycle
+    _spread_lines(state.blocks.floats, second, n, splits)
+    _spread_lines(state.blocks.flags, second, n, splits)
+    _spread_lines(state.blocks.integers, second, n, splits)
     sizes[APICAL] = _spread_layer(layers.apical, sizes[APICAL], second, n, splits)
     sizes[BASAL] = _spread_layer(layers.basal, sizes[BASAL], second, n, splits)
     sizes[CELLS] = n + splits
@@ -38,14 +38,14 @@ def split(store: Store, splits: int, numbers: Numbers, rules: Rules) -> None:
             cells.id[place], cells.mother[place] = sizes[NEXT_ID], cells.id[place - 1]
             cells.cycle[place] = second[i]
             sizes[NEXT_ID] += 1
-            inherit_events(store, place)
+            inherit_events(state, place)
         place += 1
-    store.counts[DIVISIONS] += splits
-    _hold_again(store)
+    state.counts[DIVISIONS] += splits
+    _hold_again(state)
     place = 0
     for i in range(n):
         if second[i] > 0.0:
-            call_place(rules.place, store, place, numbers_of(numbers, cells.kind[place]))
+            call_place(rules.place, state, place, numbers_of(numbers, cells.kind[place]))
             second[i] = 0.0
             place += 1
         place += 1
@@ -85,25 +85,25 @@ def _spread_layer(layer: Integers, size: int, second: Floats, n: int, splits: in
 
 
 @inner
-def _hold_again(store: Store) -> None:
+def _hold_again(state: TissueState) -> None:
     """Basal points move as forces want, or along the layer: which do is known by index."""
-    for i in range(store.sizes[CELLS]):
-        store.motion.moves[i], store.motion.held[i], store.motion.runs[i] = 1.0, 0.0, 0.0
-    for k in range(store.sizes[BASAL]):
-        store.motion.held[store.layers.basal[k]] = 1.0
+    for i in range(state.sizes[CELLS]):
+        state.motion.moves[i], state.motion.held[i], state.motion.runs[i] = 1.0, 0.0, 0.0
+    for k in range(state.sizes[BASAL]):
+        state.motion.held[state.layers.basal[k]] = 1.0
 
 
-def leave_apical(store: Store, i: int, bridge: int) -> int:
+def leave_apical(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the apical layer, or of its chain, and join its neighbours; return whether it was in one.
 
     The new junction rests at the present distance, or at the sum of the two whose place it takes, by ``bridge``. In a
     ring the last cell and the first one are neighbours.
     """
-    cells, layer, sizes = store.cells, store.layers.apical, store.sizes
+    cells, layer, sizes = state.cells, state.layers.apical, state.sizes
     n = sizes[APICAL]
     k = find(layer, n, i)
     if k >= 0:
-        ring = store.curve.ring > 0.0 and n > 2
+        ring = state.curve.ring > 0.0 and n > 2
         left = layer[k - 1] if k > 0 else layer[n - 1] if ring else -1
         right = layer[k + 1] if k < n - 1 else layer[0] if ring else -1
         sizes[APICAL] = remove_from(layer, n, k)
@@ -120,25 +120,25 @@ def leave_apical(store: Store, i: int, bridge: int) -> int:
     return 1
 
 
-def leave_basal(store: Store, i: int, bridge: int) -> int:
+def leave_basal(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the basal layer, where its neighbours are neighbours now; return whether it was in it."""
-    k = find(store.layers.basal, store.sizes[BASAL], i)
+    k = find(state.layers.basal, state.sizes[BASAL], i)
     if k >= 0:
-        store.sizes[BASAL] = remove_from(store.layers.basal, store.sizes[BASAL], k)
+        state.sizes[BASAL] = remove_from(state.layers.basal, state.sizes[BASAL], k)
     return int(k >= 0)
 
 
-def position(store: Store, i: int) -> float:
+def position(state: TissueState, i: int) -> float:
     """Compute y_AB of a cell."""
-    found: float = position_in_slice(store, i)
+    found: float = position_in_slice(state, i)
     return found
 
 
-def shrink(store: Store, numbers: Numbers) -> None:
+def shrink(state: TissueState, numbers: Numbers) -> None:
     """Relax each rest length towards 0 over one dt, eta <- eta exp(-k dt)  (3.6); k is the mean of both cells."""
-    cells, rate, kept, place = store.cells, 0.0, 1.0, 0
-    for i in range(store.sizes[CELLS]):
-        j, place = _joined_behind(store, i, place)
+    cells, rate, kept, place = state.cells, 0.0, 1.0, 0
+    for i in range(state.sizes[CELLS]):
+        j, place = _joined_behind(state, i, place)
         k = 0.5 * (numbers_of(numbers, cells.kind[i]).rate_aa + numbers_of(numbers, cells.kind[j]).rate_aa)
         if k != rate:  # mostly the same: few exponentials for many junctions
             rate, kept = k, math.exp(-k * numbers.dt)
@@ -146,17 +146,17 @@ def shrink(store: Store, numbers: Numbers) -> None:
 
 
 @inner
-def _joined_behind(store: Store, i: int, place: int) -> tuple[int, int]:
-    """The cell behind cell i that a junction joins to it, cell i itself if there is none, and the next place.
+def _joined_behind(state: TissueState, i: int, place: int) -> tuple[int, int]:
+    """Return the cell behind cell i that a junction joins to it, cell i itself if there is none, and the next place.
 
     ``place``: the first one of the apical layer that is not before cell i.
     """
-    layer, size = store.layers.apical, store.sizes[APICAL]
+    layer, size = state.layers.apical, state.sizes[APICAL]
     if place < size and layer[place] == i:
         if place + 1 < size:
             return layer[place + 1], place + 1
-        return layer[0] if store.curve.ring > 0.0 else i, place + 1
-    return max(i, chained_behind(store.cells, store.sizes[CELLS], i)), place
+        return layer[0] if state.curve.ring > 0.0 else i, place + 1
+    return max(i, chained_behind(state.cells, state.sizes[CELLS], i)), place
 
 
 @cache

@@ -22,11 +22,11 @@ from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, DEPTHS, KINDS, Cells
 from tissue.state.checkpoint import Separation, Streams, TissueCheckpoint, generator_states, streams
 from tissue.state.mesh import kept
-from tissue.state.store import CELLS, COUNTERS, NEXT_ID, Store, contents, copied
+from tissue.state.running import CELLS, COUNTERS, NEXT_ID, TissueState, contents, copied
 from tissue.step.advance import find_lost
 
 WATCH = UserFunction("watch", ("t",), Status.FUNCTION_FAILED)
-RULES = UserFunction("a function of an event, a force or a rule", ("store", "..."), Status.FUNCTION_FAILED)
+RULES = UserFunction("a function of an event, a force or a rule", ("state", "..."), Status.FUNCTION_FAILED)
 # Steps of one cell between two questions whether to go on: a tenth of a second.
 ASKED = 10_000
 # What the points of a cell do not tell of.
@@ -54,7 +54,7 @@ class Batch:
         self._groups = [Group(held[k], parameters.numbers(), random[k], rule, forces, named) for k in parts]
 
     def times(self, ask: Callable[[], None] | None = None) -> Iterator[float]:
-        """The kept times [h], the first that of the start; when one is given, the runs are there.
+        """Yield the kept times [h], the first that of the start; when one is given, the runs are there.
 
         ``ask`` is called before and every now and then, however far kept times are apart; what it raises ends the work.
         """
@@ -72,7 +72,7 @@ class Batch:
                     yield step * dt
 
     def runs(self, watch: Callable[[float], None] | None = None) -> list[Run]:
-        """The runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept.
+        """Return the runs to their ends; ``watch`` gets the time [h] of each state of the first one as it is kept.
 
         Where a function of a user fails, all that go on end with what they have: which of them it was, is not known.
         """
@@ -94,40 +94,40 @@ class Batch:
         return [self.run(k, mine) for k, mine in enumerate(frames)]
 
     def _cells(self) -> Iterator[int]:
-        """The number of cells of each run."""
-        return (int(self.store(k).sizes[CELLS]) for k in range(len(self.seeds)))
+        """Yield the number of cells of each run."""
+        return (int(self.state(k).sizes[CELLS]) for k in range(len(self.seeds)))
 
-    def store(self, k: int) -> Store:
+    def state(self, k: int) -> TissueState:
         """Run k at the present time."""
         group, lane = self._at(k)
-        return group.stores[lane]
+        return group.states[lane]
 
     def goes_on(self, k: int) -> bool:
-        """Whether run k did not fail."""
+        """Return whether run k did not fail."""
         group, lane = self._at(k)
         return bool(group.ended[lane] == RUNNING)
 
     def frame(self, k: int, t: float) -> Frame:
-        """A copy of run k at the present time t, or of the state that failed, at its time."""
-        held, random = self.store(k), self._random[k]
+        """Return a copy of run k at the present time t, or of the state that failed, at its time."""
+        held, random = self.state(k), self._random[k]
         checkpoint = checkpoint_at(held, self.seeds[k], random, self._separation[k], self.parameters)
         time = t if self.goes_on(k) else self._stopped(k)
         sheets = kept(held.space, int(held.sizes[CELLS])) if self.parameters.in_space else None
         return Frame(time, *contents(held), self.parameters.curve(), checkpoint, sheets)
 
     def status(self, k: int) -> Status:
-        """How run k ended, or goes on."""
+        """Return how run k ended, or goes on."""
         if self.goes_on(k):
             return Status.SUCCESS if self.fault is None else self.fault.status
-        if find_lost(self.store(k)) >= 0:
+        if find_lost(self.state(k)) >= 0:
             return Status.NON_FINITE
-        return Status.NETWORK_TORN if self.store(k).space.torn[0] else Status.LUMEN_CLOSED
+        return Status.NETWORK_TORN if self.state(k).space.torn[0] else Status.LUMEN_CLOSED
 
     def failure(self, k: int) -> str:
         """When and where run k failed, "" if it did not."""
         if self.goes_on(k):
             return "" if self.fault is None else self.fault.detail
-        held = self.store(k)
+        held = self.state(k)
         if self.status(k) is Status.LUMEN_CLOSED:
             return f"t = {self._stopped(k):g} h: opposite parts of the apical layer cross."
         if self.status(k) is Status.NETWORK_TORN:
@@ -137,7 +137,7 @@ class Batch:
 
     def run(self, k: int, frames: Sequence[Frame]) -> Run:
         """Run k with these frames."""
-        stats = dict(zip(COUNTERS, self.store(k).counts.tolist(), strict=True))
+        stats = dict(zip(COUNTERS, self.state(k).counts.tolist(), strict=True))
         return Run(
             self.parameters, self.seeds[k], tuple(frames), self.status(k), self.failure(k), stats, self._separation[k]
         )
@@ -162,7 +162,7 @@ class Batch:
         if not any(map(registered, (EmtEvent, DivisionRule, Force))):
             return
         for k in range(len(self.seeds)):
-            held = self.store(k)
+            held = self.state(k)
             n = held.sizes[CELLS]
             for name in LASTING if self.goes_on(k) else ():
                 if not np.isfinite(getattr(held.cells, name)[:n]).all():
@@ -175,15 +175,15 @@ class Batch:
         return float(group.ended[lane] * self.parameters.numerics.dt.value)
 
     def _at(self, k: int) -> tuple[Group, int]:
-        """The group of run k, and its place there."""
-        group = self._groups[k // len(self._groups[0].stores)]
-        return group, k % len(group.stores)
+        """Return the group of run k, and its place there."""
+        group = self._groups[k // len(self._groups[0].states)]
+        return group, k % len(group.states)
 
 
 def checkpoint_at(
-    held: Store, seed: int, random: Streams, separation: Separation, parameters: Parameters
+    held: TissueState, seed: int, random: Streams, separation: Separation, parameters: Parameters
 ) -> TissueCheckpoint:
-    """A copy of what a run is besides its cells, at the present time."""
+    """Return a copy of what a run is besides its cells, at the present time."""
     states, types = generator_states(random), tuple(parameters.types.named())
     return TissueCheckpoint(
         seed, int(held.sizes[NEXT_ID]), copied(held.emt), held.counts.copy(), states, separation, types
@@ -191,7 +191,7 @@ def checkpoint_at(
 
 
 def kept_steps(parameters: Parameters) -> Iterator[int]:
-    """The numbers of steps after which a state is kept: every so often or at the times listed, and at the end."""
+    """Yield the numbers of steps after which a state is kept: every so often or at the times listed, and at the end."""
     dt, keep = parameters.numerics.dt.value, parameters.numerics.keep
     last = round(parameters.t_end / dt)
     times = (time.value for time in keep) if isinstance(keep, tuple) else (keep.value * k for k in count(1))

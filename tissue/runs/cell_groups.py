@@ -36,7 +36,7 @@ class Crowd(NamedTuple):
     times: Floats  # when its events begin [h]
 
     def emt(self) -> Emt:
-        """The EMT cells, from left to right."""
+        """Return the EMT cells, from left to right."""
         return emt_cells(self.times[:, self.may_leave])
 
     def numbers(self) -> Integers:
@@ -45,7 +45,7 @@ class Crowd(NamedTuple):
 
 
 def drawn_for(groups: Sequence[CellGroup], random: Streams) -> list[Draws]:
-    """What each group is drawn; that of a named type is a function of the seed, of its name and of its scenario.
+    """Return what each group is drawn; that of a named type is a function of the seed, of its name and of its scenario.
 
     So runs of one seed have the same whatever other types there are.
     """
@@ -61,13 +61,13 @@ def drawn_for(groups: Sequence[CellGroup], random: Streams) -> list[Draws]:
 
 
 def control_cells(n: int) -> Crowd:
-    """n of them: they have INM, and divide."""
+    """Compute n of them: they have INM, and divide."""
     yes, no = np.ones(n, np.bool_), np.zeros(n, np.bool_)
     return Crowd(np.full(n, CONTROL), yes, yes.copy(), no, np.full((len(events()), n), np.inf))
 
 
 def crowd_of(groups: Sequence[CellGroup], n: int, random: Streams, lattice: Lattice | None = None) -> Crowd:
-    """The types of n cells: each group at its place, then those that are apart or scattered, in their order.
+    """Return the types of n cells: each group at its place, then those that are apart or scattered, in their order.
 
     In space the lattice knows where the cells are, and a group has those nearest to its place that are free.
     """
@@ -86,7 +86,7 @@ def give(crowd: Crowd, cells: Integers, kind: int, group: CellGroup, draw: Draws
 
 
 def _chosen(crowd: Crowd, group: CellGroup, draw: Draws, lattice: Lattice | None) -> Integers:
-    """The cells of a group, from left to right."""
+    """Return the cells of a group, from left to right."""
     m, free = group.scenario.cells, np.flatnonzero(crowd.kind == CONTROL)
     if group.place == SCATTERED:
         return np.sort(draw.places.permutation(free)[:m])
@@ -99,6 +99,6 @@ def _chosen(crowd: Crowd, group: CellGroup, draw: Draws, lattice: Lattice | None
 
 
 def _middles(row: Integers, m: int) -> Integers:
-    """The cells in the middle of m equal parts of a row; of two such cells the outer one."""
+    """Return the cells in the middle of m equal parts of a row; of two such cells the outer one."""
     odd = 2 * np.arange(m) + 1
     return row[(len(row) * odd - (odd < m)) // max(1, 2 * m)]

@@ -18,7 +18,7 @@ from tissue.events.known import acting, bit, events
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
 from tissue.state.cells import Integers
-from tissue.state.store import Store
+from tissue.state.running import TissueState
 from tissue.step.own_forces import ENERGY, OWN, PART, PUSH, OwnForces, evaluate, follow
 
 # By function, for the life of the process; threads come one at a time.
@@ -36,17 +36,19 @@ class _Part(NamedTuple):
     arguments: tuple[str, ...]
 
 
-_BEGIN = _Part("begin", BEGIN, ("store", "i", "bit", "numbers"))
-_LAST = _Part("last", LAST, ("store", "i", "rest_ax", "rest_bx", "numbers"))
-_SPLITS = _Part("splits", SPLITS, ("store", "i", "number", "numbers"))
-_PLACE = _Part("place", PLACE, ("store", "i", "numbers"))
-_PUSH = _Part("push", PUSH, ("store", "on", "strength", "numbers"))
-_ENERGY = _Part("energy", ENERGY, ("store", "strength", "numbers"))
+_BEGIN = _Part("begin", BEGIN, ("state", "i", "bit", "numbers"))
+_LAST = _Part("last", LAST, ("state", "i", "rest_ax", "rest_bx", "numbers"))
+_SPLITS = _Part("splits", SPLITS, ("state", "i", "number", "numbers"))
+_PLACE = _Part("place", PLACE, ("state", "i", "numbers"))
+_PUSH = _Part("push", PUSH, ("state", "on", "strength", "numbers"))
+_ENERGY = _Part("energy", ENERGY, ("state", "strength", "numbers"))
 
 
-def rules_pointer(stores: Iterable[Store], division: DivisionRule = BESIDE) -> Any:
-    """The rules of tissues that are stepped together, as a struct; of the events those that begin in one of them."""
-    emt = [held.emt for held in stores]
+def rules_pointer(states: Iterable[TissueState], division: DivisionRule = BESIDE) -> Any:
+    """Return the rules of tissues that are stepped together, as a struct; of the events those that begin in one of
+    them.
+    """
+    emt = [held.emt for held in states]
     wanted = [any(np.isfinite(one.at[k : k + 1]).any() for one in emt) for k in range(len(events()))]
     used = [event if want else None for event, want in zip(events(), wanted, strict=True)]
     (splits,), (place,) = _addresses(_SPLITS, [division]), _addresses(_PLACE, [division])
@@ -57,16 +59,18 @@ def rules_pointer(stores: Iterable[Store], division: DivisionRule = BESIDE) -> A
     )
 
 
-def forces_pointer(forces: Sequence[tuple[Force, float]], stores: Integers, numbers: int, scale: float) -> Any:
-    """The forces of users with their strengths, for tissues and numbers at these addresses; ``scale`` = h / mu."""
+def forces_pointer(forces: Sequence[tuple[Force, float]], states: Integers, numbers: int, scale: float) -> Any:
+    """Return the forces of users with their strengths, for tissues and numbers at these addresses; ``scale`` =
+    h / mu.
+    """
     push = _addresses(_PUSH, [force for force, _ in forces])
     strengths = np.array([strength for _, strength in forces])
     parts = (_compiled(PART, evaluate).address, _compiled(PART, follow).address)
-    return StructPointer(OwnForces(push, strengths, stores, numbers, scale, *parts), OWN)
+    return StructPointer(OwnForces(push, strengths, states, numbers, scale, *parts), OWN)
 
 
 def push_and_energy(force: Force) -> tuple[int, int]:
-    """The machine code of a force, and of its energy; 0 if it has none."""
+    """Return the machine code of a force, and of its energy; 0 if it has none."""
     (push,), (energy,) = _addresses(_PUSH, [force]), _addresses(_ENERGY, [force])
     return int(push), int(energy)
 
@@ -81,7 +85,7 @@ def answered() -> Iterator[None]:
 
 
 def _origin(trace: TracebackType | None) -> UserFunction:
-    """The function of a user that an error came out of, by its traceback."""
+    """Return the function of a user that an error came out of, by its traceback."""
     while trace is not None:
         code = trace.tb_frame.f_code
         if (code.co_filename, code.co_name) in _KNOWN:
@@ -91,7 +95,7 @@ def _origin(trace: TracebackType | None) -> UserFunction:
 
 
 def _addresses(part: _Part, things: Sequence[EmtEvent | DivisionRule | Force | None]) -> Integers:
-    """The machine code of this function of each; 0 for none."""
+    """Return the machine code of this function of each; 0 for none."""
     found = [0 if thing is None else _address(part, thing) for thing in things]
     return np.array(found, np.int64)
 

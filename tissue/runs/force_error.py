@@ -15,7 +15,7 @@ from tissue.runs.run import Run
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import Floats
 from tissue.state.numbers import Numbers, numbers_pointer
-from tissue.state.store import CELLS, Store, stored
+from tissue.state.running import CELLS, TissueState, new_state
 from tissue.step.own_forces import call_energy, call_push, clear
 
 # [R_soft]: what central differences miss, and what they lose by rounding, are both near 1e-10.
@@ -23,7 +23,7 @@ STEP = 1e-5
 
 
 def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
-    """How far a force is from minus the slope of its energy, over all points of the last state of a run.
+    """Return how far a force is from minus the slope of its energy, over all points of the last state of a run.
 
     max |F + D| / max(|F|, |D|),  D = (W(Z + h e) - W(Z - h e)) / (2 h),  h = 1e-5 R_soft
 
@@ -52,7 +52,7 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
     frame = measurable(run.frames)[-1]
     past = frame.past
     curve, n = curve_numbers(frame.curve), len(frame.cells.x)
-    held = stored(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
+    held = new_state(frame.cells, frame.layers, past.next_id, past.emt, capacity=n, curve=curve, space=in_plane())
     slopes, forces = np.zeros((2, 6, len(frame.cells.x)))
     code, numbers = push_and_energy(force), numbers_pointer(run.parameters.numbers())
     with answered():
@@ -67,21 +67,21 @@ def force_error(force: Force, run: Run, strength: float = 1.0) -> float:
 
 @kernel
 def _compare(
-    addresses: tuple[int, int], store: Store, strength: float, numbers: Numbers, slopes: Floats, forces: Floats
+    addresses: tuple[int, int], state: TissueState, strength: float, numbers: Numbers, slopes: Floats, forces: Floats
 ) -> None:
     """The forces on the points of n cells, and the slopes of the energy there, each (6, n)."""
     push, energy = addresses
-    cells, on = store.cells, store.on
-    clear(store)
-    call_push(push, store, on, strength, numbers)
+    cells, on = state.cells, state.on
+    clear(state)
+    call_push(push, state, on, strength, numbers)
     pairs = (cells.x, on.x), (cells.y, on.y), (cells.ax, on.ax), (cells.ay, on.ay), (cells.bx, on.bx), (cells.by, on.by)
     for row, (z, force) in enumerate(pairs):
-        for i in range(store.sizes[CELLS]):
+        for i in range(state.sizes[CELLS]):
             here = z[i]
             z[i] = high = here + STEP
-            above = call_energy(energy, store, strength, numbers)
+            above = call_energy(energy, state, strength, numbers)
             z[i] = low = here - STEP
-            below = call_energy(energy, store, strength, numbers)
+            below = call_energy(energy, state, strength, numbers)
             z[i] = here
             slopes[row, i] = (above - below) / (high - low)
             forces[row, i] = force[i]

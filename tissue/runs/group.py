@@ -19,8 +19,8 @@ from tissue.runs.compiled_rules import answered, forces_pointer, rules_pointer
 from tissue.state.cells import Integers
 from tissue.state.checkpoint import Streams
 from tissue.state.numbers import Numbers, numbers_pointer
+from tissue.state.running import TissueState, grown
 from tissue.state.space import FLAT
-from tissue.state.store import Store, grown
 from tissue.step.advance import (
     FULL,
     STEP,
@@ -54,34 +54,34 @@ class Group:
 
     def __init__(
         self,
-        stores: Sequence[Store],
+        states: Sequence[TissueState],
         numbers: Numbers,
         random: Sequence[Streams] = (),
         division: DivisionRule = BESIDE,
         forces: Sequence[tuple[Force, float]] = (),
         named: Sequence[Numbers] = (),
     ) -> None:
-        self.stores, self.forces = list(stores), forces
-        width = 1 if len(self.stores) == 1 else WIDTH
-        self.ended: Integers = np.where(np.arange(width) < len(self.stores), RUNNING, EMPTY)
+        self.states, self.forces = list(states), forces
+        width = 1 if len(self.states) == 1 else WIDTH
+        self.ended: Integers = np.where(np.arange(width) < len(self.states), RUNNING, EMPTY)
         self._numbers, self._named, self._keep = numbers, named, random
         self._numbers_pointer = numbers_pointer(numbers, named)
-        self._rules = rules_pointer(self.stores, division)
+        self._rules = rules_pointer(self.states, division)
         words = [[generator_words(one.cycle), generator_words(one.noise)] for one in random]
         self._random = np.ascontiguousarray(np.array(words, np.int64).reshape(-1, 2, GENERATOR).transpose(1, 0, 2))
         self._place()
 
     def advance(self, made: int, steps: int) -> None:
-        """Make the steps ``made`` to ``steps`` of the tissues that run, in larger stores where it takes more room."""
+        """Make the steps ``made`` to ``steps`` of the tissues that run, in larger states where it takes more room."""
         end = FULL
         while end == FULL:
             made, end = self.call(made, steps)
             if end == FULL:
-                self.stores = [grown(held) for held in self.stores]
+                self.states = [grown(held) for held in self.states]
                 self._place()
 
     def call(self, made: int, steps: int) -> tuple[int, int]:
-        """Make steps until all are made or a store is full: how many are made, and how it ended, see ``advance``.
+        """Make steps until all are made or a state is full: how many are made, and how it ended, see ``advance``.
 
         Raises FunctionFailed if a function of a user raised.
         """
@@ -90,10 +90,10 @@ class Group:
         return made, end
 
     def make_substeps(self) -> bool:
-        """All substeps of one dt with rules that stand still; whether no cell of the first tissue is lost."""
+        """Return all substeps of one dt with rules that stand still; whether no cell of the first tissue is lost."""
         with answered():
             move_all(self._step)
-        return bool(find_lost(self.stores[0]) < 0)
+        return bool(find_lost(self.states[0]) < 0)
 
     @property
     def pairs(self) -> int:
@@ -103,13 +103,13 @@ class Group:
     def _place(self) -> None:
         """Make room for the substeps, and tell the kernel where everything is."""
         width = len(self.ended)
-        addresses = [held.address for held in self.stores]
-        stores = np.array(addresses + addresses[-1:] * (width - len(addresses)))
-        in_plane = self.stores[0].space.dimension == FLAT
-        self._workspaces = self._of_slices(stores, width) if in_plane else self._of_surface()
+        addresses = [held.address for held in self.states]
+        states = np.array(addresses + addresses[-1:] * (width - len(addresses)))
+        in_plane = self.states[0].space.dimension == FLAT
+        self._workspaces = self._of_slices(states, width) if in_plane else self._of_surface()
         kind = SURFACE if not in_plane else SLICE if width == 1 else SLICES
         step = StepInput(
-            stores,
+            states,
             self.ended,
             self._random,
             numbers=self._numbers_pointer.address,
@@ -122,17 +122,17 @@ class Group:
         )
         self._step: Any = StructPointer(step, STEP)
 
-    def _of_slices(self, stores: Integers, width: int) -> Any:
-        """The workspace of slices side by side."""
-        numbers, forces, capacity = self._numbers, 0, max(len(held.cells.x) for held in self.stores)
+    def _of_slices(self, states: Integers, width: int) -> Any:
+        """Return the workspace of slices side by side."""
+        numbers, forces, capacity = self._numbers, 0, max(len(held.cells.x) for held in self.states)
         if self.forces:
-            self._own = forces_pointer(self.forces, stores, self._numbers_pointer.address, numbers.scale)
+            self._own = forces_pointer(self.forces, states, self._numbers_pointer.address, numbers.scale)
             forces = self._own.address
-        return Workspaces(capacity, width, numbers, numbers.scale, self.stores[0].curve, forces, self._named)
+        return Workspaces(capacity, width, numbers, numbers.scale, self.states[0].curve, forces, self._named)
 
     def _of_surface(self) -> Any:
-        """The workspace of a sheet or a closed surface."""
-        (held,), numbers = self.stores, self._numbers
+        """Return the workspace of a sheet or a closed surface."""
+        (held,), numbers = self.states, self._numbers
         strength, deviation = numbers.scale * numbers.repulsion, math.sqrt(numbers.substep_variance)
         mine = SurfaceNumbers(numbers.substeps, strength, numbers.max_basal, deviation)
         return SurfaceWorkspaces(len(held.cells.x), EDGES * len(held.cells.x), mine, held.space.surface)

@@ -25,7 +25,7 @@ from tissue.runs.start import of_kinds, space_of
 from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import CONTROL, EMT, Cells, Emt, Flags, Integers, emt_cells
 from tissue.state.checkpoint import TissueCheckpoint, resumed_streams, streams
-from tissue.state.store import Store, stored
+from tissue.state.running import TissueState, new_state
 from tissue.step.advance import find_lost
 
 if TYPE_CHECKING:
@@ -34,8 +34,8 @@ if TYPE_CHECKING:
     from tissue.state.checkpoint import Streams, TissueCheckpoint
 
 
-def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Streams]:
-    """The tissue and the random numbers with which a run goes on from ``start``.
+def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[TissueState, Streams]:
+    """Return the tissue and the random numbers with which a run goes on from ``start``.
 
     With the seed of the run that ``start`` is of, the streams go on where they stood; with another one they begin.
 
@@ -55,7 +55,7 @@ def resumed(parameters: Parameters, start: Frame, seed: int) -> tuple[Store, Str
     curve = curve_numbers(parameters.curve())
     capacity = 2 * len(cells.x)
     space = in_plane() if start.sheets is None else space_of(start.sheets, parameters.exchange(), capacity)
-    held = stored(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
+    held = new_state(cells, start.layers, past.next_id, emt, capacity=capacity, curve=curve, space=space)
     held.counts[:] = past.counts
     lost = find_lost(held)
     if lost >= 0:
@@ -78,7 +78,7 @@ def _refuse_layer(parameters: Parameters, start: Frame) -> None:
 
 
 def checkpoint_of(start: Frame) -> TissueCheckpoint:
-    """What a run is besides its cells; raises InvalidProblem if it is not there."""
+    """Return what a run is besides its cells; raises InvalidProblem if it is not there."""
     if not isinstance(start, Frame):
         raise InvalidProblem(f"start = {describe(start)}: must be {A_START}")
     checked("start", (*start[:4], start.past, start.sheets))
@@ -86,7 +86,7 @@ def checkpoint_of(start: Frame) -> TissueCheckpoint:
 
 
 def steps_made(parameters: Parameters, start: Frame) -> int:
-    """How many steps dt have led to ``start``; raises InvalidProblem if it is no whole number, or too many."""
+    """Return how many steps dt have led to ``start``; raises InvalidProblem if it is no whole number, or too many."""
     checkpoint_of(start)
     dt, end = parameters.numerics.dt, parameters.numerics.t_end
     made, last = start.t / dt.value, round(end.value / dt.value)
@@ -131,13 +131,13 @@ def typed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -
 
 
 def _by_number(among: Flags, was: Integers) -> Integers:
-    """The EMT cells in the order of the numbers that they had, then those that had none, from left to right."""
+    """Return the EMT cells in the order of the numbers that they had, then those that had none, from left to right."""
     found = np.flatnonzero(among)
     return found[np.lexsort((found, was[found], was[found] < 0))]
 
 
 def _kinds(parameters: Parameters, cells: Cells, past: TissueCheckpoint) -> Integers:
-    """The types of the cells by their numbers in the parameters."""
+    """Return the types of the cells by their numbers in the parameters."""
     names, mine = (*UNNAMED, *past.types), parameters.type_names
     for kind in np.unique(cells.kind):
         if names[kind] not in mine:
@@ -147,7 +147,7 @@ def _kinds(parameters: Parameters, cells: Cells, past: TissueCheckpoint) -> Inte
 
 
 def _placed(parameters: Parameters, start: Frame, cells: Cells, random: Streams) -> Crowd:
-    """The groups where the parameters have them."""
+    """Return the groups where the parameters have them."""
     groups, n = parameters.groups(), len(cells.x)
     if 0 < groups[0].scenario.cells > n - 2:
         raise InvalidProblem(
@@ -165,7 +165,7 @@ def _placed(parameters: Parameters, start: Frame, cells: Cells, random: Streams)
 
 
 def _kept(parameters: Parameters, cells: Cells, random: Streams) -> Crowd:
-    """The cells with the types that they have."""
+    """Return the cells with the types that they have."""
     crowd = control_cells(len(cells.x))._replace(
         kind=cells.kind.copy(), moves=cells.moves.copy(), divides=cells.divides.copy(), may_leave=cells.emt >= 0
     )
@@ -186,7 +186,9 @@ def _kept(parameters: Parameters, cells: Cells, random: Streams) -> Crowd:
 
 
 def _first_ones(cells: Cells, mine: Integers, count: int) -> Integers:
-    """Those of a type that divides which are not daughters of others: EMT cells have the first ``count`` numbers."""
+    """Return those of a type that divides which are not daughters of others: EMT cells have the first ``count``
+    numbers.
+    """
     if len(mine) and cells.emt[mine].min() >= 0:
         return mine[:count]
     return mine[~np.isin(cells.mother[mine], cells.id[mine])]
@@ -204,12 +206,12 @@ def _descent(cells: Cells, mine: Integers, first: Integers) -> list[int]:
 
 
 def _section(name: str) -> str:
-    """The table of a type in files."""
+    """Return the table of a type in files."""
     return name if name in UNNAMED else f"types.{name}"
 
 
 def _with_past(emt: Emt, before: Emt, old: Integers, begun: Integers) -> Emt:
-    """The EMT cells with these times for what has not begun, and all else as before.
+    """Return the EMT cells with these times for what has not begun, and all else as before.
 
     Parameters
     ----------

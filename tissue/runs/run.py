@@ -60,19 +60,23 @@ class Run:
         return self.frames[-1]
 
     def table(self) -> pd.DataFrame:
-        """One row for each kept time and cell: phase, age, positions in um; the columns of ``tissue.runs.tables``."""
+        """Return one row for each kept time and cell: phase, age, positions in um; the columns of
+        ``tissue.runs.tables``.
+        """
         from tissue.runs.tables import cell_table
 
         return cell_table(self.frames, self.parameters)
 
     def summary(self) -> pd.DataFrame:
-        """One row for each kept time: cells, height, widths, extrusions; the columns of ``tissue.runs.tables``."""
+        """Return one row for each kept time: cells, height, widths, extrusions; the columns of
+        ``tissue.runs.tables``.
+        """
         from tissue.runs.tables import summary_table
 
         return summary_table(self.frames, self.parameters)
 
     def to_frame(self) -> pd.DataFrame:
-        """The same as ``table``."""
+        """Return the same as ``table``."""
         return self.table()
 
     def plot(self, ax: Axes | None = None, *, t: float | None = None) -> Axes:
@@ -128,7 +132,7 @@ class Run:
         view([frame for frame in self.frames if frame.t <= last.t], self.parameters, file)
 
     def _kept(self, t: float | None) -> Frame:
-        """The state kept at time t."""
+        """Return the state kept at time t."""
         if t is None:
             return measurable(self.frames)[-1]
         t = number("t", t)
@@ -139,7 +143,7 @@ class Run:
         raise InvalidProblem(f"t = {t:g} h: must be a kept time: {times}")
 
     def _repr_html_(self) -> str:
-        """How the run ended, its last state and its summary."""
+        """Return how the run ended, its last state and its summary."""
         from tissue.pictures.picture import drawing
         from tissue.pictures.sheet import png
 

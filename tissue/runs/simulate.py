@@ -108,7 +108,7 @@ def simulate_many(
 
 
 def _for_each(start: Frame | Sequence[Frame] | None, count: int) -> list[Frame]:
-    """The start of each run; none where they begin at t = 0."""
+    """Return the start of each run; none where they begin at t = 0."""
     if start is None or isinstance(start, Frame):
         return [] if start is None else [start] * count
     starts = list(items("start", start, Frame, f"{A_START}, or a list of them"))

@@ -26,8 +26,8 @@ from tissue.state.checkpoint import Separation
 from tissue.state.mesh import Sheets, network_of
 from tissue.state.network import Network
 from tissue.state.numbers import Numbers, StartNumbers, numbers_pointer
+from tissue.state.running import STRAIGHT, TissueState, new_state
 from tissue.state.space import FLAT, SPATIAL, Exchange, Space
-from tissue.state.store import STRAIGHT, Store, stored
 from tissue.state.surface import Surface
 
 if TYPE_CHECKING:
@@ -41,7 +41,7 @@ MOST_SWEEPS = 10_000
 IDLE = SurfaceNumbers(1, 0.0, 1.0)
 
 
-def started(parameters: Parameters, random: Streams) -> tuple[Store, Separation]:
+def started(parameters: Parameters, random: Streams) -> tuple[TissueState, Separation]:
     """Make the first state of a run, with the cells of its types where the parameters have them.
 
     Raises
@@ -72,7 +72,7 @@ def first_state(
     draws: Generator,
     types: Types | None = None,
     curve: BasalCurve = LINE,
-) -> tuple[Store, Separation]:
+) -> tuple[TissueState, Separation]:
     """Draw a tissue and make it feasible; ``types``: of its cells, all control cells if it is None.
 
     Apical and basal points stand on straight lines, evenly spaced and centred; ages are uniform on [0, own cycle]. What
@@ -92,7 +92,7 @@ def first_state(
 
 def first_sheet(
     start: StartNumbers, numbers: Numbers, draws: Generator, types: Types, lattice: Lattice, exchange: Exchange
-) -> tuple[Store, Separation]:
+) -> tuple[TissueState, Separation]:
     """Draw a tissue on a surface and make it feasible.
 
     Basal points stand on a lattice on the surface, apical points above them; all else is as of ``first_state``.
@@ -125,7 +125,7 @@ def drawn_cells(
     types: Types,
     points: Callable[[Generator], Mapping[str, Floats]],
 ) -> Cells:
-    """Cells with drawn ages, cycles and ``points``, coordinates by name: one number gives all types theirs."""
+    """Return cells with drawn ages, cycles and ``points``, coordinates by name: one number gives all types theirs."""
     n, crowd = start.cells, types.crowd
     own = partial(of_kinds, crowd.kind, (numbers, numbers, *types.numbers))
     rest = np.array([start.rest_length, *types.rest_lengths])[crowd.kind]
@@ -154,7 +154,7 @@ def drawn_cells(
 
 
 def _points(start: StartNumbers, draws: Generator) -> Mapping[str, Floats]:
-    """The coordinates of all points above a line, by the names of their arrays."""
+    """Return the coordinates of all points above a line, by the names of their arrays."""
     n = start.cells
     places: Floats = np.arange(n, dtype=np.float64) - (n - 1) / 2
     apical, basal = start.apical_spacing * places, start.basal_spacing * places
@@ -172,12 +172,12 @@ def _points_above(start: StartNumbers, lattice: Lattice, draws: Generator) -> Ma
 
 
 def of_kinds(kind: Integers, kinds: Sequence[Numbers], name: str) -> Floats:
-    """A number of each cell, that of its kind."""
+    """Return a number of each cell, that of its kind."""
     return np.array([getattr(one, name) for one in kinds])[kind]
 
 
 def _bent(cells: Cells, curve: BasalCurve) -> Cells:
-    """The cells above the basal layer as they were above a line."""
+    """Return the cells above the basal layer as they were above a line."""
     if curve.pieces == 0:
         return cells
     (x, y), (ax, ay), (bx, by) = (
@@ -187,7 +187,9 @@ def _bent(cells: Cells, curve: BasalCurve) -> Cells:
 
 
 def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
-    """x of the nuclei: in the box at random, in the order of the cells; near even places; or above the basal points."""
+    """Compute x of the nuclei: in the box at random, in the order of the cells; near even places; or above the basal
+    points.
+    """
     n, width = start.cells, start.width
     if start.nuclei == "own_basal":
         return basal.copy()
@@ -199,9 +201,9 @@ def _columns(start: StartNumbers, basal: Floats, draws: Generator) -> Floats:
 
 def _separated(
     cells: Cells, start: StartNumbers, numbers: Numbers, types: Types, curve: CurveNumbers, space: Space
-) -> tuple[Store, Separation]:
+) -> tuple[TissueState, Separation]:
     """Store the cells and sweep over their pairs until no nuclei overlap."""
-    held = stored(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
+    held = new_state(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
     set_phases(held, 0.0, numbers_pointer(numbers, types.numbers))
     n, in_plane = start.cells, space.dimension == FLAT
     sweep, axes = (part, "xy") if in_plane else (part_balls, "xyz")

@@ -20,12 +20,12 @@ if TYPE_CHECKING:
 
 
 def _plain(name: str, meaning: str, measure: Callable[[Frame], float], unit: str = "") -> Observable:
-    """A number or a time."""
+    """Return a number or a time."""
     return Observable(name, meaning, lambda frame, parameters: measure(frame), unit)
 
 
 def _length(name: str, meaning: str, measure: Callable[[Frame], float]) -> Observable:
-    """A length, from R_soft to um."""
+    """Return a length, from R_soft to um."""
 
     def in_um(frame: Frame, parameters: Parameters) -> float:
         return parameters.cell.soft_radius.value * measure(frame)
@@ -34,7 +34,7 @@ def _length(name: str, meaning: str, measure: Callable[[Frame], float]) -> Obser
 
 
 def _area(name: str, meaning: str, measure: Callable[[Frame], float]) -> Observable:
-    """An area, from R_soft^2 to um^2."""
+    """Return an area, from R_soft^2 to um^2."""
 
     def in_um2(frame: Frame, parameters: Parameters) -> float:
         return parameters.cell.soft_radius.value**2 * measure(frame)
@@ -66,7 +66,7 @@ TUBE = (
 
 
 def summary_columns(*, tube: bool) -> tuple[Observable, ...]:
-    """All observables, those of the table first."""
+    """Return all observables, those of the table first."""
     return (*HOUSE, *(TUBE if tube else ()), *registered(Observable))
 
 
@@ -90,7 +90,7 @@ DEPTH_LENGTHS = {"nucleus_z_um": "z", "apical_z_um": "az", "basal_z_um": "bz"}
 
 
 def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
-    """One row for each kept time and cell, by time, then along the tissue.
+    """Return one row for each kept time and cell, by time, then along the tissue.
 
     A state that is not finite, the last one of a run that left the finite numbers, has no rows.
 
@@ -119,7 +119,7 @@ def cell_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
 
 
 def summary_table(frames: Iterable[Frame], parameters: Parameters) -> pd.DataFrame:
-    """One row for each kept time; the observables of ``tissue.runs.tables``.
+    """Return one row for each kept time; the observables of ``tissue.runs.tables``.
 
     A state that is not finite has no row. Observables that were registered have columns of their own, behind these.
 
@@ -166,7 +166,7 @@ def _of_cells(frame: Frame, parameters: Parameters) -> Iterator[tuple[str, Any]]
 
 
 def _names(begun: Integers) -> Any:
-    """The events of each cell."""
+    """Return the events of each cell."""
     kinds, each = np.unique(begun, return_inverse=True)
     return np.array([EVENTS[k] for k in kinds])[each]
 

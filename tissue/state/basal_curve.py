@@ -94,12 +94,12 @@ class BasalCurve:
         return position + beyond * first, first * per_length, second * per_length**2 * (beyond == 0)
 
     def above(self, s: Floats, heights: Floats) -> tuple[Floats, Floats]:
-        """The points gamma(s) + h n, n the normal to the side of the tissue: x and y, each (m,)."""
+        """Return the points gamma(s) + h n, n the normal to the side of the tissue: x and y, each (m,)."""
         (x, y), (tx, ty), _ = self.course(s)
         return x - heights * ty, y + heights * tx
 
     def heights(self, x: Floats, y: Floats) -> Floats:
-        """The distance of points from the curve, (m,): along its normal, below 0 on the other side of it."""
+        """Return the distance of points from the curve, (m,): along its normal, below 0 on the other side of it."""
         if self.pieces == 0:
             return y.copy()
         (at_x, at_y), (tx, ty), _ = self.course(self.feet(x, y))
@@ -107,7 +107,9 @@ class BasalCurve:
         return heights
 
     def feet(self, x: Floats, y: Floats) -> Floats:
-        """The arclength of the point of the curve that is nearest to each point, (m,); within half a turn of s = 0."""
+        """Return the arclength of the point of the curve that is nearest to each point, (m,); within half a turn of s =
+        0.
+        """
         if self.pieces == 0:
             return x.copy()
         nodes = np.linspace(0.0, self.length, self.pieces + 1) - self.origin
@@ -141,7 +143,7 @@ class CurveNumbers(NamedTuple):
 
 
 def curve_numbers(curve: BasalCurve) -> CurveNumbers:
-    """The curve as kernels take it."""
+    """Return the curve as kernels take it."""
     pieces, ring = curve.pieces, curve.length if curve.ring else 0.0
     table = np.ascontiguousarray(curve.table).ravel() if pieces else np.zeros(2 * ORDER)
     hollow = int(curve.ring and curve.area > 0.0)
@@ -152,7 +154,8 @@ def curve_numbers(curve: BasalCurve) -> CurveNumbers:
 
 
 def ellipse(perimeter: float, aspect: float, *, inside: bool, ring: bool) -> BasalCurve:
-    """The ellipse with its lowest point at s = 0 for a tissue inside, its highest for one outside; that is (0, 0).
+    """Return the ellipse with its lowest point at s = 0 for a tissue inside, its highest for one outside; that is (0,
+    0).
 
     Parameters
     ----------
@@ -178,7 +181,7 @@ def ellipse(perimeter: float, aspect: float, *, inside: bool, ring: bool) -> Bas
 
 
 def through(points: Floats, *, around: bool) -> BasalCurve:
-    """The cubic spline through points (m, 2), m >= 4; the tissue is on its left.
+    """Return the cubic spline through points (m, 2), m >= 4; the tissue is on its left.
 
     Closed, the last point equals the first and s = 0 is there; open, s = 0 is in the middle, and the curve goes on
     straight at its ends.
@@ -195,7 +198,7 @@ def through(points: Floats, *, around: bool) -> BasalCurve:
 
 
 def _by_arclength(course: Course, knots: Floats, *, around: bool, ring: bool, origin: float | None) -> BasalCurve:
-    """The table of a curve that is smooth between its knots."""
+    """Return the table of a curve that is smooth between its knots."""
     t, lengths = _measured(course, knots)
     turns = _turning(course, t)
     pieces = int(np.clip(np.ceil(lengths[-1] * turns / TURN), FEWEST, MOST))
@@ -218,7 +221,7 @@ def _by_arclength(course: Course, knots: Floats, *, around: bool, ring: bool, or
 
 
 def _measured(course: Course, knots: Floats) -> tuple[Floats, Floats]:
-    """A fine grid of parameters, and the length of the curve up to each."""
+    """Return a fine grid of parameters, and the length of the curve up to each."""
     fine = max(4, GRID // (len(knots) - 1))
     t = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(fine) / fine).ravel(), knots[-1])
     return t, np.concatenate(([0.0], np.cumsum(_length(course, t[:-1], t[1:]))))
@@ -231,7 +234,7 @@ def _gauss(points: int) -> tuple[Floats, Floats]:
 
 
 def _length(course: Course, begin: Floats, end: Floats) -> Floats:
-    """The length between parameters, by Gauss and Legendre with twelve points."""
+    """Return the length between parameters, by Gauss and Legendre with twelve points."""
     nodes, weights = _gauss(12)
     half = (end - begin) / 2
     at = (begin + half)[:, None] + half[:, None] * nodes
@@ -241,13 +244,13 @@ def _length(course: Course, begin: Floats, end: Floats) -> Floats:
 
 
 def _turning(course: Course, t: Floats) -> float:
-    """The largest curvature, of either sign."""
+    """Return the largest curvature, of either sign."""
     _, (x, y), (xx, yy) = course(t)
     return float(np.abs((x * yy - y * xx) / np.hypot(x, y) ** 3).max())
 
 
 def _parameters_at(course: Course, t: Floats, lengths: Floats, s: Floats) -> Floats:
-    """The parameters at the arclengths s, by Newton's method within the grid."""
+    """Return the parameters at the arclengths s, by Newton's method within the grid."""
     k = np.clip(np.searchsorted(lengths, s, side="right") - 1, 0, len(t) - 2)
     at = t[k] + (s - lengths[k]) / (lengths[k + 1] - lengths[k]) * (t[k + 1] - t[k])
     for _ in range(4):
@@ -257,7 +260,7 @@ def _parameters_at(course: Course, t: Floats, lengths: Floats, s: Floats) -> Flo
 
 
 def _quintics(position: Floats, tangent: Floats, bend: Floats, h: float) -> Floats:
-    """The polynomials with these values at the ends of pieces of length h: (pieces, 12)."""
+    """Return the polynomials with these values at the ends of pieces of length h: (pieces, 12)."""
     way, (m, n), (a, b) = (
         np.diff(position),
         (h * tangent[:, :-1], h * tangent[:, 1:]),

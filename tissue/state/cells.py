@@ -100,12 +100,12 @@ def emt_cells(at: Floats) -> Emt:
 
 
 def no_emt() -> Emt:
-    """A tissue of control cells alone."""
+    """Return a tissue of control cells alone."""
     return emt_cells(np.zeros((0, 0)))
 
 
 def first(cells: Cells, n: int) -> Cells:
-    """A copy of the first n cells."""
+    """Return a copy of the first n cells."""
     return Cells._make(array[:n].copy() for array in cells)
 
 

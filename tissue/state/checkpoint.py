@@ -27,7 +27,7 @@ class Streams(NamedTuple):
 
 
 def streams(seed: int) -> Streams:
-    """The streams of a run; raises InvalidProblem for a seed that is not an integer >= 0."""
+    """Return the streams of a run; raises InvalidProblem for a seed that is not an integer >= 0."""
     children = SeedSequence(checked_seed("seed", seed)).spawn(len(Streams._fields))
     return Streams(*(np.random.default_rng(child) for child in children))
 
@@ -56,19 +56,19 @@ class TissueCheckpoint(NamedTuple):
     seed: int
     next_id: int  # of the next daughter
     emt: Emt  # its arrays are copies
-    counts: Integers  # one for each of ``tissue.state.store.COUNTERS``, since t = 0
+    counts: Integers  # one for each of ``tissue.state.running.COUNTERS``, since t = 0
     generators: Words  # (2, WORDS): where the streams DRAWN stand
     separation: Separation  # at t = 0
     types: tuple[str, ...] = ()  # the names of the named types, by their numbers
 
 
 def generator_states(random: Streams) -> Words:
-    """Where the streams DRAWN stand, (2, WORDS)."""
+    """Return where the streams DRAWN stand, (2, WORDS)."""
     return np.array([_words(getattr(random, name)) for name in DRAWN], np.uint64)
 
 
 def resumed_streams(seed: int, states: Words) -> Streams:
-    """The streams of a seed, of which those DRAWN go on from these states."""
+    """Return the streams of a seed, of which those DRAWN go on from these states."""
     return streams(seed)._replace(**{name: _generator(words) for name, words in zip(DRAWN, states, strict=True)})
 
 

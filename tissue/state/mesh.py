@@ -70,7 +70,7 @@ def kept(space: Space, n: int) -> Sheets:
 
 
 def network_of(mesh: Mesh, capacity: int) -> Network:
-    """A network with room for so many cells that goes on from a mesh."""
+    """Return a network with room for so many cells that goes on from a mesh."""
     return with_room(capacity, mesh, len(mesh.corner) // 3)
 
 
@@ -84,7 +84,7 @@ def _mesh(network: Network, n: int) -> Mesh:
 
 
 def as_arrays(sheets: Sheets | None) -> dict[str, Any]:
-    """The arrays of a file, by name; none in the plane."""
+    """Return the arrays of a file, by name; none in the plane."""
     if sheets is None:
         return {}
     found: dict[str, Any] = {"surface": np.array(sheets.surface, np.float64)}
@@ -94,7 +94,7 @@ def as_arrays(sheets: Sheets | None) -> dict[str, Any]:
 
 
 def of_arrays(arrays: Mapping[str, Any]) -> Sheets | None:
-    """The sheets that the arrays of a file are."""
+    """Return the sheets that the arrays of a file are."""
     if "surface" not in arrays:
         return None
     bends, *numbers = arrays["surface"].tolist()
@@ -103,7 +103,7 @@ def of_arrays(arrays: Mapping[str, Any]) -> Sheets | None:
 
 
 def wrong_mesh(mesh: Mesh, n: int) -> bool:
-    """Whether kernels would read or write elsewhere, or not end, with this mesh of n cells.
+    """Return whether kernels would read or write elsewhere, or not end, with this mesh of n cells.
 
     Twins are pairs with the same ends, each vertex that has a half-edge owns it, and the half-edges around each vertex
     are all that begin there.

@@ -14,14 +14,14 @@ from tissue.state.cells import Floats, Integers
 GHOSTS = 2
 # Flips of a single move of a vertex, at most: it crosses a few edges. Beyond, the move is cut in half.
 LONGEST_LOG = 128
-# What there is of a network besides its desk and the number of triangles, by half-edges and by vertices.
+# What there is of a network besides its workspace and the number of triangles, by half-edges and by vertices.
 OF_HALF_EDGES, OF_VERTICES = ("corner", "twin", "rest"), ("out", "u", "v", "w")
 
 # On the chart, see ``tissue.network.chart``.
 Place = tuple[float, float, float]
 
 
-class Desk(NamedTuple):
+class NetworkWorkspace(NamedTuple):
     """What the kernels write on while they work; nothing in it outlives a call."""
 
     from_u: Floats  # of a vertex: where it comes from, and where it goes
@@ -54,7 +54,7 @@ class Network(NamedTuple):
     v: Floats
     w: Floats
     triangles: Integers  # (1,)
-    desk: Desk
+    work: NetworkWorkspace
 
     @property
     def capacity(self) -> int:
@@ -63,26 +63,28 @@ class Network(NamedTuple):
 
 
 def no_network(capacity: int) -> Network:
-    """A network without vertices; a sphere of n vertices has 2 n - 4 triangles, all others 2 n."""
+    """Return a network without vertices; a sphere of n vertices has 2 n - 4 triangles, all others 2 n."""
     vertices = checks.integer("capacity", capacity, least=0) + GHOSTS
     edges = 6 * vertices
     from_u, from_v, from_w, to_u, to_v, to_w, u, v, w = (np.zeros(vertices) for _ in range(9))
     corner, twin, out = (np.full(length, -1, np.int64) for length in (edges, edges, vertices))
     waiting, queue, ring, listed = (np.zeros(length, np.int64) for length in (vertices, vertices, edges, edges))
     log, logged = np.zeros(2 * LONGEST_LOG, np.int64), np.zeros(LONGEST_LOG)
-    desk = Desk(from_u, from_v, from_w, to_u, to_v, to_w, waiting, queue, ring, listed, log, logged)
-    return Network(corner, twin, np.zeros(edges), out, u, v, w, np.zeros(1, np.int64), desk)
+    work = NetworkWorkspace(from_u, from_v, from_w, to_u, to_v, to_w, waiting, queue, ring, listed, log, logged)
+    return Network(corner, twin, np.zeros(edges), out, u, v, w, np.zeros(1, np.int64), work)
 
 
 def grown(network: Network, capacity: int) -> Network:
-    """The same network with room for more cells; raises InvalidProblem for less room than it has."""
+    """Return the same network with room for more cells; raises InvalidProblem for less room than it has."""
     if checks.integer("capacity", capacity, least=0) < network.capacity:
         raise InvalidProblem(f"capacity = {capacity}: must be at least {network.capacity}, what the network has")
     return with_room(capacity, network, int(network.triangles[0]))
 
 
 def with_room(capacity: int, given: Any, triangles: int) -> Network:
-    """A network with room for so many cells, with the first triangles and all vertices of the arrays of ``given``."""
+    """Return a network with room for so many cells, with the first triangles and all vertices of the arrays of
+    ``given``.
+    """
     network, used, cells = no_network(capacity), 3 * triangles, len(given.out) - GHOSTS
     for name in OF_HALF_EDGES:
         getattr(network, name)[:used] = getattr(given, name)[:used]

@@ -58,7 +58,7 @@ def no_space(rules: TissueRules = TissueRules()) -> Space:  # noqa: B008  # a tu
 
 
 def with_room(space: Space, capacity: int) -> Space:
-    """The same networks with room for so many cells; that of the plane as it is."""
+    """Return the same networks with room for so many cells; that of the plane as it is."""
     if space.dimension == FLAT:
         return space
     return space._replace(apical=grown(space.apical, capacity), basal=grown(space.basal, capacity))

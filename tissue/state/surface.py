@@ -34,18 +34,18 @@ FLAT_SURFACE = Surface(PLANE, math.inf, 1.0, math.inf, math.inf)
 
 
 def plane(*, period_x: float = math.inf, period_z: float = math.inf) -> Surface:
-    """The plane y = 0, periodic or not; raises InvalidProblem for a period that is not > 0."""
+    """Return the plane y = 0, periodic or not; raises InvalidProblem for a period that is not > 0."""
     return Surface(PLANE, math.inf, 1.0, _period("period_x", period_x), _period("period_z", period_z))
 
 
 def cylinder(radius: float, *, inside: bool, period_z: float = math.inf) -> Surface:
-    """The cylinder x^2 + y^2 = radius^2, with the tissue inside or outside; raises InvalidProblem likewise."""
+    """Return the cylinder x^2 + y^2 = radius^2, with the tissue inside or outside; raises InvalidProblem likewise."""
     radius, side = checks.number("radius", radius, positive=True), _side(inside)
     return Surface(CYLINDER, radius, side, math.inf, _period("period_z", period_z))
 
 
 def sphere(radius: float, *, inside: bool) -> Surface:
-    """The sphere |X| = radius, with the tissue inside or outside; raises InvalidProblem likewise."""
+    """Return the sphere |X| = radius, with the tissue inside or outside; raises InvalidProblem likewise."""
     return Surface(SPHERE, checks.number("radius", radius, positive=True), _side(inside), math.inf, math.inf)
 
 
@@ -54,7 +54,7 @@ def _side(inside: bool) -> float:
 
 
 def _period(name: str, value: Any) -> float:
-    """A length > 0, or inf."""
+    """Return a length > 0, or inf."""
     try:
         endless = value == math.inf
         return math.inf if endless is True or endless is np.True_ else checks.number(name, value, positive=True)
@@ -64,13 +64,15 @@ def _period(name: str, value: Any) -> float:
 
 @inner
 def nearest_image(d: float, period: float) -> float:
-    """The difference d of two coordinates, less the multiple of the period that makes it smallest; inf has none."""
+    """Return the difference d of two coordinates, less the multiple of the period that makes it smallest; inf
+    has none.
+    """
     return d - period * np.rint(d / period) if abs(d) > 0.5 * period else d
 
 
 @inner
 def differences(surface: Surface, dx: float, dy: float, dz: float) -> tuple[float, float, float]:
-    """The difference of two points, to the nearest image."""
+    """Return the difference of two points, to the nearest image."""
     return nearest_image(dx, surface.period_x), dy, nearest_image(dz, surface.period_z)
 
 
@@ -82,7 +84,7 @@ def distance_from_middle(surface: Surface, x: float, y: float, z: float) -> floa
 
 @inner
 def height(surface: Surface, x: float, y: float, z: float) -> float:
-    """h(X) = side (|P X| - radius): the distance from the surface, below 0 on the side without tissue."""
+    """Compute h(X) = side (|P X| - radius): the distance from the surface, below 0 on the side without tissue."""
     if surface.bends == PLANE:
         return y
     return surface.side * (distance_from_middle(surface, x, y, z) - surface.radius)
@@ -90,7 +92,9 @@ def height(surface: Surface, x: float, y: float, z: float) -> float:
 
 @inner
 def normal(surface: Surface, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """n = side P X / |P X|, towards the tissue; NaN in the middle of a surface that bends, where there is none."""
+    """Compute n = side P X / |P X|, towards the tissue; NaN in the middle of a surface that bends, where there
+    is none.
+    """
     if surface.bends == PLANE:
         return 0.0, 1.0, 0.0
     # Not as a factor 1 / |P X|: quotients are right to the last digit.
@@ -100,7 +104,7 @@ def normal(surface: Surface, x: float, y: float, z: float) -> tuple[float, float
 
 @inner
 def onto(surface: Surface, x: float, y: float, z: float) -> tuple[float, float, float]:
-    """The point of the surface that is nearest to X: radius P X / |P X|, and what P leaves out as it is."""
+    """Return the point of the surface that is nearest to X: radius P X / |P X|, and what P leaves out as it is."""
     if surface.bends == PLANE:
         return x, 0.0, z
     factor = surface.radius / distance_from_middle(surface, x, y, z)
@@ -108,7 +112,7 @@ def onto(surface: Surface, x: float, y: float, z: float) -> tuple[float, float, 
 
 
 def heights(surface: Surface, points: ArrayLike) -> Floats:
-    """h(X) of points (..., 3), shape (...)."""
+    """Compute h(X) of points (..., 3), shape (...)."""
     at = np.asarray(points, float)
     if surface.bends == PLANE:
         return at[..., 1].copy()
@@ -117,7 +121,9 @@ def heights(surface: Surface, points: ArrayLike) -> Floats:
 
 
 def normals(surface: Surface, points: ArrayLike) -> Floats:
-    """n of points (..., 3), of the same shape; raises InvalidProblem for one in the middle of a surface that bends."""
+    """Compute n of points (..., 3), of the same shape; raises InvalidProblem for one in the middle of a surface that
+    bends.
+    """
     at = np.asarray(points, float)
     if surface.bends == PLANE:
         return np.broadcast_to((0.0, 1.0, 0.0), at.shape).copy()
@@ -127,7 +133,7 @@ def normals(surface: Surface, points: ArrayLike) -> Floats:
 
 
 def laid(surface: Surface, points: ArrayLike) -> Floats:
-    """The nearest points of the surface to points (..., 3); raises InvalidProblem likewise."""
+    """Return the nearest points of the surface to points (..., 3); raises InvalidProblem likewise."""
     at = np.array(points, float)
     if surface.bends == PLANE:
         at[..., 1] = 0.0

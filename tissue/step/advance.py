@@ -24,7 +24,7 @@ from tissue.network.exchange import relax
 from tissue.network.follow import STUCK, follow
 from tissue.state.cells import Integers
 from tissue.state.numbers import Numbers, numbers_at
-from tissue.state.store import CELLS, Store, store_at
+from tissue.state.running import CELLS, TissueState, state_at
 from tissue.step.copies import copy_from_workspace, copy_in, copy_out, copy_to_workspace
 
 # How a call ended: all steps made; no room for the daughters that may come.
@@ -34,7 +34,7 @@ DONE, FULL = range(2)
 class StepInput(NamedTuple):
     """What steps dt of tissues side by side take: addresses of the tissues, of numbers, memory and machine code."""
 
-    stores: Integers  # (1,) or (WIDTH,)
+    states: Integers  # (1,) or (WIDTH,)
     ended: Integers  # of each RUNNING, or the step that failed
     random: Integers  # (2, k, GENERATOR): the generators of draws and of noise
     numbers: int
@@ -60,27 +60,27 @@ def advance(step: StepInput, made: int, steps: int) -> tuple[int, int]:
     """Make the steps ``made`` to ``steps``, the k-th to t = (k + 1) dt; how many are made then, and how the call ended.
 
     A tissue that is lost, or whose lumen is closed, stays as it is from then on: ``ended`` is set to the step that
-    failed. After FULL nothing is lost: put the cells into larger stores and go on.
+    failed. After FULL nothing is lost: put the cells into larger states and go on.
     """
-    numbers, rules, stores, ended = numbers_at(step.numbers), rules_at(step.rules), step.stores, step.ended
+    numbers, rules, states, ended = numbers_at(step.numbers), rules_at(step.rules), step.states, step.ended
     while made < steps:
         t = (made + 1) * numbers.dt
-        for k in range(len(stores)):
-            if ended[k] == RUNNING and is_full(store_at(stores[k]), t):
+        for k in range(len(states)):
+            if ended[k] == RUNNING and is_full(state_at(states[k]), t):
                 return made, FULL
-        for k in range(len(stores)):
+        for k in range(len(states)):
             if ended[k] == RUNNING:
                 draws, noise = generator_at(step.random[0], k), generator_at(step.random[1], k)
-                apply_rules(store_at(stores[k]), t, numbers, rules, draws, noise)
+                apply_rules(state_at(states[k]), t, numbers, rules, draws, noise)
         if not call_move(step.move, step):  # nobody runs any more
             return steps, DONE
-        for k in range(len(stores)):
+        for k in range(len(states)):
             if ended[k] == RUNNING:
-                store = store_at(stores[k])
-                if find_lost(store) >= 0 or is_closed(store):
+                state = state_at(states[k])
+                if find_lost(state) >= 0 or is_closed(state):
                     ended[k] = made + 1
                 else:
-                    watch_sides(store, t)
+                    watch_sides(state, t)
         made += 1
     return made, DONE
 
@@ -95,10 +95,10 @@ def move_all(step: StepInput) -> int:
 def move_slices(step: StepInput) -> int:
     """Copy slices to their workspace, make all substeps of one dt, and copy them back; the largest number of cells."""
     flat = workspace_at(step.flat)
-    n = copy_in(step.stores, step.ended, flat, numbers_at(step.numbers), step.scale)
+    n = copy_in(step.states, step.ended, flat, numbers_at(step.numbers), step.scale)
     if n > 0:
         call_substeps(step.substeps, step.flat, step.wide, n)
-        copy_out(flat, step.stores)
+        copy_out(flat, step.states)
     return int(n)
 
 
@@ -109,11 +109,11 @@ def move_surface(step: StepInput) -> int:
     """
     if step.ended[0] != RUNNING:
         return 0
-    store, work = store_at(step.stores[0]), surface_workspace_at(step.flat)
-    n = copy_to_workspace(store, work, numbers_at(step.numbers), step.scale)
+    state, work = state_at(step.states[0]), surface_workspace_at(step.flat)
+    n = copy_to_workspace(state, work, numbers_at(step.numbers), step.scale)
     call_substeps(step.substeps, step.flat, step.wide, n)
-    copy_from_workspace(work, store)
-    cells, space, how = store.cells, store.space, store.space.exchange
+    copy_from_workspace(work, state)
+    cells, space, how = state.cells, state.space, state.space.exchange
     done = follow(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.new_rest)
     if done != STUCK:
         relax(space.surface, space.apical, cells.ax, cells.ay, cells.az, how.margin, how.reach, how.new_rest)
@@ -139,30 +139,32 @@ def move_address(function: Any) -> int:
 
 
 @kernel
-def is_full(store: Store, t: float) -> bool:
-    """Whether the daughters that may come at time t have no room."""
-    full: bool = store.sizes[CELLS] + count_due(store, t) > len(store.cells.x)
+def is_full(state: TissueState, t: float) -> bool:
+    """Return whether the daughters that may come at time t have no room."""
+    full: bool = state.sizes[CELLS] + count_due(state, t) > len(state.cells.x)
     return full
 
 
 @kernel
-def apply_rules(store: Store, t: float, numbers: Numbers, rules: Rules, draws: Generator, noise: Generator) -> None:
+def apply_rules(
+    state: TissueState, t: float, numbers: Numbers, rules: Rules, draws: Generator, noise: Generator
+) -> None:
     """What happens once per dt before the cells move: divisions, EMT events, phases, rest lengths, noise or its key."""
-    divide(store, t, numbers, rules, draws)
-    begin_events(store, t, numbers, rules)
-    set_phases(store, t, numbers)
-    adapt_rest_lengths(store, t, numbers, rules)
+    divide(state, t, numbers, rules, draws)
+    begin_events(state, t, numbers, rules)
+    set_phases(state, t, numbers)
+    adapt_rest_lengths(state, t, numbers, rules)
     if numbers.noise_in_substeps:
-        draw_key(noise, store.noise_key)
+        draw_key(noise, state.noise_key)
     else:
-        add_noise(store, numbers.variance * numbers.dt, noise)
+        add_noise(state, numbers.variance * numbers.dt, noise)
 
 
 @kernel
-def find_lost(store: Store) -> int:
-    """The first cell whose coordinates add up to LOST in magnitude, or are not numbers; -1 if there is none."""
-    cells = store.cells
-    for i in range(store.sizes[CELLS]):
+def find_lost(state: TissueState) -> int:
+    """Return the first cell whose coordinates add up to LOST in magnitude, or are not numbers; -1 if there is none."""
+    cells = state.cells
+    for i in range(state.sizes[CELLS]):
         nucleus, apical = abs(cells.x[i]) + abs(cells.y[i]), abs(cells.ax[i]) + abs(cells.ay[i])
         basal, deep = abs(cells.bx[i]) + abs(cells.by[i]), abs(cells.z[i]) + abs(cells.az[i]) + abs(cells.bz[i])
         if not nucleus + apical + basal + deep < LOST:  # nor if it is NaN

@@ -16,16 +16,16 @@ from tissue.network.halfedges import LEFT, begins_edge, is_row, preceding
 from tissue.state.cells import Cells, Integers
 from tissue.state.network import Network
 from tissue.state.numbers import Numbers, numbers_of
-from tissue.state.store import APICAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, Store, store_at
+from tissue.state.running import APICAL, BASAL_CORRECTIONS, CELLS, CORRECTIONS, SUBSTEPS, TissueState, state_at
 
 
 @inner
-def copy_in(stores: Integers, ended: Integers, work: Workspace, numbers: Numbers, scale: float) -> int:
+def copy_in(states: Integers, ended: Integers, work: Workspace, numbers: Numbers, scale: float) -> int:
     """Copy the tissues that run to the workspace, seen flat; ``scale`` = h / mu; the largest number of cells."""
     width, largest = len(ended), 0
     work.links[0] = 0
     for k in range(width):
-        work.cells[k] = store_at(stores[k]).sizes[CELLS] if ended[k] == RUNNING else 0
+        work.cells[k] = state_at(states[k]).sizes[CELLS] if ended[k] == RUNNING else 0
         largest = max(largest, work.cells[k])
     for k in range(width):
         for i in range(work.cells[k], largest):
@@ -33,14 +33,14 @@ def copy_in(stores: Integers, ended: Integers, work: Workspace, numbers: Numbers
         for i in range(largest):
             work.in_apical[width * i + k] = work.joined[width * i + k] = 0.0
         if ended[k] == RUNNING:
-            _copy(store_at(stores[k]), k, width, work, numbers, scale)
+            _copy(state_at(states[k]), k, width, work, numbers, scale)
     return largest
 
 
 @inner
-def _copy_cell(store: Store, i: int, work: Any, place: int, own: Numbers, power: int, scale: float) -> None:
+def _copy_cell(state: TissueState, i: int, work: Any, place: int, own: Numbers, power: int, scale: float) -> None:
     """Copy cell i of any tissue to a place, with the coefficients of its springs for the numbers ``own``."""
-    cells, motion = store.cells, store.motion
+    cells, motion = state.cells, state.motion
     work.x[place], work.y[place] = cells.x[i], cells.y[i]
     work.ax[place], work.ay[place] = cells.ax[i], cells.ay[i]
     work.bx[place], work.by[place] = cells.bx[i], cells.by[i]
@@ -57,34 +57,34 @@ def _copy_cell(store: Store, i: int, work: Any, place: int, own: Numbers, power:
 
 
 @inner
-def _copy(store: Store, k: int, width: int, work: Workspace, numbers: Numbers, scale: float) -> None:
+def _copy(state: TissueState, k: int, width: int, work: Workspace, numbers: Numbers, scale: float) -> None:
     """Copy a tissue to lane k."""
-    cells = store.cells
+    cells = state.cells
     for i in range(work.cells[k]):
         place, own = width * i + k, numbers_of(numbers, cells.kind[i])
-        _copy_cell(store, i, work, place, own, numbers.power, scale)
+        _copy_cell(state, i, work, place, own, numbers.power, scale)
         work.soft[place], work.stiff_xx[place] = own.soft_radius, scale * own.repulsion
         work.reach[place] = own.max_basal
         if work.bent:
             at = course(work.curve, cells.along[i])
             work.along[place], work.tangent_x[place], work.tangent_y[place] = cells.along[i], at[2], at[3]
-    for s in range(store.sizes[APICAL]):
-        i, place = store.layers.apical[s], width * store.layers.apical[s] + k
+    for s in range(state.sizes[APICAL]):
+        i, place = state.layers.apical[s], width * state.layers.apical[s] + k
         work.in_apical[place] = 1.0
-        if s > 0 or (work.curve.ring > 0.0 and store.sizes[APICAL] > 2):
-            before = store.layers.apical[s - 1 if s > 0 else store.sizes[APICAL] - 1]
+        if s > 0 or (work.curve.ring > 0.0 and state.sizes[APICAL] > 2):
+            before = state.layers.apical[s - 1 if s > 0 else state.sizes[APICAL] - 1]
             work.joined[place], work.rest[place] = 1.0, cells.rest_aa[before]
             work.k_aa[place] = scale * numbers.junction_factor * (0.5 * (cells.stiff_aa[before] + cells.stiff_aa[i]))
-    _copy_links(store, k, width, work, scale * numbers.junction_factor)
+    _copy_links(state, k, width, work, scale * numbers.junction_factor)
     for word in range(2):
-        work.noise_key[width * word + k] = store.noise_key[word]
+        work.noise_key[width * word + k] = state.noise_key[word]
         work.counts[width * word + k] = 0.0
 
 
 @inner
-def _copy_links(store: Store, k: int, width: int, work: Workspace, scale: float) -> None:
+def _copy_links(state: TissueState, k: int, width: int, work: Workspace, scale: float) -> None:
     """Copy the junctions of a tissue that are apart from its layer; their cells have no other."""
-    cells, links = store.cells, work.links
+    cells, links = state.cells, work.links
     for i in range(work.cells[k]):
         first = chained_before(cells, i)
         if first >= 0:
@@ -105,22 +105,22 @@ def _fill(work: Workspace, i: int, place: int) -> None:
 
 
 @inner
-def copy_out(work: Workspace, stores: Integers) -> None:
+def copy_out(work: Workspace, states: Integers) -> None:
     """Copy positions and counts back to the tissues in the workspace, seen flat."""
     width = len(work.cells)
     for k in range(width):
         if work.cells[k] > 0:
-            store = store_at(stores[k])
-            put_back(work, store, k)
-            store.counts[SUBSTEPS] += work.substeps
-            store.counts[CORRECTIONS] += int(work.counts[k])
-            store.counts[BASAL_CORRECTIONS] += int(work.counts[width + k])
+            state = state_at(states[k])
+            put_back(work, state, k)
+            state.counts[SUBSTEPS] += work.substeps
+            state.counts[CORRECTIONS] += int(work.counts[k])
+            state.counts[BASAL_CORRECTIONS] += int(work.counts[width + k])
 
 
 @inner
-def put_back(work: Workspace, store: Store, k: int) -> None:
+def put_back(work: Workspace, state: TissueState, k: int) -> None:
     """Copy the positions of lane k back to its tissue."""
-    cells, width, n = store.cells, len(work.cells), work.cells[k]
+    cells, width, n = state.cells, len(work.cells), work.cells[k]
     _put_back(work, cells, n, k, width)
     if work.bent:
         for i in range(n):
@@ -137,25 +137,25 @@ def _put_back(work: Any, cells: Cells, n: int, k: int, width: int) -> None:
 
 
 @inner
-def copy_to_workspace(store: Store, work: SurfaceWorkspace, numbers: Numbers, scale: float) -> int:
+def copy_to_workspace(state: TissueState, work: SurfaceWorkspace, numbers: Numbers, scale: float) -> int:
     """Copy a tissue to the workspace; ``scale`` = h / mu; how many cells it has."""
-    n = store.sizes[CELLS]
+    n = state.sizes[CELLS]
     for i in range(n):
-        _copy_cell(store, i, work, i, numbers, numbers.power, scale)
+        _copy_cell(state, i, work, i, numbers, numbers.power, scale)
     for word in range(2):
-        work.noise_key[word] = store.noise_key[word]
+        work.noise_key[word] = state.noise_key[word]
     for k in range(len(work.counts)):
         work.counts[k] = 0
-    _list_junctions(store, work, scale * numbers.junction_factor)
-    _list_neighbours(store.space.basal, work)
+    _list_junctions(state, work, scale * numbers.junction_factor)
+    _list_neighbours(state.space.basal, work)
     copied: int = n
     return copied
 
 
 @inner
-def _list_junctions(store: Store, work: SurfaceWorkspace, scale: float) -> None:
+def _list_junctions(state: TissueState, work: SurfaceWorkspace, scale: float) -> None:
     """The junctions of the apical network, each once, with k = scale (alpha_i + alpha_j) / 2."""
-    network, alpha, count = store.space.apical, store.cells.stiff_aa, 0
+    network, alpha, count = state.space.apical, state.cells.stiff_aa, 0
     for h in range(3 * network.triangles[0]):
         if begins_edge(network, h):
             i, j = network.corner[h], network.corner[network.twin[h]]
@@ -180,12 +180,12 @@ def _list_neighbours(network: Network, work: SurfaceWorkspace) -> None:
 
 
 @inner
-def copy_from_workspace(work: SurfaceWorkspace, store: Store) -> None:
+def copy_from_workspace(work: SurfaceWorkspace, state: TissueState) -> None:
     """Copy positions and counts back."""
-    cells, n = store.cells, store.sizes[CELLS]
+    cells, n = state.cells, state.sizes[CELLS]
     _put_back(work, cells, n, 0, 1)
     for i in range(n):
         cells.z[i], cells.az[i], cells.bz[i] = work.z[i], work.az[i], work.bz[i]
-    store.counts[SUBSTEPS] += work.counts[on_workspace.SUBSTEPS]
-    store.counts[CORRECTIONS] += work.counts[on_workspace.CORRECTIONS]
-    store.counts[BASAL_CORRECTIONS] += work.counts[on_workspace.BASAL_CORRECTIONS]
+    state.counts[SUBSTEPS] += work.counts[on_workspace.SUBSTEPS]
+    state.counts[CORRECTIONS] += work.counts[on_workspace.CORRECTIONS]
+    state.counts[BASAL_CORRECTIONS] += work.counts[on_workspace.BASAL_CORRECTIONS]

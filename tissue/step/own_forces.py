@@ -15,7 +15,7 @@ from dincl.compiled import call, inner, reader, signature, struct_type
 from tissue.kernels.workspace import FLAT, Workspace
 from tissue.state.cells import Floats, Forces, Integers
 from tissue.state.numbers import NUMBERS, numbers_at
-from tissue.state.store import CELLS, STORE, Store, store_at
+from tissue.state.running import CELLS, STATE, TissueState, state_at
 from tissue.step.copies import put_back
 
 
@@ -24,7 +24,7 @@ class OwnForces(NamedTuple):
 
     push: Integers  # (forces,): where their machine code is, in the order of their names
     strength: Floats  # (forces,)
-    stores: Integers  # (1,) or (WIDTH,): where the tissues are
+    states: Integers  # (1,) or (WIDTH,): where the tissues are
     numbers: int  # where the numbers of the run are
     scale: float  # h / mu
     evaluate: int  # the machine code of the functions below
@@ -34,39 +34,41 @@ class OwnForces(NamedTuple):
 _EXAMPLE = OwnForces(np.zeros(1, np.int64), np.zeros(1), np.zeros(1, np.int64), 0, 0.0, 0, 0)
 OWN = struct_type(_EXAMPLE)
 own_at = reader(_EXAMPLE)
-# push(store, on, strength, numbers) and energy(store, strength, numbers) of a force; a part of a substep.
-PUSH: Any = signature(None, STORE, struct_type(Forces(*np.zeros((6, 1)))), float, NUMBERS)
-ENERGY: Any = signature(float, STORE, float, NUMBERS)
+# push(state, on, strength, numbers) and energy(state, strength, numbers) of a force; a part of a substep.
+PUSH: Any = signature(None, STATE, struct_type(Forces(*np.zeros((6, 1)))), float, NUMBERS)
+ENERGY: Any = signature(float, STATE, float, NUMBERS)
 PART: Any = signature(None, OWN, FLAT)
 # Calls of these functions by their addresses, with the arguments above.
 call_push, call_energy, call_own = call(PUSH), call(ENERGY), call(PART)
 
 
 @inner
-def clear(store: Store) -> None:
+def clear(state: TissueState) -> None:
     """No force on any point."""
-    on = store.on
+    on = state.on
     for forces in (on.x, on.y, on.ax, on.ay, on.bx, on.by):
-        for i in range(store.sizes[CELLS]):
+        for i in range(state.sizes[CELLS]):
             forces[i] = 0.0
 
 
 def evaluate(own: OwnForces, work: Workspace) -> None:
-    """The sum of the forces where the points of each tissue in the workspace, seen flat, are now: ``Store.on``."""
+    """The sum of the forces where the points of each tissue in the workspace, seen flat, are now:
+    ``TissueState.on``.
+    """
     for k in range(len(work.cells)):
         if work.cells[k] > 0:
-            store = store_at(own.stores[k])
-            put_back(work, store, k)
-            clear(store)
+            state = state_at(own.states[k])
+            put_back(work, state, k)
+            clear(state)
             for number in range(len(own.push)):
-                call_push(own.push[number], store, store.on, own.strength[number], numbers_at(own.numbers))
+                call_push(own.push[number], state, state.on, own.strength[number], numbers_at(own.numbers))
 
 
 def follow(own: OwnForces, work: Workspace) -> None:
     """Move the points of each tissue by (h / mu) times these forces, a basal point as the others do, see ``move``."""
     width, scale = len(work.cells), own.scale
     for k in range(width):
-        on = store_at(own.stores[k]).on
+        on = state_at(own.states[k]).on
         for points, force in ((work.x, on.x), (work.y, on.y), (work.ax, on.ax), (work.ay, on.ay)):
             for i in range(work.cells[k]):
                 points[width * i + k] += scale * force[i]

@@ -19,7 +19,7 @@ from tissue.model.scale import measure
 from tissue.plugins import Observable, registered
 from tissue.runs.batch import Batch
 from tissue.state.cells import Flags, Floats, Integers
-from tissue.state.store import CELLS, Store
+from tissue.state.running import CELLS, TissueState
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -119,7 +119,7 @@ def _measured(batch: Batch) -> tuple[Floats, Floats, Floats]:
     positions = np.zeros((n, m))
     controls, extents = np.full((n, 4), np.nan), np.full((n, len(EXTENTS)), np.nan)
     for k in filter(batch.goes_on, range(n)):
-        held = batch.store(k)
+        held = batch.state(k)
         of_all = np.zeros(len(held.emt.side))
         measure(held, of_all, controls[k])
         measure_extents(held, extents[k])
@@ -140,18 +140,18 @@ def _own(batch: Batch, t: float) -> Floats:
 def _cells(batch: Batch, replicates: Sequence[int], series: _Measured, sound: Flags) -> pa.Table:
     """Return one row for each EMT cell of the start of the sound runs."""
     kept = np.flatnonzero(sound)
-    stores, m = [batch.store(int(k)) for k in kept], _followed(batch)
+    states, m = [batch.state(int(k)) for k in kept], _followed(batch)
     side, onset, since, since_x = (
-        np.array([getattr(held.emt, name)[:m] for held in stores]).ravel()
+        np.array([getattr(held.emt, name)[:m] for held in states]).ravel()
         for name in ("side", "onset_ab", "since", "since_x")
     )
-    at = np.array([held.emt.at[:, :m] for held in stores]).reshape(len(stores), len(events()), m)
+    at = np.array([held.emt.at[:, :m] for held in states]).reshape(len(states), len(events()), m)
     began = {events()[k].name: at[:, k].ravel() for k in acting()}
     times = [group.scenario.times for group in batch.parameters.groups()]
     shown = {*OF_THESIS, *(name for one in times for name, timing in one.items() if timing.ever)}
-    mine = [_by_number(held)[:m] for held in stores]
+    mine = [_by_number(held)[:m] for held in states]
     inm, kinds = (
-        [getattr(held.cells, name)[of] for held, of in zip(stores, mine, strict=True)] for name in ("moves", "kind")
+        [getattr(held.cells, name)[of] for held, of in zip(states, mine, strict=True)] for name in ("moves", "kind")
     )
     scale = batch.parameters.cell.soft_radius.value
     columns: dict[str, Any] = {
@@ -172,7 +172,7 @@ def _cells(batch: Batch, replicates: Sequence[int], series: _Measured, sound: Fl
     return pa.table(columns)
 
 
-def _by_number(held: Store) -> Integers:
+def _by_number(held: TissueState) -> Integers:
     """Return the EMT cells of a tissue in the order of their numbers."""
     number = held.cells.emt[: held.sizes[CELLS]]
     found = np.flatnonzero(number >= 0)

@@ -9,7 +9,7 @@ from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.runs.group import Group
 from tissue.state.basal_curve import curve_numbers, ellipse
-from tissue.state.store import STRAIGHT
+from tissue.state.running import STRAIGHT
 
 RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))
 GIVEN = numbers()

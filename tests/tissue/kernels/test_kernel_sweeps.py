@@ -13,7 +13,7 @@ from tests.twins.tissue.state import Tissue
 from tissue.kernels.workspace import Workspaces
 from tissue.model.discs import part
 from tissue.state.basal_curve import curve_numbers, ellipse
-from tissue.state.store import STRAIGHT
+from tissue.state.running import STRAIGHT
 
 seeds = st.integers(0, 2**32 - 1)
 RING = curve_numbers(ellipse(60.0, 1.0, inside=True, ring=True))

@@ -9,7 +9,7 @@ from tests.tissue.states import numbers
 from tissue.files.parameters import preset
 from tissue.kernels.workspace import LOST
 from tissue.runs.group import Group
-from tissue.state.store import CELLS
+from tissue.state.running import CELLS
 from tissue.step import advance
 
 each_preset = pytest.mark.parametrize("name", ["thesis", "published"])
@@ -19,7 +19,7 @@ def grown_to(state, given_numbers, capacity, wanted):
     """The tissue after these steps in a store of this capacity, and the capacity at the end."""
     group = Group([kernels.held(state, capacity)], given_numbers, [kernels.Random(*kernels.generators(1))])
     group.advance(0, wanted)
-    return kernels.taken(group.stores[0]), len(group.stores[0].cells.x)
+    return kernels.taken(group.states[0]), len(group.states[0].cells.x)
 
 
 def assert_same_bits(a, b):

@@ -28,7 +28,7 @@ from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.cells import COORDINATES
-from tissue.state.store import contents, stored
+from tissue.state.running import contents, new_state
 
 each_layer = pytest.mark.parametrize("layer", LAYERS)
 
@@ -41,10 +41,10 @@ def test_points_without_other_forces_go_to_the_point_as_explicit_euler_does():
     x, a, b = (np.array([[-40.0, y], [0.5, y], [50.0, y]]) for y in (4.0, 8.0, 0.0))
     free = {f"stiff_{name}": 0.0 for name in ("ax", "bx", "axb", "aa")}
     cells, numbers = states.tissue(x, a, b, radius=0.01, **free), states.numbers(repulsion=0.0, max_basal=1e3)
-    held = stored(cells, states.layers(3, basal=[0, 2]), capacity=5, space=in_plane())
+    held = new_state(cells, states.layers(3, basal=[0, 2]), capacity=5, space=in_plane())
     group = Group([held], numbers, forces=[(named("point"), 0.4)])
     assert group.make_substeps()
-    found = contents(group.stores[0])[0]
+    found = contents(group.states[0])[0]
     left = (1 - 0.4 * numbers.dt / numbers.substeps / numbers.mu) ** numbers.substeps
     for name, target in zip(COORDINATES, POINT * 3, strict=True):
         expected = target + left * (getattr(cells, name) - target)
@@ -61,7 +61,7 @@ def test_a_wall_holds_a_cell_where_forces_are_in_balance():
     )
     for _ in range(30):
         assert group.make_substeps()
-    found = contents(group.stores[0])[0]
+    found = contents(group.states[0])[0]
     spring = 2 * states.THESIS.alpha_ax / 4.0 / 2
     assert found.ay[0] == pytest.approx((3.0 * WALL + spring * 8.0) / (3.0 + spring), abs=1e-9)
     assert found.y[0] == pytest.approx(found.ay[0] / 2, abs=1e-9)
@@ -94,10 +94,10 @@ def test_a_tube_that_is_turned_moves_as_it_did():
         points[2] = np.column_stack(curve.above(s, np.zeros(n)))
         points = [_turned(part, turned, radius) for part in points]
         cells = states.tissue(*points, along=s + radius * turned, rest_ax=0.5 + 0.2 * np.sin(s), rest_bx=0.5)
-        held = stored(cells, capacity=n, curve=curve_numbers(curve), space=in_plane())
+        held = new_state(cells, capacity=n, curve=curve_numbers(curve), space=in_plane())
         group = Group([held], states.numbers(max_basal=2.0), forces=[(centre, 0.7 / radius)])
         assert group.make_substeps()
-        found.append(contents(group.stores[0])[0])
+        found.append(contents(group.states[0])[0])
     for x, y in (("x", "y"), ("ax", "ay"), ("bx", "by")):
         before, after = (np.column_stack((getattr(one, x), getattr(one, y))) for one in found)
         assert after == pytest.approx(_turned(before, angle, radius), abs=1e-11)
@@ -169,10 +169,10 @@ def test_two_forces_add_up(own):
     given = published(own)
     ends = []
     for forces in ([(named("wall"), 2.0)], [(named("wall"), 1.0), (double, 1.0)]):
-        held = stored(*tissue.simulate(given, 0).final[1:3], capacity=40, space=in_plane())
+        held = new_state(*tissue.simulate(given, 0).final[1:3], capacity=40, space=in_plane())
         group = Group([held], states.numbers(), forces=forces)
         assert group.make_substeps()
-        ends.append(contents(group.stores[0])[0])
+        ends.append(contents(group.states[0])[0])
     assert distance(*ends) < 1e-13
 
 
@@ -246,7 +246,7 @@ def test_what_is_not_finite_or_huge_ends_the_run_and_no_other(own, layer, streng
 def test_what_does_not_compile_is_said_by_numba(own, kept):
     """As for events: the cause has the line."""
     tissue.register(tissue.Force("wordy", say, "no code for kernels"))
-    message = r"Force wordy: push\(store, on, strength, numbers\) cannot be compiled: TypingError"
+    message = r"Force wordy: push\(state, on, strength, numbers\) cannot be compiled: TypingError"
     with pytest.raises(FunctionFailed, match=message) as caught:
         tissue.simulate(published(own, **{"forces.wordy": 1}), 0)
     assert "def say(store, on, strength, numbers)" in str(caught.value.__cause__)

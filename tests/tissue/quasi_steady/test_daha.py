@@ -18,7 +18,7 @@ from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES
 from tissue.state.numbers import Daha
-from tissue.state.store import contents, stored
+from tissue.state.running import contents, new_state
 
 TABLE_4 = Daha(alpha=1e-4, beta=0.25, gamma=1e-3, c=2.0, dtau=1.0, eps=1e-6, most_iterations=100_000)
 NEVER = 1e-100  # an eps that no move meets
@@ -144,9 +144,9 @@ def test_is_explicit_euler_with_half_of_alpha():
     reached = found(state, network, numbers(max_basal=9.0), **steps_of(n))
     for factor, same in [(0.5, True), (1.0, False)]:
         given = numbers(dt=dt, substeps=n, mu=dt / (n * factor * TABLE_4.alpha), max_basal=9.0)
-        group = Group([stored(state, network, capacity=30, space=in_plane())], given)
+        group = Group([new_state(state, network, capacity=30, space=in_plane())], given)
         assert group.make_substeps()
-        assert (distance(contents(group.stores[0])[0], reached.cells) < 1e-12) == same
+        assert (distance(contents(group.states[0])[0], reached.cells) < 1e-12) == same
         assert distance(state, reached.cells) > 0.05
 
 

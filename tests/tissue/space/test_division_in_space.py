@@ -9,7 +9,7 @@ from tests.tissue.space.in_space import SURFACES, of_surface
 from tissue.rules.sheet import split_cell
 from tissue.runs.start import started
 from tissue.state.checkpoint import streams
-from tissue.state.store import CELLS
+from tissue.state.running import CELLS
 from tissue.state.surface import normals
 
 OFFSET = 0.05

@@ -24,7 +24,7 @@ from tissue.pictures.sheet import COLOURS, GREY, TYPE_COLOURS
 from tissue.runs.batch import Batch, kept_steps
 from tissue.state.cells import CellLayers, Cells
 from tissue.state.mesh import Sheets
-from tissue.state.store import APICAL, BASAL, CELLS
+from tissue.state.running import APICAL, BASAL, CELLS
 from tissue.state.surface import PLANE
 from verification.explore.common.streams import ending, message
 from verification.explore.tissues.ensemble import Cancelled
@@ -153,7 +153,7 @@ class _Pictures:
         )
         self._curve, self._numbers, self._named = parameters.curve(), parameters.numbers(), parameters.named_numbers()
         kept = np.array([0, *kept_steps(parameters)]) * parameters.numerics.dt.value
-        self._looks, self._places = looks_of(events_to_come(self.batch.store(0).emt, kept))
+        self._looks, self._places = looks_of(events_to_come(self.batch.state(0).emt, kept))
 
     def head(self) -> bytes:
         """Return what holds for the whole run."""
@@ -188,14 +188,14 @@ class _Pictures:
 
     def _seen(self, t: float) -> Frame:
         """Return the present state where it is, without a copy: as long as the run does not go on."""
-        store = self.batch.store(0)
+        store = self.batch.state(0)
         n, apical, basal = store.sizes[CELLS], store.sizes[APICAL], store.sizes[BASAL]
         layers = CellLayers(store.layers.apical[:apical], store.layers.basal[:basal])
         return Frame(t, Cells._make(array[:n] for array in store.cells), layers, self._curve)
 
     def _scaled(self, frame: Frame, positions: Any) -> Any:
         """Write y_AB; the height [um], or None and zeros where there is no apical layer to measure by."""
-        height = self._um * scaled(self.batch.store(0), positions) if len(frame.layers.apical) else None
+        height = self._um * scaled(self.batch.state(0), positions) if len(frame.layers.apical) else None
         if height is None or not np.isfinite(positions).all():
             positions[:] = 0.0
             return None

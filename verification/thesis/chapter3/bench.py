@@ -20,7 +20,7 @@ from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters, preset
 from tissue.quasi_steady.run import simulate_quasi_steady
 from tissue.runs.simulate import simulate, simulate_many
-from tissue.state.store import COUNTERS
+from tissue.state.running import COUNTERS
 from verification.thesis.chapter3.growing import PRESETS, growing_from, until
 
 SIZES = (60, 120, 1_000, 10_000)

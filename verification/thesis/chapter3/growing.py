@@ -18,7 +18,7 @@ from tissue.runs.start import started
 from tissue.state.cells import COORDINATES, Cells
 from tissue.state.checkpoint import Streams, streams
 from tissue.state.numbers import Numbers
-from tissue.state.store import CELLS, Store, contents
+from tissue.state.running import CELLS, TissueState, contents
 
 Floats = NDArray[np.float64]
 PRESETS = ("thesis", "published")
@@ -54,7 +54,7 @@ class Growing:
     """
 
     numbers: Numbers
-    held: Store
+    held: TissueState
     random: Streams
     bound: float
     made: int = 0
@@ -70,7 +70,7 @@ class Growing:
             began = time.process_time()
             group.advance(self.made, step)
             self.seconds += time.process_time() - began
-            self.held, ended = group.stores[0], int(group.ended[0])
+            self.held, ended = group.states[0], int(group.ended[0])
             self.pairs += group.pairs
             self.made, self.status = (step, SUCCESS) if ended == RUNNING else (ended - 1, Status.NON_FINITE.name)
         # Where cells are thrown out, what ends the run is a matter of chance: that they are is what counts.

@@ -11,7 +11,7 @@ from tissue.rules.slice import in_plane
 from tissue.runs.group import Group
 from tissue.state.cells import COORDINATES, CellLayers, Cells
 from tissue.state.numbers import Numbers
-from tissue.state.store import contents, stored
+from tissue.state.running import contents, new_state
 
 Floats = NDArray[np.float64]
 
@@ -27,8 +27,8 @@ class Swing(NamedTuple):
 def substepped(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float, substeps: int) -> Cells | None:
     """The cells after so many substeps of h = scale mu, with rules that stand still and no noise; None if lost."""
     still = numbers._replace(dt=scale * numbers.mu * substeps, substeps=substeps, noise_in_substeps=False)
-    group = Group([stored(cells, layers, capacity=len(cells.x), space=in_plane())], still)
-    return contents(group.stores[0])[0] if group.make_substeps() else None
+    group = Group([new_state(cells, layers, capacity=len(cells.x), space=in_plane())], still)
+    return contents(group.states[0])[0] if group.make_substeps() else None
 
 
 def swing(cells: Cells, layers: CellLayers, numbers: Numbers, scale: float) -> Swing | None:

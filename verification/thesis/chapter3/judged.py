@@ -24,7 +24,7 @@ from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Cells
 from tissue.state.numbers import numbers_pointer
-from tissue.state.store import contents
+from tissue.state.running import contents
 from tissue.step.advance import apply_rules
 from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.chapter3.growing import SUCCESS, growing_from, until

@@ -115,7 +115,7 @@ def _ended(layer: Layer, events: str) -> tuple[Integers, float]:
         for begin in range(0, layer.runs, WIDTH):
             batch = _grown(parameters, seeds[begin : begin + WIDTH])
             for k in filter(batch.goes_on, range(len(batch.seeds))):
-                sides.append(batch.store(k).emt.side.copy())
+                sides.append(batch.state(k).emt.side.copy())
                 spacings.append(_spacing(batch.frame(k, parameters.t_end), parameters))
             watch(begin + len(batch.seeds))
     return np.array(sides), float(np.mean(spacings))

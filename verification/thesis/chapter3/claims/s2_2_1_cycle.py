@@ -15,7 +15,7 @@ from tissue.rules.slice import in_plane
 from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.numbers import numbers_pointer
-from tissue.state.store import contents, stored
+from tissue.state.running import contents, new_state
 from verification.claims import claim
 from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
 from verification.formal.algebra import identity, library
@@ -219,7 +219,7 @@ def _division() -> Evidence:
     for mother in range(n):
         due = np.where(np.arange(n) == mother, 100.0, 0.0)
         cells = frame.cells._replace(birth=frame.t - due, cycle=np.full(n, 50.0), id=np.arange(n))
-        held = stored(cells, frame.layers, capacity=n + 1, space=in_plane())
+        held = new_state(cells, frame.layers, capacity=n + 1, space=in_plane())
         divide(held, frame.t, numbers_pointer(numbers), rules_pointer([held]), np.random.default_rng(0))
         after, layers = contents(held)
         chain = after.id[layers.apical].tolist()

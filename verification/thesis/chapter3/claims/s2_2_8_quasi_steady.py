@@ -17,7 +17,7 @@ from tissue.runs.group import Group
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
 from tissue.state.numbers import numbers_pointer
-from tissue.state.store import contents, stored
+from tissue.state.running import contents, new_state
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, Kind, at_least, at_most
 from verification.thesis.chapter3.terms import slope, spring
@@ -34,7 +34,7 @@ def next_state(frame: Frame, rest: float) -> Cells:
     """One step of the model without noise after all cytoskeleton springs are lengthened by ``rest``."""
     numbers = preset("thesis").numbers()._replace(variance=0.0)
     longer = frame.cells._replace(rest_ax=frame.cells.rest_ax + rest, rest_bx=frame.cells.rest_bx + rest)
-    held = stored(longer, frame.layers, capacity=len(longer.x), space=in_plane())
+    held = new_state(longer, frame.layers, capacity=len(longer.x), space=in_plane())
     adapt_rest_lengths(held, frame.t, numbers_pointer(numbers), rules_pointer([held]))
     Group([held], numbers).make_substeps()
     return contents(held)[0]

@@ -1,4 +1,4 @@
-"""All that a running tissue is, in one place of memory: cells and layers with room to grow, and what its rules know."""
+"""The state of a running tissue in one place of memory: cells and layers with room to grow, and what its rules know."""
 
 from __future__ import annotations
 
@@ -11,9 +11,9 @@ from tissue.state.basal_curve import LINE, CurveNumbers, curve_numbers
 from tissue.state.cells import KINDS, CellLayers, Cells, Emt, Flags, Floats, Forces, Integers, emt_cells, first, no_emt
 from tissue.state.space import Space, no_space, with_room
 
-# Places in Store.sizes
+# Places in TissueState.sizes
 CELLS, APICAL, BASAL, NEXT_ID, EMT_CELLS = range(5)
-# What is counted, and where in Store.counts
+# What is counted, and where in TissueState.counts
 COUNTERS = ("substeps", "corrections", "basal_corrections", "divisions")
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, DIVISIONS = range(len(COUNTERS))
 STRAIGHT = curve_numbers(LINE)
@@ -42,8 +42,8 @@ class Blocks(NamedTuple):
     integers: Integers
 
 
-class StoreArrays(NamedTuple):
-    """What kernels see of a store; of each array of ``cells``, ``layers``, ``emt`` the first ``sizes`` are in use."""
+class StateArrays(NamedTuple):
+    """What kernels see of a state; of each array of ``cells``, ``layers``, ``emt`` the first ``sizes`` are in use."""
 
     cells: Cells
     layers: CellLayers
@@ -59,14 +59,14 @@ class StoreArrays(NamedTuple):
     space: Space  # what there is in three dimensions besides
 
 
-class Store(StructPointer):
-    """A running tissue, with the attributes of ``StoreArrays``. Kernels take it, or find it at its address.
+class TissueState(StructPointer):
+    """A running tissue, with the attributes of ``StateArrays``. Kernels take it, or find it at its address.
 
     For Python ``emt`` has those EMT cells alone that there are.
     """
 
-    def __init__(self, parts: StoreArrays) -> None:
-        super().__init__(parts, STORE)
+    def __init__(self, parts: StateArrays) -> None:
+        super().__init__(parts, STATE)
         (
             self.cells,
             self.layers,
@@ -88,7 +88,7 @@ class Store(StructPointer):
         return Emt._make(array[..., : self.sizes[EMT_CELLS]] for array in self._emt)
 
 
-def stored(
+def new_state(
     cells: Cells,
     layers: CellLayers | None = None,
     next_id: int | None = None,
@@ -97,8 +97,8 @@ def stored(
     capacity: int,
     curve: CurveNumbers = STRAIGHT,
     space: Space,
-) -> Store:
-    """A store with room for ``capacity`` cells at least, all cells in both layers if none are given.
+) -> TissueState:
+    """Return a state with room for ``capacity`` cells at least, all cells in both layers if none are given.
 
     Its counters are zero.
     """
@@ -113,11 +113,11 @@ def stored(
     parts.sizes[NEXT_ID] = int(cells.id.max(initial=-1)) + 1 if next_id is None else next_id
     parts.motion.moves[:n] = 1.0
     parts.motion.held[layers.basal] = 1.0
-    return Store(parts)
+    return TissueState(parts)
 
 
 def _emt_with_room(emt: Emt, capacity: int) -> Emt:
-    """The EMT cells with room for daughters, whose events never begin; without any there is none."""
+    """Return the EMT cells with room for daughters, whose events never begin; without any there is none."""
     m = len(emt.side)
     if m == 0:
         return emt
@@ -127,7 +127,7 @@ def _emt_with_room(emt: Emt, capacity: int) -> Emt:
     return larger
 
 
-def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreArrays:
+def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StateArrays:
     """Empty arrays."""
     kinds: list[Any] = [KINDS.get(name, np.float64) for name in Cells._fields]
     made = {kind: np.zeros((kinds.count(kind), capacity), kind) for kind in (np.float64, np.bool_, np.int64)}
@@ -139,23 +139,23 @@ def _room(capacity: int, emt: Emt, curve: CurveNumbers, space: Space) -> StoreAr
     sizes, key, counts = np.zeros(5, np.int64), np.zeros(2, np.int64), np.zeros(len(COUNTERS), np.int64)
     on = Forces(*np.zeros((len(Forces._fields), capacity)))
     daughters = Daughters(*np.zeros((2, capacity)))
-    return StoreArrays(cells, layers, emt, sizes, motion, blocks, daughters, key, counts, curve, on, space)
+    return StateArrays(cells, layers, emt, sizes, motion, blocks, daughters, key, counts, curve, on, space)
 
 
 _EXAMPLE = _room(2, no_emt(), STRAIGHT, no_space())
-STORE = struct_type(_EXAMPLE)
-# The store at an address, inside of kernels.
-store_at = reader(_EXAMPLE)
+STATE = struct_type(_EXAMPLE)
+# The state at an address, inside of kernels.
+state_at = reader(_EXAMPLE)
 
 
 def copied(emt: Emt) -> Emt:
-    """The EMT cells as they are now; without any the same empty arrays."""
+    """Return the EMT cells as they are now; without any the same empty arrays."""
     return Emt._make(array.copy() for array in emt) if len(emt.side) else emt
 
 
-def grown(held: Store) -> Store:
-    """The same cells and counters with twice the room."""
-    larger = stored(
+def grown(held: TissueState) -> TissueState:
+    """Return the same cells and counters with twice the room."""
+    larger = new_state(
         *contents(held),
         int(held.sizes[NEXT_ID]),
         held.emt,
@@ -167,7 +167,7 @@ def grown(held: Store) -> Store:
     return larger
 
 
-def contents(held: Store) -> tuple[Cells, CellLayers]:
+def contents(held: TissueState) -> tuple[Cells, CellLayers]:
     """Copies of the cells and layers in use."""
     n, apical, basal = held.sizes[CELLS], held.sizes[APICAL], held.sizes[BASAL]
     return first(held.cells, n), CellLayers(held.layers.apical[:apical].copy(), held.layers.basal[:basal].copy())
