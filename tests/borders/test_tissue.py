@@ -119,7 +119,7 @@ def test_what_an_observable_does_is_named(measure, message):
 def test_energies_that_raise_are_named():
     mine = tissue.Force("mine", own.push, "", "", own.energy_raises)
     with pytest.raises(
-        dincl.FunctionFailed, match=r"energy\(store, strength, numbers\) raised RuntimeError: no energy"
+        dincl.FunctionFailed, match=r"energy\(state, strength, numbers\) raised RuntimeError: no energy"
     ):
         tissue.force_error(mine, RUNS[0])
 
