@@ -121,6 +121,8 @@ class FormalProof:
         The wrong variant of the statement that the same technique refutes; empty for a refuted statement.
     certificate
         What a reader can check without the program; empty where there is nothing.
+    given
+        What the program decided, where it is short: assumptions ⊢ conclusions.
     """
 
     statement: str
@@ -129,14 +131,17 @@ class FormalProof:
     true: bool | None
     rejected: str
     certificate: str = ""
+    given: str = ""
 
     def __str__(self) -> str:
-        """Statement, technique and tool, certificate and rejected variant, in one line."""
+        """Statement, technique and tool, what was decided, certificate and rejected variant, in one line."""
         found = {True: "proved", False: "refuted", None: "not decided"}[self.true]
-        certificate = f", certificate: {self.certificate}" if self.certificate else ""
-        return (
-            f"{self.statement}: {found} by {self.technique.value} ({self.tool}{certificate}); {self.rejected}: refuted"
+        parts = (
+            f", certificate: {self.certificate}" if self.certificate else "",
+            f": {self.given}" if self.given else "",
         )
+        rejected = f"; {self.rejected}: refuted" if self.rejected else ""
+        return f"{self.statement}: {found} by {self.technique.value} ({self.tool}{parts[0]}{parts[1]}){rejected}"
 
 
 @dataclass(frozen=True)
@@ -188,7 +193,7 @@ def proved(*proofs: FormalProof) -> Evidence:
 def put_right(*proofs: FormalProof) -> Evidence:
     """Return proofs of a correction whose wrong variants are what is printed."""
     printed = tuple(
-        replace(proof, statement=proof.rejected, true=False, rejected="", certificate="") for proof in proofs
+        replace(proof, statement=proof.rejected, true=False, rejected="", certificate="", given="") for proof in proofs
     )
     found = "Proved" if every(proofs) else "Not proved"
     said = f"Refuted as printed, {'; '.join(proof.rejected for proof in proofs)}. {found}: "

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -39,7 +40,7 @@ def implication(statement: str, formula: Formula, wrong: str, factor: Any = -1) 
     Raises
     ------
     UnsoundProof
-            If the assumptions contradict each other, or if no counterexample of the wrong variant is found.
+        If the assumptions contradict each other, or if no counterexample of the wrong variant is found.
     """
     z3 = solver_library()
     solver = _solver(formula, 1)
@@ -49,13 +50,25 @@ def implication(statement: str, formula: Formula, wrong: str, factor: Any = -1) 
     tool = f"z3 {z3.get_version_string()}"
     if true and _also_unsatisfiable(solver.to_smt2()):
         tool += f", cvc5 {_second().__version__}"
-    return FormalProof(statement, Technique.REALS, tool, true, wrong)
+    return FormalProof(statement, Technique.REALS, tool, true, wrong, given=_written(*_applied(formula, 1)))
+
+
+def _applied(formula: Formula, factor: Any) -> tuple[Sequence[Any], Any]:
+    """Assumptions and conclusion for variables of z3."""
+    return formula(factor, *map(solver_library().Real, names(formula)))
+
+
+def _written(assumptions: Sequence[Any], conclusion: Any) -> str:
+    """Assumptions and conclusions in one line."""
+    conclusions = conclusion if isinstance(conclusion, list) else [conclusion]
+    left, right = (" and ".join(" ".join(str(part).split()) for part in parts) for parts in (assumptions, conclusions))
+    return re.sub(r"(?<![\w.])1\*|\*1(?![\w.])", "", f"{left} ⊢ {right}".strip())
 
 
 def _solver(formula: Formula, factor: Any) -> Any:
     """A solver that looks for a counterexample; UnsoundProof if the assumptions contradict each other."""
     z3 = solver_library()
-    assumptions, conclusion = formula(factor, *map(z3.Real, names(formula)))
+    assumptions, conclusion = _applied(formula, factor)
     if _limited(assumptions).check() == z3.unsat:
         raise UnsoundProof(f"{assumptions}: the assumptions contradict each other, so anything would follow")
     return _limited([*assumptions, z3.Not(z3.And(conclusion))])

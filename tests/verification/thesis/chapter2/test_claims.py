@@ -121,7 +121,6 @@ CHANGES: dict[str, Wrong] = {
     "c2.large-steps": with_table(
         "chapter2.s2_3_method", large_steps(("pbd", False, "SUCCESS"), ("penalty_10", False, "SUCCESS"))
     ),
-    "c2.alternating": Wrong("chapter2.s2_3_method", "EDGE", replaced(2.0)),
     "c2.algorithm": Wrong("chapter2.s2_4_algorithm", "delta_itself", times(-1.0), TRUE),
     "c2.linear-runtime": Wrong("chapter2.s2_4_algorithm", "cell_width", replaced(lambda count: count**0.5 / 4)),
     "c2.limits": Wrong("chapter2.s3_consistency", "trapped", replaced(lambda x, dt: False), TRUE),

@@ -151,7 +151,6 @@ CHANGES: dict[str, Wrong] = {
     "c5.mean-field-energy": Wrong(ENERGY, "pulls", times(-1.0)),
     "c5.energy-proof": Wrong(ENERGY, "effective_force", times(1.1)),
     "c5.speed-all-times": Wrong(SPEED, "speeds", replaced(lambda force: (1.0, 1.0)), TRUE),
-    "c5.well-posed": Wrong(SPEED, "curved_force", times(-1.0)),
     "c5.speed-constant-limit": Wrong(SPEED, "general_instant", disturbed(a=0.1)),
     "c5.kernel-lipschitz": Wrong(LIPSCHITZ, "kernel", replaced(lambda system, there, here: there - here)),
     "c5.inverse-bounded": Wrong(INVERSE, "elliptic_pairs", less_elliptic),
