@@ -11,12 +11,12 @@ from tests.tissue.space.in_space import of_surface
 from tests.tissue.space.space_calls import make_substeps
 from tests.twins.tissue.space.state import SpaceTissue, Steps
 from tissue.model.energy import Elastic, energy_of
-from tissue.quasi_steady.space_frozen import (
-    cells_in_space_at,
+from tissue.quasi_steady.frozen import (
+    cells_at,
     constraints_in_space,
     frozen_problem_in_space,
     made_feasible_in_space,
-    particles_in_space,
+    particles,
 )
 from tissue.state.surface import cylinder, plane
 
@@ -52,7 +52,7 @@ def thirds(x):
 def by_substeps(frame, numbers, h, substeps):
     """The particles (3n, 3) after so many substeps of length h, by the kernel, without noise."""
     cells, of, n = frame.cells, elastic(frame, numbers), len(frame.cells.x)
-    x, a, b = thirds(particles_in_space(cells))
+    x, a, b = thirds(particles(cells, "xyz"))
     held = np.isin(np.arange(n), frame.layers.basal).astype(float)
     own = {name: value for name, value in of._asdict().items() if name not in ("power", "repulsion")}
     near = frame.sheets.basal.edges
@@ -65,16 +65,16 @@ def by_substeps(frame, numbers, h, substeps):
 def test_particles_and_back():
     frame, _ = grown()
     cells, n = frame.cells, len(frame.cells.x)
-    x = particles_in_space(cells)
+    x = particles(cells, "xyz")
     assert x[3].tolist() == [cells.x[3], cells.y[3], cells.z[3]]
     assert x[n + 3].tolist() == [cells.ax[3], cells.ay[3], cells.az[3]]
-    for name, value in cells_in_space_at(x, frame)._asdict().items():
+    for name, value in cells_at(x, frame.cells, frame.layers, "xyz")._asdict().items():
         assert value.tolist() == getattr(cells, name).tolist()
-    moved = cells_in_space_at(x + 1.0, frame)
+    moved = cells_at(x + 1.0, frame.cells, frame.layers, "xyz")
     assert moved.bz.tolist() == (cells.bz + 1).tolist()
     assert (moved.by[frame.layers.basal] == 0.0).all()
     with pytest.raises(dincl.InvalidProblem, match=r"must have the shape \(3n, 3\)"):
-        cells_in_space_at(x[1:], frame)
+        cells_at(x[1:], frame.cells, frame.layers, "xyz")
 
 
 def test_drift_is_the_gradient_over_damping():
@@ -98,7 +98,7 @@ def test_constraints_are_distances():
     """(C1) of all pairs of balls, (C2) along the edges of the basal network."""
     frame, numbers = in_s()
     cells, n = frame.cells, len(frame.cells.x)
-    x = particles_in_space(cells)
+    x = particles(cells, "xyz")
     balls, links = (part.select(x, 1e3).values(x) for part in constraints_in_space(frame, numbers))
     i, j = np.tril_indices(n, -1)
     gaps = np.linalg.norm(x[i] - x[j], axis=1) - cells.radius[i] - cells.radius[j]

@@ -11,7 +11,7 @@ import pandas as pd
 import dincl
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters
-from tissue.quasi_steady.space_frozen import frozen_problem_in_space
+from tissue.quasi_steady.frozen import frozen_problem_in_space
 from tissue.state.cells import Floats
 from verification.thesis.chapter3.catch_up import SCHEMES, SECOND_ORDER, CatchUpForm
 from verification.thesis.chapter3.growing import rms

@@ -13,12 +13,7 @@ import tissue
 from tissue.files.parameters import Parameters, preset
 from tissue.frames.frame import Frame
 from tissue.kernels.surface_workspace import PAIRS, SurfaceNumbers, SurfaceWorkspaces
-from tissue.quasi_steady.space_frozen import (
-    frozen_problem_in_space,
-    made_feasible_in_space,
-    particles_in_space,
-    rates_of,
-)
+from tissue.quasi_steady.frozen import frozen_problem_in_space, made_feasible_in_space, particles, rates_of
 from tissue.state.cells import Floats
 from tissue.state.numbers import Numbers
 from tissue.step.substeps import SURFACE, substeps_address
@@ -88,7 +83,7 @@ def _work(state: FrozenInSpace, steps: int) -> SurfaceWorkspaces:
 
 def least_steps(state: FrozenInSpace) -> float:
     """Steps in dt at the linear limit of explicit Euler, if no projection is active."""
-    problem, x = frozen_problem_in_space(*state), particles_in_space(state.frame.cells)
+    problem, x = frozen_problem_in_space(*state), particles(state.frame.cells, "xyz")
     slopes = np.empty((x.size, x.size))
     for column, place in enumerate(np.ndindex(x.shape)):
         ends = []
