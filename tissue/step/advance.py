@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.random import Generator
 
-from dincl.compiled import c_function, call, reader, signature, struct_type
+from dincl.compiled import c_function, call, signature, struct_type
 from dincl.compiled.generators import GENERATOR, generator_at
 from tissue.kernels import kernel
 from tissue.kernels.rules import Rules, call_substeps, rules_at
@@ -49,7 +49,6 @@ class StepInput(NamedTuple):
 _LINE = np.zeros(1, np.int64)
 _EXAMPLE = StepInput(_LINE, _LINE, np.zeros((2, 1, GENERATOR), np.int64), 0, 0, 0, 0, 0, 0, 0.0)
 STEP = struct_type(_EXAMPLE)
-step_at = reader(_EXAMPLE)
 # move(step): the largest number of cells of the tissues that run.
 MOVE: Any = signature(int, STEP)
 call_move = call(MOVE)
