@@ -83,7 +83,7 @@ class SurfaceWorkspace(NamedTuple):
     before_y: Floats
     before_z: Floats
     id: Integers
-    noise_key: Integers  # (2,) or (2, WIDTH): of the noise in substeps, see ``tissue.kernels.normals``
+    noise_key: Integers  # (2,) or (2, WIDTH): of the noise in substeps, see ``tissue.model.noise``
     # Edges; ``sizes`` says how many are in use
     junctions: Integers  # (m, 2): the cells i and j of each junction
     rest: Floats  # (m,): its rest length

@@ -80,7 +80,7 @@ class Workspace(NamedTuple):
     bottom: Floats
     front: Floats  # the rightmost end of this block and of those before
     id: Integers
-    noise_key: Integers  # two words: of the noise in substeps, see ``tissue.kernels.normals``
+    noise_key: Integers  # two words: of the noise in substeps, see ``tissue.model.noise``
     counts: Floats  # two numbers: corrections of discs and of basal points
     # Who may be near whom, one number for all tissues
     first: Integers  # (n,): of each cell or block the first one that may be near it

@@ -52,7 +52,7 @@ class StateArrays(NamedTuple):
     motion: BasalMotion
     blocks: Blocks
     daughters: Daughters
-    noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.kernels.normals``
+    noise_key: Integers  # (2,): of the noise in substeps, see ``tissue.model.noise``
     counts: Integers  # one for each of COUNTERS
     curve: CurveNumbers  # the basal layer
     on: Forces  # what forces of users do in a substep, (capacity,)

@@ -13,8 +13,7 @@ from tests.twins.tissue import normals as twins_normals
 from tests.twins.tissue.state import Tissue
 from tissue.files.parameters import preset
 from tissue.kernels import kernel
-from tissue.kernels.normals import normals, threefry
-from tissue.model.noise import add_substep_noise, draw_key
+from tissue.model.noise import add_substep_noise, draw_key, normals, threefry
 
 RARE = 1e-3
 ALL = 0xFFFFFFFF
