@@ -45,6 +45,7 @@ from dincl.projection import (
 from dincl.projection.project import project
 from dincl.schemes import (
     PBD,
+    Auto,
     CatchUp,
     EventDriven,
     FixedStep,
@@ -64,6 +65,7 @@ __all__ = [
     "PBD",
     "ActiveSet",
     "ArrowHurwicz",
+    "Auto",
     "Between",
     "CatchUp",
     "Clarabel",

@@ -17,7 +17,9 @@ from dincl.constraints.base import Constraint
 from dincl.constraints.derivatives import check_jacobian
 from dincl.constraints.selection import select
 from dincl.constraints.smooth import Smooth
+from dincl.drifts import compiled
 from dincl.drifts.base import CompiledDrift
+from dincl.drifts.counted import CountedCompiledDrift, CountedDrift
 from dincl.errors import InvalidProblem, StepFailure
 from dincl.rows.base import RowsOfOneKind, StackedRows
 from dincl.rows.functions import SmoothRows
@@ -166,6 +168,20 @@ def _check_start(constraint: Constraint, x: NDArray[np.float64]) -> None:
         raise InvalidProblem(f"x0 violates {name} by {-values.min():.3g} at {worst}: allowed is {tolerance:.1g}")
     if isinstance(rows, SmoothRows):
         check_jacobian(rows, x, "jacobian" if rows.names[0] == "g" else rows.names[1])
+
+
+def with_counted_drift(problem: Problem, is_spent: Callable[[int], bool] | None = None) -> tuple[Problem, CountedDrift]:
+    """Return the problem with a counted drift, and that drift; it ends a run once ``is_spent(evaluations)``."""
+    compiled_drift = compiled(problem.drift)
+    drift = (
+        CountedDrift(problem.drift, is_spent)
+        if compiled_drift is None
+        else CountedCompiledDrift(compiled_drift, is_spent)
+    )
+    same = object.__new__(type(problem))
+    # Checked already, with the drift inside.
+    vars(same).update(vars(problem) | {"drift": drift})
+    return same, drift
 
 
 def check_pickles(name: str, part: Any) -> None:

@@ -47,8 +47,9 @@ def solve(problem: Problem, scheme: Scheme, t: ArrayLike, *, throw: bool = True)
     outcome = scheme.run(problem, times)
     if not isinstance(outcome, RunOutcome):
         raise InvalidProblem(f"scheme: {type(scheme).__name__}.run returned {describe(outcome)}: must be a RunOutcome")
-    parts = {part.name: getattr(outcome, part.name) for part in fields(outcome) if part.name != "failure"}
-    trajectory = Trajectory(problem=problem, scheme=scheme, **parts)
+    names = {part.name for part in fields(outcome)} - {"failure", "scheme"}
+    parts = {name: getattr(outcome, name) for name in names}
+    trajectory = Trajectory(problem=problem, scheme=outcome.scheme or scheme, **parts)
     if raises and not trajectory.status:
         raise StepFailed(trajectory) from outcome.failure
     return trajectory

@@ -73,6 +73,8 @@ class RunOutcome:
         The states between the output times, and the residuals.
     failure
         What ended the run early, for the error that solve raises.
+    scheme
+        The scheme that was taken, of a scheme that chooses one.
     """
 
     t: NDArray[np.float64]
@@ -84,6 +86,7 @@ class RunOutcome:
     events: tuple[Event, ...] = ()
     error: NDArray[np.float64] | None = None
     failure: StepFailure | None = None
+    scheme: Scheme | None = None
 
 
 @dataclass(frozen=True, eq=False, repr=False)

@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from verification.problem_sets import WorkPrecisionSet
     from verification.proofs.proof import NotProved, Proof, prove
     from verification.rates import W1Rates, w1_rates
+    from verification.recommend import Recommendation, recommend
     from verification.references import Known, Reference, reference
     from verification.result import Result
     from verification.speed_accuracy import work_precision
@@ -43,6 +44,7 @@ _PLACES = {
     "page.results": ("save",),
     "proofs.proof": ("NotProved", "Proof", "prove"),
     "rates": ("W1Rates", "w1_rates"),
+    "recommend": ("Recommendation", "recommend"),
     "references": ("Known", "Reference", "reference"),
     "result": ("Result",),
     "problem_sets": ("WorkPrecisionSet",),
@@ -72,6 +74,7 @@ __all__ = [
     "Outcome",
     "ParticleProblem",
     "Proof",
+    "Recommendation",
     "Reference",
     "Result",
     "StabilityMap",
@@ -87,6 +90,7 @@ __all__ = [
     "order_study",
     "particle_methods",
     "prove",
+    "recommend",
     "reference",
     "save",
     "stability_map",

@@ -5,22 +5,17 @@ from __future__ import annotations
 import time
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from dincl import Problem, drifts
+from dincl import Problem
 from dincl.checks import integer, number
-from dincl.drifts import CompiledDrift
+from dincl.drifts.counted import CountedDrift, OutOfBudgetError
+from dincl.problem import with_counted_drift
 
-if TYPE_CHECKING:
-    import numpy as np
-    from numpy.typing import NDArray
+__all__ = ["Budget", "CountedDrift", "CpuSeconds", "DriftEvaluations", "OutOfBudgetError", "counted"]
 
 # How much longer than its limit a run may take before it is stopped, and how much shorter it is to be beyond doubt.
 GRACE, CERTAIN = 2.0, 1.5
-
-
-class OutOfBudgetError(BaseException):
-    """A run that cost as much as it may; like an interrupt, no scheme takes it for a failure of the drift."""
 
 
 @dataclass(frozen=True)
@@ -98,41 +93,11 @@ class DriftEvaluations(Budget):
         return f"{self.count} evaluations of the drift"
 
 
-class CountedDrift:
-    """The drift of a problem, counted; it raises OutOfBudgetError once a budget is spent."""
-
-    def __init__(self, drift: Any, budget: Budget | None) -> None:
-        self._drift, self._budget = drift, budget
-        self.evaluations, self.began = 0, time.process_time()
-
-    def __call__(self, t: float, x: Any) -> Any:
-        self.count_evaluations(1)
-        return self._drift(t, x)
-
-    def count_evaluations(self, number: int) -> None:
-        """Count so many evaluations."""
-        self.evaluations += number
-        if self._budget is not None and self._budget.spent(self.began, self.evaluations) > self._budget.limit():
-            raise OutOfBudgetError
-
-
-class CountedCompiledDrift(CountedDrift, CompiledDrift):
-    """A drift that compiled runs call without Python: they say themselves how often, now and then."""
-
-    def __init__(self, drift: CompiledDrift, budget: Budget | None) -> None:
-        super().__init__(drift, budget)
-        self._compiled = drift
-
-    def pointer(self) -> tuple[int, NDArray[np.float64]]:
-        return self._compiled.pointer()
-
-
 def counted(problem: Any, budget: Budget | None) -> tuple[Any, CountedDrift | None]:
-    """The problem with a counted drift, and that drift; anything but a dincl.Problem comes back as it is."""
+    """Return the problem with a counted drift that stops at the budget, and that drift; other objects as they are."""
     if not isinstance(problem, Problem):
         return problem, None
-    compiled = drifts.compiled(problem.drift)
-    drift = CountedDrift(problem.drift, budget) if compiled is None else CountedCompiledDrift(compiled, budget)
-    same = object.__new__(type(problem))
-    vars(same).update(vars(problem) | {"drift": drift})  # checked already, with the drift inside
-    return same, drift
+    if budget is None:
+        return with_counted_drift(problem)
+    began = time.process_time()
+    return with_counted_drift(problem, lambda evaluations: budget.spent(began, evaluations) > budget.limit())

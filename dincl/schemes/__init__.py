@@ -1,5 +1,6 @@
 """The schemes, one per file."""
 
+from dincl.schemes.auto import Auto
 from dincl.schemes.base import FixedStep, Scheme
 from dincl.schemes.catch_up import CatchUp, LinearisedCatchUp, MidpointCatchUp
 from dincl.schemes.event_driven import EventDriven
@@ -8,6 +9,7 @@ from dincl.schemes.penalty import Penalty
 
 __all__ = [
     "PBD",
+    "Auto",
     "CatchUp",
     "EventDriven",
     "FixedStep",

@@ -93,7 +93,7 @@ class EventDriven(Scheme):
             system = EventSystem(problem, end)
             start = system.start(work)
         except StepFailure as failure:
-            return _not_begun(problem, work, failure)
+            return not_begun(problem, work, failure)
         compared = np.concatenate((times, (np.concatenate(([0.0], times[:-1])) + times) / 2))
         for k in range(MOST_RUNS):
             run = EventRun(system, start, end, self.tol / FIRST / TIGHTER**k, 2**k, work)
@@ -142,7 +142,7 @@ def _error(coarse: NDArray[np.float64], fine: NDArray[np.float64]) -> NDArray[np
     return error
 
 
-def _not_begun(problem: Problem, work: Work, failure: StepFailure) -> RunOutcome:
+def not_begun(problem: Problem, work: Work, failure: StepFailure) -> RunOutcome:
     """The start alone."""
     t, x = np.zeros(1), problem.x0[None].copy()
     detail = f"{failure.detail} This was at the start."

@@ -34,7 +34,7 @@ ORDER = {
         "evidence formal claims decide selection pytest_plugin",
         "outcome order lines result budget machine_code proofs references error_norms cheapest method measure",
         "explore.common explore.inclusions explore.tissues explore",
-        "page chart problem_sets meanfield_methods orders rates stability speed_accuracy compare",
+        "page chart problem_sets meanfield_methods orders rates stability speed_accuracy recommend compare",
         "thesis.introduction thesis.conclusions thesis.appendix",
         "thesis.chapter1 thesis.chapter2.yardsticks thesis.chapter2 thesis.chapter2.stability",
         "thesis.chapter3 thesis.chapter3.sections thesis.chapter4 thesis.chapter5 thesis.chapter5.sections",

@@ -1,0 +1,102 @@
+"""The scheme that chooses: its errors are those asked for, its forecasts follow Richardson's estimate."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+import dincl
+from dincl.schemes.pilots import FARTHEST, SAFETY, Candidate, Pilot, event_driven
+
+SCENES = [dincl.scenes.sliding_disc(), dincl.scenes.stack(), dincl.scenes.four_disks(), dincl.scenes.closing_walls()]
+
+
+def pilot(errors, order, wanted=1e-6, dt=1.0):
+    """A pilot whose runs with 8, 16, ... steps have these errors, and a cost of 1 ms a step."""
+    found = Pilot(None, Candidate("made up", dincl.PBD, order), np.array([dt]), wanted)
+    for k, error in enumerate(errors):
+        found.steps.append(8 * 2**k)
+        found.outcomes.append(SimpleNamespace(x=np.array([[[error, 0.0]]])))
+        found.seconds.append(1e-3 * 8 * 2**k)
+    return found
+
+
+@pytest.mark.parametrize("order", [1, 2])
+def test_richardson_finds_error_and_order(order):
+    made = pilot([2.0 ** (-order * k) for k in range(5)], order, wanted=1e-4)
+    error, least, most = made.estimate()
+    assert error == pytest.approx(2.0 ** (-order * 4), rel=1e-9)
+    assert least == most == pytest.approx(order)
+    steps = 1.0 / made.forecast().setting
+    assert steps == pytest.approx(128 * (SAFETY * error / 1e-4) ** (1 / order), rel=1e-2)
+    assert made.forecast().seconds == pytest.approx(1e-3 * steps, rel=0.1)
+    assert made.forecast().low <= made.forecast().error <= made.forecast().high
+
+
+def test_runs_that_agree_by_chance_are_not_believed():
+    """The last difference is tiny, the one before is not: the estimate rests on both."""
+    made = pilot([1.0, 0.5, 0.5 + 1e-12], 1)
+    assert made.estimate()[0] > 0.1
+    assert not made.is_done()
+
+
+def test_an_error_that_is_reached_costs_nothing_more():
+    made = pilot([4.0**-k for k in range(12)], 2, wanted=1e-4)
+    assert made.is_done()
+    assert made.forecast().seconds == 0.0
+
+
+@pytest.mark.parametrize("scene", SCENES, ids=lambda scene: scene.name)
+@pytest.mark.parametrize("error", [1e-2, 1e-4, 1e-7])
+def test_the_error_is_the_one_asked_for(scene, error):
+    times = np.linspace(0.0, scene.times[-1], 5)[1:]
+    path = dincl.solve(scene, dincl.Auto(error), t=times)
+    exact = dincl.solve(scene, dincl.EventDriven(1e-11), t=times).x if scene.exact is None else scene.exact(times)
+    assert np.abs(path.x - exact).max() <= path.error.max() <= error
+    assert type(path.scheme) is not dincl.Auto
+    again = dincl.solve(scene, path.scheme, t=times)
+    assert again.x == pytest.approx(path.x, abs=1e-12)
+    assert path.stats.drift_evaluations > again.stats.drift_evaluations
+
+
+def test_what_no_method_reaches_is_said():
+    """A drift with noise has no solution that finer steps approach."""
+    rng = np.random.default_rng(0)
+    noisy = dincl.Problem([[0.0, 1.0]], lambda t, x: rng.normal(size=(1, 2)), [dincl.HalfSpace((0, 1))])
+    path = dincl.solve(noisy, dincl.Auto(1e-9), t=[1.0], throw=False)
+    assert not path.status
+    assert path.detail
+
+
+def test_a_drift_that_fails_ends_the_run():
+    def drift(t, x):
+        raise ValueError("no wind")
+
+    with pytest.raises(dincl.InvalidProblem, match="no wind"):
+        dincl.Problem([[0.0]], drift)
+    late = dincl.Problem([[0.0]], lambda t, x: -1 / (0.5 - t) if t > 0.5 else [[np.nan]] if t == 0.5 else [[1.0]])
+    path = dincl.solve(late, dincl.Auto(1e-3), t=[1.0], throw=False)
+    assert path.status is dincl.Status.DRIFT_FAILED or not path.status
+
+
+def test_the_event_driven_method_is_left_out_in_words():
+    scene, times = dincl.scenes.ten_disks_corner(), np.array([3.0])
+    method = Candidate("event-driven", dincl.EventDriven, 0)
+    assert "takes more than" in event_driven(scene, method, times, 1e-6, 1e-9).why
+    assert event_driven(scene, method, times, 1e-6, 60.0).why == ""
+    many = dincl.Problem(2.0 * np.arange(1200.0)[:, None], lambda t, x: 0 * x)
+    assert event_driven(many, method, times, 1e-6, 60.0).why == "serves at most 1000 particles"
+
+
+@pytest.mark.parametrize("error", [0.0, -1.0, np.nan, "small"])
+def test_bad_errors_are_refused(error):
+    with pytest.raises(dincl.InvalidProblem, match="error"):
+        dincl.Auto(error)
+
+
+def test_one_run_is_at_most_so_many_times_finer_than_the_one_before():
+    made = pilot([1.0, 0.5, 0.25], 1, wanted=1e-12)
+    asked = []
+    made.run = lambda steps: asked.append(steps) or True
+    made.refine()
+    assert asked == [FARTHEST * 32]
