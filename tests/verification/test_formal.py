@@ -50,6 +50,11 @@ def test_assumptions_that_contradict_each_other_prove_nothing() -> None:
         implication("anything", lambda s, x: ([x > 0, x < 0], x == s), "anything else")
 
 
+def test_what_is_assumed_is_not_proved() -> None:
+    with pytest.raises(UnsoundProof, match="nothing follows"):
+        implication("x ≥ 1 gives x ≥ 1", lambda s, x: ([x >= 1], x >= s), "x ≥ 2", 2)
+
+
 def test_matrices_do_not_commute() -> None:
     A, B = matrices("A B")
     assert identity("(AB)⁻¹ = B⁻¹A⁻¹", lambda s: (A * B) * B**-s * A**-1 - 1, "BA⁻¹").true

@@ -40,7 +40,7 @@ def implication(statement: str, formula: Formula, wrong: str, factor: Any = -1) 
     Raises
     ------
     UnsoundProof
-        If the assumptions contradict each other, or if no counterexample of the wrong variant is found.
+        If the assumptions contradict each other or contain the conclusions, or if the wrong variant is not refuted.
     """
     z3 = solver_library()
     solver = _solver(formula, 1)
@@ -60,17 +60,24 @@ def _applied(formula: Formula, factor: Any) -> tuple[Sequence[Any], Any]:
 
 def _written(assumptions: Sequence[Any], conclusion: Any) -> str:
     """Assumptions and conclusions in one line."""
-    conclusions = conclusion if isinstance(conclusion, list) else [conclusion]
-    left, right = (" and ".join(" ".join(str(part).split()) for part in parts) for parts in (assumptions, conclusions))
-    return re.sub(r"(?<![\w.])1\*|\*1(?![\w.])", "", f"{left} ⊢ {right}".strip())
+    both = (assumptions, _listed(conclusion))
+    left, right = (" and ".join(" ".join(str(part).split()) for part in parts) for parts in both)
+    return re.sub(r"(?<![\w.*])1\*(?!\*)|(?<!\*)\*1(?![\w.])", "", f"{left} ⊢ {right}".strip())
+
+
+def _listed(conclusion: Any) -> list[Any]:
+    """Conclusions as a list."""
+    return conclusion if isinstance(conclusion, list) else [conclusion]
 
 
 def _solver(formula: Formula, factor: Any) -> Any:
-    """A solver that looks for a counterexample; UnsoundProof if the assumptions contradict each other."""
+    """A solver that looks for a counterexample; UnsoundProof if the assumptions contradict each other or say it all."""
     z3 = solver_library()
     assumptions, conclusion = _applied(formula, factor)
     if _limited(assumptions).check() == z3.unsat:
         raise UnsoundProof(f"{assumptions}: the assumptions contradict each other, so anything would follow")
+    if all(any(map(each.eq, assumptions)) for each in _listed(conclusion)):
+        raise UnsoundProof(f"{conclusion}: nothing follows but what is assumed")
     return _limited([*assumptions, z3.Not(z3.And(conclusion))])
 
 

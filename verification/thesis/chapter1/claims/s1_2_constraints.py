@@ -114,7 +114,7 @@ def _indicator() -> Evidence:
         implication("n dist(x, S) = 0 for x ∈ S", lambda s, n, d: ([d == 0], n * d + (1 - s) == 0), "positive in S"),
         implication(
             "n dist(x, S) ≥ K for x ∉ S and all n ≥ K/dist(x, S)",
-            lambda s, n, d, K: ([d > 0, K > 0, n * d >= s * K], n * d >= K),
+            lambda s, n, d, K, least: ([d > 0, K > 0, least * d == K, n >= s * least], n * d >= K),
             "all n ≥ K/(2 dist(x, S))",
             0.5,
         ),

@@ -112,11 +112,14 @@ def _one_sided_word() -> Evidence:
     recorded=Kind.PROVED,
 )
 def _hypomonotone() -> Evidence:
-    """The inequality of prox-regular sets at x and at y: p = v.(y - x), q = w.(x - y), D = |x - y|^2; k = 1/(2 eta)."""
+    """p = v.(y - x), q = w.(x - y), D = |x - y|^2, k = 1/(2 eta); c = p/|v|, ``square`` is |x + eta v/|v| - y|^2."""
     return proved(
         implication(
             "no point y of S is nearer to x + ηv/‖v‖ than x, so v·(y − x) ≤ ‖v‖‖x − y‖²/(2η)",
-            lambda s, p, v, D, eta: ([eta > 0, v > 0, D >= 0, v * D >= s * 2 * eta * p], 2 * eta * p <= v * D),
+            lambda s, p, v, D, eta, c, square: (
+                [eta > 0, v > 0, D >= 0, p == v * c, square == D - s * 2 * eta * c + eta * eta, square >= eta * eta],
+                2 * eta * p <= v * D,
+            ),
             "x − ηv/‖v‖",
         ),
         implication(
