@@ -1,4 +1,4 @@
-"""How a command ends when something is wrong: with one message and an exit code."""
+"""Messages and exit codes of commands that cannot go on."""
 
 from __future__ import annotations
 

@@ -148,4 +148,4 @@ def figures(folder: Folder) -> None:
     with messages():
         for one in draw_all(folder):
             files = f"{one.files[0]} and {one.files[1].suffix}:" if one.files else one.name
-            print(f"{files} {one.told}", flush=True)
+            print(f"{files} {one.message}", flush=True)

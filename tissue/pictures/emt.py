@@ -1,4 +1,4 @@
-"""How EMT cells look: a colour for each set of events, what has left its layer, and what is still joined."""
+"""Appearance of EMT cells: a colour for each set of events, points that have left their layer, chains."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ OTHER_COLOURS = ("#7cb342", "#ff8fb1", "#5d4037", "#c0ca33", "#a1887f", "#00695c
 
 
 class EmtLook(NamedTuple):
-    """What is the same in all pictures of some states."""
+    """Appearance that all pictures of some states share."""
 
     colours: dict[str, str]  # of the sets of events that are there, in the order of the legend
     apical: bool  # whether apical points are free, whether basal ones are

@@ -68,7 +68,7 @@ LEAST_CROSS = 0.6  # of the size of the crosses
 
 
 class Box(NamedTuple):
-    """What a panel shows [um]."""
+    """Extent of a panel [um]."""
 
     left: float
     right: float

@@ -1,4 +1,4 @@
-"""What the page says of every cell at every kept time, fast enough to cost no more than a part of the run."""
+"""Positions of all cells and the height at every output time of the page, at a small part of the cost of a run."""
 
 from __future__ import annotations
 

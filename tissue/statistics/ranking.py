@@ -1,4 +1,4 @@
-"""Which factor decides: the manual ranking of the thesis by ratios, and two rankings by models of all cells at once.
+"""Rankings of factors: that of the thesis by ratios, and two by models of all cells at once.
 
 A time of an event is only there if the event is. So it is a factor of its own among the cells that have the event,
 beside the factor whether they have it; the others carry the mean time, which tells a linear model nothing.

@@ -1,4 +1,4 @@
-"""What a study answers: ratios with intervals, its scenarios against each other, its control cells, what was run."""
+"""Answers of a study: ratios with intervals, differences of scenarios, control cells, and what was run."""
 
 from __future__ import annotations
 

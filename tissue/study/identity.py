@@ -1,4 +1,4 @@
-"""What the rows of a study depend on: its parameters, the code and the processor; and what differs between two."""
+"""Identity of a study: parameters, code and processor, on which its rows depend; and differences of two."""
 
 from __future__ import annotations
 

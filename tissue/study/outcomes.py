@@ -1,4 +1,4 @@
-"""What becomes of the EMT cells: the rows that a study keeps of each run."""
+"""Outcomes of EMT cells: the rows that a study stores of each run."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ class Outcomes(NamedTuple):
 
 
 class _Measured(NamedTuple):
-    """What was measured of a lot at its kept times."""
+    """Measurements of a batch at its output times."""
 
     times: list[float]
     positions: Floats  # (times, runs, m): y_AB

@@ -46,7 +46,7 @@ class Piece(NamedTuple):
 
 @dataclass(frozen=True)
 class TissueStudy:
-    """What a study file says, made by ``load_study``."""
+    """A study as its file gives it, made by ``load_study``."""
 
     title: str
     replicates: int  # of each scenario
@@ -57,7 +57,7 @@ class TissueStudy:
 
     @property
     def runs(self) -> int:
-        """How many runs there are."""
+        """The number of runs."""
         return self.replicates * len(self.scenarios)
 
     @property

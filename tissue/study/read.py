@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 
 class About(NamedTuple):
-    """What a study consists of."""
+    """Contents of a study."""
 
     title: str
     replicates: int  # of each scenario

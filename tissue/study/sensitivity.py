@@ -72,7 +72,7 @@ class Plan:
 
 @dataclass(frozen=True)
 class Sensitivity:
-    """What the parameters do to the ratio.
+    """Effect of the parameters on the ratio.
 
     Attributes
     ----------

@@ -21,7 +21,7 @@ class Check(Protocol):
 
     @property
     def allowed(self) -> str:
-        """What must be given."""
+        """The values that are allowed, in words."""
 
     def __call__(self, raw: Any) -> Any: ...
 

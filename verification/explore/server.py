@@ -43,7 +43,7 @@ PATIENCE = 50.0  # seconds until a page has come back by its socket; without it,
 
 @dataclass(frozen=True)
 class Site:
-    """What all visitors share; ``end`` ends the server, and is None where visitors may not do that."""
+    """Resources that all visitors share; ``end`` ends the server, and is None where visitors may not do that."""
 
     folder: Folder
     base: str

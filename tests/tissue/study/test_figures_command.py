@@ -65,8 +65,8 @@ def test_the_folder_of_one_study_whatever_its_name(quick):
     assert [path.as_posix() for path in one["figure10"].files] == [
         f"results/mine/figures/figure10.{ending}" for ending in ("png", "svg")
     ]
-    assert one["figure11"].told == f"cannot be drawn: results/mine {NO_STATES}"
-    assert one["figure13"].told == "is made after: tissue study figure12 --out results/figure12"
+    assert one["figure11"].message == f"cannot be drawn: results/mine {NO_STATES}"
+    assert one["figure13"].message == "is made after: tissue study figure12 --out results/figure12"
 
 
 @pytest.mark.slow
@@ -78,9 +78,9 @@ def test_a_study_that_is_not_complete_is_drawn_as_far_as_it_can(quick):
     for path in parts[::-1]:
         path.unlink()
         told.append({figure.name: figure for figure in draw_all("results")})
-    assert [figures["ratios"].told for figures in told] == ["ratios of extrusion against time, not complete yet"] * 2
-    assert told[0]["figure12"].told == "from results/figure12"
-    assert told[1]["figure12"].told.startswith(
+    assert [figures["ratios"].message for figures in told] == ["ratios of extrusion against time, not complete yet"] * 2
+    assert told[0]["figure12"].message == "from results/figure12"
+    assert told[1]["figure12"].message.startswith(
         "cannot be drawn: results/figure12: nothing of the scenario '[S] no INM'"
     )
     assert "Not shown: '[S] no INM' is not stored yet." in caption(quick["at_end.svg"])

@@ -29,18 +29,18 @@ class Drawable(NamedTuple):
     """A figure of a study; ``draw`` raises InvalidProblem if it cannot be drawn."""
 
     name: str
-    told: str  # what it shows
+    caption: str  # what it shows
     draw: Callable[[], Figure]
 
 
 def drawables(results: Results) -> Iterator[Drawable]:
     """Give all figures of a study."""
-    for name, told in (
+    for name, text in (
         ("positions", "positions of EMT cells against time"),
         ("ratios", "ratios of extrusion against time"),
         ("at_end", "ratios of extrusion at the end"),
     ):
-        yield Drawable(name, told, partial(_of_cells, results, name))
+        yield Drawable(name, text, partial(_of_cells, results, name))
     scenarios, stored = results.study.scenarios, _stored(results)
     if not results.study.trajectories:
         yield Drawable("examples", "", partial(examples, results, scenarios[0]))
@@ -48,8 +48,8 @@ def drawables(results: Results) -> Iterator[Drawable]:
     digits = len(str(len(scenarios)))
     for number, scenario in enumerate(scenarios, 1):
         if scenario in stored:
-            told = f"examples of {scenario}"
-            yield Drawable(f"examples_{number:0{digits}}", told, partial(_examples, results, scenario))
+            text = f"examples of {scenario}"
+            yield Drawable(f"examples_{number:0{digits}}", text, partial(_examples, results, scenario))
     if stored and results.parameters(stored[0]).in_space:
         yield Drawable("surface", f"the surface of a run of {stored[0]}", partial(surface, results, stored[0]))
 
@@ -113,7 +113,7 @@ class FigureFile(NamedTuple):
 
     name: str
     files: tuple[Path, ...]  # none if it was not drawn
-    told: str  # what it shows, and from which studies; or what is missing
+    message: str  # what it shows, and from which studies; or what is missing
 
 
 def found(folder: str | PathLike[str]) -> dict[str, Results]:
@@ -157,7 +157,7 @@ def draw_all(folder: str | PathLike[str]) -> Iterator[FigureFile]:
     for results in studies.values():
         state = "" if results.complete else ", not complete yet"
         for one in drawables(results):
-            yield _drawn(results.folder, one.name, one.draw, one.told + state)
+            yield _drawn(results.folder, one.name, one.draw, one.caption + state)
     yield from _of_thesis(studies, top)
 
 
@@ -186,7 +186,7 @@ def of_presets(draw: Draw, sources: Sources) -> Figure:
     return figure
 
 
-def _drawn(home: Path, name: str, draw: Callable[[], Figure], told: str) -> FigureFile:
+def _drawn(home: Path, name: str, draw: Callable[[], Figure], text: str) -> FigureFile:
     try:
         figure = draw()
     except InvalidProblem as error:
@@ -198,7 +198,7 @@ def _drawn(home: Path, name: str, draw: Callable[[], Figure], told: str) -> Figu
             write(figure, file)
     except OSError as error:
         raise InvalidProblem(f"{home / SUBFOLDER}: must be a folder that can be written to: {error}") from error
-    return FigureFile(name, files, told)
+    return FigureFile(name, files, text)
 
 
 def _is_study(folder: Path) -> bool:

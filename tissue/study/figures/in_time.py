@@ -43,7 +43,7 @@ CAPTION = "{who}, {n} in each panel; bands: {intervals}, for each time; dotted: 
 
 
 class _Panel(NamedTuple):
-    """Of one panel."""
+    """Cells and ratios of one panel."""
 
     cells: pd.DataFrame
     ratios: pd.DataFrame

@@ -1,4 +1,4 @@
-"""What a figure is drawn from: cells and tables of studies, or complete tables that are kept in their place."""
+"""Sources of figures: cells and tables of studies, or complete tables that are kept in their place."""
 
 from __future__ import annotations
 
@@ -110,7 +110,7 @@ PRESETS = {"thesis": "", "published": "_published"}
 
 @dataclass(frozen=True)
 class FigureSource:
-    """What the figures of one preset are drawn from.
+    """Source of the figures of one preset.
 
     Attributes
     ----------

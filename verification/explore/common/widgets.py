@@ -49,7 +49,7 @@ def draw(chart: ui.echart, options: Mapping[str, Any]) -> None:
 
 
 class Player(Element, component="player.js", esm={"tissue-pictures": "js"}):
-    """Plays streams of ``explore.common.streams``; what it shows is told by data attributes of its element."""
+    """Player of streams of ``explore.common.streams``; data attributes of its element say what it shows."""
 
     def play(self, url: str) -> None:
         """Show another run, from its first frames on, at the time that is shown now."""

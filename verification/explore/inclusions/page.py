@@ -31,7 +31,7 @@ WHAT: tuple[What, ...] = ("error", "overlap")
 
 
 class InclusionResults:
-    """What is known of the runs that are compared."""
+    """Results of the runs that are compared."""
 
     def __init__(self) -> None:
         self._table = number_table(COLUMNS, row_key="method")
@@ -91,7 +91,7 @@ RULE = (
 
 
 class InclusionsPage:
-    """What a visitor sees and has chosen; work begins when it is seen.
+    """Choices and view of a visitor; work begins when the tab is seen.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the tab of inclusions offers: scenes, problems of users, methods, and what is known of the solution."""
+"""Choices of the tab of inclusions: scenes, problems of users, methods; and their references."""
 
 from __future__ import annotations
 

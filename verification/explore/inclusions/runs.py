@@ -21,7 +21,7 @@ Gone = Callable[[], bool]
 
 
 class InclusionRun(NamedTuple):
-    """What is to be run: ``method`` is of METHODS, and the run makes ``steps`` steps, a power of 2, to ``end``."""
+    """Run to make: ``method`` is of METHODS; it makes ``steps`` steps, a power of 2, to ``end``."""
 
     inclusion: Inclusion
     method: str
@@ -63,7 +63,7 @@ class SavedState(NamedTuple):
 
     @property
     def fault(self) -> str:
-        """What went wrong, and what to try; "" if nothing did."""
+        """The fault, and what to try; "" if there is none."""
         return "" if self.status else f"{self.status.value} {self.detail}".rstrip()
 
 

@@ -1,4 +1,4 @@
-"""What is computed for the visitor of the tab of inclusions: one run at a time, what is looked at before all others."""
+"""Work for the visitor of the tab of inclusions: one run at a time, the visible ones first."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Mean:
-    """Of one value of each run: ``spread`` is its standard deviation, ``half`` half of the 95 % interval."""
+    """Mean of one value of each run; ``spread``: the standard deviation, ``half``: half of the 95 % interval."""
 
     value: float
     half: float
@@ -94,7 +94,7 @@ class TimeSeries(NamedTuple):
 
 
 class Answer(NamedTuple):
-    """What the runs say that there are.
+    """Answer of the runs so far.
 
     Attributes
     ----------

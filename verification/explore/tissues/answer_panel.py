@@ -110,7 +110,7 @@ ALONE = 2  # columns when nothing is held
 
 
 class AnswerPanel:
-    """What a session knows; ``compare`` holds the setting, or lets it go."""
+    """Answers of a session; ``compare`` holds the setting, or lets it go."""
 
     def __init__(self, session: Session, compare: Callable[[], None], more: Callable[[int], None]) -> None:
         self._session = session

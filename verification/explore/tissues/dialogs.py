@@ -1,4 +1,4 @@
-"""What the page asks for by name: parameters to save, a study to make or to open; and the texts of these files."""
+"""Dialogs that ask for a name: parameters to save, a study to make or to open; and the texts of these files."""
 
 from __future__ import annotations
 

@@ -57,7 +57,7 @@ class Ensemble:
 
     @property
     def runs(self) -> int:
-        """How many replicates there are, without a gap from the first one on."""
+        """The number of replicates from the first one on, without a gap."""
         with self._lock:
             return sum(batch.runs.num_rows for batch in self._without_gap())
 

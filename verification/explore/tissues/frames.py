@@ -221,7 +221,7 @@ class _Pictures:
 
 
 class _SheetPictures(_Pictures):
-    """The same in three dimensions: with z, and the triangles of the apical network in place of layers."""
+    """A run in three dimensions: with z, and the triangles of the apical network in place of layers."""
 
     painter = "sheet"
     lengths = ("x", "y", "z", "ax", "ay", "az", "bx", "by", "bz", "radius")

@@ -28,7 +28,7 @@ LOOK = 0.02  # seconds between two looks at it
 
 
 class TissuePage:
-    """What a visitor sees of a session."""
+    """View of a session."""
 
     def __init__(self, session: Session, streams: PictureStreams) -> None:
         self._session, self._streams = session, streams

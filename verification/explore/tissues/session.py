@@ -1,4 +1,4 @@
-"""What one visitor looks at: a setting with its ensemble, on request another one that is held beside it."""
+"""Session of one visitor: a setting with its ensemble, on request another one that is held beside it."""
 
 from __future__ import annotations
 

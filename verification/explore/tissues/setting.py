@@ -1,4 +1,4 @@
-"""What a visitor has set: parameters to begin with and changes, as texts of fields; and what is wrong with them."""
+"""Setting of a visitor: parameters to begin with and changes, as texts of fields; and their faults."""
 
 from __future__ import annotations
 

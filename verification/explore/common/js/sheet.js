@@ -2,7 +2,7 @@
 
 import { between } from "./film.js";
 import { cutThrough, images, nearest, triangles, turned } from "./space.js";
-import { APICAL, BASAL, basalLayer, colourOf, mark, nuclei, tissue } from "./tissue.js";
+import { APICAL, BASAL, basalLayer, cellsOf, colourOf, mark, nuclei, tissue } from "./tissue.js";
 import { disc, polyline } from "./view.js";
 
 const LENGTHS = ["x", "y", "z", "ax", "ay", "az", "bx", "by", "bz", "radius"];
@@ -17,13 +17,8 @@ export const sheet = {
   turns: true,
 
   read(head, header, columns) {
-    const n = header.cells;
-    const frame = { t: header.t, n, height: header.height, id: columns.integers(n) };
-    for (const name of LENGTHS) frame[name] = columns.numbers(n);
-    for (const name of ["phase", "kind", "look", "free"]) frame[name] = columns.integers(n);
-    frame.yab = columns.numbers(n);
+    const frame = cellsOf(header, columns, LENGTHS);
     frame.triangles = columns.integers(3 * header.triangles);
-    frame.places = new Map(Array.from(frame.id, (id, i) => [id, i]));
     return frame;
   },
 

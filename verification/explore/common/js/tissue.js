@@ -14,14 +14,9 @@ export const tissue = {
   colourings: COLOURINGS,
 
   read(head, header, columns) {
-    const n = header.cells;
-    const frame = { t: header.t, n, height: header.height, id: columns.integers(n) };
-    for (const name of LENGTHS) frame[name] = columns.numbers(n);
-    for (const name of ["phase", "kind", "look", "free"]) frame[name] = columns.integers(n);
-    frame.yab = columns.numbers(n);
+    const frame = cellsOf(header, columns, LENGTHS);
     frame.layer = columns.integers(header.layer);
     frame.chains = header.chains.map((k) => columns.integers(k));
-    frame.places = new Map(Array.from(frame.id, (id, i) => [id, i]));
     return frame;
   },
 
@@ -72,6 +67,17 @@ export const tissue = {
     return [...head.phases, ...events];
   },
 };
+
+/** The cells of a frame: ids, lengths, kinds, positions y_AB, and the place of each id. */
+export function cellsOf(header, columns, lengths) {
+  const n = header.cells;
+  const frame = { t: header.t, n, height: header.height, id: columns.integers(n) };
+  for (const name of lengths) frame[name] = columns.numbers(n);
+  for (const name of ["phase", "kind", "look", "free"]) frame[name] = columns.integers(n);
+  frame.yab = columns.numbers(n);
+  frame.places = new Map(Array.from(frame.id, (id, i) => [id, i]));
+  return frame;
+}
 
 export function colourOf(head, frame, i, colouring, where) {
   if (colouring === "yab") return ramp(where("yab", i));
