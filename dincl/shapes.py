@@ -141,7 +141,9 @@ def shapes_of(constraint: Constraint, x: NDArray[np.float64], radius: NDArray[np
     Register your own constraints by ``@dincl.shapes.shapes_of.register``. Of a set without an entry in the plane, each
     row of which depends on one particle, the zero level of the least g is drawn, for all particles at one place.
     """
-    if x.shape[1] != 2 or not _one_for_each(constraint.select(x, np.inf).jacobian(x), len(x)):
+    # Off the start, which may be a point of symmetry, where a derivative vanishes.
+    aside = x + np.linspace(0.1, 0.2, x.size).reshape(x.shape)
+    if x.shape[1] != 2 or not _one_for_each(constraint.select(aside, np.inf).jacobian(aside), len(x)):
         return []
 
     def least(place: NDArray[np.float64]) -> float:
