@@ -57,7 +57,7 @@ def own(tmp_path):
         one.update(kept)
 
 
-def test_an_event_of_the_house_is_one_file():
+def test_a_built_in_event_is_one_file():
     """Its name and its module are in no other; [P], [B] and the like are named where the thesis speaks of them."""
     folder = Path(tissue.__file__).parent
     texts = {path.relative_to(folder).as_posix(): path.read_text("utf-8") for path in folder.rglob("*.py")}

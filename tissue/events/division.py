@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from tissue.kernels.curve import course
+from tissue.kernels.curve import evaluate
 from tissue.plugins import DivisionRule, registered
 from tissue.state.numbers import Numbers
 from tissue.state.running import TissueState
@@ -17,7 +17,7 @@ def place(state: TissueState, i: int, numbers: Numbers) -> None:
     """All three points apart by the offset, along the tissue  (3.7)."""
     cells, curve, along_x, along_y = state.cells, state.curve, 1.0, 0.0
     if curve.bent:
-        _, _, along_x, along_y = course(curve, cells.along[i])
+        _, _, along_x, along_y = evaluate(curve, cells.along[i])
     for k in range(2):
         step = numbers.division_offset if k == 1 else -numbers.division_offset
         for x, y in ((cells.x, cells.y), (cells.ax, cells.ay), (cells.bx, cells.by)):
@@ -26,7 +26,7 @@ def place(state: TissueState, i: int, numbers: Numbers) -> None:
                 y[i + k] += step * along_y
         if curve.bent and state.motion.held[i + k] > 0.0:  # a point that the layer holds
             cells.along[i + k] += step
-            cells.bx[i + k], cells.by[i + k], _, _ = course(curve, cells.along[i + k])
+            cells.bx[i + k], cells.by[i + k], _, _ = evaluate(curve, cells.along[i + k])
 
 
 BESIDE = DivisionRule(

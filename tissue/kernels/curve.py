@@ -12,7 +12,7 @@ from tissue.state.cells import Floats
 
 
 @inner
-def course(curve: CurveNumbers, s: Any) -> tuple[Any, Any, Any, Any]:
+def evaluate(curve: CurveNumbers, s: Any) -> tuple[Any, Any, Any, Any]:
     """gamma(s) and gamma'(s) of a bent curve, for one arclength or eight."""
     v, begin = (s + curve.origin) * curve.per_length, 0.0 * s
     # What is not a number becomes 0, so that no place outside of the table is read.
@@ -42,7 +42,7 @@ def height_of(curve: CurveNumbers, x: float, y: float) -> float:
     """Return the distance of a point from the curve, along its normal; below 0 on the side without tissue."""
     if not curve.bent:
         return y
-    at_x, at_y, along_x, along_y = course(curve, foot_of(curve, x, y))
+    at_x, at_y, along_x, along_y = evaluate(curve, foot_of(curve, x, y))
     height: float = (y - at_y) * along_x - (x - at_x) * along_y
     return height
 
@@ -60,8 +60,8 @@ def foot_of(curve: CurveNumbers, x: float, y: float) -> float:
     s = node / curve.per_length - curve.origin
     step = 1e-4 / curve.per_length
     for _ in range(NEWTON):
-        at_x, at_y, along_x, along_y = course(curve, s)
-        _, _, next_x, next_y = course(curve, s + step)
+        at_x, at_y, along_x, along_y = evaluate(curve, s)
+        _, _, next_x, next_y = evaluate(curve, s + step)
         dx, dy = x - at_x, y - at_y
         slope = along_x * along_x + along_y * along_y - (dx * (next_x - along_x) + dy * (next_y - along_y)) / step
         s += (dx * along_x + dy * along_y) / max(slope, 0.1)

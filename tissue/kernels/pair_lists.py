@@ -16,7 +16,7 @@ from tissue.kernels.surface_workspace import (
     FRESH,
     LISTS,
     MANY,
-    STRAYS,
+    OUT_OF_RANGE,
     WHOLE,
     SurfaceWorkspace,
     nearest,
@@ -71,8 +71,8 @@ def end_hard(work: SurfaceWorkspace, n: int) -> None:
 SKIN = 0.4
 # How far a nucleus may move, less some rounding.
 HALF_SKIN = 0.499 * SKIN
-# With more strays than these it is time for new lists.
-MOST_STRAYS = 16
+# With more nuclei out of range than these it is time for new lists.
+MOST_OUT_OF_RANGE = 16
 # A margin that finds none.
 NO_BALLS = -1e300
 # load_eight(a, k): entries k to k + 7 of a flat array.
@@ -80,7 +80,7 @@ load_eight = load_from(WIDTH)
 
 
 @inner
-def find_strays(work: SurfaceWorkspace, rows: int, n: int) -> int:
+def find_out_of_range(work: SurfaceWorkspace, rows: int, n: int) -> int:
     """List the cells whose nuclei have moved by half of the skin since the lists were made: how many.
 
     The workspace is in rows, of n cells.
@@ -92,20 +92,20 @@ def find_strays(work: SurfaceWorkspace, rows: int, n: int) -> int:
         dz = load(z, i) - load(made_z, i)
         far = positive_bits(fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN)
         while far:
-            work.strays[number] = WIDTH * i + lowest_bit(far)
-            number += 1 if work.strays[number] < n else 0
+            work.out_of_range[number] = WIDTH * i + lowest_bit(far)
+            number += 1 if work.out_of_range[number] < n else 0
             far &= far - 1
     return number
 
 
 @inner
 def refresh_lists(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
-    """Make the lists anew if it is time; else STRAYS are the nuclei that may meet others than those listed."""
-    strays = find_strays(wide, rows, n)
-    if work.state[FRESH] == 0 or strays > MOST_STRAYS:
+    """Make the lists anew if it is time; else OUT_OF_RANGE are the nuclei that may meet others than those listed."""
+    out_of_range = find_out_of_range(wide, rows, n)
+    if work.state[FRESH] == 0 or out_of_range > MOST_OUT_OF_RANGE:
         make_lists(work, n)
-        strays = 0
-    work.state[STRAYS] = strays
+        out_of_range = 0
+    work.state[OUT_OF_RANGE] = out_of_range
 
 
 @inner

@@ -21,11 +21,11 @@ SURFACE_COUNTERS = ("substeps", "corrections", "basal_corrections", "pairs", "li
 SUBSTEPS, CORRECTIONS, BASAL_CORRECTIONS, PAIRS, LISTS = range(len(SURFACE_COUNTERS))
 # Places in SurfaceWorkspace.sizes: how many edges there are, and whether basal neighbours have an order: a row's.
 JUNCTIONS, NEIGHBOURS, ORDERED = range(3)
-# Places in SurfaceWorkspace.state. FRESH: whether there are lists; STRAYS: how many nuclei went farther than allowed;
-# WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls were found for the list, then of
-# strays; ALL: whether these found no room, and each meets each; THROWN: how many nuclei meet all in a sweep; MANY: how
-# many bins there are along x, y and z.
-FRESH, STRAYS, WHOLE, FOUND, ALL, THROWN, MANY = range(7)
+# Places in SurfaceWorkspace.state. FRESH: whether there are lists; OUT_OF_RANGE: how many nuclei went farther than
+# these allow; WHOLE: how many rows of soft pairs are listed; FOUND: how many pairs of hard balls were found, then
+# of nuclei out of range; ALL: whether these found no room, and each meets each; DISPLACED: how many meet all in a
+# sweep; MANY: how many bins there are along x, y and z.
+FRESH, OUT_OF_RANGE, WHOLE, FOUND, ALL, DISPLACED, MANY = range(7)
 # Room for pairs of a cell, on average. The lists of a tissue have half of it; heaps that need more cost time.
 SOFT_ROOM, HARD_ROOM = 64, 24
 # The most ranges of cells near one bin.
@@ -104,13 +104,13 @@ class SurfaceWorkspace(NamedTuple):
     row: Integers  # (n,): where the soft pairs of each place begin
     row_end: Integers  # (n,): and end
     listed: Short  # the places before it that may be near it, in fours
-    found: Integers  # (m, 2): pairs of cells whose balls may meet, as they are found for the list; then those of strays
+    found: Integers  # (m, 2): pairs of cells whose balls may meet, as found for the list; then of those out of range
     hard_row: Integers  # (n + 1,): where the pairs of cell i begin
     hard: Integers  # the cells j < i whose balls may meet that of cell i, increasing
     reach: Floats  # (1,): of the soft pairs
-    strays: Integers  # (n,): cells whose nuclei have gone farther than the lists allow
+    out_of_range: Integers  # (n,): cells whose nuclei have gone farther than the lists allow
     far: Integers  # (n,): of each cell whether it was pushed far, see ``balls``
-    thrown: Integers  # (n,): those that were
+    displaced: Integers  # (n,): those that were
     at: Floats  # of each place x, y, z and nothing, one after the other
     pushed: Floats  # likewise the push on it
     state: Integers
@@ -177,7 +177,7 @@ def _common(m: int, edges: int) -> dict[str, Any]:
     pairs, soft = HARD_ROOM * m, (SOFT_ROOM + 1) * m + 2 * QUAD_WIDTH
     whole = {"junctions": (edges, 2), "neighbours": (edges, 2), "sizes": 3, "order": m, "bin": m, "start": 2 * m + 1}
     whole |= {"begin": NEAR, "end": NEAR, "row": m, "row_end": m, "found": (pairs, 2), "hard_row": m + 1, "hard": pairs}
-    whole |= {"strays": m, "far": m, "thrown": m, "state": MANY + 3, "counts": len(SURFACE_COUNTERS)}
+    whole |= {"out_of_range": m, "far": m, "displaced": m, "state": MANY + 3, "counts": len(SURFACE_COUNTERS)}
     floats = {"rest": edges, "k_aa": edges, "reach": 1, "at": 4 * (m + 1), "pushed": 4 * (m + 1)}
     floats |= dict.fromkeys(("place_x", "place_y", "place_z", "place_radius"), m + WIDTH)
     curve: dict[str, Any] = {"bent": 0, "along": 0.0, "tangent_x": 0.0, "tangent_y": 0.0}

@@ -106,7 +106,7 @@ class Workspace(NamedTuple):
     push_z: float
     drag_z: float
     surface: Surface  # the plane
-    forces: int  # where those of users are, see ``tissue.step.own_forces``; 0: there are none
+    forces: int  # where those of users are, see ``tissue.step.user_forces``; 0: there are none
 
 
 # What a slice does not have.

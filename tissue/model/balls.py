@@ -7,12 +7,12 @@ import math
 from dincl.compiled import inner
 from dincl.compiled.lanes import WIDTH
 from tissue.kernels import kernel
-from tissue.kernels.pair_lists import HALF_SKIN, MOST_STRAYS, find_strays, make_lists
+from tissue.kernels.pair_lists import HALF_SKIN, MOST_OUT_OF_RANGE, find_out_of_range, make_lists
 from tissue.kernels.surface_workspace import (
     ALL,
     CORRECTIONS,
+    DISPLACED,
     FOUND,
-    THROWN,
     SurfaceWorkspace,
     nearest,
     periods,
@@ -20,7 +20,7 @@ from tissue.kernels.surface_workspace import (
     wide_surface_workspace_at,
 )
 from tissue.kernels.workspace import LOST
-from tissue.model.strays import has_strayed_before, list_strays
+from tissue.model.out_of_range import list_out_of_range, was_out_of_range
 
 # What ``SurfaceWorkspace.far`` says of a nucleus: near where it was listed, seen to go far, meeting all.
 NEAR_BY, GONE, MEETS_ALL = range(3)
@@ -33,9 +33,9 @@ def separate_balls(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows:
     Overlapping balls are pushed apart, each by half of the overlap. Where a nucleus was pushed so far that others than
     those listed may have met it, the sweep begins again, and it meets all: so the result is that of all pairs.
     """
-    if find_strays(wide, rows, n) > MOST_STRAYS:
+    if find_out_of_range(wide, rows, n) > MOST_OUT_OF_RANGE:
         make_lists(work, n)
-    list_strays(work, n, wide, rows)
+    list_out_of_range(work, n, wide, rows)
     for i in range(n):
         work.before_x[i], work.before_y[i], work.before_z[i] = work.x[i], work.y[i], work.z[i]
         work.far[i] = GONE if work.state[ALL] == 1 else NEAR_BY
@@ -43,7 +43,7 @@ def separate_balls(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows:
     if not gone and work.state[FOUND] == 0:
         corrections, gone = _sweep_listed(work, n)
     elif not gone:
-        work.state[THROWN] = 0
+        work.state[DISPLACED] = 0
         corrections, gone = _sweep_with_more(work, n)
     while gone:
         _begin_again(work, n)
@@ -54,13 +54,13 @@ def separate_balls(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows:
 @inner
 def _begin_again(work: SurfaceWorkspace, n: int) -> None:
     """All nuclei are where they were before the sweep; those that went far meet all others."""
-    thrown = 0
+    displaced = 0
     for i in range(n):
         work.x[i], work.y[i], work.z[i] = work.before_x[i], work.before_y[i], work.before_z[i]
         if work.far[i] != NEAR_BY:
-            work.far[i], work.thrown[thrown] = MEETS_ALL, i
-            thrown += 1
-    work.state[THROWN] = thrown
+            work.far[i], work.displaced[displaced] = MEETS_ALL, i
+            displaced += 1
+    work.state[DISPLACED] = displaced
 
 
 @inner
@@ -78,10 +78,10 @@ def _sweep_listed(work: SurfaceWorkspace, n: int) -> tuple[int, bool]:
 
 @inner
 def _sweep_with_more(work: SurfaceWorkspace, n: int) -> tuple[int, bool]:
-    """Return the same over the pairs that are listed, those of strays, and all of nuclei that meet all, in the same
-    order.
+    """Return the same over the pairs that are listed, those of nuclei out of range, and all of nuclei that meet all, in
+    the same order.
     """
-    hard, row, thrown, corrections, gone = work.hard, work.hard_row, work.thrown, 0, False
+    hard, row, displaced, corrections, gone = work.hard, work.hard_row, work.displaced, 0, False
     begin = 0
     for i in range(n):
         k, number, j, end = row[i], 0, -1, begin
@@ -93,7 +93,7 @@ def _sweep_with_more(work: SurfaceWorkspace, n: int) -> tuple[int, bool]:
             else:
                 listed = hard[k] if k < row[i + 1] else n
                 stray = work.found[begin, 1] if begin < end else n
-                far = thrown[number] if number < work.state[THROWN] else n
+                far = displaced[number] if number < work.state[DISPLACED] else n
                 j = min(listed, stray, far)
                 k, begin, number = k + (listed == j), begin + (stray == j), number + (far == j)
             if j >= i:
@@ -125,12 +125,12 @@ def _part(work: SurfaceWorkspace, i: int, j: int) -> bool:
 def _went_far(work: SurfaceWorkspace, i: int) -> bool:
     """Return whether nucleus i has gone so far that it may meet others than those listed, but does not meet all yet.
 
-    That is from where it was when the lists were made; strays from where they were before the sweep.
+    That is from where it was when the lists were made; nuclei out of range from where they were before the sweep.
     """
     if work.far[i] == MEETS_ALL:
         return False
     dx, dy, dz = work.x[i] - work.made_x[i], work.y[i] - work.made_y[i], work.z[i] - work.made_z[i]
-    if has_strayed_before(work, i):
+    if was_out_of_range(work, i):
         dx, dy, dz = work.x[i] - work.before_x[i], work.y[i] - work.before_y[i], work.z[i] - work.before_z[i]
     if dx * dx + dy * dy + dz * dz <= HALF_SKIN * HALF_SKIN:
         return False
@@ -139,7 +139,7 @@ def _went_far(work: SurfaceWorkspace, i: int) -> bool:
 
 
 @kernel
-def part_balls(flat: int, wide: int, n: int, touching: float, most: int) -> int:
+def separate_all_balls(flat: int, wide: int, n: int, touching: float, most: int) -> int:
     """Sweep until no overlap is larger than ``touching``: how many sweeps that took, -1 if ``most`` were too few."""
     work, in_rows, rows = surface_workspace_at(flat), wide_surface_workspace_at(wide), (n + WIDTH - 1) // WIDTH
     for made in range(most):

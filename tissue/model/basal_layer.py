@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import either, fma, load, maximum, spread, store, where_positive
-from tissue.kernels.curve import course
+from tissue.kernels.curve import evaluate
 from tissue.kernels.layers import at_ends, move_ends
 from tissue.kernels.workspace import Workspace
 
@@ -67,7 +67,7 @@ def lay(work: Workspace, rows: int) -> None:
     """Put the basal points that a bent layer holds where they are along it."""
     for i in range(rows):
         inside = load(work.held, i)
-        x, y, along_x, along_y = course(work.curve, load(work.along, i))
+        x, y, along_x, along_y = evaluate(work.curve, load(work.along, i))
         store(work.bx, i, either(inside, x, load(work.bx, i)))
         store(work.by, i, either(inside, y, load(work.by, i)))
         store(work.tangent_x, i, along_x)

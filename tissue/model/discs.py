@@ -57,17 +57,17 @@ def _push_apart(work: Workspace, n: int, margin: float) -> tuple[Any, Any]:
         store(work.before_y, i, at[1])
         if boxes:
             for k in range(list_before(work, i)):
-                at, done = _part_from(work, i, work.begin[k], min(work.end[k], i), at, done)
+                at, done = _separate_from(work, i, work.begin[k], min(work.end[k], i), at, done)
         else:
             first, ahead = next_window(work, i, first, ahead, 1.0, 0.5 * margin)
-            at, done = _part_from(work, i, first, i, at, done)
+            at, done = _separate_from(work, i, first, i, at, done)
         store(work.x, i, at[0])
         store(work.y, i, at[1])
     return done
 
 
 @inner
-def _part_from(work: Workspace, i: int, begin: int, end: int, at: Plane, done: Plane) -> tuple[Plane, Plane]:
+def _separate_from(work: Workspace, i: int, begin: int, end: int, at: Plane, done: Plane) -> tuple[Plane, Plane]:
     """Part nucleus i from those from ``begin`` to ``end``: where it is then; ``done`` as of ``_push_apart``."""
     x, y, radius, (x_i, y_i), (pushed, corrections) = work.x, work.y, work.radius, at, done
     radius_i, one = load(radius, i), spread(x, 1.0)
@@ -94,7 +94,7 @@ def _square(x: Any, y: Any) -> Any:
 
 
 @kernel
-def part(flat: int, wide: int, n: int, touching: float, most: int) -> int:
+def separate_all(flat: int, wide: int, n: int, touching: float, most: int) -> int:
     """Sweep until no overlap is larger than ``touching``: how many sweeps that took, -1 if ``most`` were too few.
 
     ``flat`` and ``wide`` are addresses of a workspace. Nuclei that lie in one point cannot be separated either.

@@ -227,7 +227,7 @@ def _draw_basal_layer(panel: Axes, box: Box, curve: BasalCurve, um: float) -> No
         panel.axhspan(box.low, 0.0, color=BELOW, linewidth=0, zorder=0)
         panel.axhline(0.0, color=BASAL, linewidth=1.2, zorder=1)
         return
-    x, y = um * curve.course(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0]
+    x, y = um * curve.evaluate(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0]
     panel.plot(x, y, color=BASAL, linewidth=1.2, zorder=1)
     if curve.around:
         inside = curve.area > 0

@@ -98,8 +98,9 @@ class JudgedMinimum:
 
 
 def local_minimum(cells: Cells, layers: CellLayers, numbers: Numbers, tol: float) -> JudgedMinimum:
-    r"""Return a local minimum of W over S near the given state:  argmin over Z in S of W(Z)  (section 2.2.8 of chapter
-    3).
+    r"""Return a local minimum of W over S near the given state:  argmin over Z in S of W(Z).
+
+    Source: section 2.2.8 of chapter 3.
 
     Unknown are all coordinates but the y of the basal layer. Moving a tissue along the line changes neither W nor S;
     the sum of all x is kept, as the motion (section 3.2 of chapter 3) keeps it. Pairs of nuclei enter when they are

@@ -19,7 +19,7 @@ from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
 from tissue.state.cells import Integers
 from tissue.state.running import TissueState
-from tissue.step.own_forces import ENERGY, OWN, PART, PUSH, OwnForces, evaluate, follow
+from tissue.step.user_forces import ENERGY, PART, PUSH, USER_FORCES, UserForces, evaluate, follow
 
 # By function, for the life of the process; threads come one at a time.
 _COMPILED: dict[Callable[..., Any], Any] = {}
@@ -66,7 +66,7 @@ def forces_pointer(forces: Sequence[tuple[Force, float]], states: Integers, numb
     push = _addresses(_PUSH, [force for force, _ in forces])
     strengths = np.array([strength for _, strength in forces])
     parts = (_compiled(PART, evaluate).address, _compiled(PART, follow).address)
-    return StructPointer(OwnForces(push, strengths, states, numbers, scale, *parts), OWN)
+    return StructPointer(UserForces(push, strengths, states, numbers, scale, *parts), USER_FORCES)
 
 
 def push_and_energy(force: Force) -> tuple[int, int]:

@@ -16,7 +16,7 @@ from tissue.state.basal_curve import curve_numbers
 from tissue.state.cells import Floats
 from tissue.state.numbers import Numbers, numbers_pointer
 from tissue.state.running import CELLS, TissueState, new_state
-from tissue.step.own_forces import call_energy, call_push, clear
+from tissue.step.user_forces import call_energy, call_push, clear
 
 # [R_soft]: what central differences miss, and what they lose by rounding, are both near 1e-10.
 STEP = 1e-5

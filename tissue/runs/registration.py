@@ -14,7 +14,7 @@ from dincl.provenance import provenance
 from tissue.events.division import BESIDE
 from tissue.events.known import built_in, events
 from tissue.plugins import DivisionRule, EmtEvent, Force, Observable, registered, registry
-from tissue.runs.tables import HOUSE
+from tissue.runs.tables import BUILT_IN
 
 # What there may be of each kind: sets of events are bits, and pictures have a colour for each set.
 MOST = 8
@@ -51,7 +51,7 @@ def _check(thing: Any) -> None:
     for function in _functions(thing):
         if not Path(function.__code__.co_filename).is_file() or "<" in function.__qualname__:
             raise InvalidProblem(f"{kind.__name__} {thing.name}: {function!r} must stand at top level of a file")
-    taken = {one.name for one in (*built_in(), *HOUSE, BESIDE) if isinstance(one, kind)}
+    taken = {one.name for one in (*built_in(), *BUILT_IN, BESIDE) if isinstance(one, kind)}
     if thing.name in taken or (thing.name in mine and _files(mine[thing.name]) != _files(thing)):
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must have another name, this one is taken")
     if isinstance(thing, EmtEvent):

@@ -12,9 +12,9 @@ from numpy.random import Generator
 from dincl.errors import InvalidProblem
 from tissue.kernels.surface_workspace import SurfaceNumbers, SurfaceWorkspaces
 from tissue.kernels.workspace import Workspaces
-from tissue.model.balls import part_balls
+from tissue.model.balls import separate_all_balls
 from tissue.model.cycle import set_phases
-from tissue.model.discs import part
+from tissue.model.discs import separate_all
 from tissue.model.lattice import Lattice
 from tissue.network.start import triangulated
 from tissue.rules.sheet import sheet_rules
@@ -206,7 +206,7 @@ def _separated(
     held = new_state(cells, emt=types.crowd.emt(), capacity=2 * start.cells, curve=curve, space=space)
     set_phases(held, 0.0, numbers_pointer(numbers, types.numbers))
     n, in_plane = start.cells, space.dimension == FLAT
-    sweep, axes = (part, "xy") if in_plane else (part_balls, "xyz")
+    sweep, axes = (separate_all, "xy") if in_plane else (separate_all_balls, "xyz")
     workspaces: Any = Workspaces(n, 1, numbers, 0.0, curve)
     if not in_plane:
         workspaces = SurfaceWorkspaces(n, 1, IDLE, space.surface)

@@ -42,7 +42,7 @@ def _area(name: str, meaning: str, measure: Callable[[Frame], float]) -> Observa
     return Observable(name, meaning, in_um2, "um2")
 
 
-HOUSE = (
+BUILT_IN = (
     _plain("time", "t", lambda frame: frame.t, "h"),
     _plain("cells", "N", lambda frame: len(frame.cells.x)),
     _plain("divisions", "into two cells of the plane", lambda frame: int((frame.cells.mother >= 0).sum())),
@@ -67,7 +67,7 @@ TUBE = (
 
 def summary_columns(*, tube: bool) -> tuple[Observable, ...]:
     """Return all observables, those of the table first."""
-    return (*HOUSE, *(TUBE if tube else ()), *registered(Observable))
+    return (*BUILT_IN, *(TUBE if tube else ()), *registered(Observable))
 
 
 # Columns that are lengths, and the array of Cells each one is taken from.

@@ -25,7 +25,7 @@ NEWTON = 6
 BLOCK = 1 << 18
 
 # Position, first and second derivative by a parameter, (2, m) each.
-Course = Callable[[Floats], tuple[Floats, Floats, Floats]]
+CurveFunction = Callable[[Floats], tuple[Floats, Floats, Floats]]
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,7 +64,7 @@ class BasalCurve:
         if self.pieces == 0:
             return 0.0
         s = np.linspace(0.0, self.length, self.pieces + 1) - self.origin
-        _, (tx, ty), (cx, cy) = self.course(s)
+        _, (tx, ty), (cx, cy) = self.evaluate(s)
         return max(0.0, float((tx * cy - ty * cx).max()))
 
     @property
@@ -73,10 +73,10 @@ class BasalCurve:
         nodes, weights = _gauss(ORDER)
         piece = self.length / self.pieces
         s: Floats = piece * (np.arange(self.pieces)[:, None] + (1 + nodes) / 2) - self.origin
-        (x, y), (tx, ty), _ = self.course(s.ravel())
+        (x, y), (tx, ty), _ = self.evaluate(s.ravel())
         return float(piece / 4 * ((x * ty - y * tx).reshape(s.shape) @ weights).sum())
 
-    def course(self, s: Floats) -> tuple[Floats, Floats, Floats]:
+    def evaluate(self, s: Floats) -> tuple[Floats, Floats, Floats]:
         """gamma, gamma', gamma'' at the arclengths s (m,), each (2, m)."""
         if self.pieces == 0:
             zero, one = np.zeros(len(s)), np.ones(len(s))
@@ -95,14 +95,14 @@ class BasalCurve:
 
     def above(self, s: Floats, heights: Floats) -> tuple[Floats, Floats]:
         """Return the points gamma(s) + h n, n the normal to the side of the tissue: x and y, each (m,)."""
-        (x, y), (tx, ty), _ = self.course(s)
+        (x, y), (tx, ty), _ = self.evaluate(s)
         return x - heights * ty, y + heights * tx
 
     def heights(self, x: Floats, y: Floats) -> Floats:
         """Return the distance of points from the curve, (m,): along its normal, below 0 on the other side of it."""
         if self.pieces == 0:
             return y.copy()
-        (at_x, at_y), (tx, ty), _ = self.course(self.feet(x, y))
+        (at_x, at_y), (tx, ty), _ = self.evaluate(self.feet(x, y))
         heights: Floats = (y - at_y) * tx - (x - at_x) * ty
         return heights
 
@@ -113,13 +113,13 @@ class BasalCurve:
         if self.pieces == 0:
             return x.copy()
         nodes = np.linspace(0.0, self.length, self.pieces + 1) - self.origin
-        near = self.course(nodes)[0]
+        near = self.evaluate(nodes)[0]
         step = max(1, BLOCK // len(nodes))
         blocks = [slice(k, k + step) for k in range(0, len(x), step)]
         nearest = [((x[b, None] - near[0]) ** 2 + (y[b, None] - near[1]) ** 2).argmin(axis=1) for b in blocks]
         s: Floats = nodes[np.concatenate(nearest)]
         for _ in range(NEWTON):
-            position, tangent, bend = self.course(s)
+            position, tangent, bend = self.evaluate(s)
             away = np.stack((x, y)) - position
             slope = (tangent**2 - away * bend).sum(axis=0)
             s = s + (away * tangent).sum(axis=0) / np.maximum(slope, 0.1)
@@ -172,12 +172,12 @@ def ellipse(perimeter: float, aspect: float, *, inside: bool, ring: bool) -> Bas
     a = perimeter / (4 * longer * ellipe(1 - (shorter / longer) ** 2))
     b, side = a * aspect, 1.0 if inside else -1.0
 
-    def course(angle: Floats) -> tuple[Floats, Floats, Floats]:
+    def evaluate(angle: Floats) -> tuple[Floats, Floats, Floats]:
         sine, cosine = np.sin(angle), np.cos(angle)
         first, second = np.stack((a * cosine, side * b * sine)), np.stack((-a * sine, side * b * cosine))
         return np.stack((a * sine, side * b * (1 - cosine))), first, second
 
-    return _by_arclength(course, np.linspace(0.0, 2 * np.pi, FEWEST + 1), around=True, ring=ring, origin=0.0)
+    return _by_arclength(evaluate, np.linspace(0.0, 2 * np.pi, FEWEST + 1), around=True, ring=ring, origin=0.0)
 
 
 def through(points: Floats, *, around: bool) -> BasalCurve:
@@ -190,21 +190,23 @@ def through(points: Floats, *, around: bool) -> BasalCurve:
     knots = np.concatenate(([0.0], np.cumsum(np.sqrt(chords))))  # centripetal: no loops between unequal distances
     spline = CubicSpline(knots, points, bc_type="periodic" if around else "natural")
 
-    def course(t: Floats) -> tuple[Floats, Floats, Floats]:
+    def evaluate(t: Floats) -> tuple[Floats, Floats, Floats]:
         first, second, third = (np.ascontiguousarray(spline(t, order).T) for order in range(3))
         return first, second, third
 
-    return _by_arclength(course, knots, around=around, ring=around, origin=None)
+    return _by_arclength(evaluate, knots, around=around, ring=around, origin=None)
 
 
-def _by_arclength(course: Course, knots: Floats, *, around: bool, ring: bool, origin: float | None) -> BasalCurve:
+def _by_arclength(
+    evaluate: CurveFunction, knots: Floats, *, around: bool, ring: bool, origin: float | None
+) -> BasalCurve:
     """Return the table of a curve that is smooth between its knots."""
-    t, lengths = _measured(course, knots)
-    turns = _turning(course, t)
+    t, lengths = _measured(evaluate, knots)
+    turns = _turning(evaluate, t)
     pieces = int(np.clip(np.ceil(lengths[-1] * turns / TURN), FEWEST, MOST))
     s = np.linspace(0.0, lengths[-1], pieces + 1)
-    at = _parameters_at(course, t, lengths, s)
-    position, first, second = course(at)
+    at = _parameters_at(evaluate, t, lengths, s)
+    position, first, second = evaluate(at)
     speed = np.hypot(*first)
     tangent = first / speed
     bend = (second - tangent * (tangent * second).sum(axis=0)) / speed**2
@@ -220,11 +222,11 @@ def _by_arclength(course: Course, knots: Floats, *, around: bool, ring: bool, or
     return BasalCurve(behind, float(lengths[-1]), float(origin or 0.0), around, ring)
 
 
-def _measured(course: Course, knots: Floats) -> tuple[Floats, Floats]:
+def _measured(evaluate: CurveFunction, knots: Floats) -> tuple[Floats, Floats]:
     """Return a fine grid of parameters, and the length of the curve up to each."""
     fine = max(4, GRID // (len(knots) - 1))
     t = np.append((knots[:-1, None] + np.diff(knots)[:, None] * np.arange(fine) / fine).ravel(), knots[-1])
-    return t, np.concatenate(([0.0], np.cumsum(_length(course, t[:-1], t[1:]))))
+    return t, np.concatenate(([0.0], np.cumsum(_length(evaluate, t[:-1], t[1:]))))
 
 
 def _gauss(points: int) -> tuple[Floats, Floats]:
@@ -233,29 +235,29 @@ def _gauss(points: int) -> tuple[Floats, Floats]:
     return nodes, weights
 
 
-def _length(course: Course, begin: Floats, end: Floats) -> Floats:
+def _length(evaluate: CurveFunction, begin: Floats, end: Floats) -> Floats:
     """Return the length between parameters, by Gauss and Legendre with twelve points."""
     nodes, weights = _gauss(12)
     half = (end - begin) / 2
     at = (begin + half)[:, None] + half[:, None] * nodes
-    speed = np.hypot(*course(at.ravel())[1]).reshape(at.shape)
+    speed = np.hypot(*evaluate(at.ravel())[1]).reshape(at.shape)
     length: Floats = half * (speed @ weights)
     return length
 
 
-def _turning(course: Course, t: Floats) -> float:
+def _turning(evaluate: CurveFunction, t: Floats) -> float:
     """Return the largest curvature, of either sign."""
-    _, (x, y), (xx, yy) = course(t)
+    _, (x, y), (xx, yy) = evaluate(t)
     return float(np.abs((x * yy - y * xx) / np.hypot(x, y) ** 3).max())
 
 
-def _parameters_at(course: Course, t: Floats, lengths: Floats, s: Floats) -> Floats:
+def _parameters_at(evaluate: CurveFunction, t: Floats, lengths: Floats, s: Floats) -> Floats:
     """Return the parameters at the arclengths s, by Newton's method within the grid."""
     k = np.clip(np.searchsorted(lengths, s, side="right") - 1, 0, len(t) - 2)
     at = t[k] + (s - lengths[k]) / (lengths[k + 1] - lengths[k]) * (t[k + 1] - t[k])
     for _ in range(4):
-        missing = s - lengths[k] - _length(course, t[k], at)
-        at = at + missing / np.hypot(*course(at)[1])
+        missing = s - lengths[k] - _length(evaluate, t[k], at)
+        at = at + missing / np.hypot(*evaluate(at)[1])
     return at
 
 

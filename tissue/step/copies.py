@@ -7,7 +7,7 @@ from typing import Any
 from dincl.compiled import inner
 from dincl.compiled.lanes import store as put
 from tissue.kernels import surface_workspace as on_workspace
-from tissue.kernels.curve import course
+from tissue.kernels.curve import evaluate
 from tissue.kernels.layers import chained_before
 from tissue.kernels.surface_workspace import JUNCTIONS, NEIGHBOURS, ORDERED, SurfaceWorkspace
 from tissue.kernels.workspace import FAR, RUNNING, Workspace
@@ -66,7 +66,7 @@ def _copy(state: TissueState, k: int, width: int, work: Workspace, numbers: Numb
         work.soft[place], work.stiff_xx[place] = own.soft_radius, scale * own.repulsion
         work.reach[place] = own.max_basal
         if work.bent:
-            at = course(work.curve, cells.along[i])
+            at = evaluate(work.curve, cells.along[i])
             work.along[place], work.tangent_x[place], work.tangent_y[place] = cells.along[i], at[2], at[3]
     for s in range(state.sizes[APICAL]):
         i, place = state.layers.apical[s], width * state.layers.apical[s] + k

@@ -23,10 +23,10 @@ from tissue.model.discs import separate
 from tissue.model.junctions import pull_along_edges, pull_junctions, pull_links
 from tissue.model.motion import move
 from tissue.model.noise import add_substep_noise
+from tissue.model.out_of_range import push_out_of_range
 from tissue.model.repulsion import push_in_pairs, push_in_rows
 from tissue.model.soft_balls import push_nuclei
-from tissue.model.strays import push_strays
-from tissue.step.own_forces import call_own, own_at
+from tissue.step.user_forces import call_part, user_forces_at
 
 # Kinds of tissues: one slice, eight slices side by side, one sheet or closed surface.
 SLICE, SLICES, SURFACE = range(3)
@@ -41,12 +41,12 @@ def make_substep(work: Workspace, n: int, wide: Workspace, rows: int, flat: Work
     """
     pull_junctions(work, n, wide, rows)
     pull_links(flat)
-    own = own_at(flat.forces)
+    own = user_forces_at(flat.forces)
     if flat.forces:
-        call_own(own.evaluate, own, flat)
+        call_part(own.evaluate, own, flat)
     move(wide, rows)
     if flat.forces:
-        call_own(own.follow, own, flat)
+        call_part(own.follow, own, flat)
     separate(work, n)
     order_basal(work, n)
     if work.bent:
@@ -59,7 +59,7 @@ def make_surface_substep(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace,
     add_substep_noise(wide, rows, number)
     refresh_lists(work, n, wide, rows)
     push_nuclei(work, n)
-    push_strays(work, n, wide, rows)
+    push_out_of_range(work, n, wide, rows)
     pull_along_edges(work, n)
     move(wide, rows)
     separate_balls(work, n, wide, rows)

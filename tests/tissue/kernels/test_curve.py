@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from tissue.kernels import kernel
-from tissue.kernels.curve import course, foot_of, height_of
+from tissue.kernels.curve import evaluate, foot_of, height_of
 from tissue.state.basal_curve import curve_numbers, ellipse, through
 
 WAVE = np.array([[-10.0, 0.0], [-5.0, 1.0], [0.0, 0.0], [5.0, -1.0], [10.0, 0.0]])
@@ -20,7 +20,7 @@ CURVES = {
 def courses(curve, places, found):
     """The points and tangents at some arclengths, into ``found`` (K, 4)."""
     for k in range(len(places)):
-        found[k, 0], found[k, 1], found[k, 2], found[k, 3] = course(curve, places[k])
+        found[k, 0], found[k, 1], found[k, 2], found[k, 3] = evaluate(curve, places[k])
 
 
 @kernel
@@ -31,7 +31,7 @@ def feet(curve, x, y, found):
 
 
 def assert_same_course(curve, places):
-    position, tangent, _ = curve.course(places)
+    position, tangent, _ = curve.evaluate(places)
     found = np.empty((len(places), 4))
     courses(curve_numbers(curve), places, found)
     np.testing.assert_allclose(found[:, :2].T, position, rtol=0, atol=1e-10)

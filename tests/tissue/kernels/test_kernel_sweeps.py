@@ -11,7 +11,7 @@ from tests.tissue.states import cells, layers, numbers
 from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.kernels.workspace import Workspaces
-from tissue.model.discs import part
+from tissue.model.discs import separate_all
 from tissue.state.basal_curve import curve_numbers, ellipse
 from tissue.state.running import STRAIGHT
 
@@ -68,7 +68,7 @@ def test_sweep_stays_in_its_arrays(n):
     workspaces.block[:] = np.nan
     work = workspaces.flat.value
     work.x[:n], work.y[:n], work.radius[:n], work.counts[:] = state.x, state.y, state.radius, 0.0
-    assert part(workspaces.flat.address, workspaces.wide.address, n, 0.0, 1) == -1
+    assert separate_all(workspaces.flat.address, workspaces.wide.address, n, 0.0, 1) == -1
     np.testing.assert_array_equal((work.x[:n], work.y[:n]), twins.separate(state.x, state.y, state.radius))
     kept = [
         name

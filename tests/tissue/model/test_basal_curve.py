@@ -14,7 +14,7 @@ PLACES = np.linspace(-70.0, 70.0, 401)
 def test_circle(side):
     """gamma = (R sin(s/R), +-R (1 - cos(s/R))), the tissue on the left: towards the centre, or away from it."""
     curve = ellipse(60.0, 1.0, inside=side > 0, ring=True)
-    position, tangent, bend = curve.course(PLACES)
+    position, tangent, bend = curve.evaluate(PLACES)
     angle = PLACES / R
     np.testing.assert_allclose(position, [R * np.sin(angle), side * R * (1 - np.cos(angle))], rtol=0, atol=1e-12)
     np.testing.assert_allclose(tangent, [np.cos(angle), side * np.sin(angle)], rtol=0, atol=1e-11)
@@ -27,7 +27,7 @@ def test_circle(side):
 @pytest.mark.parametrize("inside", [True, False])
 def test_ellipse(aspect, inside):
     curve = ellipse(80.0, aspect, inside=inside, ring=True)
-    (x, y), tangent, _ = curve.course(PLACES)
+    (x, y), tangent, _ = curve.evaluate(PLACES)
     a = np.abs(x).max()
     a = 80.0 / quad(lambda t: np.hypot(np.cos(t), aspect * np.sin(t)), 0, 2 * np.pi, epsabs=1e-13, limit=200)[0]
     b = a * aspect
@@ -54,7 +54,7 @@ def test_a_curve_through_points_passes_them_and_goes_on_straight():
     points = np.array([[-10.0, 0.0], [-5.0, 1.0], [0.0, 0.0], [5.0, -1.0], [10.0, 0.0]])
     curve = through(points, around=False)
     assert np.abs(curve.heights(*points.T)).max() < 1e-6
-    position, tangent, bend = curve.course(np.array([0.0, curve.length / 2, curve.length / 2 + 7.0]))
+    position, tangent, bend = curve.evaluate(np.array([0.0, curve.length / 2, curve.length / 2 + 7.0]))
     np.testing.assert_allclose(position[:, :2], [[0.0, 10.0], [0.0, 0.0]], rtol=0, atol=1e-6)
     np.testing.assert_allclose(position[:, 2] - position[:, 1], 7.0 * tangent[:, 1], rtol=0, atol=1e-12)
     assert not bend[:, 2].any()

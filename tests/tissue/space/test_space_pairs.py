@@ -9,7 +9,7 @@ from tests.tissue.space.space_calls import SURFACES, counted, make_substeps, ran
 from tests.twins.tissue.space import steps as twins
 from tests.twins.tissue.space.state import Steps, distance, still
 from tissue.kernels import kernel
-from tissue.kernels.pair_lists import MOST_STRAYS, SKIN, make_lists, row_of
+from tissue.kernels.pair_lists import MOST_OUT_OF_RANGE, SKIN, make_lists, row_of
 from tissue.kernels.surface_workspace import ALL, FOUND, LISTS, WHOLE, surface_workspace_at, wide_surface_workspace_at
 from tissue.kernels.workspace import SOFT
 from tissue.model.energy import nearest_image
@@ -137,7 +137,7 @@ def test_strays_meet_all_others(seed, n, many, far, name, repulsion):
         np.testing.assert_array_equal(made.x, expected.x)
     else:
         assert distance(made, expected) < 1e-13
-        assert workspaces.flat.value.counts[LISTS] == lists or many > MOST_STRAYS
+        assert workspaces.flat.value.counts[LISTS] == lists or many > MOST_OUT_OF_RANGE
 
 
 @pytest.mark.slow

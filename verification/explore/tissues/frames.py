@@ -79,7 +79,7 @@ def basal_layer(parameters: Parameters) -> dict[str, Any]:
     curve, um = parameters.curve(), parameters.cell.soft_radius.value
     if curve.pieces == 0:
         return {"layer": [], "closed": False, "inside": False, "ring": False}
-    points = um * curve.course(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0].T
+    points = um * curve.evaluate(np.linspace(0.0, curve.length, POINTS) - curve.origin)[0].T
     inside = curve.around and curve.area > 0
     return {"layer": points.round(3).tolist(), "closed": curve.around, "inside": inside, "ring": curve.ring}
 

@@ -4,26 +4,28 @@ from __future__ import annotations
 
 from dincl.compiled import inner
 from dincl.compiled.lanes import WIDTH, fma, load, lowest_bit, positive_bits
-from tissue.kernels.pair_lists import HALF_SKIN, SKIN, find_strays
-from tissue.kernels.surface_workspace import ALL, FOUND, PAIRS, STRAYS, SurfaceWorkspace, nearest, periods
+from tissue.kernels.pair_lists import HALF_SKIN, SKIN, find_out_of_range
+from tissue.kernels.surface_workspace import ALL, FOUND, OUT_OF_RANGE, PAIRS, SurfaceWorkspace, nearest, periods
 from tissue.kernels.workspace import SOFT
 from tissue.model.repulsion import repelling
 
 
 @inner
-def push_strays(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
-    """Add the pushes of the pairs that are not listed, in the order of the strays, for each in that of the cells."""
+def push_out_of_range(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
+    """Add the pushes of the pairs that are not listed, in the order of the nuclei out of range, for each in
+    that of the cells.
+    """
     length_x, by_x, length_z, by_z = periods(work)
     x, y, z = wide.x, wide.y, wide.z
-    for number in range(work.state[STRAYS] if work.repulsion != 0.0 else 0):
-        i = work.strays[number]
+    for number in range(work.state[OUT_OF_RANGE] if work.repulsion != 0.0 else 0):
+        i = work.out_of_range[number]
         for row in range(rows):
             dx, dy = nearest(load(x, row) - work.x[i], length_x, by_x), load(y, row) - work.y[i]
             dz = nearest(load(z, row) - work.z[i], length_z, by_z)
             near = positive_bits(SOFT * SOFT - fma(dx, dx, fma(dy, dy, dz * dz)))
             while near:
                 j = WIDTH * row + lowest_bit(near)
-                if j < n and j != i and not _is_listed(work, i, j) and (j < i or not _has_strayed(work, j)):
+                if j < n and j != i and not _is_listed(work, i, j) and (j < i or not _is_out_of_range(work, j)):
                     _push(work, i, j)
                 near &= near - 1
         work.counts[PAIRS] += n - 1
@@ -40,8 +42,8 @@ def _is_listed(work: SurfaceWorkspace, i: int, j: int) -> bool:
 
 
 @inner
-def _has_strayed(work: SurfaceWorkspace, i: int) -> bool:
-    """Return whether cell i is among the strays."""
+def _is_out_of_range(work: SurfaceWorkspace, i: int) -> bool:
+    """Return whether cell i is among the nuclei out of range."""
     dx, dy, dz = work.x[i] - work.made_x[i], work.y[i] - work.made_y[i], work.z[i] - work.made_z[i]
     strayed: bool = fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN > 0.0
     return strayed
@@ -60,16 +62,18 @@ def _push(work: SurfaceWorkspace, i: int, j: int) -> None:
 
 
 @inner
-def list_strays(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
-    """List for the sweep over hard balls the pairs of strays whose gap is now below two skins, in its order.
+def list_out_of_range(work: SurfaceWorkspace, n: int, wide: SurfaceWorkspace, rows: int) -> None:
+    """List for the sweep over hard balls the pairs of nuclei out of range whose gap is now below two skins, in its
+    order.
 
-    Whoever is not listed here or there is not met: since now a stray is pushed by half of the skin, and another nucleus
-    is within half of the skin of where it was listed. Those that find no room make each nucleus meet each.
+    Whoever is not listed here or there is not met: since now a nucleus out of range is pushed by half of the skin, and
+    another nucleus is within half of the skin of where it was listed. Those that find no room make each nucleus meet
+    each.
     """
     length_x, by_x, length_z, by_z = periods(work)
-    work.state[FOUND], strays = 0, find_strays(wide, rows, n)
-    for number in range(strays):
-        i = work.strays[number]
+    work.state[FOUND], out_of_range = 0, find_out_of_range(wide, rows, n)
+    for number in range(out_of_range):
+        i = work.out_of_range[number]
         for row in range(rows):
             dx, dy = nearest(load(wide.x, row) - work.x[i], length_x, by_x), load(wide.y, row) - work.y[i]
             dz = nearest(load(wide.z, row) - work.z[i], length_z, by_z)
@@ -101,8 +105,8 @@ def _insert(work: SurfaceWorkspace, i: int, j: int) -> None:
 
 
 @inner
-def has_strayed_before(work: SurfaceWorkspace, i: int) -> bool:
-    """Return whether cell i was among the strays before the sweep."""
+def was_out_of_range(work: SurfaceWorkspace, i: int) -> bool:
+    """Return whether cell i was among the nuclei out of range before the sweep."""
     dx, dy = work.before_x[i] - work.made_x[i], work.before_y[i] - work.made_y[i]
     dz = work.before_z[i] - work.made_z[i]
     strayed: bool = fma(dx, dx, fma(dy, dy, dz * dz)) - HALF_SKIN * HALF_SKIN > 0.0

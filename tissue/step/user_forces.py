@@ -19,7 +19,7 @@ from tissue.state.running import CELLS, STATE, TissueState, state_at
 from tissue.step.copies import put_back
 
 
-class OwnForces(NamedTuple):
+class UserForces(NamedTuple):
     """What those that act on tissues side by side are."""
 
     push: Integers  # (forces,): where their machine code is, in the order of their names
@@ -31,15 +31,15 @@ class OwnForces(NamedTuple):
     follow: int
 
 
-_EXAMPLE = OwnForces(np.zeros(1, np.int64), np.zeros(1), np.zeros(1, np.int64), 0, 0.0, 0, 0)
-OWN = struct_type(_EXAMPLE)
-own_at = reader(_EXAMPLE)
+_EXAMPLE = UserForces(np.zeros(1, np.int64), np.zeros(1), np.zeros(1, np.int64), 0, 0.0, 0, 0)
+USER_FORCES = struct_type(_EXAMPLE)
+user_forces_at = reader(_EXAMPLE)
 # push(state, on, strength, numbers) and energy(state, strength, numbers) of a force; a part of a substep.
 PUSH: Any = signature(None, STATE, struct_type(Forces(*np.zeros((6, 1)))), float, NUMBERS)
 ENERGY: Any = signature(float, STATE, float, NUMBERS)
-PART: Any = signature(None, OWN, FLAT)
+PART: Any = signature(None, USER_FORCES, FLAT)
 # Calls of these functions by their addresses, with the arguments above.
-call_push, call_energy, call_own = call(PUSH), call(ENERGY), call(PART)
+call_push, call_energy, call_part = call(PUSH), call(ENERGY), call(PART)
 
 
 @inner
@@ -51,7 +51,7 @@ def clear(state: TissueState) -> None:
             forces[i] = 0.0
 
 
-def evaluate(own: OwnForces, work: Workspace) -> None:
+def evaluate(own: UserForces, work: Workspace) -> None:
     """The sum of the forces where the points of each tissue in the workspace, seen flat, are now:
     ``TissueState.on``.
     """
@@ -64,7 +64,7 @@ def evaluate(own: OwnForces, work: Workspace) -> None:
                 call_push(own.push[number], state, state.on, own.strength[number], numbers_at(own.numbers))
 
 
-def follow(own: OwnForces, work: Workspace) -> None:
+def follow(own: UserForces, work: Workspace) -> None:
     """Move the points of each tissue by (h / mu) times these forces, a basal point as the others do, see ``move``."""
     width, scale = len(work.cells), own.scale
     for k in range(width):
