@@ -74,7 +74,7 @@ def movie(
         bool, typer.Option("--surface", help="In three dimensions: nuclei and apical surface beside the section.")
     ] = False,
 ) -> None:
-    """Simulate, and write an animation of the kept states."""
+    """Simulate, and write an animation of the saved states."""
     from tissue.frames.observables import measurable
     from tissue.pictures import movie as film
     from tissue.pictures.view import check_space, view

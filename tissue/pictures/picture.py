@@ -93,7 +93,7 @@ def picture(frames: Sequence[Frame], parameters: Parameters, path: str | PathLik
     InvalidProblem
         For another ending, no frame at all, or one with coordinates that are not finite.
     """
-    frames = items("frames", frames, Frame, "a list of kept states")
+    frames = items("frames", frames, Frame, "a list of saved states")
     instance("parameters", parameters, Parameters, "those of the run")
     if checked_path("path", path).suffix.lower() not in ENDINGS:
         raise InvalidProblem(f"path = {str(path)!r}: must end in {', '.join(ENDINGS)}")

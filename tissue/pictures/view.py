@@ -53,7 +53,7 @@ def view(
         For another ending, no frame at all, one of a slice, one with coordinates that are not finite; MissingLibrary
         where PyVista is not installed, which the extra ``views`` brings.
     """
-    frames = items("frames", frames, Frame, "a list of kept states")
+    frames = items("frames", frames, Frame, "a list of saved states")
     instance("parameters", parameters, Parameters, "those of the run")
     kind = checked_path("path", path).suffix.lower()
     if kind not in ENDINGS:

@@ -139,9 +139,9 @@ def outcome(cells: pd.DataFrame, what: What, t: float, rule: Rule = "thesis") ->
         "basal": extruded basally, y_AB < 0. "apical": extruded apically, y_AB > 1. "below": at or below all control
         cells.
     t
-        A kept time [h].
+        An output time [h].
     rule
-        For basal extrusion: "thesis": y_AB(t) < 0. "published": also on average over the kept times of the next hour
+        For basal extrusion: "thesis": y_AB(t) < 0. "published": also on average over the output times of the next hour
         and over all that follow, as the published code has it. At the end of the run both are the same.
 
     Returns
@@ -159,7 +159,7 @@ def outcome(cells: pd.DataFrame, what: What, t: float, rule: Rule = "thesis") ->
             raise InvalidProblem(f"{name} = {describe(value)}: must be one of {', '.join(allowed)}")
     times = kept_times(cells)
     if t not in times:
-        raise InvalidProblem(f"t = {describe(t)}: must be a kept time; these are {describe(times)} h")
+        raise InvalidProblem(f"t = {describe(t)}: must be an output time; these are {describe(times)} h")
     if what == "below":
         return cells[f"below_{t:g}h"].astype(bool)
     position = cells[f"ab_{t:g}h"]
@@ -169,7 +169,7 @@ def outcome(cells: pd.DataFrame, what: What, t: float, rule: Rule = "thesis") ->
 
 
 def in_time(cells: pd.DataFrame) -> dict[What, np.ndarray]:
-    """Return ``outcome`` of all cells by the rule "thesis" at all kept times at once; each of shape (times, cells)."""
+    """Return ``outcome`` of all cells by the rule "thesis" at all output times; each of shape (times, cells)."""
     times = kept_times(cells)
     position, below = (cells[[f"{name}_{t:g}h" for t in times]].to_numpy().T for name in ("ab", "below"))
     return {"basal": position < 0, "apical": position > 1, "below": below.astype(bool)}

@@ -181,7 +181,7 @@ def _row(found: Ratio, runs: int, level: float) -> tuple[int, int, int, float, f
 
 
 def over_time(cells: pd.DataFrame, rule: Rule = "thesis", level: float = LEVEL) -> pd.DataFrame:
-    """Compute r(t) of (4.7) at each kept time with its band.
+    """Compute r(t) of (4.7) at each output time with its band.
 
     The band holds at each time with the given probability, not at all times together.
 
@@ -197,7 +197,7 @@ def over_time(cells: pd.DataFrame, rule: Rule = "thesis", level: float = LEVEL) 
     Returns
     -------
     pd.DataFrame
-        One row for each outcome and kept time: ``what`` ("basal", "apical", "below"), ``time_h``, and the columns of
+        One row for each outcome and output time: ``what`` ("basal", "apical", "below"), ``time_h``, and the columns of
         ``ratios``. No rows for a table without cells.
     """
     parts = [

@@ -36,7 +36,7 @@ class Outcomes(NamedTuple):
 
     cells: pa.Table  # one row for each EMT cell of the start of each run that did not fail
     runs: pa.Table  # one row for each run
-    tables: dict[int, pd.DataFrame]  # of all cells at all kept times, for the replicates asked for
+    tables: dict[int, pd.DataFrame]  # of all cells at all output times, for the replicates asked for
 
 
 class _Measured(NamedTuple):
@@ -65,7 +65,7 @@ def outcomes(
     replicates, seeds
         The number of each replicate, and its seed; a multiple of eight is simulated at the least cost for each.
     whole
-        The replicates whose cells are all wanted, at all kept times.
+        The replicates whose cells are all wanted, at all output times.
     ask
         Called every now and then, about ten times a second; what it raises ends the work.
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from tissue.files.timing import Timing
 
 FOLDER = Path(__file__).parent.parent / "studies"
-# Replicates of one scenario that are computed and stored together, in lots of eight side by side.
+# Replicates of one scenario that are computed and stored together, in batches of eight side by side.
 PART = 128
 
 
@@ -51,7 +51,7 @@ class TissueStudy:
     title: str
     replicates: int  # of each scenario
     seed: int
-    trajectories: tuple[int, ...]  # the replicates whose kept states are all stored
+    trajectories: tuple[int, ...]  # the replicates whose saved states are all stored
     scenarios: Mapping[str, Parameters]
     text: str  # the file
 
@@ -79,7 +79,7 @@ def load_study(path: str | PathLike[str]) -> TissueStudy:
     """Load the study in a TOML file.
 
     Its keys: ``title``; ``base``, a preset or the path of a parameter file, relative to this one; ``replicates`` of
-    each scenario; ``seed``; on request ``trajectories``, a list of the replicates whose kept states are all stored,
+    each scenario; ``seed``; on request ``trajectories``, a list of the replicates whose saved states are all stored,
     and ``[overrides.SECTION]``, parameters of all scenarios; ``[scenarios.NAME]``, at least one, with the parameters of
     its own, sections as keys.
 

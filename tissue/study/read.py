@@ -32,7 +32,7 @@ class About(NamedTuple):
     title: str
     replicates: int  # of each scenario
     seed: int
-    trajectories: tuple[int, ...]  # replicates whose kept states are all stored
+    trajectories: tuple[int, ...]  # replicates whose saved states are all stored
     scenarios: tuple[str, ...]
 
 
@@ -95,7 +95,7 @@ class Results:
         ``onset_ab``                               float64   y_AB then (4.8); NaN if this is not before the end
         ``extruded``                               category  where the nucleus is at the end: "basal", "apical" or "no"
         ``extruded_h``, ``extruded_x_um``          float64   since when without a break, and its x then; NaN if "no"
-        ``ab_0h``, ``ab_1h``, ...                  float64   y_AB at each kept time
+        ``ab_0h``, ``ab_1h``, ...                  float64   y_AB at each output time
         ``below_0h``, ``below_1h``, ...            bool      whether it is at or below all control cells then (4.3)
         =========================================  ========  =========================================================
 
@@ -110,7 +110,7 @@ class Results:
         ``replicate``, ``seed``                    int64     its number in the scenario; its run's seed
         ``status``                                 category  "SUCCESS", "NON_FINITE", "LUMEN_CLOSED"
         ``detail``                                 str       what happened, if it failed
-        ``controls_0h``, ``controls_1h``, ...      int64     control cells at each kept time
+        ``controls_0h``, ``controls_1h``, ...      int64     control cells at each output time
         ``controls_apical_0h``, ...                int64     of those, with y_AB > 1
         ``controls_basal_0h``, ...                 int64     of those, with y_AB < 0
         ``height_um_0h``, ...                      float64   mean height of the apical layer
@@ -119,7 +119,7 @@ class Results:
         ``nuclei_width_um_0h``, ...                float64   extent in x of the centres of the nuclei
         =========================================  ========  =========================================================
 
-        Behind these are the observables that were registered, at each kept time.
+        Behind these are the observables that were registered, at each output time.
         """
         return self._table("runs", scenario, columns)
 

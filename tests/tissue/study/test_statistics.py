@@ -129,7 +129,7 @@ def test_outcomes_by_the_published_rule():
 
 def test_outcomes_that_can_not_be():
     cells = positions((0.5, -0.1))
-    with pytest.raises(InvalidProblem, match=r"t = 0\.7: must be a kept time; these are \[0\.0, 0\.5\] h"):
+    with pytest.raises(InvalidProblem, match=r"t = 0\.7: must be an output time; these are \[0\.0, 0\.5\] h"):
         outcome(cells, "basal", 0.7)
     with pytest.raises(InvalidProblem, match="what = 'out': must be one of basal, apical, below"):
         outcome(cells, "out", 0.5)

@@ -38,7 +38,7 @@ class Example(NamedTuple):
     replicate: int
     table: pd.DataFrame  # ``Run.table``
     parameters: Parameters
-    onset: float  # [h]: the first kept time with an event; that of the start, if there is none
+    onset: float  # [h]: the first output time with an event; that of the start, if there is none
     onset_ab: float  # mean y_AB of the EMT cells then; NaN without EMT cells
     last_ab: float  # and at the end
     basal: int  # EMT cells that are extruded basally at the end
@@ -93,7 +93,7 @@ def frames(table: pd.DataFrame, times: Sequence[float], parameters: Parameters) 
     table
         As ``Run.table`` has it.
     times
-        Kept times [h].
+        Output times [h].
     parameters
         Of the run.
     """

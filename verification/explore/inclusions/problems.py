@@ -30,7 +30,7 @@ TOL = 1e-11  # of projections and of the reference [length]
 # With more particles a reference takes too long; one whose error is larger, relative to the size, shows nothing.
 MOST_PARTICLES, WORST = 300, 1e-3
 STRENGTH = 100.0  # of the penalty [1 / time]
-PICTURES = 128  # kept times after the start; steps are these, or halves or doubles of them, so that all times nest
+PICTURES = 128  # output times after the start; steps are these, or halves or doubles of them, so that all times nest
 LONGEST = 10  # times that of the problem, which a run may last
 NAME = "problem"
 DISCS = 30
@@ -65,7 +65,7 @@ class Inclusion(NamedTuple):
 
 
 class KnownStates(NamedTuple):
-    """The solution at the kept times: states (K, N, d), or None where it is not known; and how well it is known."""
+    """The solution at the output times: states (K, N, d), or None where it is not known; and how well it is known."""
 
     x: Floats | None
     words: str

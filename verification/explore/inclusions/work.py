@@ -57,7 +57,7 @@ class InclusionWork:
         self._changed()
 
     def stop(self) -> None:
-        """End all work at the next kept time."""
+        """End all work at the next output time."""
         self._halt.set()
 
     async def _go(

@@ -85,7 +85,7 @@ POSITION, HEIGHT, APICAL, BASAL = "y_AB of EMT cells", "height [µm]", "control 
 
 
 class TimeSeries(NamedTuple):
-    """A mean over runs at each kept time, with its interval; NaN where there are not two values."""
+    """A mean over runs at each output time, with its interval; NaN where there are not two values."""
 
     times: list[float]  # [h]
     mean: NDArray[np.float64]
@@ -105,7 +105,7 @@ class Answer(NamedTuple):
     means
         At the end, over runs: of y_AB, of the height, of shares of control cells; those that have two values.
     in_time
-        The ratios at each kept time, as ``tissue.statistics.ratios.over_time`` has them; no rows without EMT cells.
+        The ratios at each output time, as ``tissue.statistics.ratios.over_time`` has them; no rows without EMT cells.
     time_series
         Of y_AB and the height.
     """

@@ -43,9 +43,9 @@ class Ensemble:
     parameters, seed, scenario
         What replicate k is: that of a study with this seed and a scenario of this name.
     most
-        Runs after which it ends; the last lot of eight is made whole.
+        Runs after which it ends; the last batch of eight is made whole.
     pool
-        Computes the lots, at most as many at a time as it has threads, so that visitors share them.
+        Computes the batches, at most as many at a time as it has threads, so that visitors share them.
     """
 
     def __init__(self, parameters: Parameters, seed: int, scenario: str, most: int, pool: Executor) -> None:
@@ -63,7 +63,7 @@ class Ensemble:
 
     @property
     def busy(self) -> int:
-        """Lots under way."""
+        """Batches under way."""
         return self._busy
 
     @property
@@ -72,13 +72,13 @@ class Ensemble:
         return self._busy == 0 and (self._stop.is_set() or self._next >= self.most or bool(self.fault))
 
     def start(self, most: int | None = None) -> None:
-        """Begin, or go on up to another number of runs; there is no more than one lot for each core under way."""
+        """Begin, or go on up to another number of runs; there is no more than one batch for each core under way."""
         self.most = most or self.most
         for _ in range(cores()):
             self._submit()
 
     def stop(self) -> None:
-        """Begin no more lots, and end those under way."""
+        """Begin no more batches, and end those under way."""
         self._stop.set()
 
     def partial_results(self) -> PartialResults | None:

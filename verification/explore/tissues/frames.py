@@ -48,7 +48,7 @@ def events_to_come(emt: Emt, kept: Floats) -> set[int]:
     """
     if not len(emt.side):
         return set()
-    first = np.searchsorted(kept, emt.at)  # (events, m): from which kept time on
+    first = np.searchsorted(kept, emt.at)  # (events, m): from which output time on
     bits = 1 << np.arange(len(first))
     sets = [(bits[:, None] * (first <= k)).sum(axis=0) for k in np.unique(np.append(first[first < len(kept)], 0))]
     return set(np.concatenate(sets).tolist())
@@ -84,7 +84,7 @@ def basal_layer(parameters: Parameters) -> dict[str, Any]:
     return {"layer": points.round(3).tolist(), "closed": curve.around, "inside": inside, "ring": curve.ring}
 
 
-MOST = 160  # kept times after the start: the player draws what is between them
+MOST = 160  # output times after the start: the player draws what is between them
 CHUNK = 0.015  # seconds of work that are sent together
 # The columns of a frame: the id, lengths [um], and these others, counted from the last one.
 PHASE, KIND, LOOK, FREE, OTHERS = -5, -4, -3, -2, 6

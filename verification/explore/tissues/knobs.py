@@ -27,7 +27,7 @@ EVENT_GROUP = "EMT"
 # The page cannot name files to import: they are code.
 CLOSED = "own.modules"
 FACTOR, NOTCHES = 8, 20  # a slider goes so far below and above the value that it begins with, in steps per factor 2
-# Steps of time that divide an hour, so that kept times stay whole steps; whole hours for the end.
+# Steps of time that divide an hour, so that output times stay whole steps; whole hours for the end.
 STEPS = (0.01, 0.0125, 0.02, 0.025, 0.04, 0.05, 0.1, 0.125, 0.2, 0.25, 0.5, 1.0)
 RANGES: dict[str, Sequence[float]] = {
     "numerics.dt": STEPS,
