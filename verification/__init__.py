@@ -14,7 +14,17 @@ if TYPE_CHECKING:
     from verification.budget import Budget, CpuSeconds, DriftEvaluations
     from verification.chart import WorkPrecision
     from verification.claims import Claim, Correction, Cost, Effect, claim
-    from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
+    from verification.evidence import (
+        Comparison,
+        Evidence,
+        FormalProof,
+        Kind,
+        at_least,
+        at_most,
+        equal,
+        proved,
+        put_right,
+    )
     from verification.meanfield_methods import DensityProblem, ParticleProblem, density_methods, particle_methods
     from verification.method import Method
     from verification.order import Order, estimate
@@ -35,7 +45,17 @@ if TYPE_CHECKING:
 _PLACES = {
     "budget": ("Budget", "CpuSeconds", "DriftEvaluations"),
     "claims": ("Claim", "Correction", "Cost", "Effect", "claim"),
-    "evidence": ("Comparison", "Evidence", "Kind", "at_least", "at_most", "equal"),
+    "evidence": (
+        "Comparison",
+        "Evidence",
+        "FormalProof",
+        "Kind",
+        "at_least",
+        "at_most",
+        "equal",
+        "proved",
+        "put_right",
+    ),
     "meanfield_methods": ("DensityProblem", "ParticleProblem", "density_methods", "particle_methods"),
     "method": ("Method",),
     "order": ("Order", "estimate"),
@@ -65,6 +85,7 @@ __all__ = [
     "DriftEvaluations",
     "Effect",
     "Evidence",
+    "FormalProof",
     "Kind",
     "Known",
     "Method",
@@ -90,6 +111,8 @@ __all__ = [
     "order_study",
     "particle_methods",
     "prove",
+    "proved",
+    "put_right",
     "recommend",
     "reference",
     "save",
