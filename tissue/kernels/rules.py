@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from dincl.compiled import call, reader, signature, struct_type
+from dincl.compiled import c_function, call, reader, signature, struct_type
 from tissue.state.cells import Integers
 from tissue.state.numbers import NUMBERS
 from tissue.state.running import STATE
+from tissue.state.space import TissueRules
 
 # begin(state, i, bit, numbers) and last(state, i, rest_ax, rest_bx, numbers) of an event.
 BEGIN: Any = signature(None, STATE, int, int, NUMBERS)
@@ -47,3 +49,12 @@ SUBSTEPS: Any = signature(int, int, int, int)
 call_begin, call_last, call_splits, call_place = call(BEGIN), call(LAST), call(SPLITS), call(PLACE)
 call_substeps = call(SUBSTEPS)
 call_split, call_leave, call_position, call_shrink = call(SPLIT), call(LEAVE), call(POSITION), call(SHRINK)
+# The rules of slices and of surfaces, for the life of the process.
+_COMPILED: list[Any] = []
+
+
+def compile_rules(*functions: Callable[..., Any]) -> TissueRules:
+    """Compile the rules split, leave_apical, leave_basal, position and shrink, and return their addresses."""
+    rules = [c_function(*pair) for pair in zip((SPLIT, LEAVE, LEAVE, POSITION, SHRINK), functions, strict=True)]
+    _COMPILED.extend(rules)
+    return TissueRules(*(rule.address for rule in rules))

@@ -6,9 +6,9 @@ import math
 from functools import cache
 from typing import Any
 
-from dincl.compiled import c_function, inner
+from dincl.compiled import inner
 from tissue.kernels.layers import find, remove_from
-from tissue.kernels.rules import LEAVE, POSITION, SHRINK, SPLIT, Rules
+from tissue.kernels.rules import Rules, compile_rules
 from tissue.model.emt import inherit_events
 from tissue.model.scale import position_in_space
 from tissue.network.halfedges import is_row, set_rest
@@ -146,22 +146,27 @@ def along(surface: Surface, t: Vector, x: float, y: float, z: float) -> Vector:
 def leave_apical(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the apical layer and its network of junctions; return whether it was in it."""
     cells, space = state.cells, state.space
-    k = find(state.layers.apical, state.sizes[APICAL], i)
-    if k >= 0:
-        state.sizes[APICAL] = remove_from(state.layers.apical, state.sizes[APICAL], k)
-        if remove(space.surface, space.apical, cells.ax, cells.ay, cells.az, i, bridge) < 0:
-            space.torn[0] = 1
-    return int(k >= 0)
+    left: int = _leave(state, state.layers.apical, APICAL, space.apical, (cells.ax, cells.ay, cells.az), i, bridge)
+    return left
 
 
 def leave_basal(state: TissueState, i: int, bridge: int) -> int:
     """Take cell i out of the basal layer and the network of its neighbours; return whether it was in it."""
     cells, space = state.cells, state.space
-    k = find(state.layers.basal, state.sizes[BASAL], i)
+    left: int = _leave(state, state.layers.basal, BASAL, space.basal, (cells.bx, cells.by, cells.bz), i, bridge)
+    return left
+
+
+@inner
+def _leave(
+    state: TissueState, layer: Integers, size: int, network: Network, points: Points, i: int, bridge: int
+) -> int:
+    """Take cell i out of a layer, whose size is at the place ``size``, and of its network; ``torn`` if it cannot."""
+    k = find(layer, state.sizes[size], i)
     if k >= 0:
-        state.sizes[BASAL] = remove_from(state.layers.basal, state.sizes[BASAL], k)
-        if remove(space.surface, space.basal, cells.bx, cells.by, cells.bz, i, bridge) < 0:
-            space.torn[0] = 1
+        state.sizes[size] = remove_from(layer, state.sizes[size], k)
+        if remove(state.space.surface, network, points[0], points[1], points[2], i, bridge) < 0:
+            state.space.torn[0] = 1
     return int(k >= 0)
 
 
@@ -189,10 +194,4 @@ def shrink(state: TissueState, numbers: Numbers) -> None:
 @cache
 def sheet_rules() -> TissueRules:
     """Compile the rules of sheets and closed surfaces, on first use."""
-    pairs: Any = (SPLIT, split), (LEAVE, leave_apical), (LEAVE, leave_basal), (POSITION, position), (SHRINK, shrink)
-    _COMPILED.extend(c_function(signature, rule) for signature, rule in pairs)
-    return TissueRules(*(rule.address for rule in _COMPILED))
-
-
-# For the life of the process.
-_COMPILED: list[Any] = []
+    return compile_rules(split, leave_apical, leave_basal, position, shrink)

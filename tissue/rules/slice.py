@@ -6,9 +6,9 @@ import math
 from functools import cache
 from typing import Any
 
-from dincl.compiled import c_function, inner
+from dincl.compiled import inner
 from tissue.kernels.layers import chained_before, chained_behind, find, remove_from
-from tissue.kernels.rules import LEAVE, POSITION, SHRINK, SPLIT, Rules, call_place
+from tissue.kernels.rules import Rules, call_place, compile_rules
 from tissue.model.emt import inherit_events
 from tissue.model.scale import position_in_slice
 from tissue.state.cells import Floats, Integers
@@ -162,13 +162,7 @@ def _joined_behind(state: TissueState, i: int, place: int) -> tuple[int, int]:
 @cache
 def slice_rules() -> TissueRules:
     """Compile the rules of a slice, on first use."""
-    pairs: Any = (SPLIT, split), (LEAVE, leave_apical), (LEAVE, leave_basal), (POSITION, position), (SHRINK, shrink)
-    _COMPILED.extend(c_function(signature, rule) for signature, rule in pairs)
-    return TissueRules(*(rule.address for rule in _COMPILED))
-
-
-# For the life of the process.
-_COMPILED: list[Any] = []
+    return compile_rules(split, leave_apical, leave_basal, position, shrink)
 
 
 @cache
