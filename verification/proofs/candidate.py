@@ -21,6 +21,8 @@ from verification.proofs.fixed_point import FixedPointSystem, Series, fixed, rou
 # Bits beyond the digits; terms of a series for each digit, which makes steps of about a tenth of a turn; part of the
 # longest step that is taken.
 GUARD, TERMS, SAFE = 40, 0.75, 0.9
+# A gap of so many units of the last bit is zero; steps of Newton's method at most.
+CLOSED, NEWTON = 64, 30
 
 
 # Time, whether a row closes, the row.
@@ -125,8 +127,12 @@ def follow(of: Certificate, events: list[Event], end: float, digits: int) -> tup
     bits, order = math.ceil(digits / math.log10(2)) + GUARD, round(TERMS * digits) + 8
     system = FixedPointSystem(of, bits)
     pieces: list[PolynomialPiece] = []
-    x, now, waiting = system.start, 0, list(events)
-    active, redundant, _ = _independent(system, 0, x, _held(system, 0, x, system.touching(0, x)), set())
+    x, now = _onto(system, system.start), 0
+    # Contacts that are nearly made at the start are made at once, each at its own time.
+    gaps = {k: system.gap(0, x, k) for k in _held(system, 0, x, system.touching(0, x))}
+    closed = [k for k, gap in gaps.items() if gap <= CLOSED]
+    waiting = [(0.0, True, k) for k, gap in gaps.items() if gap > CLOSED] + list(events)
+    active, redundant, _ = _independent(system, 0, x, closed, set())
     last, margin = fixed(dyadic(end), bits), 1 << (bits - 16)
     while now < last:
         expansion = Expansion(system, now, x, active, order)
@@ -148,6 +154,20 @@ def follow(of: Certificate, events: list[Event], end: float, digits: int) -> tup
             if pieces and direction:
                 pieces[-1] = replace(pieces[-1], opening=direction)
     return tuple(pieces)
+
+
+def _onto(system: FixedPointSystem, x: list[int]) -> list[int]:
+    """Move a start onto the rows that it violates by rounding, by Newton's method with gradients in double numbers."""
+    rows = [k for k in sorted(system.touching(0, x)) if system.gap(0, x, k) < 0]
+    for _ in range(NEWTON if rows else 0):
+        gradients = system.gradients(0, x, rows)
+        sizes = [-system.gap(0, x, k) / system.slope(k) for k in rows]
+        scale = max(map(abs, sizes))
+        if scale <= CLOSED:
+            break
+        moves = np.linalg.pinv(gradients) @ np.array([size / scale for size in sizes])
+        x = [v + int(move * 2.0**53) * int(scale) // 2**53 for v, move in zip(x, moves, strict=True)]
+    return x
 
 
 def _next(expansion: Expansion, waiting: list[Event], active: list[int], now: int) -> tuple[int, list[Event]]:

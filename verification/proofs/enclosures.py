@@ -143,7 +143,9 @@ class Series:
     def __neg__(self) -> Series:
         return Series(-self.of)
 
-    def __pow__(self, power: int) -> Series:
+    def __pow__(self, power: Any) -> Series:
+        if power != int(power):
+            raise TypeError(f"power {power}: must be a whole number; for a root numpy.sqrt")
         return Series(self.of ** int(power))
 
 
@@ -151,7 +153,8 @@ def _binary(of: Any, turned: bool) -> Any:
     def operate(self: Series, other: Any) -> Any:
         if getattr(other, "shape", ()):  # an array, which calls this for each of its entries
             return NotImplemented
-        value = other.of if isinstance(other, Series) else arb_series([arb(float(other))])
+        number_of = int if isinstance(other, int) else float
+        value = other.of if isinstance(other, Series) else arb_series([arb(number_of(other))])
         return Series(of(value, self.of) if turned else of(self.of, value))
 
     return operate

@@ -81,11 +81,20 @@ class FixedPointSystem:
                 name: [[rounded(c[n], self.bits) for n in range(order + 1)] for c in s] for name, s in series.items()
             }
 
+    def gap(self, time: int, x: list[int], k: int) -> int:
+        """Return sign (|d|^2 - length^2), or g, of row k."""
+        row = self.rows[k]
+        return row.gap(x, [c[0] for c in self.paths(time, 0)[row.path]] if row.path else [])
+
+    def slope(self, k: int) -> float:
+        """Return how much steeper than g ``gap`` is at a contact: twice the length of a distance."""
+        row = self.rows[k]
+        return 1.0 if row.affine else 2.0 * row.length / 2.0**self.bits
+
     def touching(self, time: int, x: list[int]) -> set[int]:
         """Return the rows whose gap is nearly zero."""
-        shifts = {name: [c[0] for c in path] for name, path in self.paths(time, 0).items()}
         near = 1 << (self.bits - TOUCHING)
-        return {k for k, row in enumerate(self.rows) if abs(row.gap(x, shifts.get(row.path, []))) < near}
+        return {k for k in range(len(self.rows)) if abs(self.gap(time, x, k)) < near}
 
     def gradients(self, time: int, x: list[int], rows: list[int]) -> Floats:
         """Return grad g of some rows in double numbers, one line each."""

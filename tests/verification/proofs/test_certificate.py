@@ -1,7 +1,9 @@
 """A certificate is found to be wrong whichever number of it is changed, even if its digest is made to fit."""
 
+import ast
 import random
 from dataclasses import replace
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -10,6 +12,7 @@ import dincl
 import verification as v
 from dincl.drifts import attraction, constant, swirl
 from verification.cli import app
+from verification.proofs import certificate, checker, enclosures
 from verification.proofs.certificate import BadCertificate, read
 from verification.proofs.checker import check
 
@@ -129,6 +132,17 @@ def test_each_changed_digit_of_the_file_is_found(proof, tmp_path):
         file.write_text(text[:k] + str((int(text[k]) + 1) % 10) + text[k + 1 :], "utf-8")
         with pytest.raises(BadCertificate):
             read(file)
+
+
+def test_the_checker_imports_nothing_else_of_the_project():
+    trusted = {"verification.proofs.certificate", "verification.proofs.enclosures"}
+    for module in (checker, enclosures, certificate):
+        nodes = list(ast.walk(ast.parse(Path(module.__file__).read_text("utf-8"))))
+        names = {node.module for node in nodes if isinstance(node, ast.ImportFrom)}
+        names |= {alias.name for node in nodes if isinstance(node, ast.Import) for alias in node.names}
+        own = {name for name in names if name.partition(".")[0] in {"dincl", "meanfield", "tissue", "verification"}}
+        assert own <= trusted
+    assert len(Path(checker.__file__).read_text("utf-8").splitlines()) <= 300
 
 
 def test_the_command_says_what_is_proved(proof, tmp_path):

@@ -122,5 +122,38 @@ def test_what_cannot_be_proved_is_refused_with_a_reason():
         v.prove(smooth, [1.0])
     with pytest.raises(dincl.InvalidProblem, match="must be a function at the top of a module"):
         v.prove(dincl.Problem(ring, lambda t, x: -x), [1.0])
+    growing = dincl.Problem([[0.0, 0.0], [3.0, 0.0]], attraction(0), [dincl.NonOverlap(lambda t: 0.5 + 0.1 * t)])
+    with pytest.raises(dincl.InvalidProblem, match="NonOverlap must rest, or be translated"):
+        v.prove(growing, [1.0])
+    turning = dincl.Moving(dincl.HalfSpace((0, 1)), dincl.RigidMotion(lambda t: t))
+    with pytest.raises(dincl.InvalidProblem, match="Moving must rest, or be translated"):
+        v.prove(dincl.Problem([[0.0, 1.0]], attraction(0), [turning]), [1.0])
     with pytest.raises(dincl.InvalidProblem, match="increasing times"):
         v.prove(dincl.Problem(ring, attraction(0)), [1.0, 0.5])
+
+
+def rooted(t, x):
+    """Return a drift with a power that is no whole number."""
+    return -(x**1.5)
+
+
+def branching(t, x):
+    """Return a drift that asks for the side of a line."""
+    return np.where(x > 0, -x, x)
+
+
+@pytest.mark.parametrize("drift", [rooted, branching])
+def test_functions_that_treat_balls_otherwise_than_numbers_are_refused(drift):
+    with pytest.raises(TypeError):
+        v.prove(dincl.Problem([[1.0, 0.5]], drift), [1.0])
+
+
+def test_a_bound_that_cannot_be_reached_is_not_claimed():
+    # The start is feasible only up to rounding, so nothing below it can be proved.
+    off = dincl.Problem([[0.0, 0.0], [0.8 - 1e-13, 0.6]], attraction(0), [dincl.NonOverlap(0.5)])
+    proof = v.prove(off, [1.0], bound=1e-9)
+    assert 1e-13 <= proof.bound <= 1e-9
+    assert any("feasible up to rounding" in one for one in proof.assumed)
+    with pytest.raises(v.NotProved) as failed:
+        v.prove(off, [1.0], bound=1e-16)
+    assert 1e-13 <= failed.value.best <= 1e-9
