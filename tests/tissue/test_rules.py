@@ -1,6 +1,7 @@
 """The rules of sections 2.2.1 to 2.2.4 on single cells, worked out by hand; kernels and twins alike."""
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from fractions import Fraction
 
 import numpy as np
@@ -16,6 +17,8 @@ from tests.twins.tissue import steps as twins
 from tests.twins.tissue.state import Tissue
 from tissue.events.known import bit, settled
 from tissue.model.energy import forces
+from tissue.rules.sheet import sheet_rules
+from tissue.rules.slice import slice_rules
 from tissue.state.cells import emt_cells
 
 # With fixed seeds a test either passes always or never; a sound one fails for one seed in a thousand.
@@ -204,3 +207,11 @@ def test_rules_leave_alone_what_they_do_not_mention(model):
     cells = ruled(model, state, 0.0, STILL._replace(rate_aa=1.0))
     for name, after, before in zip(cells._fields, cells, state.cells, strict=True):
         np.testing.assert_array_equal(after, before * math.exp(-0.1) if name == "rest_aa" else before, err_msg=name)
+
+
+@pytest.mark.parametrize("rules", [slice_rules, sheet_rules])
+def test_two_threads_that_come_first_have_whole_rules(rules):
+    """``functools.cache`` lets both make them; each has machine code for every rule."""
+    with ThreadPoolExecutor(2) as threads:
+        for made in threads.map(lambda _: rules.__wrapped__(), range(2)):
+            assert all(made)
