@@ -9,12 +9,27 @@ both are as in the pair energies alpha (R - d)^2/R^p of all variants.
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 from dincl.compiled import inner
-from dincl.compiled.lanes import WIDTH, fma, load, load_wide, maximum, spread, store, twice_rsqrt, where_positive
+from dincl.compiled.lanes import (
+    WIDTH,
+    fma,
+    load,
+    load_wide,
+    maximum,
+    positive_bits,
+    spread,
+    store,
+    twice_rsqrt,
+    where_positive,
+)
 from tissue.kernels.near import BLOCK, find_boxes, find_near_rows, list_around, list_before, next_window, window_around
 from tissue.kernels.workspace import SOFT, Workspace
+
+# A nucleus that is far out of order makes windows long: in longer ones each cell is looked at before it is met.
+LONG = 48
 
 Lane = Any  # a double, or eight
 Plane = tuple[Lane, Lane]
@@ -50,11 +65,31 @@ def push_in_rows(work: Workspace, n: int, wide: Workspace, rows: int) -> None:
                 pairs += WIDTH * (min(work.end[k], n) - work.begin[k])
         else:
             begin, end = window_around(work, row, n, end)
-            total = _push_row(work, wide, row, begin, end, total)
-            pairs += WIDTH * (end - begin)
+            if end - begin > LONG:
+                total, near = _push_long_row(work, wide, row, n, begin, end, total)
+                pairs += WIDTH * near
+            else:
+                total = _push_row(work, wide, row, begin, end, total)
+                pairs += WIDTH * (end - begin)
         store(wide.push_x, row, total[0])
         store(wide.push_y, row, total[1])
     work.pairs[0] += pairs // 2  # each twice
+
+
+@inner
+def _push_long_row(
+    work: Workspace, wide: Workspace, row: int, n: int, begin: int, end: int, push: Plane
+) -> tuple[Plane, int]:
+    """Do the same, and leave out cells that are too far to the left or to the right; also return how many are not."""
+    low, high, near = math.inf, -math.inf, 0
+    for i in range(WIDTH * row, min(WIDTH * row + WIDTH, n)):
+        low, high = min(low, work.x[i]), max(high, work.x[i])
+    low, high = low - 2.0 * work.soft_end, high + 2.0 * work.soft_end
+    for j in range(begin, end):
+        if not (work.x[j] < low or work.x[j] > high):
+            push = _push_row(work, wide, row, j, j + 1, push)
+            near += 1
+    return push, near
 
 
 @inner
@@ -94,11 +129,27 @@ def push_in_pairs(work: Workspace, n: int) -> None:
                 pairs += max(0, min(work.end[k], i) - work.begin[k])
         else:
             first, ahead = next_window(work, i, first, ahead, 0.0, work.soft_end)
-            sum_x, sum_y = _push_pairs(work, i, first, i, (sum_x, sum_y))
-            pairs += i - first
+            if i - first > LONG // 2:
+                (sum_x, sum_y), near = _push_long_pairs(work, i, first, (sum_x, sum_y))
+                pairs += near
+            else:
+                sum_x, sum_y = _push_pairs(work, i, first, i, (sum_x, sum_y))
+                pairs += i - first
         store(work.push_x, i, 0.0 - sum_x)
         store(work.push_y, i, 0.0 - sum_y)
     work.pairs[0] += pairs
+
+
+@inner
+def _push_long_pairs(work: Workspace, i: int, first: int, push: Plane) -> tuple[Plane, int]:
+    """Do the same for the cells from ``first`` to i that are near it along x in some tissue; also return how many."""
+    x_i, near = load(work.x, i), 0
+    for j in range(first, i):
+        away = load(work.x, j) - x_i
+        if positive_bits(2.0 * work.soft_end - maximum(away, 0.0 - away)):
+            push = _push_pairs(work, i, j, j + 1, push)
+            near += 1
+    return push, near
 
 
 @inner
