@@ -45,6 +45,7 @@ SECTIONS = [
     "Convergence: ten discs falling into a corner",
     "Infeasibility: PBD against the penalty method with its best strength",
     "Large steps",
+    "Sets that turn, close and grow",
     AGAIN,
     "Who is cheapest",
     "How far the event-driven scheme pays",
@@ -87,7 +88,7 @@ SECTIONS = [
     "All statements, to be searched",
     *TITLES.values(),
 ]
-IMAGES = 56 + MEANFIELD_PICTURES
+IMAGES = 57 + MEANFIELD_PICTURES
 LARGEST = 3e6  # bytes of a page, the script of its charts included
 
 
