@@ -230,7 +230,7 @@ def test_independent_references_agree(made: tuple[Path, Context]) -> None:
     assert len(references) == 5
     assert (references["error"] <= 1e-12).all()
     exact = made[1].tables["exactness"]
-    assert len(exact) == 5
+    assert len(exact) == 8
     assert (exact["true"] <= exact["stated"]).all()
     assert (exact["stated"] <= 1e-12).all()
     assert (references["catch_up"] <= references["error"] + references["catch_up_error"]).all()

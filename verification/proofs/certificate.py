@@ -101,11 +101,10 @@ class Certificate:
     balls: tuple[ProvedBall, ...] = ()
     start_error: Dyadic = (0, 0)
 
-    def write(self, file: Path) -> None:
-        """Write the certificate as JSON, with the SHA-256 digest of its content."""
+    def text(self) -> str:
+        """Return the certificate as JSON, with the SHA-256 digest of its content."""
         content = asdict(self)
-        text = json.dumps({"format": FORMAT, "digest": digest(content), **content}, separators=(",", ":"))
-        file.write_text(text + "\n", encoding="utf-8")
+        return json.dumps({"format": FORMAT, "digest": digest(content), **content}, separators=(",", ":")) + "\n"
 
 
 def digest(content: dict[str, Any]) -> str:

@@ -15,6 +15,7 @@ from flint import arb, arb_poly, ctx
 import dincl
 from dincl import checks
 from dincl.checks import array, describe
+from dincl.files import write_text
 from verification.proofs import checker
 from verification.proofs.candidate import Event, follow
 from verification.proofs.certificate import BadCertificate, Certificate, Dyadic, ProvedBall
@@ -106,7 +107,7 @@ class Proof:
     def save(self, file: str | Path) -> Path:
         """Write the certificate, which ``verification check FILE`` verifies; return the file."""
         path = Path(file)
-        self.certificate.write(path)
+        write_text(path, self.certificate.text())
         return path
 
     def __repr__(self) -> str:

@@ -31,7 +31,7 @@ FILE = DATA / "proved_scenes.parquet"
 COARSER = ("least", "sum", "pointwise")
 
 
-class Case(NamedTuple):
+class ProvedScene(NamedTuple):
     """A problem with the time of its end, and the bounds that are asked for [length]."""
 
     title: str
@@ -73,17 +73,17 @@ def chain() -> dincl.Problem:
 
 
 CASES = (
-    Case("Four discs drawn to one point", scenes.four_disks, 2.0, (1e-12, 1e-25, 1e-50)),
-    Case("Ten discs in a corner", scenes.ten_disks_corner, 3.0, (1e-12, 1e-25)),
-    Case("A disc slides past a fixed one", scenes.sliding_disc, 3.0, (1e-12, 1e-25)),
-    Case("A stack on a line", scenes.stack, 1.5, (1e-12, 1e-25)),
-    Case("Two discs", scenes.two_disks, 4.0, (1e-12, 1e-25)),
-    Case("Three discs in a corner", three_discs, 2.0, (1e-12, 1e-25)),
-    Case("Two discs on a moving wall", moving_wall, 3.0, (1e-12, 1e-25)),
-    Case("Four balls in space", four_balls, 2.0, (1e-12, 1e-25)),
-    Case("A chain of five", chain, 2.0, (1e-12, 1e-25)),
-    Case("A pile of 10", lambda: scenes.pile(10), 1.0, (1e-12,)),
-    Case("A pile of 30", lambda: scenes.pile(30), 1.0, (1e-12,)),
+    ProvedScene("Four discs drawn to one point", scenes.four_disks, 2.0, (1e-12, 1e-25, 1e-50)),
+    ProvedScene("Ten discs in a corner", scenes.ten_disks_corner, 3.0, (1e-12, 1e-25)),
+    ProvedScene("A disc slides past a fixed one", scenes.sliding_disc, 3.0, (1e-12, 1e-25)),
+    ProvedScene("A stack on a line", scenes.stack, 1.5, (1e-12, 1e-25)),
+    ProvedScene("Two discs", scenes.two_disks, 4.0, (1e-12, 1e-25)),
+    ProvedScene("Three discs in a corner", three_discs, 2.0, (1e-12, 1e-25)),
+    ProvedScene("Two discs on a moving wall", moving_wall, 3.0, (1e-12, 1e-25)),
+    ProvedScene("Four balls in space", four_balls, 2.0, (1e-12, 1e-25)),
+    ProvedScene("A chain of five", chain, 2.0, (1e-12, 1e-25)),
+    ProvedScene("A pile of 10", lambda: scenes.pile(10), 1.0, (1e-12,)),
+    ProvedScene("A pile of 30", lambda: scenes.pile(30), 1.0, (1e-12,)),
 )
 
 
@@ -92,7 +92,7 @@ def main() -> None:
     keep(pd.DataFrame([measure(case, bound) for case in CASES for bound in case.bounds]), FILE, main)
 
 
-def measure(case: Case, bound: float) -> dict[str, Any]:
+def measure(case: ProvedScene, bound: float) -> dict[str, Any]:
     """A row: the bound proved, CPU seconds, the size of the certificate, and the exponent with what others would be."""
     problem = case.problem()
     count, d = problem.x0.shape

@@ -8,7 +8,8 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from verification.formal.algebra import library, matrices
+from verification.evidence import FormalProof
+from verification.formal.algebra import identity, library, matrices
 
 
 class Particle(NamedTuple):
@@ -61,3 +62,12 @@ def even(name: str) -> Any:
     """Return an even function of any number of coordinates, as (A2a) has it: w(r) + w(-r) for any w."""
     w = library().Function(name)
     return lambda *r: w(*r) + w(*(-each for each in r))
+
+
+def pair_force(statement: str, wrong: str) -> FormalProof:
+    """Prove the force of a pair for one coordinate, the others being p; K(X_k, X_i) of (5.4) is written out."""
+    sp = library()
+    x, z, p, n = sp.symbols("x z p N")
+    V = even("w")
+    both = (V(z - x, p) + V(x - z, -p)) / (2 * n**2)
+    return identity(statement, lambda s: -n * both.diff(x) + s * V(z - x, p).diff(x) / n, wrong)

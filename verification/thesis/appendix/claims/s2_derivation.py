@@ -8,8 +8,7 @@ from typing import Any
 from verification.claims import Correction, Effect, claim
 from verification.evidence import Evidence, FormalProof, Kind, proved, put_right
 from verification.formal.algebra import identity, matrices
-from verification.thesis.chapter5.claims.s2_1_model import pair_force
-from verification.thesis.chapter5.general import eliminated, multiplier, particle
+from verification.thesis.chapter5.general import eliminated, multiplier, pair_force, particle
 
 
 @claim(

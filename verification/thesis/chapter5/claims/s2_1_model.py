@@ -8,9 +8,9 @@ from typing import Any
 import numpy as np
 
 from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, proved, put_right
+from verification.evidence import Evidence, Kind, at_least, at_most, proved, put_right
 from verification.formal.algebra import identity, library
-from verification.thesis.chapter5.general import even
+from verification.thesis.chapter5.general import even, pair_force
 from verification.thesis.chapter5.instant import (
     Floats,
     System,
@@ -59,15 +59,6 @@ def _non_interacting() -> Evidence:
             at_most("change of Ẋ_i by these forces", same, 0.0, TOL),
         ),
     )
-
-
-def pair_force(statement: str, wrong: str) -> FormalProof:
-    """Prove the force of a pair for one coordinate, the others being p; K(X_k, X_i) of (5.4) is written out."""
-    sp = library()
-    x, z, p, n = sp.symbols("x z p N")
-    V = even("w")
-    both = (V(z - x, p) + V(x - z, -p)) / (2 * n**2)
-    return identity(statement, lambda s: -n * both.diff(x) + s * V(z - x, p).diff(x) / n, wrong)
 
 
 @claim(
