@@ -20,6 +20,7 @@ from dincl.schemes.pilots import (
     Pilot,
     candidates,
     event_driven,
+    left_out,
     warm_up,
 )
 from dincl.status import Status
@@ -35,6 +36,8 @@ if TYPE_CHECKING:
 
 # Stated at least, relative to the largest error of a run; and for rounding, relative to the largest coordinate.
 LEAST_SHARE, ROUNDING = 0.1, 16 * float(np.finfo(float).eps)
+# Why a method that takes the error itself has no forecast yet.
+NOT_TRIED = "not tried: another method had reached the error"
 # Runs in all, after the first two of each method.
 MOST_ROUNDS = 40
 
@@ -83,13 +86,11 @@ class Choice:
             pilot.refine()
             pilot.refine()
         # Of each method that takes the error itself: its forecast, and the seconds that it was tried for.
-        self._events = [
-            (method, event_driven(problem, method, times, error, 0.0), 0.0) for method in methods if not method.order
-        ]
+        self._events = [(method, left_out(method, error, NOT_TRIED), 0.0) for method in methods if not method.order]
 
     @property
     def forecasts(self) -> list[Forecast]:
-        """What each method needs, the cheapest first."""
+        """The forecast of each method, the cheapest first."""
         found = [*(one for _, one, _ in self._events), *(pilot.forecast() for pilot in self.pilots)]
         return sorted(found, key=lambda one: one.seconds)
 

@@ -32,8 +32,8 @@ FIRST = 8
 FARTHEST = 4
 # The predicted error is to be this much smaller than the one asked for.
 SAFETY = 2.0
-# Observed orders are limited to these times the order in smooth motion: events between two pilot runs mislead.
-LEAST_ORDER, MOST_ORDER = 0.4, 1.0
+# Observed orders lie between this part of the order in smooth motion and all of it: events between two runs mislead.
+LEAST_ORDER = 0.4
 # Steps are predicted with at least this part of the order in smooth motion.
 LIKELY_ORDER = 0.7
 # Tolerance of a projection, relative to the error asked for.
@@ -46,8 +46,7 @@ MOST_DENSE = 100
 MOST_STEPS, BELIEVED = 10**7, 5
 # A run that fails is repeated with finer steps, so often at most.
 MOST_RUNS = 6
-
-
+# Methods whose code is loaded, with the dimension.
 _WARM: set[tuple[str, int]] = set()
 
 
@@ -60,7 +59,7 @@ class Candidate(NamedTuple):
 
 
 class Forecast(NamedTuple):
-    """What a method needs for the error asked for.
+    """Setting and cost of a method for the error asked for.
 
     ``setting`` is dt or tol; ``error`` with ``low`` and ``high`` the predicted error [length]; ``seconds`` the CPU time
     of the run; ``why`` says why the method is out, "" if it is not.
@@ -73,6 +72,11 @@ class Forecast(NamedTuple):
     high: float
     seconds: float
     why: str = ""
+
+
+def left_out(candidate: Candidate, setting: float, why: str) -> Forecast:
+    """Return the forecast of a method that is out."""
+    return Forecast(candidate.label, setting, math.nan, math.nan, math.nan, math.inf, why)
 
 
 def candidates(problem: Problem, error: float) -> tuple[Candidate, ...]:
@@ -137,7 +141,7 @@ class Pilot:
 
     def estimate(self) -> tuple[float, float, float]:
         """Return the error of the finest run by Richardson's estimate, and the least and largest order it may have."""
-        moved, top = self.differences(), self.candidate.order * MOST_ORDER
+        moved, top = self.differences(), float(self.candidate.order)
         ratios = [a / b for a, b in zip(self.steps[1:], self.steps, strict=False)]
         least = self.candidate.order * LEAST_ORDER
         if len(moved) > 1 and moved[-1] > 0:
@@ -158,7 +162,7 @@ class Pilot:
     def forecast(self) -> Forecast:
         """Predict the step for the error asked for, and the cost of what is left to run."""
         if self.why or len(self.steps) < 2:
-            return Forecast(self.candidate.label, math.nan, math.nan, math.nan, math.nan, math.inf, self.why)
+            return left_out(self.candidate, math.nan, self.why)
         found, least, top = self.estimate()
         finest = self.steps[-1]
         if self.is_done():
@@ -168,8 +172,7 @@ class Pilot:
         if steps > MOST_STEPS and len(self.steps) < BELIEVED:
             steps = MOST_STEPS
         if steps > MOST_STEPS:
-            why = f"needs {steps:.1e} steps, more than {MOST_STEPS:.0e}"
-            return Forecast(self.candidate.label, math.nan, math.nan, math.nan, math.nan, math.inf, why)
+            return left_out(self.candidate, math.nan, f"needs {steps:.1e} steps, more than {MOST_STEPS:.0e}")
         rate = max((self.seconds[-1] - self.seconds[0]) / (finest - self.steps[0]), 0.5 * self.seconds[-1] / finest)
         ends = [found * (finest / steps) ** power for power in (top, least)]
         return self._forecast(steps, ends[1], ends[0] / SAFETY, ends[1] * SAFETY, self.seconds[0] + rate * steps)
@@ -193,17 +196,14 @@ def event_driven(
 ) -> Forecast:
     """Predict the cost of the event-driven method from the first part of the run, made for at most so many seconds."""
     if len(problem.x0) > MOST_PARTICLES:
-        why = f"serves at most {MOST_PARTICLES} particles"
-        return Forecast(candidate.label, error, math.nan, math.nan, math.nan, math.inf, why)
+        return left_out(candidate, error, f"serves at most {MOST_PARTICLES} particles")
     began = time.process_time()
     limited, _ = with_counted_drift(problem, lambda _: time.process_time() - began > limit)
     try:
         outcome = candidate.make(error).run(limited, PART * times[-1:])
     except OutOfBudgetError:
-        why = f"takes more than {limit / PART:.2g} s"
-        return Forecast(candidate.label, error, math.nan, math.nan, math.nan, math.inf, why)
+        return left_out(candidate, error, f"takes more than {limit / PART:.2g} s")
     seconds = time.process_time() - began
     if not outcome.status:
-        why = f"{outcome.status.name}: {outcome.detail}"
-        return Forecast(candidate.label, error, math.nan, math.nan, math.nan, math.inf, why)
+        return left_out(candidate, error, f"{outcome.status.name}: {outcome.detail}")
     return Forecast(candidate.label, error, error, 0.0, error, seconds / PART)
