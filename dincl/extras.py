@@ -30,7 +30,6 @@ PACKAGES = {
     "nicegui": "nicegui",
     "ot": "POT",
     "pandas": "pandas",
-    "pint": "pint",
     "piqp": "piqp",
     "pyarrow": "pyarrow",
     "pydantic": "pydantic",

@@ -68,6 +68,9 @@ class EmtEvent:
     frees
         "apical" or "basal": the spring to this point holds nothing from then on, and so does not count where the rest
         lengths of a cell have a cap. None: neither.
+    mark
+        How tables, pictures and pages write it, the name with a capital if not given: "A" for "a". Those of built-in
+        events may have more capitals, as "AC"; marks that are put together, "BAC", can be told apart.
 
     Raises
     ------
@@ -82,9 +85,11 @@ class EmtEvent:
     last: Callable[..., None] | None = None
     after: str | None = None
     frees: str | None = None
+    mark: str = ""
 
     def __post_init__(self) -> None:
         string("name", self.name, _LETTERS, "lower-case letters and digits")
+        object.__setattr__(self, "mark", self.mark or self.name.capitalize())
         string("meaning", self.meaning)
         string("source", self.source)
         if self.after is not None:
@@ -96,11 +101,6 @@ class EmtEvent:
                 instance(f"EmtEvent {self.name}: {key}", value, FunctionType, "a function, or None")
         if self.begin is None and self.last is None:
             raise InvalidProblem(f"EmtEvent {self.name}: must have a function begin, last, or both")
-
-    @property
-    def mark(self) -> str:
-        """How tables write it: "A" for "a", "Squeeze" for "squeeze"; marks that are put together can be told apart."""
-        return self.name.capitalize()
 
 
 @dataclass(frozen=True)

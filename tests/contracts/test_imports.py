@@ -33,7 +33,6 @@ HEAVY = (
     "distributed",
     "matplotlib",
     "ot",
-    "pint",
     "piqp",
     "qdldl",
     "sklearn",

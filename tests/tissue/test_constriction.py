@@ -189,7 +189,7 @@ def test_a_group_constricts(tmp_path):
     file.write_text('base = "published"\nemt = {cells = 6, ac = "2 h"}\nnumerics.t_end = "6 h"\n', "utf-8")
     run = simulate(load(file), seed=2)
     group = run.final.cells.emt >= 0
-    assert set(run.table().query("emt >= 0 and time_h >= 2")["events"]) == {"Ac"}
+    assert set(run.table().query("emt >= 0 and time_h >= 2")["events"]) == {"AC"}
     assert chains(run.final) == [np.flatnonzero(group).tolist()]
     before = run.frames[1].cells
     assert np.ptp(run.final.cells.ax[group]) < 0.7 * np.ptp(before.ax[before.emt >= 0])

@@ -22,7 +22,7 @@ def loaded(code):
 
 @pytest.mark.parametrize("code", ["import tissue", "import tissue.cli"])
 def test_importing_loads_nothing_heavy(code):
-    heavy = {"matplotlib", "PIL", "pint", "pydantic", "casadi", "cvxpy", "pandas", "numba", "scipy"}
+    heavy = {"matplotlib", "PIL", "pydantic", "casadi", "cvxpy", "pandas", "numba", "scipy"}
     assert loaded(code).isdisjoint(heavy)
 
 

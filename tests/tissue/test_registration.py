@@ -170,6 +170,10 @@ def test_what_is_wrong_is_named(own, text, message):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
+        (
+            lambda: tissue.register(tissue.EmtEvent("c", "", "", nothing)),
+            "EmtEvent c: must have another name or mark, C is amb",
+        ),
         (lambda: tissue.EmtEvent("Two words", "", "", nothing), "name = 'Two words': must be lower-case"),
         (lambda: tissue.EmtEvent("idle", "", ""), "EmtEvent idle: must have a function begin, last, or both"),
         (lambda: tissue.Observable("um", "", not_a_number, "1/h"), "unit = '1/h': must be lower-case"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
@@ -19,9 +20,14 @@ GOES_ON = "what was computed is kept, and the same command goes on from there"
 
 @contextmanager
 def messages() -> Iterator[None]:
-    """End the command with one message for bad input, files that cannot be written, and what stops a study."""
+    """End the command with one message for bad input, files that cannot be written, and what stops a study.
+
+    Warnings are a line each.
+    """
     try:
-        yield
+        with warnings.catch_warnings():
+            warnings.showwarning = lambda message, *_: typer.echo(f"Warning: {message}", err=True)
+            yield
     except (InvalidProblem, OSError) as error:
         what = "--out cannot be written to: " if isinstance(error, OSError) else ""
         raise _end(f"Error: {what}{error}", BAD_INPUT) from error

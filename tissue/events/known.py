@@ -56,8 +56,13 @@ def bit(name: str) -> int:
     return 1 << row(name)
 
 
+def mark_of(name: str) -> str:
+    """Return how an event is written; that of a table may not be registered here."""
+    return next((event.mark for event in events() if event.name == name), name.capitalize())
+
+
 class EventNames(Sequence[str]):
-    """The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP", "Ac", ..."""
+    """The events that have begun, by ``Cells.events``: "" for none, "A", "B", "AB", ..., "ABSP", "AC", ..."""
 
     def __len__(self) -> int:
         return 1 << len(events())

@@ -9,7 +9,7 @@ import math
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
-from tissue.events.known import events
+from tissue.events.known import events, mark_of
 from tissue.files.layer import Points, curve_of
 from tissue.files.rule import Rule, show
 from tissue.files.space_rules import SPACE_RULES
@@ -171,7 +171,7 @@ def _waits(event: EmtEvent) -> Rule:
     def allowed(waiting: Timing, first: Timing) -> str | None:
         if not waiting.ever or first.ever:
             return None
-        return f'"{NEVER}": [{event.mark}] waits for [{str(event.after).capitalize()}], and {keys[1]} = {show(first)}'
+        return f'"{NEVER}": [{event.mark}] waits for [{mark_of(str(event.after))}], and {keys[1]} = {show(first)}'
 
     return Rule(keys, allowed)
 

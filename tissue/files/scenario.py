@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 from numpy.random import Generator, default_rng
 
-from tissue.events.known import DRAWN_TOGETHER, settled
+from tissue.events.known import DRAWN_TOGETHER, events, mark_of, settled
 from tissue.files.timing import Timing
+from tissue.plugins import EmtEvent
 from tissue.state.cells import Emt, Flags, emt_cells
 
 
@@ -49,3 +50,46 @@ def drawn(scenario: Scenario, draws: Generator) -> tuple[Emt, Flags]:
     for name in times.keys() & {*scenario.together}:
         times[name] = np.full_like(times[name], times[name].min(initial=np.inf))
     return emt_cells(settled(times)), inm < scenario.inm
+
+
+def remarks(groups: Iterable[CellGroup], end: float) -> list[str]:
+    """Return a sentence for each event that may wait for another one, or that a run may end before.
+
+    ``end``: of the run [h]. Source: section 2.2.4 of chapter 4, for [P], which waits for [B].
+    """
+    found: dict[str, None] = {}
+    for event, times in _timed(groups):
+        found |= dict.fromkeys(_waits(event, times[event.name], times.get(event.after or "", Timing())))
+        found |= dict.fromkeys(_ends_before(event, times[event.name], end, sure=False))
+    return list(found)
+
+
+def too_late(groups: Iterable[CellGroup], end: float) -> list[str]:
+    """Return a sentence for each event that no run begins, as it ends before [h]."""
+    lines = (_ends_before(event, times[event.name], end, sure=True) for event, times in _timed(groups))
+    return list(dict.fromkeys(line for some in lines for line in some))
+
+
+def _timed(groups: Iterable[CellGroup]) -> Iterator[tuple[EmtEvent, Mapping[str, Timing]]]:
+    """Give the events that may begin in a group, with the times of all its events."""
+    for group in groups:
+        times = group.scenario.times
+        yield from ((one, times) for one in events() if group.scenario.cells and times.get(one.name, Timing()).ever)
+
+
+def _waits(event: EmtEvent, time: Timing, first: Timing) -> Iterator[str]:
+    if time.low is None or first.high is None or time.low.value >= first.high.value:
+        return
+    mine, other = f"[{event.mark}]", f"[{mark_of(str(event.after))}]"
+    if time.fixed is not None and first.fixed is not None:
+        yield f"{mine} at {time.low} waits for {other} at {first.low}"
+    else:
+        missing = "" if first.sure else f", and does not begin in cells without {other}"
+        yield f"{mine} ({time}) waits for {other} ({first}) where {other} is later{missing}"
+
+
+def _ends_before(event: EmtEvent, time: Timing, end: float, *, sure: bool) -> Iterator[str]:
+    if time.low is not None and time.low.value > end:
+        yield f"[{event.mark}] ({time}) never begins: the run ends at {end:g} h"
+    elif time.high is not None and time.high.value > end and not sure:
+        yield f"[{event.mark}] ({time}) does not begin in all cells: the run ends at {end:g} h"

@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from difflib import get_close_matches
+from fractions import Fraction
+from functools import lru_cache
 from typing import Any
 
-# R_soft is a unit of its own, no length in um: what it measures is only known with the soft radius of the file.
-SOFT_RADIUS = "R_soft = [soft_radius]"
+# The units there are, by what they are converted to; R_soft is no length in um until the soft radius is known.
+UNITS = {
+    "um": {"um": Fraction(1), "µm": Fraction(1), "μm": Fraction(1), "nm": Fraction(1, 1000), "mm": Fraction(1000)},
+    "R_soft": {"R_soft": Fraction(1)},
+    "h": {"h": Fraction(1), "min": Fraction(1, 60), "s": Fraction(1, 3600)},
+}
 # A decimal number, perhaps over a whole one, then a unit: names with powers, multiplied or divided.
 _NUMBER = r"(?P<number>[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)(?:/(?P<over>[1-9][0-9]{0,3}))?"
 _FACTOR = r"[A-Za-zµμ_]+(?:(?:\^|\*\*)-?[1-9])?"
 _UNIT = rf"(?P<unit>(?:1? */ *)?{_FACTOR}(?:(?: *[*/] *| +){_FACTOR})*)"
+_PART = re.compile(r"(?P<over>/?) *(?P<name>[A-Za-zµμ_]+)(?:(?:\^|\*\*)(?P<power>-?[1-9]))?")
 _FRACTION = re.compile(rf" *{_NUMBER} *")
 _QUANTITY = re.compile(rf" *{_NUMBER} *(?:{_UNIT})? *")
 
@@ -59,7 +66,7 @@ class Measure:
 
 
 def parse(text: Any, dimension: Dimension) -> Measure:
-    """The quantity that a text such as "5 um" stands for.
+    """Return the quantity that a text such as "5 um" stands for.
 
     Raises
     ------
@@ -78,38 +85,43 @@ def parse(text: Any, dimension: Dimension) -> Measure:
 
 
 def number(raw: Any) -> Any:
-    """The number that a fraction in text such as "1/3" stands for; anything else as it is."""
+    """Return the number that a fraction in text such as "1/3" stands for; anything else as it is."""
     match = _FRACTION.fullmatch(raw) if isinstance(raw, str) else None
     return raw if match is None or match["over"] is None else float(match["number"]) / int(match["over"])
 
 
 def reduced(measure: Measure, soft_radius: Measure) -> float:
-    """The number for lengths in R_soft and times in h; ``soft_radius`` is in um."""
+    """Return the number for lengths in R_soft and times in h; ``soft_radius`` is in um."""
     return measure.value / soft_radius.value ** _POWERS.get(measure.unit, 0)
 
 
 @lru_cache(maxsize=1024)
 def _factor(unit: str, dimension: Dimension) -> tuple[float, str]:
-    """How much of which unit of the dimension one ``unit`` is; a unit of the dimension itself needs no registry."""
-    if unit in dimension.units:
-        return 1.0, unit
-    from pint.errors import PintError
-
-    try:
-        found = _registry().parse_units(f"1{unit}" if unit.startswith("/") else unit)
-        for kept in dimension.units:
-            if found.is_compatible_with(kept):
-                return float(_registry().convert(1.0, found, kept)), kept
-    except PintError as error:
-        raise ValueError(f"{unit} is not known as a unit") from error
+    """Return how much of which unit of the dimension one ``unit`` is."""
+    factor, powers = _powers(unit, dimension)
+    for own in dimension.units:
+        if powers == _powers(own, dimension)[1]:
+            return float(factor), own
     raise ValueError(f"{unit} is no unit of a {dimension.name}")
 
 
-@cache
-def _registry() -> Any:
-    """The only registry of units, made when the first unit is looked up."""
-    import pint
+def _powers(unit: str, dimension: Dimension) -> tuple[Fraction, dict[str, int]]:
+    """Return a product of units as a factor times powers of um, R_soft and h."""
+    factor, powers = Fraction(1), dict.fromkeys(UNITS, 0)
+    for part in _PART.finditer(unit):
+        power = int(part["power"] or 1) * (-1 if part["over"] else 1)
+        base = next((base for base, names in UNITS.items() if part["name"] in names), None)
+        if base is None:
+            raise ValueError(f"{part['name']} is not known as a unit{_nearest(part['name'], dimension)}")
+        factor *= UNITS[base][part["name"]] ** power
+        powers[base] += power
+    return factor, powers
 
-    registry: Any = pint.UnitRegistry()
-    registry.define(SOFT_RADIUS)
-    return registry
+
+def _nearest(name: str, dimension: Dimension) -> str:
+    """Return which units there are for this dimension, and the one that looks most like a name."""
+    bases = {part["name"] for own in dimension.units for part in _PART.finditer(own)}
+    known = [one for base, names in UNITS.items() if base in bases for one in names if one.isascii()]
+    begins = [one for one in known if name.startswith(one)]
+    near = begins[-1:] or get_close_matches(name, known, 1, 0.5)
+    return f"; units are {', '.join(known)}" + (f", the nearest is {near[0]}" if near else "")

@@ -29,10 +29,10 @@ EMT_COLOURS = {
     "ABP": "#c1121f",
     "BSP": "#f4894b",
     "ABSP": "#67000d",
-    "Ac": "#17becf",
-    "AAc": "#0b6e75",
-    "BAc": "#9467bd",
-    "ABAc": "#4b2e83",
+    "AC": "#17becf",
+    "AAC": "#0b6e75",
+    "BAC": "#9467bd",
+    "ABAC": "#4b2e83",
 }
 # Of all other sets, those with events of users among them.
 OTHER_COLOURS = ("#7cb342", "#ff8fb1", "#5d4037", "#c0ca33", "#a1887f", "#00695c", "#d7a6e8", "#9e0059")

@@ -55,6 +55,8 @@ def _check(thing: Any) -> None:
     if thing.name in taken or (thing.name in mine and _files(mine[thing.name]) != _files(thing)):
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must have another name, this one is taken")
     if isinstance(thing, EmtEvent):
+        if thing.mark != thing.name.capitalize() or any(thing.mark in one.mark for one in built_in()):
+            raise InvalidProblem(f"EmtEvent {thing.name}: must have another name or mark, {thing.mark} is ambiguous")
         _check_after(thing)
     if thing.name not in mine and len(mine) == MOST:
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must be one of {MOST} at most, these are there")

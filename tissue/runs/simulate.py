@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from warnings import warn
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from dincl.checks import seed as checked_seed
 from dincl.compiled.lanes import WIDTH
 from dincl.errors import InvalidProblem
 from tissue.files.parameters import Parameters
+from tissue.files.scenario import too_late
 from tissue.frames.frame import A_START, Frame
 from tissue.runs.batch import Batch
 from tissue.runs.resume import checkpoint_of
@@ -47,6 +49,11 @@ def simulate(
     watch
         Called with the time [h] of each state that is kept after the first.
 
+    Warns
+    -----
+    UserWarning
+        If an event is later than the end.
+
     Raises
     ------
     InvalidProblem
@@ -59,6 +66,7 @@ def simulate(
         the error carries the Run up to then.
     """
     flag("throw", throw)
+    _warn(parameters)
     batch = Batch(parameters, [seed], [] if start is None else [start])
     run = batch.runs(watch)[0]
     if throw and not run.status:
@@ -93,6 +101,7 @@ def simulate_many(
         As ``simulate``: of the eight runs side by side in which a function of the user fails, all do.
     """
     flag("throw", throw)
+    _warn(parameters)
     listed = items("seeds", seeds, (int, np.integer), "a list of integers >= 0")
     wanted, runs = [checked_seed("seeds", seed) for seed in listed], []
     starts = _for_each(start, len(wanted))
@@ -105,6 +114,13 @@ def simulate_many(
                 raise RunFailed(run) from batch.fault
         runs += found
     return tuple(runs)
+
+
+def _warn(parameters: Parameters) -> None:
+    """Warn of events that never begin, as the run ends before."""
+    if isinstance(parameters, Parameters):
+        for line in too_late(parameters.groups(), parameters.t_end):
+            warn(line, UserWarning, stacklevel=3)
 
 
 def _for_each(start: Frame | Sequence[Frame] | None, count: int) -> list[Frame]:

@@ -12,6 +12,7 @@ import pandas as pd
 
 from dincl.checks import describe
 from dincl.errors import InvalidProblem
+from tissue.events.known import mark_of
 from tissue.state.cells import Floats
 
 EVENTS = ("A", "B", "S", "P")  # in this order where times are equal, so that [AB] has T_A <= T_B
@@ -35,7 +36,7 @@ def time_column(event: str) -> str:
 
 def timed(cells: pd.DataFrame) -> list[str]:
     """Return the events that a table has times of: those of the thesis, then the others."""
-    found = [match[1].capitalize() for match in map(_TIMED.fullmatch, cells.columns) if match]
+    found = [mark_of(match[1]) for match in map(_TIMED.fullmatch, cells.columns) if match]
     return [*EVENTS, *(event for event in found if event not in EVENTS)]
 
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.random import SeedSequence
@@ -16,15 +16,12 @@ from numpy.random import SeedSequence
 from dincl.checks import describe
 from dincl.checks import path as checked_path
 from dincl.errors import InvalidProblem
-from tissue.events.known import events
 from tissue.files.messages import refuse
 from tissue.files.own_modules import placed
 from tissue.files.parameter_files import flat, merged, read
 from tissue.files.parameters import NoBase, Parameters, based_on
+from tissue.files.scenario import remarks
 from tissue.study.shape import checked
-
-if TYPE_CHECKING:
-    from tissue.files.timing import Timing
 
 FOLDER = Path(__file__).parent.parent / "studies"
 # Replicates of one scenario that are computed and stored together, in batches of eight side by side.
@@ -62,11 +59,8 @@ class TissueStudy:
 
     @property
     def remarks(self) -> list[str]:
-        """One sentence for each scenario in which an event may come before the one for which it waits, as [P] for [B].
-
-        Source: section 2.2.4 of chapter 4.
-        """
-        return in_scenarios({name: _waiting_events(parameters) for name, parameters in self.scenarios.items()})
+        """One sentence for each event of a scenario that waits for another one, or that the run may end before."""
+        return in_scenarios({name: remarks(one.groups(), one.t_end) for name, one in self.scenarios.items()})
 
     def pieces(self) -> Iterator[Piece]:
         """Give all pieces, one scenario after the other."""
@@ -135,25 +129,6 @@ def in_scenarios(lines: Mapping[str, list[str]]) -> list[str]:
     others = ((name, line) for name, found in lines.items() for line in found if line not in everywhere)
     own = [f"scenario {describe(name)}: {line}" for name, line in others]
     return common + own
-
-
-def _waiting_events(parameters: Parameters) -> list[str]:
-    """Return the events that wait."""
-    found, marks = [], {event.name: event.mark for event in events()}
-    for times in (dict(group.scenario.times) for group in parameters.groups()):
-        pairs = ((event.name, event.after) for event in events() if event.name in times and event.after in times)
-        found += [line for one, two in pairs for line in _waits(marks[one], times[one], marks[two], times[two])]
-    return list(dict.fromkeys(found))
-
-
-def _waits(event: str, waiting: Timing, other: str, first: Timing) -> list[str]:
-    """Return how an event waits for another one, where it may come first: a line, or none."""
-    if not waiting.ever or waiting.low is None or first.high is None or waiting.low.value >= first.high.value:
-        return []
-    if waiting.fixed is not None and first.fixed is not None:
-        return [f"[{event}] at {waiting.low} waits for [{other}] at {first.low}"]
-    missing = "" if first.sure else f", and does not begin in cells without [{other}]"
-    return [f"[{event}] ({waiting}) waits for [{other}] ({first}) where [{other}] is later{missing}"]
 
 
 def _found(path: str | PathLike[str]) -> Path:

@@ -11,6 +11,7 @@ from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
 
+pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
 SMALL = {
     "tissue.cells": 5,
     "tissue.width": "15 um",

@@ -163,6 +163,14 @@ def test_scenarios_that_can_not_be_are_refused(changes, message):
         preset("thesis").changed(changes)
 
 
+def test_an_event_after_the_end_warns():
+    late = preset("thesis").changed({"emt.cells": 1, "emt.a": "3 h", "numerics.t_end": "0.1 h"})
+    with pytest.warns(UserWarning, match=r"^\[A\] \(3 h\) never begins: the run ends at 0.1 h$"):
+        simulate(late)
+    simulate(late.changed({"emt.a": "0.1 h"}))  # in the last step
+    simulate(late.changed({"emt.cells": 0}))
+
+
 def test_the_quasi_steady_model_has_no_events():
     with pytest.raises(InvalidProblem, match=r"emt.cells = 1: must be 0, the quasi-steady model has no EMT events"):
         simulate_quasi_steady(preset("thesis").changed({"emt.cells": 1}))

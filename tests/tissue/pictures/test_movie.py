@@ -53,11 +53,11 @@ def test_a_gif_knows_the_colours_of_all_states(tmp_path):
 
 def test_a_gif_knows_the_colours_of_events_that_are_over(tmp_path):
     frames = [pair(), pair(t=1.0), pair(t=2.0)]
-    for frame, events in zip(frames, ("A", "AB", "Ac"), strict=True):
+    for frame, events in zip(frames, ("A", "AB", "AC"), strict=True):
         frame.cells.emt[0], frame.cells.events[0] = 0, EVENTS.index(events)
     film.movie(frames, THESIS, tmp_path / "movie.gif")
     with Image.open(tmp_path / "movie.gif") as movie:
-        for k, events in enumerate(("A", "AB", "Ac")):
+        for k, events in enumerate(("A", "AB", "AC")):
             movie.seek(k)
             rows, _ = coloured(np.asarray(movie.convert("RGB")), EMT_COLOURS[events], tolerance=6)
             assert len(rows) > 300

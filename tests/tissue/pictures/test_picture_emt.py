@@ -26,7 +26,7 @@ def test_an_emt_cell_has_the_colour_of_its_events_and_a_dark_edge(figures, event
 def test_every_set_of_events_of_the_thesis_that_can_be_has_a_colour_of_its_own():
     """And constricted cells, which may have lost their adhesions."""
     possible = {name for name in map(EVENTS.__getitem__, range(16)) if "P" not in name or "B" in name}
-    assert set(EMT_COLOURS) == possible | {f"{lost}Ac" for lost in ("", "A", "B", "AB")}
+    assert set(EMT_COLOURS) == possible | {f"{lost}AC" for lost in ("", "A", "B", "AB")}
     assert len({*EMT_COLOURS.values(), *OTHER_COLOURS, *COLOURS.values()}) == (
         len(EMT_COLOURS) + len(OTHER_COLOURS) + len(PHASES)
     )
@@ -40,13 +40,13 @@ def test_other_sets_of_events_have_colours_of_their_own_too():
 
 
 def test_cells_that_constrict_together_are_joined(figures):
-    frame = trio("Ac")
-    frame.cells.emt[:2], frame.cells.chain[:2], frame.cells.events[:2] = (0, 1), 1, EVENTS.index("Ac")
+    frame = trio("AC")
+    frame.cells.emt[:2], frame.cells.chain[:2], frame.cells.events[:2] = (0, 1), 1, EVENTS.index("AC")
     picture([frame._replace(layers=layers(3, apical=[2]))], THESIS, "x.png")
     *_, chain = figures[0].axes[0].collections
     assert [path.vertices.tolist() for path in chain.get_paths()] == [[[0.0, 40.0], [30.0, 40.0]]]
     names = [text.get_text() for text in figures[0].legends[1].get_texts()]
-    assert names == ["EMT cell: [Ac]", "free apical point", "joined apart from the layer"]
+    assert names == ["EMT cell: [AC]", "free apical point", "joined apart from the layer"]
 
 
 def test_a_long_legend_has_lines_within_the_picture(figures):

@@ -140,9 +140,12 @@ def test_a_base_that_is_bad_is_told(written, tmp_path):
          "[P] (7 h) waits for [B] (6 h to 24 h, 70 %) where [B] is later, and does not begin in cells without [B]"),
         ('b = "6 h to 24 h", p = "6 h to 24 h"', "[P] (6 h to 24 h) waits for [B] (6 h to 24 h) where [B] is later"),
         ('b = "6 h to 9 h"', None),
+        ('b = "48 h"', None),
+        ('b = "60 h"', "[B] (60 h) never begins: the run ends at 48 h"),
+        ('b = "6 h to 60 h, 5 %"', "[B] (6 h to 60 h, 5 %) does not begin in all cells: the run ends at 48 h"),
     ],
 )  # fmt: skip
-def test_where_p_waits_for_b_there_is_a_remark(written, emt, remark):
+def test_where_an_event_waits_or_is_late_there_is_a_remark(written, emt, remark):
     head = GOOD[: GOOD.index("[scenarios")].replace('a = "6 h"', "")
     study = load_study(written(f"{head}[scenarios.x]\nemt = {{ {emt} }}\n[scenarios.y]\n"))
     assert study.remarks == ([f"scenario 'x': {remark}"] if remark else [])
