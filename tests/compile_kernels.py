@@ -6,7 +6,7 @@ The file is made if it fails, too: the tests then say what is wrong.
 import sys
 from pathlib import Path
 
-from verification.thesis.chapter3.page import compile_kernels
+from verification.thesis.chapter3.sections.page import compile_kernels
 
 if __name__ == "__main__":
     try:

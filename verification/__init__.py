@@ -11,41 +11,50 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from verification.budget import Budget, CpuSeconds, DriftEvaluations
-    from verification.chart import WorkPrecision
-    from verification.claims import Claim, Correction, Cost, Effect, claim
-    from verification.evidence import (
+    from verification.claims import (
+        Claim,
         Comparison,
+        Correction,
+        Cost,
+        Effect,
         Evidence,
         FormalProof,
         Kind,
         at_least,
         at_most,
+        claim,
         equal,
         proved,
         put_right,
     )
-    from verification.meanfield_methods import DensityProblem, ParticleProblem, density_methods, particle_methods
-    from verification.method import Method
-    from verification.order import Order, estimate
-    from verification.orders import OrderStudy, order_study
-    from verification.outcome import Outcome
-    from verification.page.results import save
-    from verification.problem_sets import WorkPrecisionSet
+    from verification.instruments.budget import Budget, CpuSeconds, DriftEvaluations
+    from verification.instruments.chart import WorkPrecision
+    from verification.instruments.meanfield_methods import (
+        DensityProblem,
+        ParticleProblem,
+        density_methods,
+        particle_methods,
+    )
+    from verification.instruments.method import Method
+    from verification.instruments.order import Order, estimate
+    from verification.instruments.orders import OrderStudy, order_study
+    from verification.instruments.outcome import Outcome
+    from verification.instruments.problem_sets import WorkPrecisionSet
+    from verification.instruments.rates import W1Rates, w1_rates
+    from verification.instruments.recommend import Recommendation, recommend
+    from verification.instruments.references import Known, Reference, reference
+    from verification.instruments.result import Result
+    from verification.instruments.save import save
+    from verification.instruments.speed_accuracy import work_precision
+    from verification.instruments.stability import StabilityMap, stability_map
     from verification.proofs.proof import NotProved, Proof, prove
-    from verification.rates import W1Rates, w1_rates
-    from verification.recommend import Recommendation, recommend
-    from verification.references import Known, Reference, reference
-    from verification.result import Result
-    from verification.speed_accuracy import work_precision
-    from verification.stability import StabilityMap, stability_map
 
 # Where the names are: a module is loaded when one of its names is first used, so that the plugin of pytest, which comes
 # through this file into every project, costs nothing.
 _PLACES = {
-    "budget": ("Budget", "CpuSeconds", "DriftEvaluations"),
-    "claims": ("Claim", "Correction", "Cost", "Effect", "claim"),
-    "evidence": (
+    "instruments.budget": ("Budget", "CpuSeconds", "DriftEvaluations"),
+    "claims.claim": ("Claim", "Correction", "Cost", "Effect", "claim"),
+    "claims.evidence": (
         "Comparison",
         "Evidence",
         "FormalProof",
@@ -56,21 +65,21 @@ _PLACES = {
         "proved",
         "put_right",
     ),
-    "meanfield_methods": ("DensityProblem", "ParticleProblem", "density_methods", "particle_methods"),
-    "method": ("Method",),
-    "order": ("Order", "estimate"),
-    "orders": ("OrderStudy", "order_study"),
-    "outcome": ("Outcome",),
-    "page.results": ("save",),
+    "instruments.meanfield_methods": ("DensityProblem", "ParticleProblem", "density_methods", "particle_methods"),
+    "instruments.method": ("Method",),
+    "instruments.order": ("Order", "estimate"),
+    "instruments.orders": ("OrderStudy", "order_study"),
+    "instruments.outcome": ("Outcome",),
+    "instruments.save": ("save",),
     "proofs.proof": ("NotProved", "Proof", "prove"),
-    "rates": ("W1Rates", "w1_rates"),
-    "recommend": ("Recommendation", "recommend"),
-    "references": ("Known", "Reference", "reference"),
-    "result": ("Result",),
-    "problem_sets": ("WorkPrecisionSet",),
-    "speed_accuracy": ("work_precision",),
-    "chart": ("WorkPrecision",),
-    "stability": ("StabilityMap", "stability_map"),
+    "instruments.rates": ("W1Rates", "w1_rates"),
+    "instruments.recommend": ("Recommendation", "recommend"),
+    "instruments.references": ("Known", "Reference", "reference"),
+    "instruments.result": ("Result",),
+    "instruments.problem_sets": ("WorkPrecisionSet",),
+    "instruments.speed_accuracy": ("work_precision",),
+    "instruments.chart": ("WorkPrecision",),
+    "instruments.stability": ("StabilityMap", "stability_map"),
 }
 _MODULE_OF = {name: module for module, names in _PLACES.items() for name in names}
 

@@ -13,8 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from dincl.extras import need_all, needs
-from verification.claims import Cost
-from verification.evidence import Kind
+from verification.claims import Cost, Kind
 
 app = typer.Typer(
     help="Measure the methods, check the statements of the thesis, write the report.", no_args_is_help=True
@@ -35,10 +34,10 @@ def report(full: Full = False, out: Out = Path("report")) -> None:
     """
     need_all("verification report")
     from dincl.study import workers
+    from verification.page.chapters import CHAPTERS
     from verification.page.context import Context
+    from verification.page.kept import STUDIES
     from verification.page.report import write_report
-    from verification.thesis.chapters import CHAPTERS
-    from verification.thesis.kept import STUDIES
 
     start = time.monotonic()
     with workers() as executor:
@@ -60,9 +59,10 @@ def claims(
     """
     need_all("verification claims")
     from dincl.study import workers
-    from verification.decide import decide_all, differing
+    from verification.claims.decide import decide_all, differing
+    from verification.page import kept
     from verification.page.context import Context
-    from verification.thesis import kept, selection
+    from verification.thesis import selection
     from verification.thesis.errata import errata
     from verification.thesis.register import register
 
@@ -81,7 +81,7 @@ def claims(
 
 def _list_claims(table: pd.DataFrame) -> None:
     """Each claim with its verdict and what was measured; last come those with another verdict than the recorded one."""
-    from verification.decide import differing
+    from verification.claims.decide import differing
 
     shown = Table(show_lines=True)
     shown.add_column("claim", min_width=20)
@@ -132,8 +132,8 @@ def stability(full: Full = False, out: Out = Path("report")) -> None:
     need_all("verification stability")
     from dincl.study import workers
     from verification.page.context import Context
+    from verification.page.kept import STUDIES
     from verification.thesis.chapter2.stability.page import CHAPTER
-    from verification.thesis.kept import STUDIES
 
     with workers() as executor:
         context = Context(out, full, executor, complete=STUDIES)
@@ -161,7 +161,7 @@ def compare(
     (default: verification.reference(problem, tol=1e-11)) and budget of one run (default: verification.CpuSeconds(2.0)).
     """
     from dincl import InvalidProblem
-    from verification.compare import compare as compared
+    from verification.instruments.compare import compare as compared
 
     try:
         page, results = compared(file, out)

@@ -6,7 +6,7 @@ A claim that reads tables takes them, Parquet files, from the folder ``--claim-t
 there.
 
 Every run of pytest loads this file where ``verification`` is installed, so it imports nothing else: a module that
-states claims has imported ``verification.claims`` itself.
+states claims has imported ``verification.claims.claim`` itself.
 """
 
 from __future__ import annotations
@@ -23,8 +23,7 @@ import pytest
 if TYPE_CHECKING:
     import os
 
-    from verification.claims import Claim
-    from verification.evidence import Comparison, Evidence, FormalProof
+    from verification.claims import Claim, Comparison, Evidence, FormalProof
 
 NAMES = re.compile(r"claims.*\.py|.*_claims\.py")
 IMPORTS = re.compile(rb"^\s*(from|import)\s+verification\b", re.MULTILINE)
@@ -47,7 +46,7 @@ def pytest_collect_file(file_path: Path, parent: pytest.Collector) -> pytest.Mod
 
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[ClaimItem] | None:
     """A test for each claim that the module states under a name."""
-    stating = sys.modules.get("verification.claims")
+    stating = sys.modules.get("verification.claims.claim")
     if stating is None or not isinstance(collector, pytest.Module):
         return None
     items = [

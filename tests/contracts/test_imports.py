@@ -74,7 +74,7 @@ def sources(package: str) -> list[Path]:
     ("source", "names"),
     [
         ("import tissue.cli as cli, numpy", {"tissue", "numpy"}),
-        ("from verification.order import fit", {"verification"}),
+        ("from verification.instruments.order import fit", {"verification"}),
         ("def f():\n    if True:\n        import casadi", {"casadi"}),
         ("from importlib import import_module\nimport_module('ot.lp')", {"importlib", "ot"}),
         ("import importlib\nimportlib.import_module('dask')", {"importlib", "dask"}),

@@ -16,7 +16,8 @@ from tests.executors import Here
 from tests.pages import ROOT, blocks, links, run
 from tests.verification.thesis.shortened import few_claims, shorten
 from verification import cli
-from verification.thesis import chapters, register
+from verification.page import chapters
+from verification.thesis import register
 
 PAGE = ROOT / "README.md"
 README = PAGE.read_text("utf-8")

@@ -15,7 +15,7 @@ from scipy.stats import wasserstein_distance
 from dincl import InvalidProblem
 from meanfield import Density, Panels, SolveFailed, Weighted, w1
 from meanfield.transport import discrete
-from verification.rates import IID, PAIR, QUANTILES
+from verification.instruments.rates import IID, PAIR, QUANTILES
 from verification.thesis.chapter5 import sampling
 
 UNIFORM, NORMAL = Density.uniform(0.0, 1.0), Density.normal(0.0, 1.0)

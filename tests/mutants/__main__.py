@@ -58,9 +58,23 @@ MUTATED = (
     *("tissue/statistics",),
     *("tissue/files/cell_types.py", "tissue/files/type_rules.py", "dincl/study/parts.py"),
     *("tissue/study/outcomes.py", "tissue/study/sensitivity.py"),
-    *("verification/budget.py", "verification/cheapest.py", "verification/evidence.py", "verification/measure.py"),
-    *("verification/order.py", "verification/orders.py", "verification/outcome.py", "verification/rates.py"),
-    *("verification/references.py", "verification/speed_accuracy.py", "verification/stability.py"),
+    *(
+        "verification/instruments/budget.py",
+        "verification/instruments/cheapest.py",
+        "verification/claims/evidence.py",
+        "verification/instruments/measure.py",
+    ),
+    *(
+        "verification/instruments/order.py",
+        "verification/instruments/orders.py",
+        "verification/instruments/outcome.py",
+        "verification/instruments/rates.py",
+    ),
+    *(
+        "verification/instruments/references.py",
+        "verification/instruments/speed_accuracy.py",
+        "verification/instruments/stability.py",
+    ),
 )
 # The tests of a mutant take so many seconds on the clean tree, first without those marked slow, then with them.
 BUDGETS = {"": 40.0, "-m slow --slow": 20.0}

@@ -7,7 +7,7 @@ import pytest
 
 from docs.building import notebooks
 from tests.pages import ROOT, links, play
-from verification.evidence import Kind
+from verification.claims import Kind
 
 PAGES = ROOT / "docs" / "tutorials"
 # Those that have a file of tests.

@@ -12,8 +12,8 @@ import pytest
 
 from tests.browser import HEIGHT, WIDTHS, draw_all, fits, visit
 from tests.verification.page import Page
+from verification.page.chapters import CHAPTERS
 from verification.page.parts import VERDICTS
-from verification.thesis.chapters import CHAPTERS
 
 if TYPE_CHECKING:
     from playwright.sync_api import Page as BrowserPage

@@ -8,7 +8,7 @@ import pytest
 
 from dincl.study import write
 from tests.executors import Here, Nowhere
-from verification.evidence import Kind
+from verification.claims import Kind
 from verification.page import parts
 from verification.page.context import Context
 from verification.page.parts import Grid, Section, Text, cell, number

@@ -21,19 +21,18 @@ from tests.verification.thesis.shortened_emt import SECTIONS as EMT_SECTIONS
 from tests.verification.thesis.shortened_meanfield import PICTURES as MEANFIELD_PICTURES
 from tests.verification.thesis.shortened_meanfield import SECTIONS as MEANFIELD_SECTIONS
 from verification import cli
+from verification.beyond.chart.references import SCENES
+from verification.beyond.proved import page as page_proved
 from verification.claims import Effect
-from verification.decide import differing
-from verification.page import context
+from verification.claims.decide import differing
+from verification.page import chapters, context
 from verification.page.agreement import Agreement
+from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
+from verification.page.kept import STUDIES
 from verification.page.made_again import TITLE as AGAIN
 from verification.page.report import write_report
-from verification.thesis import chapters
-from verification.thesis.chapter2 import page_proved
 from verification.thesis.chapter2.stability.catalogue import PLANES
-from verification.thesis.chapter2.work_references import SCENES
-from verification.thesis.chapters import CHAPTERS
-from verification.thesis.kept import STUDIES
 from verification.thesis.page import TITLES, corrections
 
 pytestmark = pytest.mark.slow

@@ -8,7 +8,7 @@ from itertools import product
 from typing import Any
 
 from dincl.extras import needs
-from verification.evidence import FormalProof, Technique
+from verification.claims import FormalProof, Technique
 from verification.formal import names, refuse_unless_refuted
 
 # Far above what is lost in DIGITS digits, and below the residual of a wrong variant at the point of ``_point``.

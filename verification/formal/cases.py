@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable
 from platform import python_version
 from typing import Any
 
-from verification.evidence import FormalProof, Technique
+from verification.claims import FormalProof, Technique
 from verification.formal import refuse_unless_refuted
 
 

@@ -9,7 +9,7 @@ from math import inf, nextafter
 from typing import Any
 
 from dincl.extras import needs
-from verification.evidence import FormalProof, Technique
+from verification.claims import FormalProof, Technique
 from verification.formal import refuse_unless_refuted
 
 # Boxes that are looked at before a proof is given up.

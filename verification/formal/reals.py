@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any
 
 from dincl.extras import needs
-from verification.evidence import FormalProof, Technique
+from verification.claims import FormalProof, Technique
 from verification.formal import UnsoundProof, names, refuse_unless_refuted
 
 # Steps of z3 and of cvc5 for each decision: counted, so that the outcome does not depend on the load of the machine.

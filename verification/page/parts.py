@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from verification.evidence import Kind
+from verification.claims import Kind
 
 # Numbers smaller than this are written with an exponent.
 PLAIN = 1e-2
@@ -50,9 +50,10 @@ class Picture:
 
 @dataclass(frozen=True)
 class Chart:
-    """HTML of a chart that answers to the pointer, see ``verification.page.interactive``; without scripts a picture."""
+    """Interactive chart: its HTML, the script that its page needs once, and a picture for readers without scripts."""
 
     html: str
+    script: str
     caption: str
     picture: Picture
     kind: str = field(default="chart", init=False)
@@ -90,7 +91,7 @@ class SearchField:
 
 @dataclass(frozen=True)
 class Statements:
-    """Claims, one below the other; the rows of ``verification.decide.decide_all``, with their chapter."""
+    """Claims, one below the other; the rows of ``verification.claims.decide.decide_all``, with their chapter."""
 
     table: pd.DataFrame
     kind: str = field(default="statements", init=False)

@@ -141,17 +141,11 @@ class _Pages:
     def _write(self, written: _Written) -> None:
         for drawing in written.drawings:
             drawing.result()
-        charts = any(isinstance(part, Chart) for section in written.sections for part in section.parts)
         values = {"chapters": self._chapters, "here": written.chapter.name, "written": written}
-        values["library"] = _library() if charts else ""
+        scripts = {part.script for section in written.sections for part in section.parts if isinstance(part, Chart)}
+        values["library"] = "\n".join(scripts)
         render_page("chapter.html", self._context.out / written.chapter.file, **values)
         self._ready[written.chapter.name] = written
-
-
-def _library() -> str:
-    from verification.page.interactive import script
-
-    return script()
 
 
 def _facts(chapters: Sequence[Chapter], context: Context) -> Iterator[tuple[str, str]]:

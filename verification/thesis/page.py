@@ -8,14 +8,13 @@ from typing import Any
 
 import pandas as pd
 
-from verification.claims import Effect
-from verification.decide import decide_all, differing
-from verification.evidence import Kind
+from verification.claims import Effect, Kind
+from verification.claims.decide import decide_all, differing
+from verification.page import kept
 from verification.page.context import Context
 from verification.page.parts import Grid, SearchField, Section, Statements, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.thesis import kept
 from verification.thesis.errata import errata
 from verification.thesis.register import chapter_of, register
 

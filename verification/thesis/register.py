@@ -11,7 +11,7 @@ from importlib.util import find_spec
 
 import verification.thesis
 from verification.claims import Claim, stated_in
-from verification.decide import refuse_one_id_for_two
+from verification.claims.decide import refuse_one_id_for_two
 
 # It finds claims at run time; the numbers are made by their checks.
 MAKES_NO_NUMBERS = True

@@ -11,13 +11,13 @@ from jinja2 import Environment, PackageLoader, StrictUndefined
 
 from dincl.files import write_text
 from dincl.study import read_sealed
-from verification.evidence import Kind
-from verification.thesis.chapter2 import cheapest, work_precision
+from verification.beyond.chart import cheapest, work_precision
+from verification.claims import Kind
+from verification.page.kept import STUDIES
 from verification.thesis.chapter4 import kept
 from verification.thesis.chapter4.studies import preset_of
 from verification.thesis.chapter5 import sampling
 from verification.thesis.errata import errata
-from verification.thesis.kept import STUDIES
 from verification.thesis.register import register
 
 PAGE = Path(__file__).parents[2] / "docs" / "results.md"

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Sequence
 
 from dincl.errors import InvalidProblem
 from verification.claims import Claim, Cost, Tables
+from verification.claims.selection import select
 from verification.page.context import Context
-from verification.selection import select
 from verification.thesis.chapter4 import kept
 from verification.thesis.register import chapter_of
 
@@ -32,7 +32,7 @@ def select_claims(
 
 def tables_for(claims: Iterable[Claim], context: Context) -> Tables:
     """The tables that the claims read: kept ones, and those of the report's chapters, which are run for them."""
-    from verification.thesis.chapters import CHAPTERS
+    from verification.page.chapters import CHAPTERS
 
     needed = {name for claim in claims for name in claim.needs}
     if not context.full:

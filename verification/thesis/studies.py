@@ -1,7 +1,7 @@
 """The complete studies that ship: ``python -m verification.thesis.studies FOLDER [CHAPTER ...]``.
 
 It makes the runs that are missing in FOLDER/tables/made, two hours of two cores for all chapters, can be stopped at
-any time and called again, and writes ``verification/thesis/data/studies/*.parquet``. Chapters go by the names of their
+any time and called again, and writes ``verification/data/studies/*.parquet``. Chapters go by the names of their
 pages.
 """
 
@@ -15,13 +15,13 @@ from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from dincl.files import write_bytes
 from dincl.study import workers
+from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
-from verification.thesis.chapters import CHAPTERS
-from verification.thesis.kept import STUDIES
+from verification.page.kept import STUDIES
 
 MAKES_NO_NUMBERS = True
 # Those of EMT and of curved layers keep sums only, by commands of their own.
-NAMES = ("experiments", "speed", "failures", "geometry", "tissue", "space", "meanfield")
+NAMES = ("experiments", "moving", "speed", "failures", "geometry", "tissue", "space", "meanfield")
 
 
 def main(folder: Path, names: Collection[str] = NAMES) -> None:

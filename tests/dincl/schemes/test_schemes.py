@@ -5,7 +5,7 @@ import pytest
 
 import dincl
 from tests.dincl.catalog import FIRST_ORDER, SCHEMES, spring
-from verification.order import estimate
+from verification.instruments.order import estimate
 
 # The last step is for springs, which come into their order late.
 STEPS = 0.01 * 2.0 ** -np.arange(6)

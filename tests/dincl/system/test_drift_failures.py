@@ -13,7 +13,7 @@ from dincl.drifts import attraction, compiled
 from dincl.drifts.functions import OK, call_drift, velocity
 from dincl.system.callbacks import DriftPointer, catching
 from tests.dincl.system.drift_runs import X, asked, plain, run
-from verification.budget import OutOfBudgetError
+from verification.instruments.budget import OutOfBudgetError
 
 
 @partial(kernel, references=False)

@@ -11,7 +11,7 @@ import dincl
 from dincl.drifts import attraction, compiled, constant, swirl
 from dincl.system.callbacks import DriftPointer
 from tests.dincl.system.drift_runs import X, plain, run
-from verification.budget import DriftEvaluations, OutOfBudgetError, counted
+from verification.instruments.budget import DriftEvaluations, OutOfBudgetError, counted
 
 
 @numba.njit

@@ -7,8 +7,7 @@ from typing import Any, NamedTuple
 
 import pytest
 
-from verification.claims import Claim
-from verification.evidence import Evidence, Kind
+from verification.claims import Claim, Evidence, Kind
 
 Change = Callable[[Any], Any]
 

@@ -12,7 +12,7 @@ from itertools import chain
 from pathlib import Path
 
 from tests.verification.thesis.emt_tables import KEPT
-from verification.evidence import Comparison, Evidence, FormalProof
+from verification.claims import Comparison, Evidence, FormalProof
 
 FILE = Path(__file__).with_name("evidence.csv")
 NUMBER = re.compile(r"\d+(?:\.\d+)?(?:e[+-]?\d+)?")

@@ -11,14 +11,14 @@ from tests.verification.thesis.shortened_meanfield import MEANFIELD
 from tests.verification.thesis.shortened_space import SPACE, shorten_space
 from tests.verification.thesis.shortened_tissue import DAHA, TISSUE, shorten_tissue
 from tissue.pictures import charts as style
-from verification.budget import CpuSeconds
+from verification.beyond.chart import work_precision
 from verification.claims import Claim
+from verification.instruments.budget import CpuSeconds
 from verification.page import context as page_context
 from verification.page import sheet
 from verification.page.context import Context
 from verification.thesis import page, register
 from verification.thesis.chapter1.prox_regularity import ProxForm
-from verification.thesis.chapter2 import work_precision
 from verification.thesis.chapter2.convergence import ConvergenceForm
 from verification.thesis.chapter2.extrapolation import ExtrapolationForm
 from verification.thesis.chapter2.infeasibility import InfeasibilityForm

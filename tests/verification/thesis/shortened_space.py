@@ -2,7 +2,7 @@
 
 import pytest
 
-from verification.thesis.space import choices, growth, strip, substeps
+from verification.beyond.space import choices, growth, strip, substeps
 
 SHORT = {"tissue.cells": 36, "numerics.t_end": "1 h", "numerics.keep": "1 h"}
 SPACE = (

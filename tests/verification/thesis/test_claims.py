@@ -17,11 +17,10 @@ from tests.verification.thesis.chapter3 import test_claims_model as test_claims_
 from tests.verification.thesis.chapter4 import test_claims as test_claims_chapter4
 from tests.verification.thesis.chapter5 import test_claims as test_claims_chapter5
 from tests.verification.thesis.claim_changes import measured
-from verification.claims import Claim, Effect
-from verification.evidence import Evidence, Kind, at_most, equal
+from verification.claims import Claim, Effect, Evidence, Kind, at_most, equal
+from verification.page.chapters import CHAPTERS
 from verification.thesis import register
 from verification.thesis.chapter1.claims import s1_1_newton
-from verification.thesis.chapters import CHAPTERS
 
 CLAIMS = {claim.id: claim for claim in register.register()}
 
@@ -116,5 +115,5 @@ def test_a_claim_is_decided_anew_for_code_that_it_reaches_alone() -> None:
     alone = [claim for name, claim in CLAIMS.items() if name.startswith("c5.") and not claim.needs]
     made = {claim.id: closure(claim.check).modules for claim in alone}
     assert len(made) > 20
-    assert all("verification.evidence" in modules for modules in made.values())
+    assert all("verification.claims.evidence" in modules for modules in made.values())
     assert not [name for name, modules in made.items() if any(module.startswith("tissue") for module in modules)]

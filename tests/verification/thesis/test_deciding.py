@@ -10,12 +10,11 @@ from typer.testing import CliRunner
 
 from dincl import study
 from tests.executors import Here, Nowhere
-from verification import cli, decide
-from verification.claims import Claim, Correction, Cost, Effect, Tables
-from verification.evidence import Evidence, Kind, equal
+from verification import cli
+from verification.claims import Claim, Correction, Cost, Effect, Evidence, Kind, Tables, decide, equal
+from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
 from verification.thesis import register, selection
-from verification.thesis.chapters import CHAPTERS
 
 
 def right() -> Evidence:

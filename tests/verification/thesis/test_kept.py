@@ -8,8 +8,8 @@ import pytest
 
 from dincl.study.sealed import is_sealed, read_sealed
 from dincl.study.table import ATTRIBUTE
-from verification.thesis import kept
-from verification.thesis.chapter2 import pile_reference
+from verification.beyond.chart import pile_reference
+from verification.page import kept
 from verification.thesis.chapter5 import sampling
 
 TABLE = pd.DataFrame({"N": [10, 100], "w1": [0.5, 0.1]})
@@ -24,7 +24,7 @@ def test_each_kept_table_names_the_command_that_makes_it(file: Path) -> None:
 
 @pytest.mark.parametrize("file", sorted(kept.DATA.rglob("*.parquet")), ids=lambda file: file.stem)
 def test_each_table_that_ships_has_its_checksum(file: Path) -> None:
-    """Those that were written before they had: python -m verification.thesis.kept adds it."""
+    """Those that were written before they had: python -m verification.page.kept adds it."""
     assert is_sealed(file)
     read_sealed(file)
 

@@ -9,10 +9,10 @@ from dincl.study import workers
 from tests.executors import Here, Nowhere
 from tests.verification.thesis.shortened import FORMS
 from tests.verification.thesis.shortened_space import shorten_space
+from verification.page.chapters import CHAPTERS
 from verification.page.context import Context
+from verification.page.kept import STUDIES
 from verification.thesis import studies
-from verification.thesis.chapters import CHAPTERS
-from verification.thesis.kept import STUDIES
 
 SHIPPED = sorted(STUDIES.glob("*.parquet"))
 # Tissues are chaotic: on another kind of processor rounding ends in other places of nuclei.
@@ -32,7 +32,7 @@ def test_each_knows_what_it_was_made_by(file: Path) -> None:
 
 
 def test_an_unknown_chapter_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="chapter 'emt': must be one of experiments, speed"):
+    with pytest.raises(ValueError, match="chapter 'emt': must be one of experiments, moving, speed"):
         studies.main(tmp_path, ["emt"])
 
 

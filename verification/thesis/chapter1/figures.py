@@ -7,7 +7,6 @@ from pathlib import Path
 import pandas as pd
 
 from verification.page.sheet import GREY, sheet
-from verification.thesis.chapter2.methods import PBD
 
 # Column, label, colour, marker, line.
 CONSTANTS = (
@@ -21,7 +20,7 @@ CONSTANTS = (
 DISTANCES = (
     ("inclusion", "to F - N", "#009e73", "o"),
     ("sweep", "to one sweep of half-spaces", "#0072b2", "s"),
-    ("tangent", "to the projection on T", PBD.colour, "^"),
+    ("tangent", "to the projection on T", "#d55e00", "^"),
 )
 COLOURS = ("#009e73", "#0072b2", "#d55e00", "#cc79a7", "#6f6f6f")
 

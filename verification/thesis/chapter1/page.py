@@ -10,9 +10,8 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
+from verification.thesis.chapter1 import consistency, prox_regularity
 from verification.thesis.chapter1 import figures as figures_geometry
-from verification.thesis.chapter1 import prox_regularity
-from verification.thesis.chapter2 import consistency
 
 CONVEXITY = "How far from convex: the constant of prox-regularity"
 PROSE = Path(__file__).parent / "prose"

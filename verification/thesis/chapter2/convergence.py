@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 
 from dincl.study import Key, Row, Study
-from verification.error_norms import distance
-from verification.measure import reached
-from verification.order import Order, estimate, order_text
+from verification.instruments.error_norms import distance
+from verification.instruments.measure import reached
+from verification.instruments.order import Order, estimate, order_text
 from verification.thesis.chapter2.methods import COMPARED, METHODS, NamedMethod
 from verification.thesis.chapter2.reference import EventReference
 from verification.thesis.chapter2.runs import scene, solved

@@ -6,7 +6,7 @@ import numpy as np
 
 import dincl
 from dincl.study import Key, Row, Study
-from verification.error_norms import distance
+from verification.instruments.error_norms import distance
 from verification.thesis.chapter2.reference import TOL
 from verification.thesis.chapter2.runs import about, exact, scene, timed
 

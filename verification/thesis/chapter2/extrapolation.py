@@ -15,8 +15,8 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
-from verification.error_norms import distance
-from verification.references import Known
+from verification.instruments.error_norms import distance
+from verification.instruments.references import Known
 from verification.thesis.chapter2.convergence import STEP
 from verification.thesis.chapter2.methods import CATCH_UP, CATCH_UP_DAQP, LINEARISED_DAQP, REFERENCE_TOL
 from verification.thesis.chapter2.reference import EventReference, kept_times, stack

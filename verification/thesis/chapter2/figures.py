@@ -31,10 +31,10 @@ def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> 
         for panel, t in zip(panels, times, strict=True):
             now = rows[rows["t"] == t]
             for method in [METHODS[name] for name in METHODS if name in set(now["method"])]:
-                _line(panel, now[now["method"] == method.name], method, quantity)
+                error_curve(panel, now[now["method"] == method.name], method, quantity)
             if quantity == "error":
                 _reference_band(panel, float(now["reference_error"].iloc[0]))
-            _slope_one(panel, now, quantity)
+            slope_one(panel, now, quantity)
             panel.set(title=f"t = {t:g}", xlabel="step dt")
         panels[0].set(ylabel=LABELS[quantity], ylim=(LOWEST[quantity] / 3, 3))
         handles, labels = panels[0].get_legend_handles_labels()
@@ -42,7 +42,7 @@ def against_step(table: pd.DataFrame, scene: str, quantity: str, path: Path) -> 
     return path
 
 
-def _line(panel: Axes, rows: pd.DataFrame, method: NamedMethod, quantity: str) -> None:
+def error_curve(panel: Axes, rows: pd.DataFrame, method: NamedMethod, quantity: str) -> None:
     """A curve with markers; values too small to matter are markers on the lower edge, without a line to them."""
     rows = rows.sort_values("dt")
     values, lowest = rows[quantity].to_numpy(), LOWEST[quantity]
@@ -65,7 +65,7 @@ def _reference_band(panel: Axes, error: float) -> None:
     panel.text(0.02, top, text, transform=panel.get_yaxis_transform(), va="bottom", color=GREY, fontsize=7)
 
 
-def _slope_one(panel: Axes, rows: pd.DataFrame, quantity: str) -> None:
+def slope_one(panel: Axes, rows: pd.DataFrame, quantity: str) -> None:
     """A guide of slope 1 that ends at the coarsest step, below the curve of PBD."""
     mine = rows[(rows["method"] == PBD.name) & (rows["status"] == "SUCCESS")].sort_values("dt")
     steps = np.array([mine["dt"].min(), mine["dt"].max()])
@@ -133,22 +133,6 @@ def strengths(scanned: pd.DataFrame, scenes: Sequence[Scene], path: Path) -> Pat
     return path
 
 
-def moving_sets(table: pd.DataFrame, scenes: Sequence[str], path: Path) -> Path:
-    """Draw the error against dt, one panel for each scene."""
-    with sheet(path, 3.6) as figure:
-        panels = figure.subplots(1, len(scenes), sharex=True, sharey=True)
-        for panel, scene in zip(panels, scenes, strict=True):
-            now = table[table["scene"] == scene]
-            for method in [METHODS[name] for name in METHODS if name in set(now["method"])]:
-                _line(panel, now[now["method"] == method.name], method, "error")
-            _slope_one(panel, now, "error")
-            panel.set(title=scene, xlabel="step dt")
-        panels[0].set(ylabel=LABELS["error"], ylim=(LOWEST["error"] / 3, 3))
-        handles, labels = panels[0].get_legend_handles_labels()
-        figure.legend(handles, labels, loc="outside lower center", ncols=3)
-    return path
-
-
 def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: Path) -> Path:
     """How many times farther out than at the start a disc gets, against dt; runs that stopped as crosses."""
     with sheet(path, 3.2) as figure:
@@ -157,7 +141,7 @@ def large_steps(table: pd.DataFrame, far: float, scenes: Sequence[Scene], path: 
             now = table[table["scene"] == scene.name]
             now = now.assign(growth=now["growth"].clip(upper=1e3).where(now["status"] == "SUCCESS"))
             for method in [METHODS[name] for name in METHODS if name in set(now["method"])]:
-                _line(panel, now[now["method"] == method.name], method, "growth")
+                error_curve(panel, now[now["method"] == method.name], method, "growth")
             panel.axhspan(far, 2e3, color="#f6ece6", zorder=0)
             panel.set(title=scene.title, xlabel="step dt")
             panel.text(0.02, far * 1.1, "unstable", transform=panel.get_yaxis_transform(), color=GREY, fontsize=7)

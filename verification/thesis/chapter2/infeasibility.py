@@ -11,8 +11,8 @@ import pandas as pd
 
 import dincl
 from dincl.study import Key, Row, Study
-from verification.error_norms import distance
-from verification.measure import reached
+from verification.instruments.error_norms import distance
+from verification.instruments.measure import reached
 from verification.thesis.chapter2.convergence import SCENES
 from verification.thesis.chapter2.reference import EventReference
 from verification.thesis.chapter2.runs import about, scene, timed

@@ -8,9 +8,9 @@ from typing import Any
 
 import dincl
 from dincl.checks import describe
-from verification.method import Method, SchemeOf
+from verification.beyond.chart.baselines import Chipmunk, Lsoda
+from verification.instruments.method import Method, SchemeOf
 from verification.thesis.chapter2.moreau_jean import MoreauJean
-from verification.thesis.chapter2.yardsticks import Chipmunk, Lsoda
 
 # The tolerance of section 4.1 of chapter 2, for the reference; that of the projections that check it: a projection onto
 # a curved set by quadratic programs stops just below its tolerance in every step, and that adds up over a run; and that

@@ -14,17 +14,9 @@ from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
 from verification.page.report import Chapter, Finding
-from verification.thesis.chapter2 import (
-    convergence,
-    exactness,
-    extrapolation,
-    infeasibility,
-    large_steps,
-    moving_sets,
-    reference,
-)
+from verification.thesis.chapter2 import convergence, exactness, extrapolation, infeasibility, large_steps, reference
 from verification.thesis.chapter2 import figures as plots
-from verification.thesis.chapter2.methods import CATCH_UP, LINEARISED_DAQP, METHODS, MIDPOINT_ACTIVE, PBD
+from verification.thesis.chapter2.methods import CATCH_UP, LINEARISED_DAQP, METHODS, PBD
 from verification.thesis.chapter2.runs import scene
 
 # Of each scene [time]; all of them are among the kept times of the reference.
@@ -80,15 +72,6 @@ BEST = {
     "width": "Width",
     "least_error": "Least error, any strength",
 }
-MOVING = {
-    "scene": "Scene",
-    "method": "Method",
-    "order": "Order [95 %]",
-    "coarse": "Error, coarse",
-    "fine": "Error, fine",
-    "infeasibility": "Overlap, fine",
-}
-MOVING_TITLE = "Sets that turn, close and grow"
 
 
 def run(context: Context) -> None:
@@ -112,22 +95,18 @@ def run(context: Context) -> None:
     context.keep("penalty_best", infeasibility.best_strengths(tables["penalty_scan"]))
     curves = infeasibility.curves(tables["penalty_scan"], form)
     tables["infeasibility"] = context.rows_of(curves, curves.only(lambda key: key["dt"] == max(form.steps)))
-    moving = moving_sets.study()
-    tables["moving_sets"] = context.rows_of(moving, moving.only(lambda key: key["dt"] >= COARSE))
-    context.keep("moving_orders", moving_sets.orders(tables["moving_sets"]))
     large = large_steps.study(context.form(large_steps.FORM))
     tables["large_steps"] = context.rows_of(large, large.some(MOST))
 
 
 def sections(context: Context) -> Sequence[Section]:
-    """The two scenes, the reference, convergence, infeasibility, large steps, sets that depend on time."""
+    """The two scenes, the reference, convergence, infeasibility, large steps."""
     return [
         _scenes(context),
         _reference(context),
         *(_convergence(context, name) for name in convergence.SCENES),
         _penalty(context),
         _large(context),
-        _moving(context),
     ]
 
 
@@ -229,25 +208,6 @@ def _large(context: Context) -> Section:
     return Section("Large steps", parts)
 
 
-def _moving(context: Context) -> Section:
-    table, orders = context.tables["moving_sets"], context.tables["moving_orders"]
-    slopes = orders.dropna(subset="slope").groupby("method")["slope"].agg(["min", "max"])
-    said = fill(
-        PROSE / "moving_sets.html",
-        count=len(moving_sets.SCENES),
-        times=moving_sets.TIMES,
-        coarse=table["dt"].max(),
-        fine=table["dt"].min(),
-        pbd=slopes.loc[PBD.label].tolist(),
-        midpoint=slopes.loc[MIDPOINT_ACTIVE.label].tolist(),
-    )
-    figure = context.draw("moving_sets", plots.moving_sets, table, tuple(moving_sets.SCENES))
-    grid = Grid(orders[list(MOVING)].rename(columns=MOVING), said["table"], "moving_orders")
-    return Section(
-        MOVING_TITLE, [Text(said["intro"]), Picture(figure, said["picture"]), grid, Follows(said["follows"])]
-    )
-
-
 def findings(context: Context) -> Sequence[Finding]:
     """The order of PBD, and its error beside that of catch-up."""
     orders, table = context.tables["orders"], context.tables["convergence"]
@@ -281,6 +241,5 @@ CHAPTER = Chapter(
         "penalty_",
         "infeasibility",
         "large_steps",
-        "moving_",
     ),
 )

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.study import Key, Row, Study
-from verification.references import Known
+from verification.instruments.references import Known
 from verification.thesis.chapter2.runs import about, position_rows, scene, timed
 
 Floats = NDArray[np.float64]

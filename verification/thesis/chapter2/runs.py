@@ -13,7 +13,7 @@ import dincl
 from dincl import FixedStep
 from dincl.scenes import Scene
 from dincl.study import Row
-from verification.measure import COUNTERS, reached
+from verification.instruments.measure import COUNTERS, reached
 from verification.thesis.chapter2.methods import METHODS
 
 

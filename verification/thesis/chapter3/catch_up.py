@@ -16,7 +16,7 @@ from dincl import Scheme
 from dincl.study import Key, Row, Study
 from tissue.files.parameters import Parameters
 from tissue.quasi_steady.frozen import frozen_problem, made_feasible, particles
-from verification.order import estimate, order_text
+from verification.instruments.order import estimate, order_text
 from verification.thesis.chapter3 import linear
 from verification.thesis.chapter3.frozen import Frozen
 from verification.thesis.chapter3.jitter import substepped

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.page.charts import edges
+from verification.instruments.charts import edges
 from verification.page.sheet import GREY, Axes, Figure, sheet
 from verification.thesis.chapter3.beyond import SETTLED
 from verification.thesis.chapter3.disturbed import PART

@@ -9,9 +9,8 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.outcome import Outcome
-from verification.page.charts import edges
-from verification.page.outcome_map import draw_outcomes, outcome_handles
+from verification.instruments.charts import draw_outcomes, edges, outcome_handles
+from verification.instruments.outcome import Outcome
 from verification.page.sheet import GREY, Axes, sheet
 from verification.thesis.chapter3 import daha_limits
 from verification.thesis.chapter3.daha import DOUBLED_CASE, PBD_SUBSTEPS, TERMINATING

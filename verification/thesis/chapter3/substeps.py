@@ -16,7 +16,7 @@ import pandas as pd
 from dincl.study import Key, Row, Study
 from tissue.frames.frame import Frame
 from tissue.frames.observables import height
-from verification.order import Order, estimate, order_text
+from verification.instruments.order import Order, estimate, order_text
 from verification.thesis.chapter3.growing import PRESETS, SUCCESS, Growing, growing, nuclei, rms
 from verification.thesis.chapter3.intervals import over_seeds
 

@@ -11,8 +11,7 @@ import numpy as np
 from tissue.statistics.comparisons import Difference, runs_needed
 from tissue.statistics.proportions import POWER, quantile, sample_size
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Tables
-from verification.evidence import Comparison, Interval
+from verification.claims import Comparison, Interval, Tables
 from verification.thesis.chapter4.ratio_claims import CLAIM_LEVEL
 from verification.thesis.chapter4.studies import PRESETS
 

@@ -1,7 +1,7 @@
 """The tables of the complete studies, computed once: ``python -m verification.thesis.chapter4.kept FOLDER [PRESET]``.
 
 It makes the runs that are missing in FOLDER, some 215,000 in an hour on two cores, can be stopped at
-any time and called again, and writes ``verification/thesis/data/emt_*.parquet``. With a preset, "published"
+any time and called again, and writes ``verification/data/emt_*.parquet``. With a preset, "published"
 (25,000 runs) or "thesis", it makes the runs and rows of that one and leaves those of the other.
 """
 
@@ -17,11 +17,10 @@ from dincl.checks import describe
 from dincl.errors import InvalidProblem
 from dincl.study import read_sealed, workers
 from tissue.study.read import Results
+from verification.page.kept import DATA, keep
 from verification.thesis.chapter4 import differences, effects, printed, sensitivity, studies, summaries
 from verification.thesis.chapter4.studies import PRESETS, preset_of
-from verification.thesis.kept import keep
 
-DATA = Path(__file__).parent.parent / "data"
 # By name: results of studies -> table.
 TABLES: dict[str, Callable[[Mapping[str, Results]], pd.DataFrame]] = {
     "printed": printed.compared,

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
 from meanfield import Motion, solve_rattle
-from verification.meanfield_methods import SOLVERS
-from verification.order import estimate, order_text
+from verification.instruments.meanfield_methods import SOLVERS
+from verification.instruments.order import estimate, order_text
 from verification.thesis.chapter5 import cases, exact
 from verification.thesis.chapter5.methods import applies
 

@@ -16,7 +16,7 @@ from dincl.study import Key, Row, Study
 from meanfield import solve_characteristics
 from meanfield.forces.field import field, field_by_numpy
 from meanfield.forces.interaction import forces
-from verification.meanfield_methods import DensityProblem, prepared
+from verification.instruments.meanfield_methods import DensityProblem, prepared
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]

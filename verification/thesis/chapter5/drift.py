@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
 from meanfield import Motion
-from verification.lines import slope
-from verification.meanfield_methods import SOLVERS
+from verification.instruments.lines import slope
+from verification.instruments.meanfield_methods import SOLVERS
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.methods import LABELS
 from verification.thesis.chapter5.naive import solve_naive, solve_naive_rk4

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
 from meanfield import Moments, solve_characteristics, solve_moments, solve_pde
-from verification.lines import slope
-from verification.meanfield_methods import SOLVERS
-from verification.order import estimate, order_text
+from verification.instruments.lines import slope
+from verification.instruments.meanfield_methods import SOLVERS
+from verification.instruments.order import estimate, order_text
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.agreement import TIMES
 

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from verification.instruments.rates import QUANTILES
 from verification.page.sheet import GREY, Axes, sheet
-from verification.rates import QUANTILES
 from verification.thesis.chapter5 import flow_rates, grid_order, stability_constant
 from verification.thesis.chapter5.cases import TITLES
 from verification.thesis.chapter5.drift import TITLES as DRIFTERS

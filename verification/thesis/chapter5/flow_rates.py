@@ -20,15 +20,24 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from dincl.study import Key, Row, Study
-from verification.rates import IID, PAIR, QUANTILES, MeanFieldLimit, distance, draw, mean_field_limit, through_flow
+from verification.instruments.rates import (
+    IID,
+    PAIR,
+    QUANTILES,
+    MeanFieldLimit,
+    distance,
+    draw,
+    mean_field_limit,
+    through_flow,
+)
+from verification.page.kept import DATA, keep
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.sampling import exponents, means
-from verification.thesis.kept import keep
 
 Floats = NDArray[np.float64]
 T = np.array([4.0])
 LINE, SPACE = ("uniform", "wavy"), ("element", "cube")
-FILE = Path(__file__).parent.parent / "data" / "meanfield_flow.parquet"
+FILE = DATA / "meanfield_flow.parquet"
 # Of the limit; of particles, whose error falls with N: random ones, and quantiles.
 EXACT, EXACT_IN_SPACE, FINE, FINER = 1e-12, 1e-7, 1e-7, 1e-12
 # The repeats of each N, on a line and in space.

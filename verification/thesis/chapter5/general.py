@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from verification.evidence import FormalProof
+from verification.claims import FormalProof
 from verification.formal.algebra import identity, library, matrices
 
 

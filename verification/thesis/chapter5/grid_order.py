@@ -14,7 +14,7 @@ from dincl.study import Key, Row, Study
 from meanfield import GridMotion, Moments, push_forward, solve_characteristics, solve_moments, solve_pde, w1
 from meanfield.solvers.grid.cells import CellGrid
 from meanfield.solvers.push_forward import origins
-from verification.order import estimate, order_text
+from verification.instruments.order import estimate, order_text
 from verification.thesis.chapter5 import cases, exact
 
 Floats = NDArray[np.float64]

@@ -26,7 +26,7 @@ from meanfield import (
     solve_rattle,
 )
 from meanfield.solvers.rattle import SUBSTEPS
-from verification.outcome import FAR, Outcome
+from verification.instruments.outcome import FAR, Outcome
 from verification.thesis.chapter2.stability.outcome import ERROR
 from verification.thesis.chapter2.stability.plane import Axis, Line, Plane, geometric
 from verification.thesis.chapter5.methods import LABELS

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from meanfield import Model, Positions, reduce
-from verification.meanfield_methods import density_methods, particle_methods
+from verification.instruments.meanfield_methods import density_methods, particle_methods
 
 # By their names in tables; with the settings for given particles where there are any.
 METHODS = density_methods() | particle_methods()

@@ -29,7 +29,7 @@ from meanfield import (
     solve_rattle,
 )
 from meanfield.model.symbolic import library
-from verification.meanfield_methods import SOLVERS
+from verification.instruments.meanfield_methods import SOLVERS
 from verification.thesis.chapter2.stability.boundary import boundary
 from verification.thesis.chapter5 import cases, exact
 

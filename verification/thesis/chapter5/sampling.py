@@ -23,11 +23,11 @@ from scipy.special import ndtri
 
 from dincl.study import Key, Row, read_sealed
 from meanfield import Density
-from verification.order import CONFIDENCE
-from verification.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
-from verification.thesis.kept import keep
+from verification.instruments.order import CONFIDENCE
+from verification.instruments.rates import IID, PAIR, QUANTILES, distance, draw, fitted_power, log_points, mean_of
+from verification.page.kept import DATA, keep
 
-FILE = Path(__file__).parent.parent / "data" / "w1_rates.parquet"
+FILE = DATA / "w1_rates.parquet"
 KEY = ("d", "start", "N", "repeat")
 # A run that is kept at once [s].
 LONG = 5.0

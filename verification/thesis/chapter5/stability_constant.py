@@ -26,7 +26,7 @@ from scipy.optimize import brentq
 from dincl.study import Key, Row, Study
 from meanfield import Motion, State, StraightFibre, solve_ode, w1
 from verification.formal.enclosures import least_upper_bound
-from verification.lines import slope
+from verification.instruments.lines import slope
 from verification.thesis.chapter5 import cases
 from verification.thesis.chapter5.cases import FIBRE
 

@@ -10,8 +10,7 @@ import pytest
 from tests.verification.thesis.claim_changes import Change, Wrong, decided, measured, replaced, times
 from tests.verification.thesis.emt_tables import KEPT
 from tests.verification.thesis.evidence import differences
-from verification.claims import stated_in
-from verification.evidence import Kind
+from verification.claims import Kind, stated_in
 from verification.thesis.chapter1.cells import HARD
 from verification.thesis.chapter1.claims import (
     s1_1_newton,

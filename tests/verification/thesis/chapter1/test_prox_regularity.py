@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 from dincl.geometry import normal_cone
+from verification.page.kept import STUDIES
 from verification.thesis.chapter1 import prox_regularity
-from verification.thesis.kept import STUDIES
 
 
 @pytest.fixture(scope="module")

@@ -8,8 +8,7 @@ import pytest
 import dincl
 from tests.verification.thesis.claim_changes import Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import stated_in
-from verification.evidence import Kind
+from verification.claims import Kind, stated_in
 from verification.thesis.chapter2.claims import (
     s1_1_3_repulsion,
     s1_1_reference_methods,

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import dincl
-from verification.error_norms import distance
-from verification.measure import reached
+from verification.instruments.error_norms import distance
+from verification.instruments.measure import reached
 from verification.thesis.chapter2 import convergence, infeasibility, large_steps, page
 from verification.thesis.chapter2 import reference as event_driven
 from verification.thesis.chapter2.extrapolation import extrapolate

@@ -5,8 +5,8 @@ import pandas as pd
 import pytest
 
 import dincl
-from verification.thesis.chapter2.pile_reference import COUNT, TIMES, table
-from verification.thesis.chapter2.work_references import FILES
+from verification.beyond.chart.pile_reference import COUNT, TIMES, table
+from verification.beyond.chart.references import FILES
 
 
 def kept_states():

@@ -8,8 +8,8 @@ import pytest
 import dincl
 from dincl.drifts import attraction, constant
 from dincl.scenes import Scene
-from verification.budget import CpuSeconds, DriftEvaluations, OutOfBudgetError, counted
-from verification.thesis.chapter2.yardsticks import Chipmunk, Lsoda, chipmunk
+from verification.beyond.chart.baselines import Chipmunk, Lsoda, chipmunk
+from verification.instruments.budget import CpuSeconds, DriftEvaluations, OutOfBudgetError, counted
 
 SLIDE = dincl.scenes.sliding_disc()
 TIMES = np.arange(1, 61) * 0.05
@@ -66,8 +66,8 @@ def test_lsoda_counts_its_work():
 
 
 def test_jacobian_of_the_springs_is_their_derivative():
-    from verification.thesis.chapter2.yardsticks import lsoda
-    from verification.thesis.chapter2.yardsticks.kept import Kept
+    from verification.beyond.chart.baselines import lsoda
+    from verification.beyond.chart.baselines.kept import Kept
 
     problem = a_scene(
         [(0.0, 0.5), (1.0, 0.5)], constant(np.array([[1.0, -1.0], [-1.0, -1.0]])), [dincl.NonOverlap(0.5), FLOOR]

@@ -12,9 +12,9 @@ from tests.verification.undrawn import draw_nothing
 from verification.page.context import Context
 from verification.page.parts import number
 from verification.page.report import write_report
-from verification.thesis.chapter3 import page as chapter
 from verification.thesis.chapter3.growing import SUCCESS
 from verification.thesis.chapter3.sections import foretold, growth, kernel, stability, substeps
+from verification.thesis.chapter3.sections import page as chapter
 
 pytestmark = pytest.mark.slow
 

@@ -11,8 +11,7 @@ import pytest
 import dincl
 from tests.verification.thesis.claim_changes import Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import stated_in
-from verification.evidence import Kind
+from verification.claims import Kind, stated_in
 from verification.thesis.appendix.claims import s1_uzawa
 from verification.thesis.chapter3.claims import (
     s2_3_1_daha,

@@ -9,8 +9,7 @@ import pytest
 
 from tests.verification.thesis.claim_changes import Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import stated_in
-from verification.evidence import Kind
+from verification.claims import Kind, stated_in
 from verification.thesis.chapter3.claims import (
     s1_3_model,
     s2_2_1_cycle,

@@ -25,8 +25,7 @@ from tests.verification.thesis.emt_tables import (
 from tests.verification.thesis.evidence import differences
 from tissue.events.known import row
 from tissue.statistics.comparisons import Difference
-from verification.claims import stated_in
-from verification.evidence import Comparison, Kind
+from verification.claims import Comparison, Kind, stated_in
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.claims import (
     s2_2_1_events,

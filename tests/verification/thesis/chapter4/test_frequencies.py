@@ -5,7 +5,7 @@ import pytest
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.evidence import Evidence, Kind
+from verification.claims import Evidence, Kind
 from verification.thesis.chapter4 import frequencies
 from verification.thesis.chapter4.studies import PRESETS
 

@@ -9,8 +9,7 @@ import pytest
 from meanfield import State
 from tests.verification.thesis.claim_changes import Change, Wrong, decided, measured, replaced, times
 from tests.verification.thesis.evidence import differences
-from verification.claims import stated_in
-from verification.evidence import Kind
+from verification.claims import Kind, stated_in
 from verification.thesis.appendix.claims import s2_derivation
 from verification.thesis.chapter5.claims import (
     s1_introduction,

@@ -7,7 +7,7 @@ from flint import arb
 
 from meanfield import Density, State, push_forward, solve_ode, w1
 from meanfield.solvers.push_forward import origins
-from verification.rates import IID, PAIR, QUANTILES
+from verification.instruments.rates import IID, PAIR, QUANTILES
 from verification.thesis.chapter5 import (
     agreement,
     cases,

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, claim, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.enclosures import balls, not_negative
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, proved, put_right
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, claim, proved, put_right
 from verification.formal.algebra import identity, matrices
 from verification.thesis.chapter5.general import eliminated, multiplier, pair_force, particle
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, proved
+from verification.claims import Evidence, Kind, claim, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal, proved
 from verification.thesis.chapter1.claims.s4_2_hypomonotone import cones
 from verification.thesis.chapter1.sets import Floats
 

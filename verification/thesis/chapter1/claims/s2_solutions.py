@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, claim, equal, proved
 from verification.formal.reals import implication, solver_library
 
 ROUNDING = 1e-12

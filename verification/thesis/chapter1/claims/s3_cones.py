@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, equal, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved, put_right
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s1_2_constraints import indicator
 from verification.thesis.chapter1.sets import PLACES, SLOPES, subgradients

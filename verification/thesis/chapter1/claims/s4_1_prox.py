@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s3_cones import SEED

@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.claims.s2_1_inclusions import LINE, step_values

@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, equal, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.claims.s1_2_constraints import SIDES
 from verification.thesis.chapter1.claims.s4_2_hypomonotone import cones

@@ -7,8 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, claim, equal, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, proved
 from verification.formal.algebra import identity
 from verification.thesis.chapter1.claims.s4_1_prox import nearest
 from verification.thesis.chapter1.claims.s4_4_semicontinuity import SEED, excess, limits

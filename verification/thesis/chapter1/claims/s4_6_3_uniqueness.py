@@ -7,8 +7,7 @@ import math
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim
 from verification.thesis.chapter1.sets import Floats, catch_up, falling
 
 

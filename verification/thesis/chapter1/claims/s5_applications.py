@@ -7,8 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim
 from verification.thesis.chapter1.cells import TOL, State, divided, in_mitosis, nearest, overlap, problem
 
 # Of catch-up from a feasible state, in units of the time in which the pull to the middle acts.

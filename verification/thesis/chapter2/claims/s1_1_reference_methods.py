@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter2.runs import exact

@@ -6,8 +6,7 @@ from __future__ import annotations
 from typing import Any
 
 import dincl
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, proved, put_right
 from verification.formal.algebra import identity, library
 
 # A body that falls from rest: mass, force and time.

@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 import dincl
-from verification.claims import Tables, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Evidence, Kind, Tables, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter2.methods import PBD

@@ -9,8 +9,7 @@ from collections.abc import Callable
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats

@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, ROUNDING, points_of_step, row

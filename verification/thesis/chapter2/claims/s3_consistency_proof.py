@@ -8,8 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved, put_right
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter1.sets import Floats

@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 
 import dincl
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_least, at_most, claim, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter2.methods import CATCH_UP, CHECK_TOL, LINEARISED_CLARABEL, REFERENCE_TOL
 

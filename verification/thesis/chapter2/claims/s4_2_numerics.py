@@ -8,8 +8,7 @@ import numpy as np
 import pandas as pd
 
 import dincl
-from verification.claims import Tables, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.claims import Evidence, Kind, Tables, at_least, at_most, claim, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS
 from verification.thesis.chapter2.methods import PBD

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from verification.claims import Tables, claim
-from verification.evidence import Evidence, at_least
+from verification.claims import Evidence, Tables, at_least, claim
 
 # Discs that end farther than this, a radius, from where they belong have been thrown away [length].
 THROWN = 0.5

@@ -11,8 +11,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 
-from verification.page.charts import edges
-from verification.page.outcome_map import draw_outcomes, outcome_handles
+from verification.instruments.charts import draw_outcomes, edges, outcome_handles
 from verification.page.sheet import GREY, Axes, Figure, polygon, sheet
 from verification.thesis.chapter2.stability.contestants import CONTESTANTS
 from verification.thesis.chapter2.stability.decades import METHODS

@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 import dincl
-from verification.outcome import FAR, Outcome, judge
-from verification.stability import reach_of
+from verification.instruments.outcome import FAR, Outcome, judge
+from verification.instruments.stability import reach_of
 
 __all__ = ["ERROR", "FAR", "OVERLAP", "WORDS", "measured", "refused", "row"]
 

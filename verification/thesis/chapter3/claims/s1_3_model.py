@@ -14,8 +14,7 @@ from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.statistics.ratios import Ratio
-from verification.claims import claim
-from verification.evidence import Evidence, at_least, at_most, equal
+from verification.claims import Evidence, at_least, at_most, claim, equal
 from verification.thesis.chapter3.intervals import over_seeds
 
 SEEDS = tuple(range(4))

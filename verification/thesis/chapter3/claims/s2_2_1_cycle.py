@@ -16,8 +16,7 @@ from tissue.runs.compiled_rules import rules_pointer
 from tissue.runs.simulate import simulate
 from tissue.state.numbers import numbers_pointer
 from tissue.state.running import contents, new_state
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter3.claims.s1_3_model import grown, runs_for
 from verification.thesis.chapter3.intervals import over_seeds

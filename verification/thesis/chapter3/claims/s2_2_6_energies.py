@@ -14,8 +14,7 @@ from tissue.frames.observables import height
 from tissue.model.energy import forces
 from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, equal, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter3.intervals import MeanInterval, over_seeds

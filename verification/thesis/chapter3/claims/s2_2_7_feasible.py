@@ -8,8 +8,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, equal
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal
 
 Floats = NDArray[np.float64]
 # Table 2 and (3.7), in μm; (3.4) in units of R_soft.

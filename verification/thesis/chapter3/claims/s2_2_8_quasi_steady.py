@@ -18,8 +18,7 @@ from tissue.runs.simulate import simulate
 from tissue.state.cells import COORDINATES, Cells
 from tissue.state.numbers import numbers_pointer
 from tissue.state.running import contents, new_state
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim
 from verification.thesis.chapter3.terms import slope, spring
 
 TOL = 1e-6

@@ -8,8 +8,7 @@ from itertools import pairwise
 from tissue.files.parameters import preset
 from tissue.frames.observables import nuclear_layers
 from tissue.runs.simulate import simulate
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, at_least, proved
+from verification.claims import Evidence, Kind, at_least, claim, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter3.claims.s1_3_model import runs_for

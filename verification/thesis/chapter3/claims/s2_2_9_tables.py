@@ -11,8 +11,7 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.frames.observables import widths
 from tissue.runs.simulate import simulate
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, equal
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal
 
 SEED, MANY = 0, 12
 # Table 1 in μm; the first height of Figure 16, whose unit is R_soft.

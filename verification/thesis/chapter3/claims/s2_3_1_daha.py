@@ -8,8 +8,7 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 
 Floats = NDArray[np.float64]

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved
 from verification.formal.algebra import identity
 from verification.thesis.chapter3.claims.s2_3_1_daha import damped
 

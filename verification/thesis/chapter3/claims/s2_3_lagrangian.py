@@ -11,8 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import dincl
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, claim, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication, solver_library
 

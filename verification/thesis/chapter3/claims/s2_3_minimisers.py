@@ -9,8 +9,7 @@ import numpy as np
 
 import dincl
 from dincl.minimise import ArrowHurwicz, DampedArrowHurwicz, Minimum, Stationary, minimise
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter3.claims.s2_3_1_daha import damped

@@ -7,8 +7,7 @@ import numpy as np
 
 import dincl
 from dincl.minimise import DampedArrowHurwicz, Stationary, minimise
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, claim, equal, proved
 from verification.formal.algebra import identity, library
 
 # Tables 3 and 4, and section 3.1.

@@ -8,8 +8,19 @@ import math
 import pandas as pd
 from scipy.special import stdtrit
 
-from verification.claims import Correction, Effect, MissingRow, Tables, claim
-from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal
+from verification.claims import (
+    Comparison,
+    Correction,
+    Effect,
+    Evidence,
+    Kind,
+    MissingRow,
+    Tables,
+    at_least,
+    at_most,
+    claim,
+    equal,
+)
 from verification.thesis.chapter3.daha import (
     COMPARED,
     DOUBLED_CASE,

@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from tissue.files.parameters import preset
 from tissue.state.cells import empty
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter3.linear import own_hessians

@@ -8,8 +8,7 @@ import math
 import numpy as np
 import pandas as pd
 
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_least, at_most, claim, equal
 
 # Tables 1, 4 and 5, in units of R_soft and hours.
 D, DT, MU, ALPHA, ITERATIONS = 0.1, 0.1, 0.15, 1e-4, 7500

@@ -10,8 +10,7 @@ import numpy as np
 from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
-from verification.claims import Tables, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.claims import Evidence, Kind, Tables, at_least, at_most, claim, equal
 from verification.thesis.chapter3.claims.s1_3_model import runs_for
 from verification.thesis.chapter3.claims.s3_4_comparison import SHARE, SUBSTEPS, needed, row_of
 from verification.thesis.chapter3.daha import COMPARED, DOUBLED_CASE, TERMINATING, TIMES

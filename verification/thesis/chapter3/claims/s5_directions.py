@@ -9,8 +9,7 @@ import pandas as pd
 from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.simulate import simulate
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Evidence, Kind, at_least, equal
+from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_least, claim, equal
 
 SEED = 0
 SHEET = {"tissue.dimension": 3, "tissue.cells": 100, "space.boundary": "open", "numerics.t_end": "12 h"}

@@ -12,8 +12,7 @@ from tissue.files.parameters import preset
 from tissue.frames.frame import Frame
 from tissue.runs.run import Run
 from tissue.runs.simulate import simulate
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal, proved
 from verification.formal.cases import all_cases
 
 SEED = 4

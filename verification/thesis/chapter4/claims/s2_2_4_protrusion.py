@@ -11,8 +11,7 @@ from scipy.optimize import brentq
 from tissue.files.parameters import preset
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter4.frequencies import DECIDES

@@ -12,8 +12,7 @@ import numpy as np
 from tissue.events.known import row, settled
 from tissue.files.timing import timing
 from tissue.state.cells import Floats
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter4.claims.s4_3_tables import NEVER, TABLE_3, TABLE_4, TABLE_5
 

@@ -6,8 +6,7 @@ from __future__ import annotations
 from itertools import permutations, product
 
 from tissue.statistics.categories import EVENTS
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.claims import Correction, Effect, Evidence, Kind, at_least, at_most, claim, equal
 
 # The footnote on possible orders: counts as printed, and the orders that it lists.
 STEPS = {1: 3, 2: 7, 3: 10, 4: 9}

@@ -9,8 +9,7 @@ import numpy as np
 
 from tissue.state.cells import Floats
 from tissue.statistics.proportions import POWER
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Evidence, Kind, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_most, claim, proved
 from verification.formal.reals import implication, solver_library
 
 # Of the intervals D_k.

@@ -7,8 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tissue.state.cells import Floats
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, equal, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, equal, proved
 from verification.formal.algebra import identity
 
 SEED = 333

@@ -7,8 +7,7 @@ from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Evidence, Kind, at_most
+from verification.claims import Correction, Effect, Evidence, Kind, Tables, at_most, claim
 from verification.thesis.chapter4.frequencies import (
     DECIDES,
     RATIOS,

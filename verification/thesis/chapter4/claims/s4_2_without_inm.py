@@ -8,8 +8,7 @@ from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Comparison, Evidence, Kind
+from verification.claims import Comparison, Correction, Effect, Evidence, Kind, Tables, claim
 from verification.thesis.chapter4.frequencies import (
     DECIDES,
     RATIOS,

@@ -9,8 +9,7 @@ from tissue.files.parameters import preset
 from tissue.frames.observables import ab_positions
 from tissue.runs.simulate import simulate
 from tissue.state.cells import Floats
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, at_least, proved
+from verification.claims import Evidence, Kind, at_least, claim, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter4.frequencies import DECIDES
 

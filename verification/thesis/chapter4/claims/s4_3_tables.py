@@ -9,8 +9,7 @@ import numpy as np
 
 from tissue.files.timing import timing
 from tissue.statistics.proportions import wilson
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Comparison, Evidence, Kind, at_most, equal
+from verification.claims import Comparison, Correction, Effect, Evidence, Kind, at_most, claim, equal
 from verification.thesis.chapter4.frequencies import most_runs, runs_for_bound
 
 SEED = 5

@@ -7,8 +7,7 @@ from functools import partial
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Evidence, Interval, Kind, at_least, at_most
+from verification.claims import Correction, Effect, Evidence, Interval, Kind, Tables, at_least, at_most, claim
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
     DECIDES,

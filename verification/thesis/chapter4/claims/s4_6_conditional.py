@@ -10,8 +10,7 @@ import pandas as pd
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.proportions import LEVEL
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Tables, claim
-from verification.evidence import Evidence, Interval, Kind
+from verification.claims import Evidence, Interval, Kind, Tables, claim
 from verification.thesis.chapter4.frequencies import (
     BESIDE,
     CONDITIONAL,

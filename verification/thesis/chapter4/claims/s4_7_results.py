@@ -10,8 +10,7 @@ import pandas as pd
 
 from tissue.statistics.comparisons import Difference
 from tissue.statistics.ratios import Ratio, as_ratio
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Comparison, Evidence, Kind
+from verification.claims import Comparison, Correction, Effect, Evidence, Kind, Tables, claim
 from verification.thesis.chapter4.frequencies import (
     CATEGORIES,
     CONDITIONAL,

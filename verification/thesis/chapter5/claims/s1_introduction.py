@@ -7,8 +7,19 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, equal, proved, put_right
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    FormalProof,
+    Kind,
+    at_least,
+    at_most,
+    claim,
+    equal,
+    proved,
+    put_right,
+)
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.claims.s2_3_examples import shifted, with_springs

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, proved
+from verification.claims import Evidence, Kind, claim, proved
 from verification.formal.algebra import identity, library, matrices
 from verification.formal.reals import implication
 from verification.thesis.chapter5.general import multiplier, particle

@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.general import eliminated, even, multiplier, particle
 from verification.thesis.chapter5.instant import (

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, claim, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.instant import (
     Floats,

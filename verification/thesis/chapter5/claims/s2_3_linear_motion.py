@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, proved, put_right
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved
 from verification.formal.algebra import identity, library, matrices
 from verification.thesis.chapter5.claims.s2_3_examples import (
     ONE,

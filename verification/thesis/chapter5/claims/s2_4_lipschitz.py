@@ -7,8 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library, sum_of_squares
 from verification.formal.enclosures import not_negative
 from verification.formal.reals import implication

@@ -8,8 +8,18 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, proved, put_right
+from verification.claims import (
+    Correction,
+    Effect,
+    Evidence,
+    FormalProof,
+    Kind,
+    at_least,
+    at_most,
+    claim,
+    proved,
+    put_right,
+)
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.general import even, particle
 from verification.thesis.chapter5.instant import (

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_least, at_most, claim, proved
 from verification.formal.algebra import identity
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import Floats

@@ -7,8 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.instant import STEP, general_instant, kinetic, phi, potential

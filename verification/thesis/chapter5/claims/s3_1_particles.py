@@ -8,8 +8,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Interval, Kind, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, Interval, Kind, at_least, at_most, claim, proved
 from verification.formal.algebra import identity, library
 from verification.thesis.chapter5.instant import Floats, effective_force, effective_mass, general_instant, phi
 from verification.thesis.chapter5.wavy import runge_kutta, soft, symbolic_soft

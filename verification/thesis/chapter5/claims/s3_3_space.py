@@ -7,8 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_most, proved
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, proved
 from verification.formal.algebra import identity, library
 from verification.formal.reals import implication
 from verification.thesis.chapter5.claims.s2_3_examples import with_springs

@@ -7,8 +7,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_least, at_most, proved
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_least, at_most, claim, proved
 from verification.formal.reals import implication
 from verification.thesis.chapter5.bounded import FlowState, force, mass
 from verification.thesis.chapter5.claims.s3_4_stability import gronwall

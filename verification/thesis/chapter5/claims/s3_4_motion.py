@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, proved
+from verification.claims import Evidence, Kind, claim, proved
 from verification.formal.algebra import identity
 from verification.thesis.chapter5.claims.s2_5_energy import conserved
 from verification.thesis.chapter5.claims.s3_4_estimate import estimate

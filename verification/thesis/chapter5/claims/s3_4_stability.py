@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment, linprog
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, FormalProof, Kind, at_most, proved, put_right
+from verification.claims import Correction, Effect, Evidence, FormalProof, Kind, at_most, claim, proved, put_right
 from verification.formal.algebra import identity, library
 from verification.formal.enclosures import balls, not_negative
 from verification.formal.reals import implication

@@ -8,8 +8,7 @@ from statistics import NormalDist
 
 import numpy as np
 
-from verification.claims import claim
-from verification.evidence import Evidence, Interval, Kind, at_least, proved
+from verification.claims import Evidence, Interval, Kind, at_least, claim, proved
 from verification.formal.reals import implication, solver_library
 from verification.thesis.chapter5.claims.s3_4_estimate import estimate
 from verification.thesis.chapter5.instant import Floats

@@ -5,8 +5,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from verification.claims import Correction, Effect, claim
-from verification.evidence import Evidence, Kind, proved, put_right
+from verification.claims import Correction, Effect, Evidence, Kind, claim, proved, put_right
 from verification.formal.algebra import identity, library, matrices
 
 

@@ -60,7 +60,7 @@ def _section(context: Context) -> Section:
         [
             Text(said["cheapest"]),
             Text(said["sides"]),
-            Chart(_interactive(table), said["interactive"], Picture(picture, said["picture"])),
+            Chart(*_interactive(table), said["interactive"], Picture(picture, said["picture"])),
             Grid(named(times, TIMES), said["times"], "meanfield_cost_times"),
             Grid(named(sides, SIDES), said["side"], "meanfield_side"),
             Grid(named(table, RUNS), said["runs"], "meanfield_cost", folded=True),
@@ -69,9 +69,9 @@ def _section(context: Context) -> Section:
     )
 
 
-def _interactive(table: pd.DataFrame) -> str:
-    """A chart for each model."""
-    from verification.page.interactive import draw_work_precision
+def _interactive(table: pd.DataFrame) -> tuple[str, str]:
+    """Return a chart for each model, and the script that they need."""
+    from verification.instruments.interactive import draw_work_precision, script
 
     runs = table.rename(columns={"error": "final", "seconds": "cpu_seconds"})
     runs = runs.assign(method=runs["method"].map(LABELS), status="SUCCESS", overlap=np.nan, reference_error=0.0)
@@ -80,7 +80,7 @@ def _interactive(table: pd.DataFrame) -> str:
     for name, mine in runs.groupby("model", sort=False):
         there = {label: look for label, look in looks.items() if label in set(mine["method"])}
         charts.append(f"<p>{TITLES[name]}</p>{draw_work_precision(mine, there, 'final', 'cpu_seconds')}")
-    return "\n".join(charts)
+    return "\n".join(charts), script()
 
 
 def _values(times: pd.DataFrame, sides: pd.DataFrame) -> dict[str, Any]:

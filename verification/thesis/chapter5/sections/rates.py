@@ -7,10 +7,10 @@ from typing import Any
 import pandas as pd
 
 from dincl.study import read_sealed
+from verification.instruments.rates import QUANTILES
 from verification.page.context import Context
 from verification.page.parts import Follows, Grid, Picture, Section, Text
 from verification.page.prose import fill
-from verification.rates import QUANTILES
 from verification.thesis.chapter3.sections.part import Part
 from verification.thesis.chapter5 import figures, flow_rates, sampling
 from verification.thesis.chapter5.cases import TITLES

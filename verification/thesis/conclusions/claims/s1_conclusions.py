@@ -8,8 +8,7 @@ import math
 import numpy as np
 
 import dincl
-from verification.claims import claim
-from verification.evidence import Evidence, Kind, at_least, at_most, equal
+from verification.claims import Evidence, Kind, at_least, at_most, claim, equal
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter2.discs import RADIUS, points_of_step
 

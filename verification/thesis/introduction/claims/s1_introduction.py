@@ -9,8 +9,19 @@ import numpy as np
 
 import dincl
 from tissue.statistics.comparisons import Difference, runs_needed
-from verification.claims import Correction, Effect, Tables, claim
-from verification.evidence import Comparison, Evidence, Kind, at_least, at_most, equal, proved
+from verification.claims import (
+    Comparison,
+    Correction,
+    Effect,
+    Evidence,
+    Kind,
+    Tables,
+    at_least,
+    at_most,
+    claim,
+    equal,
+    proved,
+)
 from verification.thesis.chapter1.sets import Floats
 from verification.thesis.chapter4.claims.s4_6_conditional import by_kind
 from verification.thesis.chapter4.frequencies import (

@@ -1,0 +1,264 @@
+"""Convergence orders from errors whose order, noise and floor are known."""
+
+from enum import Enum
+
+import numpy as np
+import pytest
+from scipy.stats import linregress, t
+
+from verification.instruments.order import Order, estimate, order_text
+
+H = 0.1 * 0.5 ** np.arange(8)
+
+
+def roles(order: Order) -> list[str]:
+    return [row.role for row in order.rows]
+
+
+class Ended(Enum):
+    SUCCESS = "reached the end"
+    INFEASIBLE = "the set is empty"
+
+    def __bool__(self) -> bool:
+        return self is Ended.SUCCESS
+
+
+@pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("h", [H, np.array([0.1, 0.07, 0.03, 0.011, 0.01, 0.002])], ids=["halved", "unequal"])
+def test_exact_power_law(h, power):
+    order = estimate(h, 3.0 * h**power)
+    assert order.slope == pytest.approx(power, abs=1e-12)
+    assert order.interval == pytest.approx((power, power), abs=1e-7)
+    assert order.constant == pytest.approx(3.0, rel=1e-11)
+    assert (order.first, order.last) == (0, h.size - 1)
+    assert roles(order) == ["used"] * h.size
+    assert order.rows[0].slope is None
+    assert [row.slope for row in order.rows[1:]] == pytest.approx([power] * (h.size - 1), abs=1e-11)
+    assert not any((order.scattered, order.drifting, order.diverging, order.exact))
+    assert order_text(order) == f"{power:.2f} [{power:.2f}, {power:.2f}]"
+
+
+def test_unsorted_input_gives_the_same_order(rng):
+    error = H * np.exp(0.05 * rng.standard_normal(H.size))
+    shuffled = rng.permutation(H.size)
+    failed = np.arange(H.size) == 2
+    assert estimate(H[shuffled], error[shuffled], failed=failed[shuffled]) == estimate(H, error, failed=failed)
+
+
+@pytest.mark.parametrize("sigma", [0.02, 0.2])
+@pytest.mark.parametrize("power", [1.0, 2.0])
+def test_the_interval_covers_the_truth(sigma, power):
+    generator = np.random.default_rng(20)
+    orders = [estimate(H, 2.0 * H**power * np.exp(sigma * generator.standard_normal(H.size))) for _ in range(300)]
+    covered = np.mean([order.interval[0] <= power <= order.interval[1] for order in orders])
+    assert 0.92 <= covered <= 0.98
+    assert np.mean([order.count("pre-asymptotic") > 0 for order in orders]) <= 0.03
+    assert np.mean([order.drifting for order in orders]) <= 0.03
+
+
+def test_interval_is_the_textbook_one(rng):
+    error = H * np.exp(0.1 * rng.standard_normal(H.size))
+    fit = linregress(np.log(H), np.log(error))
+    half = t.ppf(0.975, H.size - 2) * fit.stderr
+    order = estimate(H, error)
+    assert order.slope == pytest.approx(fit.slope, rel=1e-12)
+    assert order.interval == pytest.approx((fit.slope - half, fit.slope + half), rel=1e-9)
+
+
+def test_the_coarse_end_of_a_higher_term_is_left_out():
+    h = 4.0 * H
+    order = estimate(h, h + 50.0 * h**3)
+    assert roles(order)[:3] == ["pre-asymptotic"] * 3
+    assert order.count("pre-asymptotic") == order.first
+    assert order.last == h.size - 1
+    assert order.slope == pytest.approx(1.0, abs=0.05)
+    everything = np.polyfit(np.log(h), np.log(h + 50.0 * h**3), 1)[0]
+    assert everything > 1.3  # what a fit without the search would say
+    assert order.rows[1].slope > 2.0  # left out, and still shown
+    assert "pre-asymptotic" in order.verdict
+
+
+def test_a_coarse_end_that_saturates_is_left_out(rng):
+    error = np.minimum(H, 0.02) * np.exp(0.01 * rng.standard_normal(H.size))
+    order = estimate(H, error)
+    assert roles(order)[:2] == ["pre-asymptotic"] * 2
+    assert order.interval[0] <= 1.0 <= order.interval[1]
+
+
+def test_an_irregular_coarse_end_is_left_out(rng):
+    factors = np.array([1.0, 3.0, 0.5, 1.0, 1.0, 1.0, 1.0, 1.0])
+    order = estimate(H, H * factors * np.exp(0.005 * rng.standard_normal(H.size)))
+    assert roles(order) == ["pre-asymptotic"] * 3 + ["used"] * 5
+    assert order.slope == pytest.approx(1.0, abs=0.02)
+
+
+@pytest.mark.parametrize(("term", "left_out"), [(5.0 * H**2, 1), (50.0 * H**3, 0)])
+def test_a_drift_to_the_finest_step_is_said(term, left_out):
+    order = estimate(H[:5], (H + term)[:5])
+    assert order.drifting
+    assert order.count("pre-asymptotic") == left_out
+    assert "still change" in order.verdict
+    assert order_text(order).endswith("drifting")
+
+
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_reference_of_limited_accuracy(sign):
+    floor = 2e-5
+    order = estimate(H, np.abs(H**2 + sign * floor), floor=floor)
+    assert roles(order) == ["used"] * 4 + ["floor"] * 4
+    assert order.interval[0] <= 2.0 <= order.interval[1]
+    assert order.interval[1] - order.interval[0] < 0.7
+
+
+def test_interval_widens_with_the_error_of_the_reference():
+    free, limited = estimate(H, H), estimate(H, H, floor=H[-1] / 10.0)
+    assert roles(limited) == ["used"] * H.size
+    assert free.interval[1] - free.interval[0] < 1e-6
+    finest_alone = -np.log1p(-0.1) * 3.5 / (42.0 * np.log(2.0))  # the weight of the last of eight halved steps
+    assert limited.interval[1] - 1.0 > finest_alone
+
+
+def test_a_reference_worse_than_stated_is_found():
+    order = estimate(H, H**2 + 5e-5, floor=1e-5)
+    assert order.resolution > 5e-5
+    assert roles(order)[-4:] == ["floor"] * 4
+    assert order.interval[0] <= 2.0 <= order.interval[1]
+    assert order.interval[1] - order.interval[0] < 1.0
+
+
+@pytest.mark.parametrize("scale", [1e-6, 1.0, 1e6])
+def test_rounding_is_found_without_being_stated(scale):
+    rounding = 1e-14 * np.array([0.3, 1.0, 0.2, 0.8, 0.9, 0.4, 1.0, 0.7])
+    order = estimate(H, scale * (1e-9 * H**2 + rounding), scale=scale)
+    assert roles(order)[:4] == ["used"] * 4
+    assert roles(order)[-2:] == ["floor"] * 2
+    assert order.slope == pytest.approx(2.0, abs=0.1)
+
+
+@pytest.mark.parametrize(
+    "error",
+    [np.zeros(8), np.full(8, 2e-16), 1e-15 / H[0] * H[::-1], [0.0, 1e-16, 0.0, 3e-15, 1e-16, 0.0, 4e-15, 2e-15]],
+)
+def test_exact_methods_have_no_order(error):
+    order = estimate(H, error)
+    assert order.exact
+    assert (order.slope, order.interval, order.constant, order.first, order.last) == (None,) * 5
+    assert order_text(order) == "exact"
+    assert "exact to rounding" in order.verdict
+    assert roles(order) == ["floor"] * H.size
+
+
+def test_errors_below_a_coarse_reference_are_not_called_exact():
+    order = estimate(H, 1e-3 * H, floor=1e-4)
+    assert not order.exact
+    assert order.slope is None
+    assert "covered by the resolution 1.0e-04" in order.verdict
+    assert order_text(order) == "none"
+
+
+def test_an_accidental_zero_is_a_row_and_not_a_logarithm():
+    error = H.copy()
+    error[3] = 0.0
+    order = estimate(H, error)
+    assert roles(order)[3] == "floor"
+    assert order.rows[3].slope is None
+    assert order.rows[4].slope is None
+    assert order.slope == pytest.approx(1.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("power", [-1.0, -0.5])
+def test_divergence_keeps_its_sign(power):
+    order = estimate(H, 0.01 * H**power)
+    assert order.diverging
+    assert order.slope == pytest.approx(power, abs=1e-12)
+    assert all(row.slope < 0.0 for row in order.rows[1:])
+    assert "grows" in order.verdict
+    assert order_text(order).startswith("-")
+
+
+def test_errors_that_rise_at_the_end_do_not_fall():
+    error = 0.01 * H
+    error[-2:] = error[-3] * np.array([0.9, 2.0])  # as where tolerances of a solver add up over ever more steps
+    order = estimate(H, error)
+    assert order.rising
+    assert order_text(order) == "does not fall"
+    assert order.verdict.startswith("The error does not fall with h: that of the finest step exceeds the two before it")
+    assert not estimate(H, 0.01 * H).rising
+
+
+def test_errors_that_stop_falling_far_above_the_floor_are_no_convergence():
+    order = estimate(H, H**4 + 1e-3)
+    assert order.count("floor") == 0
+    assert order.slope == pytest.approx(0.0, abs=0.05)
+    assert order.verdict.startswith("No convergence is shown")
+
+
+def test_scatter_is_said_and_widens_the_interval():
+    factors = np.array([1.0, 3.0, 0.4, 2.0, 0.5, 2.5, 0.6, 1.5])
+    order = estimate(H, H * factors)
+    assert order.scattered
+    assert not order.drifting
+    assert order.interval[1] - order.interval[0] > 0.5
+    assert order.interval[0] <= 1.0 <= order.interval[1]
+    assert "scatter" in order.verdict
+    assert any(row.slope < 0.0 for row in order.rows[1:])
+    assert order_text(order).endswith("scattered")
+    assert not estimate(H, H * factors**0.1).scattered
+
+
+def test_failed_runs_stay_visible():
+    error = H.copy()
+    error[0], error[4] = np.inf, np.nan
+    ended = [Ended.SUCCESS] * 8
+    ended[6] = Ended.INFEASIBLE
+    order = estimate(H, error, failed=ended)
+    assert [row.h for row in order.rows] == list(H)
+    assert [i for i, role in enumerate(roles(order)) if role == "failed"] == [0, 4, 6]
+    assert [order.rows[i].reason for i in (0, 1, 4, 6)] == ["error is inf", "", "error is nan", "INFEASIBLE"]
+    assert [i for i, row in enumerate(order.rows) if row.slope is not None] == [2, 3]
+    assert (order.first, order.last) == (1, 7)
+    assert order.slope == pytest.approx(1.0, abs=1e-12)
+    assert "3 failed" in order.verdict
+
+
+def test_a_mask_marks_failures():
+    order = estimate(H, H, failed=H > 0.04)
+    assert roles(order) == ["failed"] * 2 + ["used"] * 6
+    assert order.rows[0].reason == "marked as failed"
+
+
+@pytest.mark.parametrize(("good", "has_order"), [(0, False), (2, False), (3, True)])
+def test_three_usable_errors_are_the_least(good, has_order):
+    order = estimate(H, np.where(np.arange(H.size) < good, H, np.nan))
+    assert (order.slope is not None) == has_order
+    assert len(order.rows) == H.size
+    assert has_order or f"{good} of 8 errors are usable" in order.verdict
+
+
+def test_the_constant_may_leave_the_range_of_floats():
+    h = 1e-200 * 0.5 ** np.arange(6)
+    order = estimate(h, (h / h[0]) ** -2)
+    assert order.slope == pytest.approx(-2.0, abs=1e-9)
+    assert order.constant == 0.0 or order.constant < 1e-300
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"h": H[:4], "error": H[:4]}, "h has 4 step sizes.*at least 5"),
+        ({"error": H[:5]}, r"h has shape \(8,\) and error \(5,\)"),
+        ({"h": np.ones((2, 3)), "error": np.ones((2, 3))}, r"must have the same shape \(K,\)"),
+        ({"h": H - H[2]}, "h contains 0.0.*> 0"),
+        ({"h": np.where(np.arange(8) == 3, np.nan, H)}, "h contains nan.*finite"),
+        ({"h": np.where(np.arange(8) == 3, H[4], H)}, "h contains 0.00625 and 0.00625.*distinct"),
+        ({"error": -H}, "error contains -0.1.*>= 0"),
+        ({"floor": -1.0}, "floor = -1.0.*>= 0"),
+        ({"floor": np.nan}, "floor = nan.*finite"),
+        ({"scale": np.inf}, "scale = inf.*finite"),
+        ({"failed": [False] * 7}, "failed has 7 entries.*8"),
+        ({"failed": ["no"] * 8}, "failed contains 'no'.*bool"),
+    ],
+)
+def test_bad_input_is_named(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        estimate(**({"h": H, "error": H} | arguments))

@@ -1,0 +1,1 @@
+"""Measurements beyond the thesis: better schemes, proofs, moving sets, curved layers, three dimensions."""

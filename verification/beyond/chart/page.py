@@ -1,0 +1,185 @@
+"""Speed against accuracy."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from verification.beyond.chart import cheapest, reach, work_precision
+from verification.beyond.chart import figures as figures_work_precision
+from verification.beyond.chart import references as work_references
+from verification.beyond.chart.references import SCENES
+from verification.instruments.budget import GRACE, CpuSeconds
+from verification.instruments.chart import TARGETS
+from verification.instruments.cheapest import LEAST_SPREAD, RESOLVED, UNDECIDED
+from verification.instruments.measure import BRIEF, REPEATS
+from verification.page.context import Context
+from verification.page.parts import Chart, Follows, Grid, Picture, Section, Text, number
+from verification.page.prose import fill
+from verification.page.report import Chapter, Finding
+from verification.thesis.chapter2.methods import EVENT_DRIVEN, METHODS, PBD
+
+WINNERS = {
+    "target": "Error",
+    "cheapest": "Cheapest",
+    "cost": "CPU seconds",
+    "tied": "Within the spread",
+    "next": "Next",
+    "ratio": "takes times as long",
+    "pbd_ratio": "PBD takes times as long",
+}
+TIMES = {"method": "Method", "order": "Order in dt [95 %]"} | {
+    f"{target:g}": f"s to {number(target)}" for target in TARGETS
+}
+TIMES |= {"best": "Best error", "at_end": "at the end, of it", "failed": "Failed"}
+RUNS = {
+    "method": "Method",
+    "setting": "dt or tol",
+    "status": "Status",
+    "cpu_seconds": "CPU seconds",
+    "repeats": "Repeats",
+    "spread": "Median over shortest",
+    "disturbed": "Disturbed",
+    "drift_evaluations": "Drift evaluations",
+    "candidate_pairs": "Pairs in sweeps",
+    "solver_iterations": "Solver iterations",
+    "largest": "Largest error",
+    "final": "Error at the end",
+    "overlap": "Overlap",
+    "detail": "Detail",
+}
+REACH = {"discs": "Discs", "events": "Events", "target": "Error", "cheapest": "Cheapest"} | {
+    method.name: method.label for method in reach.METHODS
+}
+CHEAPEST = "Who is cheapest"
+STUDY = "work_precision"
+# Made again on the machine of the reader: a few settings on the small scenes, within a fraction of a second each.
+AGAIN = work_precision.Form(
+    {"dt": [0.1 / 8**k for k in range(5)], "tol": [1e-2, 1e-6, 1e-10]},
+    CpuSeconds(0.2),
+    scenes=("sliding_disc", "stack", "four_disks", "ten_disks_corner"),
+)
+# Of the question that users ask first: ten discs to this error.
+TEN, MODERATE = "ten_disks_corner", 1e-4
+# Errors up to this one are fine.
+FINE = 1e-6
+PROSE = Path(__file__).parent / "prose"
+
+
+def run(context: Context) -> None:
+    """Complete the references and the study; keep what they say."""
+    form, again = _form(context), context.form(AGAIN)
+    solved = work_references.study(form.scenes)
+    known = context.rows_of(solved, solved.only(lambda key: key["scene"] in again.scenes))
+    references = {name: work_references.reference(known, name) for name in form.scenes}
+    study = work_precision.study(references, form)
+    table = context.rows_of(study, work_precision.study(references, again), ("setting",))
+    context.tables |= {"work_references": known, STUDY: context.paced(STUDY, table)}
+    context.keep("work_times", cheapest.times(context.tables[STUDY], form))
+    # Who is cheapest does not depend on the machine that reads it; the seconds do.
+    winners = cheapest.winners(table, form)
+    context.keep("work_winners", winners.assign(cost=context.pace(STUDY) * winners["cost"]))
+    context.keep("work_reach", reach.table())
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """What is measured and who wins, then one section for each scene."""
+    return [_summary(context), _reach(context), *(_scene(context, name) for name in _form(context).scenes)]
+
+
+def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
+    """The columns of a table that a reader wants, with words for names."""
+    words = {method.name: method.label for method in METHODS.values()}
+    titles = {name: make().title for name, make in SCENES.items()}
+    return table[list(headings)].replace({"method": words, "scene": titles}).rename(columns=headings)
+
+
+def _form(context: Context) -> work_precision.Form:
+    return context.form(work_precision.FULL)
+
+
+def _summary(context: Context) -> Section:
+    winners = context.tables["work_winners"]
+    said = fill(
+        PROSE / "work_precision.html",
+        every=work_references.EVERY,
+        tol=work_references.TOL,
+        repeats=REPEATS,
+        brief=BRIEF,
+        least_spread=LEAST_SPREAD,
+        resolved=RESOLVED,
+        budget=_form(context).budget,
+        grace=GRACE,
+        fine=FINE,
+        finest=_most_often(winners[winners["target"] <= FINE]),
+        coarsest=_most_often(winners[winners["target"] > FINE]),
+    )
+    wide = Grid(cheapest.wide(winners), said["wide"], "work_winners")
+    texts = [Text(said[name]) for name in ("error", "time", "second_order", "yardsticks", "references", "limits")]
+    return Section(CHEAPEST, [Text(cheapest.summary(winners)), wide, *texts, Follows(said["follows"])])
+
+
+def _most_often(winners: pd.DataFrame) -> dict[str, Any]:
+    """The method that is most often among the cheapest, where errors are reached."""
+    reached = winners[winners["tied"] != ""]["tied"].str.split("; ")
+    counts = reached.explode().value_counts()
+    name = counts.index[0] if len(counts) else "none"
+    return {"name": name, "count": int(counts.max()) if len(counts) else 0, "of": len(reached)}
+
+
+def _reach(context: Context) -> Section:
+    said = reach.said()
+    grid = Grid(_named(context.tables["work_reach"], REACH), said["table"], "work_reach")
+    return Section("How far the event-driven scheme pays", [Text(said["said"]), grid, Follows(said["follows"])])
+
+
+def _scene(context: Context, name: str) -> Section:
+    from verification.instruments import interactive
+
+    table, times, winners = (context.tables[one] for one in (STUDY, "work_times", "work_winners"))
+    path = context.draw(f"work_precision_{name}", figures_work_precision.draw_chart, table, name, _form(context))
+    mine, one = winners[winners["scene"] == name], work_precision.chart(table, name, _form(context))
+    asked = mine[(mine["target"] == MODERATE) & mine["cost"].notna()]
+    said = fill(PROSE / "work_scene.html", first=next(asked.itertuples(), None))
+    html = interactive.draw_work_precision(one.table, one.looks, one.errors[0], "cpu_seconds")
+    return Section(
+        f"Speed against accuracy: {SCENES[name]().title.lower()}",
+        [
+            Grid(_named(mine, WINNERS), said["winners"], "work_winners"),
+            Chart(html, interactive.script(), said["interactive"], Picture(path, said["chart"])),
+            Grid(_named(times[times["scene"] == name], TIMES), said["times"], "work_times"),
+            Grid(_named(table[table["scene"] == name], RUNS), said["runs"], STUDY, folded=True),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def findings(context: Context) -> Sequence[Finding]:
+    """Who is cheapest, and on ten discs to a moderate error, if they are on the chart."""
+    winners = context.tables["work_winners"]
+    alone = winners[~winners["cheapest"].isin(UNDECIDED)]["cheapest"]
+    ten = winners[(winners["scene"] == TEN) & (winners["target"] == MODERATE)]
+    said = fill(
+        PROSE / "learned_speed.html",
+        pairs=len(winners),
+        alone=len(alone),
+        own=int((alone == EVENT_DRIVEN.label).sum()),
+        pbd=int((alone == PBD.label).sum()),
+        ten=list(ten.itertuples()),
+    )
+    return [Finding(said[name], CHEAPEST) for name in ("winners", "ten") if said[name]]
+
+
+CHAPTER = Chapter(
+    "speed",
+    "Speed against accuracy",
+    "Which method reaches an error in the least time, on which scene?",
+    run,
+    sections,
+    findings,
+    place=2,
+    tables=("work_",),
+)

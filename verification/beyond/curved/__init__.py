@@ -1,0 +1,1 @@
+"""Tissue on curved basal layers and in closed tubes."""

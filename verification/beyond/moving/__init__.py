@@ -1,0 +1,1 @@
+"""Scenes whose sets turn, close and grow."""

@@ -1,0 +1,1 @@
+"""Solutions with proved bounds, of exact and of random scenes."""

@@ -1,0 +1,114 @@
+"""What is proved of solutions."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from verification.beyond.proved import proofs as proved
+from verification.beyond.proved import random_scenes
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Section, Text
+from verification.page.prose import fill
+from verification.page.report import Chapter, Finding
+
+PROSE = Path(__file__).parent / "prose" / "proved.html"
+BOUNDS = {
+    "scene": "Scene",
+    "particles": "Particles",
+    "d": "d",
+    "end": "to t",
+    "asked": "Asked",
+    "bound": "Proved bound",
+    "digits": "Digits",
+    "pieces": "Pieces",
+    "seconds": "CPU seconds",
+    "check_seconds": "of the checker",
+    "megabytes": "Certificate [MB]",
+}
+EXPONENTS = {
+    "scene": "Scene",
+    "particles": "Particles",
+    "contacts": "Contacts",
+    "exponent": "Exponent proved",
+    "least": "Least",
+    "sum": "Sum over contacts",
+    "pointwise": "Multipliers by the drift",
+}
+TITLES = ("Proved bounds", "What grows", "The stated error of the event-driven scheme")
+
+
+def run(context: Context) -> None:
+    """Read the kept tables."""
+    context.keep("proved_scenes", proved.table())
+    rows = random_scenes.table()
+    context.keep("proved_random", rows)
+    known = rows[rows["why"] == ""]
+    quantiles = (
+        known.groupby("tol")["ratio"].quantile([0.5, 0.9, 1.0]).unstack().set_axis(["half", "most", "all"], axis=1)
+    )
+    context.keep("proved_ratios", quantiles.reset_index())
+
+
+def _said(context: Context) -> dict[str, str]:
+    rows, drawn = context.tables["proved_scenes"], context.tables["proved_random"]
+    known, done = drawn[drawn["why"] == ""], rows[rows["why"] == ""]
+    largest = done.loc[done["exponent"].idxmax()]
+    return fill(
+        PROSE,
+        proved=len(done),
+        least=done["seconds"].min(),
+        four=_row(rows, "Four discs drawn to one point", 1e-12),
+        fine=_row(rows, "Four discs drawn to one point", 1e-25),
+        ten=_row(rows, "Ten discs in a corner", 1e-12),
+        most=largest.to_dict() | {"lost": float(largest["exponent"]) / math.log(10)},
+        scenes=drawn["seed"].nunique(),
+        runs=len(known),
+        above=int((known["ratio"] <= 1).sum()),
+        ratio=known["ratio"].max(),
+        asked=random_scenes.BOUND,
+        unproved=int(drawn[drawn["why"] != ""]["seed"].nunique()),
+    )
+
+
+def _row(rows: pd.DataFrame, scene: str, asked: float) -> dict[str, Any]:
+    return dict(rows[(rows["scene"] == scene) & (rows["asked"] == asked)].iloc[0])
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """The bounds, the exponent, and the random scenes."""
+    said, rows = _said(context), context.tables["proved_scenes"]
+    bounds = rows[list(BOUNDS)].rename(columns=BOUNDS)
+    last = rows[rows["why"] == ""].drop_duplicates("scene", keep="first")
+    exponents = last[list(EXPONENTS)].rename(columns=EXPONENTS)
+    words = {"tol": "Tolerance", "half": "Half of the runs below", "most": "Nine of ten below", "all": "All below"}
+    ratios = context.tables["proved_ratios"].rename(columns=words)
+    return [
+        Section(TITLES[0], [Text(said["bounds"]), Grid(bounds, said["table"], "proved_scenes")]),
+        Section(TITLES[1], [Text(said["grows"]), Grid(exponents, said["exponents"], "proved_scenes")]),
+        Section(
+            TITLES[2],
+            [Text(said["random"]), Grid(ratios, said["random_table"], "proved_ratios"), Follows(said["follows"])],
+        ),
+    ]
+
+
+def findings(context: Context) -> Sequence[Finding]:
+    """What a proof costs, and what the stated errors are worth."""
+    return [Finding(_said(context)["learned"], TITLES[0])]
+
+
+CHAPTER = Chapter(
+    "proved",
+    "What is proved",
+    "Of which solutions can a bound be proved, at which cost, and are stated errors true?",
+    run,
+    sections,
+    findings,
+    place=4,
+    tables=("proved_",),
+)

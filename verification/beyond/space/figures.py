@@ -1,0 +1,65 @@
+"""Figures of the third dimension: how sheets grow, and where their isolated cells go."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pandas as pd
+
+from tissue.pictures.sheet import Figure, style, write
+from verification.beyond.curved.figures import draw_sides
+from verification.beyond.space.growth import ALL, SOME
+from verification.beyond.space.isolated import SLICES, TISSUES
+
+LOOKS = {
+    "slice": ("0.25", "o"),
+    "tube": ("0.6", "D"),
+    "free sheet": ("#2e78b7", "^"),
+    "free sheet, weak repulsion": ("#8e6bbf", "v"),
+    "periodic sheet": ("#d1495b", "s"),
+}
+LINES = {45: ":", 180: "-", 196: "-", 400: "--", 2304: ":", 600: "-"}
+LABELS = {
+    "slice": "slice, 20 % stay",
+    "growing": "free sheet, all stay",
+    "inner": "away from its edge",
+    "periodic": "periodic sheet, 20 % stay",
+}
+WAYS = {
+    "slice": ("0.25", "o"),
+    "growing": ("#2e78b7", "^"),
+    "inner": ("#2e78b7", "^", "white"),
+    "periodic": ("#d1495b", "s"),
+}
+
+
+def draw_growth(growth: pd.DataFrame, path: Path) -> Path:
+    """Height over that of the start, in a panel for each part of the divisions whose daughters both stay."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with style():
+        figure = Figure(figsize=(9.0, 3.8), layout="constrained")
+        panels = figure.subplots(1, 2, sharey=True)
+        for panel, both in zip(panels, (SOME, ALL), strict=True):
+            for (layer, cells), mine in growth[growth["both"] == both].groupby(["layer", "cells"], sort=False):
+                colour, marker = LOOKS[layer]
+                name, *more = layer.split(", ")
+                look = {"color": colour, "marker": marker, "linestyle": LINES[cells], "markersize": 4}
+                panel.plot(mine["t"], mine["height"], label=", ".join((f"{name} of {cells}", *more)), **look)
+                panel.fill_between(
+                    mine["t"], mine["height_low"], mine["height_high"], color=colour, alpha=0.2, linewidth=0
+                )
+            part = "always" if both == ALL else f"{100 * both:.0f} %"
+            panel.set(xlabel="time [h]", title=f"both daughters stay: {part}")
+            panel.grid(color="0.92")
+            panel.legend(loc="upper left", frameon=False)
+        panels[0].set_ylabel("height / height at the start")
+    write(figure, path)
+    return path
+
+
+def draw_isolated(ratios: pd.DataFrame, path: Path) -> Path:
+    """For each set of events the ratio of cells that have left on either side, in the slice and in sheets."""
+    names = list(SLICES)
+    named = ratios.rename(columns={"scenario": "events", "what": "side"})
+    series = [(LABELS[one], WAYS[one], named[named["tissue"] == one]) for one in TISSUES]
+    return draw_sides(series, names, 7.2, path)

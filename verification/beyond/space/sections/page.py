@@ -1,0 +1,245 @@
+"""The third dimension: how sheets grow, whether isolated cells go where they go in slices, and what is left open."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from verification.beyond.space import choices, edge, figures, growth, heights, isolated, strip
+from verification.beyond.space.sections import catch_up, substeps
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text, number
+from verification.page.prose import fill, interval, percents
+from verification.page.report import Chapter, Finding
+
+GROWTH, ISOLATED = "Does a sheet grow as its slice does?", "Do the answers for isolated cells survive?"
+PARTS = (substeps.PART, catch_up.PART)
+PROSE = Path(__file__).parents[1] / "prose"
+HEIGHTS = {"layer": "Tissue", "cells": "Cells", "both": "Both daughters stay", "height": "Height / at the start"} | {
+    "height_low": "from",
+    "height_high": "to",
+    "number": "Cells / at the start",
+    "section": "In the section / at the start",
+    "stay": "Daughters that stay in it",
+    "stay_low": "from ",
+    "stay_high": "to ",
+    "basal": "Basal extent / at the start",
+    "fan": "Apical / basal extent",
+    "rough": "Roughness [R_soft]",
+    "runs": "Runs",
+}
+RATIOS = {
+    "scenario": "Events",
+    "tissue": "Tissue",
+    "what": "Way out",
+    "value": "Ratio",
+    "low": "from",
+    "high": "to",
+} | {
+    "of": "Cells",
+    "effective": "Independent",
+}
+VERDICTS = {"says": "Finding", "side": "Way out", "compared": "More of", **{one: one for one in isolated.TISSUES}}
+CHOICES = {"choice": "Choice", "events": "Events", "part": "Cells", "side": "Way out", "value": "Ratio"} | {
+    "low": "from",
+    "high": "to",
+    "of": "Number",
+}
+DIFFERENCES = {"of": "Of", "events": "Events", "ring": "Ring"} | {
+    "difference": "Strip less ring",
+    "low": "from",
+    "high": "to",
+    "seeds": "Seeds",
+    "lost": "Lost",
+}
+MEANS = {"choice": "Choice", "height": "Height / at the start", "height_low": "from", "height_high": "to"} | {
+    "basal": "Basal extent / at the start",
+    "basal_low": "from ",
+    "basal_high": "to ",
+    "rough": "Roughness [R_soft]",
+    "rough_low": "from  ",
+    "rough_high": "to  ",
+    "runs": "Runs",
+    "lost": "Lost",
+}
+
+
+# Made again beside the complete studies.
+GROWN_AGAIN = growth.SheetForm(2, growth.LAYERS[-3:-1])
+CHOSEN_AGAIN = choices.ChoicesForm(1, (choices.AS_SHIPPED,))
+STRIPPED_AGAIN = strip.StripForm(2, ("[A]",))
+
+
+def run(context: Context) -> None:
+    """Take over the studies, and the kept ratios."""
+    grown = context.rows_of(growth.study(context.form(growth.FULL)), growth.study(GROWN_AGAIN), ("t",))
+    context.keep("space_heights", heights.means(grown))
+    chosen = context.rows_of(choices.study(context.form(choices.FULL)), choices.study(CHOSEN_AGAIN), ("cell",))
+    context.keep("space_choices_ratios", choices.ratios(chosen))
+    context.keep("space_choices_means", choices.means(chosen))
+    stripped = context.rows_of(strip.study(context.form(strip.FULL)), strip.study(STRIPPED_AGAIN))
+    context.keep("space_strip_differences", strip.differences(stripped))
+    for part in PARTS:
+        part.run(context)
+    ratios = isolated.table()
+    context.keep("space_isolated", ratios)
+    context.keep("space_compared", isolated.compared(ratios))
+
+
+def sections(context: Context) -> Sequence[Section]:
+    """Growth, isolated cells, what the text leaves open; then what the model in space is checked by."""
+    own = [section(context) for section in (_growth, _isolated, _choices, _strip)]
+    return own + [part.section(context) for part in PARTS]
+
+
+def _growth(context: Context) -> Section:
+    table = context.tables["space_heights"]
+    last = table[table["t"] == table["t"].max()]
+    said = fill(PROSE / "growth.html", **_heights(last))
+    chart = context.draw("space_growth", figures.draw_growth, table)
+    return Section(
+        GROWTH,
+        [
+            Text(said["answer"]),
+            Picture(chart, said["chart"]),
+            Grid(_named(last, HEIGHTS), said["table"], "space_heights"),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _heights(last: pd.DataFrame) -> dict[str, Any]:
+    """Height at the end by tissue, cells and part of the divisions, each with its interval; and the other means."""
+    rows = {(row.layer, row.cells, row.both): row for row in last.itertuples()}
+
+    def height_of(*name: Any) -> str:
+        row = rows[name]
+        return told(row.height, row.height_low, row.height_high)
+
+    def stay(*name: Any) -> str:
+        row = rows[name]
+        return percents((row.stay, row.stay_low, row.stay_high))
+
+    known = {"some": growth.SOME, "all": growth.ALL, "seeds": int(last["runs"].max()), "end": growth.END}
+    return {"rows": rows, "tall": height_of, "stay": stay} | known
+
+
+def _isolated(context: Context) -> Section:
+    ratios, compared = context.tables["space_isolated"], context.tables["space_compared"]
+    said = fill(PROSE / "isolated.html", **_facts(ratios, compared))
+    chart = context.draw("space_isolated", figures.draw_isolated, ratios)
+    return Section(
+        ISOLATED,
+        [
+            Text(said["answer"]),
+            Picture(chart, said["chart"]),
+            Grid(_named(compared, VERDICTS), said["verdicts"], "space_compared"),
+            Text(said["differs"]),
+            Text(said["periodic"]),
+            Grid(_named(ratios, RATIOS), said["table"], "space_isolated", folded=True),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _facts(ratios: pd.DataFrame, compared: pd.DataFrame) -> dict[str, Any]:
+    """How many comparisons hold in each tissue, and any ratio with its interval."""
+    parts = ratios.set_index(["tissue", "scenario", "what"])[["value", "low", "high"]]
+    counts = {one: compared[f"{one}_verdict"].value_counts().to_dict() for one in isolated.TISSUES}
+    effects = ratios.groupby("tissue")["effect"].first()
+    return {
+        "effects": [f"{effects[one]:.2f}" for one in isolated.TISSUES[1:]],
+        "sheets": isolated.TISSUES[1:],
+        "ratio": lambda *name: tuple(parts.loc[name]),
+        "counts": counts,
+        "held": lambda tissue: counts[tissue].get("holds", 0),
+        "opposite": lambda tissue: counts[tissue].get("does not hold", 0),
+        "of": len(compared),
+        "edge": edge.EDGE,
+    }
+
+
+def _choices(context: Context) -> Section:
+    ratios, means = context.tables["space_choices_ratios"], context.tables["space_choices_means"]
+    parts = ratios.set_index(["choice", "events", "part", "side"])[["value", "low", "high"]]
+    rows = {row.choice: row for row in means.itertuples()}
+
+    def tall(choice: str) -> str:
+        return told(rows[choice].height, rows[choice].height_low, rows[choice].height_high)
+
+    def wide(choice: str) -> str:
+        return told(rows[choice].basal, rows[choice].basal_low, rows[choice].basal_high)
+
+    def ends(choice: str, events: str, side: str = "basal", part: str = edge.WHOLE) -> str:
+        return percents(tuple(parts.loc[(choice, events, part, side)]))
+
+    said = fill(PROSE / "choices.html", rows=rows, tall=tall, wide=wide, ends=ends, edge=edge.EDGE)
+    return Section(
+        "What the text leaves open: what depends on it?",
+        [
+            Text(said["answer"]),
+            Text(said["room"]),
+            Text(said["size"]),
+            Grid(_named(means, MEANS), said["means"], "space_choices_means"),
+            Grid(_named(ratios, CHOICES), said["ratios"], "space_choices_ratios", folded=True),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _strip(context: Context) -> Section:
+    table = context.tables["space_strip_differences"]
+    rows = {(row.of, row.events): row for row in table.itertuples()}
+
+    def away(of: str, events: str = "all") -> str:
+        row = rows[(of, events)]
+        return told(row.difference, row.low, row.high)
+
+    said = fill(
+        PROSE / "strip.html", rows=rows, away=away, far=_far(table), compared=len(table), first=strip.FIRST_SEED
+    )
+    return Section(
+        "A strip one cell wide is the slice",
+        [
+            Text(said["answer"]),
+            Grid(_named(table.replace({"of": strip.NAMES}), DIFFERENCES), said["table"], "space_strip_differences"),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _far(table: pd.DataFrame) -> list[str]:
+    """What differs between strip and ring beyond its interval."""
+    apart = table[(table["low"] > 0.0) | (table["high"] < 0.0)]
+    after = apart["events"].map(lambda events: "" if events == "all" else f" after {events}")
+    return list(apart["of"].map(strip.NAMES) + after)
+
+
+def told(value: float, low: float, high: float) -> str:
+    """A number with its interval."""
+    return f"{number(value)} {interval((low, high))}"
+
+
+def _named(table: pd.DataFrame, headings: dict[str, str]) -> pd.DataFrame:
+    return table[list(headings)].rename(columns=headings)
+
+
+def findings(context: Context) -> Sequence[Finding]:
+    """How many findings for isolated cells hold in a sheet."""
+    facts = _facts(context.tables["space_isolated"], context.tables["space_compared"])
+    return [Finding(fill(PROSE / "learned.html", **facts)["isolated"], ISOLATED)]
+
+
+CHAPTER = Chapter(
+    "space",
+    "Third dimension",
+    "Does a tissue in three dimensions grow, and lose cells, as its slice does?",
+    run,
+    sections,
+    findings,
+    place=8,
+    tables=("space_",),
+)

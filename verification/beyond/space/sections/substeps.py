@@ -1,0 +1,71 @@
+"""Speed against accuracy of a growing sheet, beside a slice."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from dincl.study import Key
+from verification.beyond.space import figures_catch_up, substeps
+from verification.page.context import Context
+from verification.page.parts import Follows, Grid, Picture, Section, Text
+from verification.page.prose import fill
+from verification.thesis.chapter3.sections.part import Part, named
+
+PROSE = Path(__file__).parent.parent / "prose"
+ERRORS = {"tissue": "Tissue", "t": "t [h]", "substeps": "Substeps", "rms": "Error of nuclei [R_soft]"} | {
+    "own": "Error of the reference",
+    "height": "Height off by the part",
+    "low": "from",
+    "high": "to",
+    "own_height": "That of the reference",
+    "enough": "Within 1 %",
+    "runs": "Runs",
+}
+ORDERS = {"tissue": "Tissue", "t": "t [h]", "nuclei": "Order in h, nuclei [95 %]", "height": "Order in h, height"} | {
+    "substeps": "Substeps from which on heights are within 1 %"
+}
+
+# Made again beside the complete study: one seed of the slice.
+AGAIN = substeps.SheetSubstepsForm(seeds=1)
+
+
+def _run(context: Context) -> None:
+    form = context.form(substeps.FULL)
+    rows = context.rows_of(substeps.study(form), substeps.study(AGAIN).only(_is_slice), ("substeps", "t"))
+    errors = substeps.errors(rows)
+    context.keep("space_substeps_errors", errors)
+    context.keep("space_substeps_orders", substeps.orders(errors))
+
+
+def _is_slice(key: Key) -> bool:
+    return bool(key["tissue"] == "slice")
+
+
+def _substeps(context: Context) -> Section:
+    errors, orders = (context.tables[f"space_substeps_{name}"] for name in ("errors", "orders"))
+    picture = context.draw("space_substeps", figures_catch_up.substeps, errors)
+    said = fill(PROSE / "substeps.html", **_values(errors, orders))
+    return Section(
+        "Speed against accuracy of a growing sheet",
+        [
+            Text(said["measures"]),
+            Picture(picture, said["picture"]),
+            Grid(named(orders, ORDERS), said["orders"], "space_substeps_orders"),
+            Grid(named(errors, ERRORS), said["errors"], "space_substeps_errors", folded=True),
+            Follows(said["follows"]),
+        ],
+    )
+
+
+def _values(errors: pd.DataFrame, orders: pd.DataFrame) -> dict[str, Any]:
+    end = errors["t"].max()
+    last = {(row.tissue, row.substeps): row for row in errors[errors["t"] == end].itertuples()}
+    least = {row.tissue: row.substeps for row in orders[orders["t"] == end].itertuples()}
+    counts = {"finest": int(errors["substeps"].max()), "reference": substeps.FULL.reference}
+    return {"last": last, "least": least, "end": end, **counts}
+
+
+PART = Part(_run, _substeps)

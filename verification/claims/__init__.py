@@ -1,0 +1,38 @@
+"""Claims: sentences with the checks that decide them."""
+
+from verification.claims.claim import Claim, Correction, Cost, Effect, MissingRow, Tables, claim, stated_in
+from verification.claims.evidence import (
+    Comparison,
+    Evidence,
+    FormalProof,
+    Interval,
+    Kind,
+    Technique,
+    at_least,
+    at_most,
+    equal,
+    proved,
+    put_right,
+)
+
+__all__ = [
+    "Claim",
+    "Comparison",
+    "Correction",
+    "Cost",
+    "Effect",
+    "Evidence",
+    "FormalProof",
+    "Interval",
+    "Kind",
+    "MissingRow",
+    "Tables",
+    "Technique",
+    "at_least",
+    "at_most",
+    "claim",
+    "equal",
+    "proved",
+    "put_right",
+    "stated_in",
+]

@@ -1,0 +1,234 @@
+"""A statement, the check that decides it, and what to read instead where it is wrong."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import KW_ONLY, dataclass
+from enum import Enum
+from inspect import signature
+from pkgutil import resolve_name
+from types import ModuleType
+from typing import TYPE_CHECKING
+
+from dincl.checks import describe
+from dincl.errors import InvalidProblem
+from dincl.extras import MissingLibrary
+from verification.claims.evidence import Evidence, Kind
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+# By name.
+Tables = Mapping[str, "pd.DataFrame"]
+
+
+class MissingRow(RuntimeError):
+    """A table has no row of the kind that a check is about: the studies were too short for it."""
+
+
+class Effect(Enum):
+    """What a correction changes; the most serious first."""
+
+    CONCLUSION = "a conclusion"
+    MODEL = "the model or method"
+    NUMBER = "a number"
+    PROOF = "a step of a proof"
+    NOTATION = "notation only"
+
+
+class Cost(Enum):
+    """How long a check takes, with the studies whose tables it reads; those that the repository keeps cost nothing."""
+
+    SECONDS = "seconds"
+    MINUTES = "minutes"
+    HOURS = "hours"
+
+
+@dataclass(frozen=True)
+class Correction:
+    """What to read instead of a statement that is wrong as printed.
+
+    Attributes
+    ----------
+    text
+        The statement as it holds.
+    effect
+        What changes for a reader who takes the correction.
+    depends
+        What else rests on the statement: equations, algorithms, figures, conclusions.
+    why
+        The reason, in one or two sentences: the derivation, or the other place that says otherwise.
+    place
+        Where it stands in the source, a number that only sorts: of the thesis the line in its text.
+    """
+
+    text: str
+    effect: Effect
+    depends: str
+    _: KW_ONLY
+    why: str = ""
+    place: int = 0
+
+
+@dataclass(frozen=True)
+class Claim:
+    """One statement.
+
+    Attributes
+    ----------
+    id
+        Unique short name, without spaces.
+    statement
+        What is stated, in own words.
+    check
+        What decides it: () -> Evidence, or tables -> Evidence where ``needs`` names some.
+    source
+        Where it is stated.
+    quote
+        One sentence or formula of the source, as printed.
+    needs
+        Names of the tables that ``check`` reads.
+    recorded
+        The verdict that was found; another one is a regression.
+    correction
+        Where the statement is wrong as printed.
+    chosen
+        What the source leaves open and the check had to choose.
+    tried_on
+        Of a statement about more cases than its check decides, the cases decided: it is then at best "not refuted", or
+        "proved for an instance" if they are proved. Empty where the check decides all that is stated.
+    cost
+        See ``Cost``.
+
+    Raises
+    ------
+    InvalidProblem
+        If a field is not of its kind, if ``check`` takes other arguments, if a verdict after a correction is
+        recorded without one, or "holds" with one, or if a verdict on examples does not go with ``tried_on``.
+    """
+
+    id: str
+    statement: str
+    check: Callable[..., Evidence]
+    _: KW_ONLY
+    source: str = ""
+    quote: str = ""
+    needs: tuple[str, ...] = ()
+    recorded: Kind = Kind.HOLDS
+    correction: Correction | None = None
+    chosen: str = ""
+    tried_on: str = ""
+    cost: Cost = Cost.SECONDS
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.id, str) or not self.id or self.id != "".join(self.id.split()):
+            raise InvalidProblem(f"id = {describe(self.id)}: must be a short name without spaces")
+        for name in ("statement", "source", "quote", "chosen", "tried_on"):
+            self._refuse_unless(name, isinstance(getattr(self, name), str), "text")
+        self._refuse_unless("statement", bool(self.statement.strip()), "a sentence")
+        named = isinstance(self.needs, tuple) and all(isinstance(name, str) and name for name in self.needs)
+        self._refuse_unless("needs", named, "a tuple of names of tables")
+        for name, kind in (("recorded", Kind), ("cost", Cost)):
+            self._refuse_unless(name, isinstance(getattr(self, name), kind), f"one of {', '.join(map(str, kind))}")
+        self._refuse_unless(
+            "correction", self.correction is None or isinstance(self.correction, Correction), "a Correction or None"
+        )
+        self._check_recorded()
+        arguments = len(signature(self.check).parameters) if callable(self.check) else -1
+        allowed = "a function of the tables" if self.needs else "a function without arguments, as it needs no table"
+        self._refuse_unless("check", arguments == bool(self.needs), allowed)
+
+    def _check_recorded(self) -> None:
+        """The recorded verdict is one that the claim can have."""
+        true = tuple(map(self._restricted, (Kind.PROVED, Kind.HOLDS)))
+        fitting = (Kind.CORRECTED, Kind.FAILS) if self.correction else (*true, Kind.FAILS, Kind.OPEN)
+        given = (f"{'with' if self.correction else 'without'} a correction", "of examples" if self.tried_on else "")
+        allowed = f"one of {', '.join(map(str, fitting))} {' '.join(filter(None, given))}"
+        self._refuse_unless("recorded", self.recorded in fitting, allowed)
+
+    def _refuse_unless(self, name: str, right: bool, allowed: str) -> None:
+        if not right:
+            raise InvalidProblem(f"claim {self.id}: {name} = {describe(getattr(self, name))}: must be {allowed}")
+
+    def __reduce__(self) -> tuple[Callable[[str, str], Claim], tuple[str, str]]:
+        """A claim travels to other processes by its name: there the name of its check stands for the claim."""
+        return _find, (self.check.__module__, self.id)
+
+    def missing(self, tables: Tables) -> list[str]:
+        """The names of the tables that the check reads and that are not there."""
+        return [name for name in self.needs if name not in tables]
+
+    def decide(self, tables: Tables) -> Evidence:
+        """What the check finds; inconclusive where a table or a library that the check needs is missing."""
+        missing = self.missing(tables)
+        if missing:
+            return Evidence(f"the table {', '.join(missing)} is not there", ())
+        try:
+            return self.check(tables) if self.needs else self.check()
+        except MissingLibrary as library:
+            return Evidence(str(library), ())
+
+    def verdict(self, evidence: Evidence) -> Kind:
+        """What the evidence says of the statement: examples that agree do not show that a general one holds."""
+        return self._restricted(evidence.kind)
+
+    def _restricted(self, kind: Kind) -> Kind:
+        """The verdict on the statement for a verdict on the cases of its check."""
+        of_examples = {Kind.HOLDS: Kind.NOT_REFUTED, Kind.PROVED: Kind.PROVED_INSTANCE}
+        return of_examples.get(kind, kind) if self.tried_on else kind
+
+
+def claim(
+    id: str,
+    statement: str,
+    *,
+    source: str = "",
+    quote: str = "",
+    needs: tuple[str, ...] = (),
+    recorded: Kind = Kind.HOLDS,
+    correction: Correction | None = None,
+    chosen: str = "",
+    tried_on: str = "",
+    cost: Cost = Cost.SECONDS,
+) -> Callable[[Callable[..., Evidence]], Claim]:
+    """State what a check decides, above the check.
+
+    ``@claim("my.order", "PBD converges with order one on my scene")`` above a function () -> Evidence gives a Claim.
+    With ``needs``, the names of tables, the function is tables -> Evidence. Arguments and errors: see ``Claim``.
+    """
+
+    def stated(check: Callable[..., Evidence]) -> Claim:
+        """The claim that the function decides."""
+        return Claim(
+            id,
+            statement,
+            check,
+            source=source,
+            quote=quote,
+            needs=needs,
+            recorded=recorded,
+            correction=correction,
+            chosen=chosen,
+            tried_on=tried_on,
+            cost=cost,
+        )
+
+    return stated
+
+
+def stated_in(module: ModuleType) -> tuple[Claim, ...]:
+    """The claims of a module, in order of definition: its attributes that are claims, or tuples of them.
+
+    Claims that it imports from another module are that one's.
+    """
+    found: dict[int, Claim] = {}
+    for value in vars(module).values():
+        for each in value if isinstance(value, tuple) else (value,):
+            if isinstance(each, Claim) and each.check.__module__ == module.__name__:
+                found[id(each)] = each
+    return tuple(found.values())
+
+
+def _find(module: str, name: str) -> Claim:
+    """The claim of a module by its id; no check can reach others this way, as ``import_module`` would have it."""
+    return next(each for each in stated_in(resolve_name(module)) if each.id == name)

@@ -1,0 +1,111 @@
+"""Deciding claims: in parallel, kept as they come; a solver that fails says nothing about a statement."""
+
+from __future__ import annotations
+
+import time
+from collections import Counter
+from collections.abc import Iterable, Mapping, Sequence
+from concurrent.futures import Executor
+from functools import partial
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from dincl.errors import InvalidProblem
+from dincl.provenance import provenance
+from dincl.study import Key, Row, Study, digest
+from verification.claims.claim import Claim, Tables
+from verification.claims.evidence import Evidence
+
+# What a solver raises that does not come to an end: nothing is known of the statement then.
+UNSOLVED = (RuntimeError, ArithmeticError, np.linalg.LinAlgError)
+
+
+def decide_all(
+    claims: Sequence[Claim], tables: Tables, folder: Path, executor: Executor, reads: Sequence[Path] = ()
+) -> pd.DataFrame:
+    """One row for each claim, in the order given: what it states, its verdict and the evidence.
+
+    Claims without tables are decided by the executor and kept in ``folder`` as they come, so that an interrupted call
+    is taken up again; those that read tables are quick, and are decided anew. A claim is decided again once the code
+    that its check reaches, or one of the files that checks read (``reads``), has changed.
+
+    Raises
+    ------
+    InvalidProblem
+        If two claims have one id.
+    """
+    refuse_one_id_for_two(claims)
+    alone = [claim for claim in claims if not claim.needs]
+    found = {}
+    if alone:
+        rows = _study(alone, reads).complete(folder, executor)
+        found = {str(row["id"]): row for row in rows.drop(columns="made_by").to_dict("records")}
+    for claim in claims:
+        if claim.needs:
+            found[claim.id] = evidence_row(claim, tables)
+    return pd.DataFrame([_row(claim) | found[claim.id] for claim in claims])
+
+
+def _study(claims: Sequence[Claim], reads: Sequence[Path]) -> Study:
+    files = {path.name: digest(path.read_bytes()) for path in sorted(reads)}
+    runs = tuple({"id": claim.id, "made_by": digest(provenance(claim.check, files=files))} for claim in claims)
+    run = partial(_alone, {claim.id: claim for claim in claims})
+    unsolved = {"unsolved": [error.__name__ for error in UNSOLVED]}
+    return Study("claims_decided", "Claims", ("id", "made_by"), runs, run, settings=unsolved)
+
+
+def _alone(claims: Mapping[str, Claim], key: Key) -> list[Row]:
+    return [{**key, **evidence_row(claims[key["id"]], {})}]
+
+
+def evidence_row(claim: Claim, tables: Tables) -> Row:
+    """Id, verdict, evidence and seconds of one claim."""
+    start = time.perf_counter()
+    try:
+        evidence = claim.decide(tables)
+    except UNSOLVED as error:
+        evidence = Evidence(f"the check did not come to an end: {type(error).__name__}: {error}", ())
+    return {
+        "id": claim.id,
+        "verdict": claim.verdict(evidence).value,
+        "measured": evidence.measured,
+        "printed": "; ".join(map(str, evidence.printed)),
+        "corrected": "; ".join(map(str, evidence.corrected)),
+        "seed": "" if evidence.seed is None else str(evidence.seed),
+        "runs_needed": "" if evidence.runs_needed is None else str(evidence.runs_needed),
+        "seconds": time.perf_counter() - start,
+    }
+
+
+def _row(claim: Claim) -> Row:
+    """What is known of a claim before its check."""
+    correction = claim.correction
+    return {
+        "id": claim.id,
+        "source": claim.source,
+        "statement": claim.statement,
+        "quote": claim.quote,
+        "recorded": claim.recorded.value,
+        "correction": correction.text if correction else "",
+        "effect": correction.effect.value if correction else "",
+        "depends": correction.depends if correction else "",
+        "why": correction.why if correction else "",
+        "place": correction.place if correction else 0,
+        "chosen": claim.chosen,
+        "tried_on": claim.tried_on,
+        "cost": claim.cost.value,
+    }
+
+
+def refuse_one_id_for_two(claims: Iterable[Claim]) -> None:
+    """InvalidProblem if two claims have one id."""
+    twice = [name for name, count in Counter(claim.id for claim in claims).items() if count > 1]
+    if twice:
+        raise InvalidProblem(f"claim ids {', '.join(twice)} are given twice: each must be unique")
+
+
+def differing(table: pd.DataFrame) -> pd.DataFrame:
+    """The rows whose verdict is not the recorded one."""
+    return table[table["verdict"] != table["recorded"]]

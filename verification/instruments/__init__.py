@@ -1,0 +1,1 @@
+"""Instruments for any problem: orders, speed against accuracy, stability, rates, references."""

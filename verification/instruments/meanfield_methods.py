@@ -1,0 +1,154 @@
+"""The solvers of meanfield as methods for ``order_study`` and ``work_precision``: y(t) from particles or a density.
+
+Every method takes a problem, a setting that makes it finer as it falls, and times, and gives y (K, ny).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import lru_cache, partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from dincl import InvalidProblem
+from dincl.checks import describe
+from meanfield import (
+    Density,
+    Flow,
+    GridMotion,
+    Model,
+    MomentMotion,
+    Moments,
+    Motion,
+    State,
+    reduce,
+    solve_characteristics,
+    solve_dae,
+    solve_moments,
+    solve_ode,
+    solve_pde,
+    solve_rattle,
+)
+from verification.instruments.method import Method
+
+Floats = NDArray[np.float64]
+Solve = Callable[[Model, State, Floats, float], Motion]
+Found = Motion | Flow | GridMotion | MomentMotion
+
+
+@dataclass(frozen=True, eq=False)
+class ParticleProblem:
+    """The motion of given particles: a model and a start."""
+
+    model: Model
+    start: State
+
+
+@dataclass(frozen=True, eq=False)
+class DensityProblem:
+    """The mean-field limit: a model, the density of its particles at the start, y (ny,) and y' (ny,) there."""
+
+    model: Model
+    density: Density
+    y0: ArrayLike
+    v0: ArrayLike
+
+
+def _reduced(model: Model, start: State, t: Floats, tol: float) -> Motion:
+    return solve_ode(reduce(model), start, t, tol)
+
+
+def _rattle(order: int, model: Model, start: State, t: Floats, dt: float) -> Motion:
+    return solve_rattle(model, start, t, dt, order)
+
+
+RATTLES = (2, 4, 6, 8)
+# Those that follow given particles: (model, start, times, setting) -> Motion.
+SOLVERS: dict[str, Solve] = {
+    "dae": solve_dae,
+    **{f"rattle{order}": partial(_rattle, order) for order in RATTLES},
+    "ode": solve_ode,
+    "reduced": _reduced,
+}
+# Label, family, what the setting is for given particles, colour, marker.
+STYLES = {
+    "dae": ("DAE (IDAS)", "constrained", "tol", "#b8443c", "s"),
+    "rattle2": ("RATTLE of order 2", "RATTLE", "dt", "#e59a54", "v"),
+    "rattle4": ("RATTLE of order 4", "RATTLE", "dt", "#c9a227", "^"),
+    "rattle6": ("RATTLE of order 6", "RATTLE", "dt", "#8a7a1f", "<"),
+    "rattle8": ("RATTLE of order 8", "RATTLE", "dt", "#5f5310", ">"),
+    "ode": ("ODE (DOP853)", "reduced ODE", "tol", "#2f6db0", "o"),
+    "reduced": ("reduced ODE", "reduced ODE", "tol", "#86a7cf", "D"),
+    "characteristics": ("Characteristics", "mean field", "tol", "#4f9a5f", "P"),
+    "moments": ("Moments", "mean field", "tol", "#7b52a1", "X"),
+    "pde": ("PDE", "mean field", "1/cells", "#5b5b66", "h"),
+}
+LIMITS = ("characteristics", "moments", "pde")
+# Of N quantiles, whose y has an error of about 1/(30 N): a tenth of that for the solver.
+QUANTILE_ERROR, LEAST_TOLERANCE = 0.003, 1e-12
+# Methods with kernels that are compiled for so many particles or cells, and a run that does nothing else.
+COMPILED, MANY, BRIEF = ("ode", "reduced", "pde"), 64, 1e-6
+
+
+def particle_methods() -> dict[str, Method]:
+    """Name -> Method for a ``ParticleProblem``: DAE, RATTLE of orders 2 to 8, ODE, and ODE of the reduced model.
+
+    The setting is ``tol``, of RATTLE ``dt``. A model that has no reduction is refused by the last one (NotClosed).
+    """
+    return {name: _method(name, STYLES[name][2], partial(_of_particles, name)) for name in SOLVERS}
+
+
+def density_methods() -> dict[str, Method]:
+    """Name -> Method for a ``DensityProblem``: characteristics, moments, PDE, and the methods of particles.
+
+    The setting is ``tol``, of the PDE ``1/cells``, of particles ``1/N``: they start at the N quantiles of the density,
+    so that nx = 1, and are solved to a tenth of the error of the quantiles. A model whose moments do not close is
+    refused by ``moments`` (NotClosed).
+    """
+    settings = {name: "1/N" if name in SOLVERS else STYLES[name][2] for name in STYLES}
+    return {name: _method(name, setting, partial(_of_density, name)) for name, setting in settings.items()}
+
+
+def prepared(name: str, problem: DensityProblem, setting: float, t: ArrayLike) -> Callable[[], Found]:
+    """The run of one method of ``density_methods``, with the start of particles made before: to be timed alone."""
+    model, law, times = problem.model, problem.density, np.asarray(t, dtype=np.float64)
+    start = problem.y0, problem.v0, times
+    if name == "pde":
+        return partial(solve_pde, model, law, *start, round(1 / setting))
+    if name == "characteristics":
+        return partial(solve_characteristics, model, law, *start, setting)
+    if name == "moments":
+        return partial(solve_moments, model, Moments(*law.moments()), *start, setting)
+    count = round(1 / setting)
+    wanted = max(QUANTILE_ERROR / count, LEAST_TOLERANCE)
+    # Of RATTLE a step whose error is of this size.
+    fine = wanted ** (1 / int(name[-1])) if name.startswith("rattle") else wanted
+    return partial(SOLVERS[name], model, State(X=law.quantiles(count), y=problem.y0, v=problem.v0), times, fine)
+
+
+def _method(name: str, setting: str, run: Callable[[Any, float, Any], Floats]) -> Method:
+    label, family, _, colour, marker = STYLES[name]
+    return Method(label, family, run=run, setting=setting, look={"color": colour, "marker": marker})
+
+
+def _of_particles(name: str, problem: Any, setting: float, t: ArrayLike) -> Floats:
+    if not isinstance(problem, ParticleProblem):
+        raise InvalidProblem(f"problem = {describe(problem)}: must be a ParticleProblem(model, start)")
+    return SOLVERS[name](problem.model, problem.start, np.asarray(t, dtype=np.float64), setting).y
+
+
+def _of_density(name: str, problem: Any, setting: float, t: ArrayLike) -> Floats:
+    if not isinstance(problem, DensityProblem):
+        raise InvalidProblem(f"problem = {describe(problem)}: must be a DensityProblem(model, density, y0, v0)")
+    _compile(name, problem)
+    return prepared(name, problem, setting, t)().y
+
+
+@lru_cache(maxsize=64)
+def _compile(name: str, problem: DensityProblem) -> None:
+    """Compile what only runs of many particles or cells need: instruments throw away the first run, a coarse one."""
+    if name in COMPILED:
+        prepared(name, problem, 1 / MANY, [BRIEF])()

@@ -1,0 +1,288 @@
+"""How fast N particles represent a density, and through the flow of a model its mean-field limit: W1 against N.
+
+In one dimension W1(mu_N, mu) is exact, also at later times: mu^t is carried by the flow of the limit. In two and three,
+W1(mu_N, mu'_N) of two independent samples is taken, each with a flow of its own, between proved bounds. Both have the
+same rate: mu is the mean of mu'_N and W1 is convex, so that
+
+    E W1(mu_N, mu) <= E W1(mu_N, mu'_N) <= 2 E W1(mu_N, mu).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import ArrayLike, NDArray
+from scipy.special import stdtrit
+
+from dincl import InvalidProblem
+from dincl.checks import describe, integer, number
+from meanfield import Density, Model, State, push_forward, solve_characteristics, solve_ode, w1
+from meanfield.transport import discrete
+from verification.instruments.lines import weighted_line
+from verification.instruments.order import CONFIDENCE
+from verification.instruments.result import Result
+
+if TYPE_CHECKING:
+    from verification.page.sheet import Axes
+
+Floats = NDArray[np.float64]
+# What is compared with what.
+IID, PAIR, QUANTILES = "iid against density", "iid against iid", "quantiles against density"
+# With fewer repeats, the deviation of one value is taken from the next smaller N; its relative size falls with N.
+ENOUGH = 8
+# A line and its scatter need so many sizes.
+FEWEST_SIZES = 3
+QUANTITIES = ("w1", "error_y")
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class W1Rates(Result):
+    """W1 and the error of y against the number N of particles.
+
+    Attributes
+    ----------
+    table
+        One row for each N, repeat and time: ``w1``, and ``error_y`` = |y_N - y| (0 at t = 0).
+    means
+        One row for each quantity, time and N: the mean over the repeats with its 95 % interval ``low``, ``high`` by
+        Student's t, and ``deviation``, that of the logarithm of one value.
+    fit
+        One row for each quantity and time: ``slope`` of log E against log N with its 95 % interval ``low``, ``high``,
+        the sizes ``from``, ``to``, and ``misfit``, chi^2 per degree of freedom. Least squares on the means, weighted by
+        their errors over the repeats; the interval is the larger one of two: from these errors, and by Student's t from
+        the scatter of the means about the line. Starts at quantiles have no errors: only the second, misfit NaN.
+    start
+        What is compared: "iid against density", "iid against iid" or "quantiles against density".
+    """
+
+    table: pd.DataFrame
+    means: pd.DataFrame
+    fit: pd.DataFrame
+    start: str
+    title: str = "W1 against the number of particles"
+    name: str = "w1_rates"
+
+    def plot(self, ax: Axes | None = None) -> Axes:
+        """The means with their intervals and the fitted lines, in logarithms; the error of y dashed."""
+        from verification.instruments.charts import draw_rates
+
+        panel = draw_rates(self.means, self.fit, ax)
+        panel.set_title(f"{self.title} ({self.start})")
+        return panel
+
+    def summaries(self) -> dict[str, pd.DataFrame]:
+        """The fits and the means."""
+        return {"Powers of N with 95 % intervals.": self.fit, "Means with 95 % intervals.": self.means}
+
+    def __repr__(self) -> str:
+        lines = [
+            f"  {row.quantity} at t = {row.t:g}: N^{row.slope:.3f} [{row.low:.3f}, {row.high:.3f}]"
+            for row in self.fit.itertuples()
+        ]
+        return "\n".join([f"W1Rates, {self.start}", *lines])
+
+
+def w1_rates(
+    model: Model | None,
+    density: Density,
+    sizes: Sequence[int],
+    repeats: int | Sequence[int],
+    seed: int,
+    *,
+    t: ArrayLike | None = None,
+    y0: ArrayLike | None = None,
+    v0: ArrayLike | None = None,
+    tol: float | None = None,
+    quantiles: bool = False,
+    gap: float = 1e-4,
+) -> W1Rates:
+    """E W1 of N particles against N, and through the flow of a model E W1 and the error of y at times t.
+
+    Parameters
+    ----------
+    model
+        None: only the start is looked at, and t, y0, v0, tol must be left out; else they are needed.
+    density
+        Of the particles at the start, in one, two or three dimensions.
+    sizes, repeats
+        At least three numbers N, increasing; independent repeats, the same for all or one for each N.
+    seed
+        Of the random numbers; each N and repeat has a stream of its own.
+    t, y0, v0, tol
+        Kept times > 0, the macroscopic start (ny,), and the tolerance of the particles and of their limit, which must
+        lie below the errors that are looked for.
+    quantiles
+        In one dimension: particles at the quantiles, which are not random (one repeat), instead of a random sample.
+    gap
+        In two and three dimensions: (upper - lower) / upper of the proved bounds of W1, of which the middle is taken.
+
+    Raises
+    ------
+    InvalidProblem
+        If an argument cannot be right.
+    SolveFailed
+        If a run of the model ends early.
+
+    Source: section 3.5 of chapter 5, (5.59); of N^-1/2, (log N / N)^1/2, N^-1/3 in d = 1, 2, 3 Ajtai, Komlos and
+    Tusnady (1984); Fournier and Guillin (2015).
+    """
+    counts = _checked_sizes(sizes)
+    many = _checked_repeats(repeats, len(counts), quantiles)
+    stream, gap = integer("seed", seed, least=0), number("gap", gap, positive=True)
+    if quantiles and density.nx > 1:
+        raise InvalidProblem(f"quantiles = True in {density.nx} dimensions: must be False, they need one dimension")
+    limit = _checked_limit(model, density, y0, v0, t, tol)
+    start = QUANTILES if quantiles else IID if density.nx == 1 else PAIR
+    rows: list[dict[str, Any]] = []
+    for n, times in zip(counts, many, strict=True):
+        for k in range(times):
+            X, other = draw(density, start, n, np.random.default_rng(np.random.SeedSequence(stream, spawn_key=(n, k))))
+            at_start = {"t": 0.0, "w1": float(np.mean(distance(density, X, other, gap))), "error_y": 0.0}
+            later = [] if limit is None else through_flow(limit, X, other, gap)
+            rows += [{"N": n, "repeat": k} | row for row in [at_start, *later]]
+    table = pd.DataFrame(rows)
+    means, fit = summarised(table, random=not quantiles)
+    return W1Rates(table, means, fit, start)
+
+
+def draw(density: Density, start: str, n: int, rng: np.random.Generator) -> tuple[Floats, Floats | None]:
+    """N particles (n, nx), and for ``PAIR`` as many others that are independent of them."""
+    X = density.quantiles(n) if start == QUANTILES else density.sample(rng, n)
+    return X, density.sample(rng, n) if start == PAIR else None
+
+
+def distance(density: Density | None, X: Floats, other: Floats | None, gap: float | None) -> tuple[float, float]:
+    """Bounds of W1 between particles and others, or the density (d = 1), that are ``gap`` apart at most, relatively.
+
+    Without gap both are the exact value, as they are in one dimension.
+    """
+    against = density if other is None else other
+    if against is None:
+        raise InvalidProblem("density = None without other particles: one of them must be given")
+    if other is None or gap is None or X.shape[1] == 1:
+        exact = w1(X, against)
+        return exact, exact
+    lower, upper = discrete.bounds(X, _equal(X), other, _equal(other), gap)
+    return lower, upper
+
+
+class MeanFieldLimit(NamedTuple):
+    """A mean-field problem and its solution y (K, ny) at the times t (K,); the densities there, None unless d = 1."""
+
+    model: Model
+    y0: Floats
+    v0: Floats
+    t: Floats
+    tol: float
+    y: Floats
+    laws: tuple[Density | None, ...]
+
+
+def mean_field_limit(
+    model: Model, density: Density, y0: ArrayLike, v0: ArrayLike, t: ArrayLike, tol: float, particle_tol: float
+) -> MeanFieldLimit:
+    """Solve the limit to ``tol`` by characteristics; ``particle_tol`` is for the particles to be compared with it."""
+    flow = solve_characteristics(model, density, y0, v0, t, tol)
+    start, velocity = np.asarray(y0, dtype=np.float64), np.asarray(v0, dtype=np.float64)
+    laws = [push_forward(model, density, start, y) if model.nx == 1 else None for y in flow.y]
+    return MeanFieldLimit(model, start, velocity, flow.t, particle_tol, flow.y, tuple(laws))
+
+
+def through_flow(limit: MeanFieldLimit, X: Floats, other: Floats | None, gap: float | None) -> list[dict[str, float]]:
+    """W1 and the error of y at each time of the limit, of particles that start at X, and others if there are any."""
+    groups = [X] if other is None else [X, other]
+    one, *rest = [solve_ode(limit.model, State(X=Z, y=limit.y0, v=limit.v0), limit.t, limit.tol) for Z in groups]
+    rows = []
+    for k, (time, y, law) in enumerate(zip(limit.t, limit.y, limit.laws, strict=True)):
+        lower, upper = distance(law, one.X[k], rest[0].X[k] if rest else None, gap)
+        error = float(np.linalg.norm(one.y[k] - y))
+        rows.append({"t": float(time), "w1": (lower + upper) / 2, "error_y": error})
+    return rows
+
+
+def summarised(table: pd.DataFrame, *, random: bool) -> tuple[pd.DataFrame, pd.DataFrame]:
+    """The means and the fits of ``W1Rates`` from its table; what has zeros, as error_y at the start, is out."""
+    means, fits = [], []
+    for quantity in QUANTITIES:
+        for time, rows in table.groupby("t"):
+            if not (rows[quantity] > 0).all():
+                continue
+            found = [{"N": n} | mean_of(group[quantity], random=random) for n, group in rows.groupby("N")]
+            mine = pd.DataFrame(found)
+            label = {"quantity": quantity, "t": float(str(time))}
+            means.append(mine.assign(**label)[[*label, *mine.columns]])
+            fits.append(label | fitted_power(mine))
+    return pd.concat(means, ignore_index=True), pd.DataFrame(fits)
+
+
+def mean_of(values: pd.Series, *, random: bool) -> dict[str, Any]:
+    """Mean of one size over its repeats with its 95 % interval by Student's t, and the deviation of log(value).
+
+    Values that are not random have no scatter: 0. One random value has no interval: NaN.
+    """
+    many, mean = len(values), values.mean()
+    scatter = float(values.std()) if random else 0.0
+    half = float(stdtrit(max(many - 1, 1), (1 + CONFIDENCE) / 2)) * scatter / np.sqrt(many)
+    return {"repeats": many, "mean": mean, "low": mean - half, "high": mean + half, "deviation": scatter / mean}
+
+
+def log_points(means: pd.DataFrame) -> tuple[Floats, Floats, Floats]:
+    """log N, log mean and the standard error of the latter."""
+    means = means.sort_values("N")
+    deviation = means["deviation"].where(means["repeats"] >= ENOUGH).ffill().fillna(means["deviation"])
+    error = (deviation / np.sqrt(means["repeats"])).to_numpy()
+    return np.log(means["N"].to_numpy(float)), np.log(means["mean"].to_numpy()), error
+
+
+def fitted_power(means: pd.DataFrame) -> dict[str, Any]:
+    """The power of N of some means, as a row of ``W1Rates.fit``; ``constant`` is the mean at N = 1."""
+    line = weighted_line(*log_points(means))
+    row = {"sizes": len(means), "from": means["N"].min(), "to": means["N"].max(), "slope": line.slope.value}
+    row |= {"low": line.slope.low, "high": line.slope.high}
+    return row | {"constant": float(np.exp(line.at_zero)), "misfit": line.misfit}
+
+
+def _equal(X: Floats) -> Floats:
+    return np.full(len(X), 1 / len(X))
+
+
+def _checked_sizes(sizes: Sequence[int]) -> list[int]:
+    counts = [integer("sizes", n, least=1) for n in sizes]
+    if len(counts) < FEWEST_SIZES or (np.diff(counts) <= 0).any():
+        raise InvalidProblem(f"sizes = {describe(list(sizes))}: must be at least {FEWEST_SIZES}, increasing")
+    return counts
+
+
+def _checked_repeats(repeats: int | Sequence[int], sizes: int, quantiles: bool) -> list[int]:
+    """Repeats of each size."""
+    given = [repeats] * sizes if isinstance(repeats, int) else list(repeats)
+    least, most = (1, 1) if quantiles else (2, None)
+    many = [integer("repeats", k, least=least, most=most) for k in given]
+    if len(many) != sizes:
+        raise InvalidProblem(f"repeats = {describe(repeats)}: must be one number, or one for each of {sizes} sizes")
+    return many
+
+
+def _checked_limit(
+    model: Model | None,
+    density: Density,
+    y0: ArrayLike | None,
+    v0: ArrayLike | None,
+    t: ArrayLike | None,
+    tol: float | None,
+) -> MeanFieldLimit | None:
+    """The limit of a model, None without one."""
+    names = [name for name, value in (("t", t), ("y0", y0), ("v0", v0), ("tol", tol)) if value is None]
+    if model is None:
+        if len(names) < 4:
+            raise InvalidProblem("model = None with t, y0, v0 or tol given: must be a Model, or they must be left out")
+        return None
+    if y0 is None or v0 is None or t is None or tol is None:
+        raise InvalidProblem(f"{', '.join(names)} left out: must be given with a model")
+    if float(np.min(np.asarray(t, dtype=np.float64))) <= 0:
+        raise InvalidProblem(f"t = {describe(t)}: must be > 0; the start is looked at anyway")
+    return mean_field_limit(model, density, y0, v0, t, tol, tol)

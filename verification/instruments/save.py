@@ -1,0 +1,63 @@
+"""A page of results: the picture and the short tables of each, and the files beside it."""
+
+from __future__ import annotations
+
+import base64
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from dincl import InvalidProblem
+from dincl.checks import describe
+from verification.instruments.measure import measure
+from verification.instruments.result import Result
+from verification.page.facts import machine
+from verification.page.parts import Grid
+from verification.page.render import render_page
+
+
+@dataclass(frozen=True)
+class _Shown:
+    """What the template reads of one result."""
+
+    title: str
+    file: str
+    picture: str
+    grids: list[Grid]
+
+
+def save(results: Sequence[Result] | Result, folder: str | Path) -> Path:
+    """Write the tables and pictures of results, and a page ``index.html`` that shows them; return its path.
+
+    Two results of one name get numbers. The page opens offline and links nothing outside of the folder.
+
+    Raises
+    ------
+    InvalidProblem
+        For an object that is no result.
+    """
+    given = [results] if isinstance(results, Result) else list(results)
+    for result in given:
+        if not isinstance(result, Result):
+            raise InvalidProblem(f"results holds {describe(result)}: must be results of the instruments")
+    out = Path(folder)
+    shown = [_shown(result, result.save(out)) for result in _named(given)]
+    return render_page("results.html", out / "index.html", results=shown, facts=list(machine(measure)))
+
+
+def _named(results: Sequence[Any]) -> list[Any]:
+    """The results with different names: the second one of a name gets the number 2."""
+    seen: dict[str, int] = {}
+    found = []
+    for result in results:
+        seen[result.name] = seen.get(result.name, 0) + 1
+        count = seen[result.name]
+        found.append(result if count == 1 else replace(result, name=f"{result.name}_{count}"))
+    return found
+
+
+def _shown(result: Result, folder: Path) -> _Shown:
+    picture = base64.b64encode((folder / f"{result.name}.png").read_bytes()).decode("ascii")
+    grids = [Grid(rows, caption, result.name) for caption, rows in result.summaries().items()]
+    return _Shown(result.title, f"{result.name}.csv", f"data:image/png;base64,{picture}", grids)

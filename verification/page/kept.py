@@ -1,0 +1,77 @@
+"""The tables that come with the repository: what each was made by, and what has changed since.
+
+``python -m verification.page.kept`` adds its checksum to each table that has none.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterable
+from importlib import import_module
+from pathlib import Path
+
+import pandas as pd
+
+from dincl.provenance import provenance
+from dincl.study import Table
+from dincl.study.sealed import is_sealed, read_sealed, write_sealed
+from dincl.study.table import ATTRIBUTE
+
+MAKES_NO_NUMBERS = True
+DATA = Path(__file__).parents[1] / "data"
+# Complete studies, a table each, as ``Study.complete`` writes it.
+STUDIES = DATA / "studies"
+# In the attributes of a table, beside its provenance: the module whose ``main`` makes it.
+MAKER = "made_by"
+
+
+def keep(table: pd.DataFrame, file: Path, main: Callable[..., None], before: Iterable[pd.DataFrame] = ()) -> None:
+    """Write a table with the provenance of the command that makes it.
+
+    Parameters
+    ----------
+    table
+        All rows.
+    file
+        The Parquet file.
+    main
+        The command, a function named ``main`` at top level of its module.
+    before
+        Tables some of whose rows go on in this one: where their provenance is another one, none is noted.
+    """
+    module, now = _module(main), provenance(main)
+    same = all(other.attrs.get(ATTRIBUTE) == now for other in before)
+    Table(file, (), now if same else {}, {MAKER: module}).replace(table.reset_index(drop=True))
+
+
+def changes(file: Path) -> list[str]:
+    """List what differs in code, data and libraries since a kept table was made, a line each."""
+    maker = import_module(read_sealed(file).attrs[MAKER])
+    return Table(file, (), provenance(maker.main)).changes()
+
+
+def files() -> list[Path]:
+    """The Parquet files."""
+    return sorted(DATA.glob("*.parquet"))
+
+
+def all_changes() -> dict[str, list[str]]:
+    """``changes`` of each kept table, by its name."""
+    return {file.stem: changes(file) for file in files()}
+
+
+def seal() -> list[Path]:
+    """Add its checksum to each table that has none, as those of before; returns the files."""
+    without = [file for file in sorted(DATA.rglob("*.parquet")) if not is_sealed(file)]
+    for file in without:
+        write_sealed(read_sealed(file), file)
+    return without
+
+
+def _module(main: Callable[..., None]) -> str:
+    spec = sys.modules[main.__module__].__spec__
+    return main.__module__ if spec is None else spec.name
+
+
+if __name__ == "__main__":
+    print(*seal(), sep="\n")
