@@ -80,7 +80,7 @@ def test_what_compiled_functions_raise_ends_the_run(thing, how, message, capfd):
     ("thing", "how", "message"),
     [
         (tissue.Force("mine", own.few, ""), FORCE, r"Force mine: push\(state, on, strength, numbers\) cannot be comp"),
-        (event(own.unknown), EVENT, r"EmtEvent mine: begin\(state, i, bit, numbers\) cannot be compiled: TypeError"),
+        (event(own.few), EVENT, r"EmtEvent mine: begin\(state, i, bit, numbers\) cannot be compiled: TypeError"),
         (rule(own.returns_text), RULE, r"DivisionRule mine: splits\(state, i, number, numbers\) cannot be compiled"),
     ],
 )

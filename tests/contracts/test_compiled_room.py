@@ -18,7 +18,7 @@ INSIDES = re.compile(r"_numba_type_|\._compile_for_args|\bget_call_template\b|\b
 DECORATORS = {"kernel", "inner", "allocating", "c_function"}
 # Imported by modules with kernels for their Python functions, none of which is compiled.
 FOR_PYTHON = {"dincl.callables", "dincl.checks", "dincl.errors", "dincl.status"}
-FOR_PYTHON |= {"tissue.runs.run"}
+FOR_PYTHON |= {"tissue.runs.run", "tissue.runs.user_code"}
 
 
 @cache

@@ -97,7 +97,15 @@ def _said(results: Results) -> str:
     shares = (_share(row) for row in answers.control_shares(results).to_dict("records"))
     sides = ("scenario", "side", "part [95 %]", "runs")
     said.append(_table("Control cells outside of the tissue at the end", sides, shares))
+    if any(results.parameters(name).layer.shape != "line" for name in study.scenarios):
+        said.append(STEEP)
     return "\n".join(filter(None, said))
+
+
+# Of layers that bend.
+STEEP = """Inside an arc the apical layer is steep near the ends, and y_AB = h(X) / h(A) takes the nearest point A of it:
+cells that the layer covers count as apical there. docs/explore.md has the numbers.
+"""
 
 
 def _found(row: dict[str, Any]) -> tuple[str, ...]:

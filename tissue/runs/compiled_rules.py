@@ -17,6 +17,7 @@ from tissue.events.division import BESIDE
 from tissue.events.known import acting, bit, events
 from tissue.kernels.rules import BEGIN, LAST, PLACE, RULES, SPLITS, Rules
 from tissue.plugins import POINTS, DivisionRule, EmtEvent, Force
+from tissue.runs.user_code import check_code
 from tissue.state.cells import Integers
 from tissue.state.running import TissueState
 from tissue.step.user_forces import ENERGY, PART, PUSH, USER_FORCES, UserForces, evaluate, follow
@@ -71,6 +72,7 @@ def forces_pointer(forces: Sequence[tuple[Force, float]], states: Integers, numb
 
 def push_and_energy(force: Force) -> tuple[int, int]:
     """Return the machine code of a force, and of its energy; 0 if it has none."""
+    check_code(force)
     (push,), (energy,) = _addresses(_PUSH, [force]), _addresses(_ENERGY, [force])
     return int(push), int(energy)
 

@@ -15,6 +15,7 @@ from tissue.events.division import BESIDE
 from tissue.events.known import built_in, events
 from tissue.plugins import DivisionRule, EmtEvent, Force, Observable, registered, registry
 from tissue.runs.tables import BUILT_IN
+from tissue.runs.user_code import check_code
 
 # What there may be of each kind: sets of events are bits, and pictures have a colour for each set.
 MOST = 8
@@ -34,8 +35,8 @@ def register(*things: Any) -> None:
     Raises
     ------
     InvalidProblem
-        If one is of another kind, its name is that of something else, its functions are in no file, or there are too
-        many.
+        If one is of another kind, its name is that of something else, its functions are in no file, name a field that
+        there is not or change what is set anew before it is used, or there are too many.
     """
     for thing in things:
         if not isinstance(thing, KINDS):
@@ -58,6 +59,7 @@ def _check(thing: Any) -> None:
         if thing.mark != thing.name.capitalize() or any(thing.mark in one.mark for one in built_in()):
             raise InvalidProblem(f"EmtEvent {thing.name}: must have another name or mark, {thing.mark} is ambiguous")
         _check_after(thing)
+    check_code(thing)
     if thing.name not in mine and len(mine) == MOST:
         raise InvalidProblem(f"{kind.__name__} {thing.name}: must be one of {MOST} at most, these are there")
 

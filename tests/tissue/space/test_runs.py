@@ -9,6 +9,9 @@ from tissue.frames.frame import Frame
 from tissue.frames.observables import ab_positions, basal_area, height, nuclear_layers
 from tissue.runs.simulate import simulate
 
+# A run that goes on later may end before an event.
+pytestmark = pytest.mark.filterwarnings("ignore:.* never begins")
+
 FREE = {
     "tissue.dimension": 3,
     "tissue.cells": 100,
